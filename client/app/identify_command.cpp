@@ -30,9 +30,10 @@ namespace feltwire {
 namespace {
 
 constexpr int kWrongWords = 2, kGaveUp = 1;
+constexpr Nanoseconds kPreparing = std::chrono::minutes(2);  // of a person
 
 struct IdentifyWords {
-  std::string device, spec, out = "device.json";
+  std::string device, spec, firmware, out = "device.json";
   std::optional<double> force;
   bool yes = false;
 };
@@ -81,11 +82,20 @@ void await_consent(bool yes) {
         "the input ended before Enter; start the command again, or give --yes");
 }
 
+void tell_no_force(std::string_view why) {
+  std::fprintf(stderr, "feltwire-client identify: no force yet: %s\n", visible(why).c_str());
+}
+
 /// Shows how far it is until it is over. On a terminal the line is rewritten.
 void show_progress(const MeasureStatus& status) {
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   int shown = -1;
+  std::string_view told;
   while (!status.over.load()) {
+    if (const std::string_view awaits = status.awaits.load(); awaits != told) {
+      if (!awaits.empty()) tell_no_force(awaits);
+      told = awaits;
+    }
     const int percent = static_cast<int>(100.0 * status.progress.load());
     if (percent != shown && (terminal || percent % 10 == 0)) {
       std::fprintf(stderr, terminal ? "\r%3d %%  line %d " : "%3d %%  line %d\n", percent,
@@ -134,12 +144,18 @@ void identify(const IdentifyWords& words) {
   request.name = choice.name;
   request.spec.name_or_file = words.spec;
   request.held = false;
+  request.firmware = words.firmware;
+  if (!words.firmware.empty() && !choice.driver->takes_firmware)
+    throw std::invalid_argument("--firmware is for --device falcon; leave it out");
   if (is_special(words.out))
     throw std::invalid_argument("--out " + words.out +
                                 ": it is not a regular file; give the path of a regular file");
 
   const OpenedDevice opened = choice.driver->open(request);
   Device& device = *opened.device;
+  for (const std::string& note : opened.notes)
+    std::fprintf(stderr, "feltwire-client identify: note: %s\n", visible(note).c_str());
+  await_prepared(device, kPreparing, tell_no_force);
   const SourcedSpec known = known_spec(request, *choice.driver, device.spec());
   const IdentifyLimits limits = identify_limits(known.spec, words.force);
   const double longest = std::chrono::duration<double>(device.longest_tick()).count();
@@ -159,6 +175,13 @@ void identify(const IdentifyWords& words) {
   std::printf("%s", visible_lines(spec_table(described)).c_str());
   std::printf("  delay of the loop     %.2f ms\n  largest force held    %.2f N\n",
               1e3 * found.delay, identification.largest_force());
+  for (int i = 0; i < known.spec.translation_dof; ++i) {
+    std::printf("  damping along %c       %.3g N s/m by the sweeps, ", "xyz"[i], found.damping[i]);
+    if (const auto decay = found.decay[static_cast<std::size_t>(i)])
+      std::printf("%.3g by the decay\n", *decay);
+    else
+      std::printf("and the handle stops too soon for a decay\n");
+  }
   if (!(found.damping_bound.minCoeff() > 0.0))
     std::printf(
         "The damping is too small to separate it from friction and noise. The file has 0.\n");
@@ -182,6 +205,8 @@ int identify_command(int argc, char** argv) {
   app.add_option("--spec", words.spec,
                  "The known specification of the device, a name or FILE.json. Its largest force "
                  "and workspace limit the measurement");
+  app.add_option("--firmware", words.firmware,
+                 "FILE with the maker's firmware, which a Falcon forgets when its power is off");
   app.add_option("--out", words.out, "FILE.json for the measured specification")
       ->capture_default_str();
   app.add_option(

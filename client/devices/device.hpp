@@ -16,7 +16,7 @@ enum class Withheld : std::uint8_t {
   nothing,     // it takes forces
   not_homed,   // its encoders have not found their zero: the pose means nothing
   in_inkwell,  // the stylus is in its holder
-  starting,    // the hand is not still yet, or the tool's weight is being taken up
+  starting,    // the hand is not still yet, or the tool's weight or the maker's ramp still rises
   emergency    // the emergency stop was pressed
 };
 

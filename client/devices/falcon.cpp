@@ -39,27 +39,6 @@ constexpr Nanoseconds kAnswers = milliseconds(100);
 Vec3 turned_to_ours(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
 
-SourcedSpec usual_spec() {
-  SourcedSpec described;
-  DeviceSpec& spec = described.spec;
-  spec.name = "falcon";
-  spec.damping = 0.05;
-  spec.apparent_mass = 0.15;
-  spec.position_resolution = 1.3e-4;
-  spec.max_force = 8.0;
-  spec.continuous_force = 4.0;
-  spec.workspace = {0.08, 0.08, 0.08};
-  described.sources = {
-      {"damping", "assumption, small on purpose"},
-      {"apparent_mass", "assumption"},
-      {"position_resolution",
-       "computed from the geometry: a count of all three legs, at the edge of the workspace"},
-      {"max_force", "CHAI3D's device classes"},
-      {"continuous_force", "assumption"},
-      {"workspace", "assumption, within the maker's 100 mm"}};
-  return described;
-}
-
 int device_number(const std::string& name) {
   int number = 0;
   const auto* const end = name.data() + name.size();
@@ -113,12 +92,14 @@ void see_to_firmware(UsbLine& line, const std::string& file) {
 
 class FalconDevice final : public LockStepDevice {
  public:
-  explicit FalconDevice(const DeviceRequest& request) : LockStepDevice(usual_spec(), request.spec) {
+  explicit FalconDevice(const DeviceRequest& request)
+      : LockStepDevice(sourced_spec("falcon"), request.spec) {
     notes_ = assumptions(described_);
     auto line = opened(device_number(request.name));
     see_to_firmware(*line, request.firmware);
     line_ = std::make_unique<FalconLine>(std::move(line));
     see_to_answers();
+    notes_.emplace_back(kTickNote);
     notes_.emplace_back(
         "the motors' scale is not calibrated: a newton of feltwire is some force at the handle");
     notes_.emplace_back("gravity compensation is not there: the handle is light, and pulls down");
@@ -227,6 +208,12 @@ OpenedDevice open_falcon(const DeviceRequest& request) {
   return {std::move(device), std::move(notes)};
 }
 
-std::string falcon_library() { return UsbLine::library(); }
+std::string falcon_library() {
+  try {
+    return UsbLine::library();
+  } catch (const std::runtime_error& error) {
+    falcon::refuse(error.what());
+  }
+}
 
 }  // namespace feltwire

@@ -18,7 +18,8 @@ namespace {
 // Values that the calls return beside 0 and -1: the reading is an old one, the force was cut.
 constexpr int kOld = 1, kSaturated = 2;
 // Places in dhdGetStatus(). SDKs differ in how many they fill.
-constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kStatuses = 32;
+constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kOffCause = 14, kStatuses = 32;
+constexpr int kByWatchdog = 3;           // why the force is off
 constexpr int kNoDevice = 5;             // dhdErrorGetLast()
 constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
 constexpr int kOldest = 3;               // version of the SDK
@@ -37,34 +38,27 @@ void add_torque(SourcedSpec& described) {
     described.sources[field] = "assumption: as the sigma.7";
 }
 
-/// The specification by the name of the model: forces as CHAI3D states them, and where nothing is
-/// known of mass and friction nothing is counted on. `torque`: the wrist has motors.
+/// The specification by the name of the model. `torque`: the wrist has motors.
 SourcedSpec model(const std::string& name, bool wrist, bool torque) {
-  const bool sigma = name.starts_with("sigma") && torque;
-  SourcedSpec described = sourced_spec(sigma ? "sigma.7" : "omega.7");
+  constexpr std::pair<const char*, const char*> kFiles[] = {
+      {"omega", "omega.7"},   {"delta", "delta.3"},
+      {"lambda", "lambda.7"}, {"sigma", "lambda.7"},  // without motors at its wrist
+      {"Falcon", "falcon"},   {"falcon", "falcon"}};
+  const char* file = nullptr;
+  for (const auto& [part, one] : kFiles)
+    if (file == nullptr && name.find(part) != std::string::npos) file = one;
+  if (torque && name.starts_with("sigma")) file = "sigma.7";
+  SourcedSpec described = sourced_spec(file != nullptr ? file : "lambda.7");
   DeviceSpec& spec = described.spec;
   spec.name = name;
+  spec.late_ticks = 0;  // the Falcon's own driver is late by one; the maker's calls are not
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";
-  if (torque && !sigma) add_torque(described);
-  if (sigma || name.starts_with("omega")) return described;
-  constexpr std::pair<const char*, double> kForces[] = {
-      {"delta", 20.0}, {"sigma", 12.0}, {"lambda", 12.0}, {"Falcon", 8.0}, {"falcon", 8.0}};
-  constexpr double kSmallest = 5.0;  // [N] of a model that is not known here
-  spec.max_force = kSmallest;
+  if (torque && spec.rotation_actuated == 0) add_torque(described);
+  if (file != nullptr) return described;
+  constexpr double kSmallest = 5.0;  // [N]
+  spec.max_force = spec.continuous_force = kSmallest;
   described.sources["max_force"] = "assumption: a model that is not known here";
-  for (const auto& [begins, force] : kForces)
-    if (name.find(begins) != std::string::npos) {
-      spec.max_force = force;
-      described.sources["max_force"] = "CHAI3D's device classes";
-    }
-  spec.continuous_force = spec.max_force;
-  spec.least_mass = spec.least_friction = 0.0;
-  described.sources.erase("least_mass");
-  described.sources.erase("least_friction");
-  for (const char* field :
-       {"apparent_mass", "coulomb_friction", "position_resolution", "workspace"})
-    described.sources[field] = "assumption: as the omega.7";
   return described;
 }
 
@@ -77,6 +71,26 @@ char device_number(const std::string& name) {
   if (!whole || number < 0 || number > kMost)
     refuse("'" + name + "' is no number of a device; give 0 to 15, or nothing for the first");
   return static_cast<char>(number);
+}
+
+/// What switched the force off, with the remedy.
+const char* force_is_off(int cause) noexcept {
+  switch (cause) {
+    case 1:
+      return "the device's force button is off; press it";
+    case 2:
+      return "the device switched its force off, because it moved too fast; press its force button";
+    case kByWatchdog:
+      return "the device's watchdog switched its force off";
+    case 4:
+      return "a program switched the device's force off; end other programs that use it";
+    case 5:
+      return "the device switched its force off, because USB failed; plug it in without a hub";
+    case 6:
+      return "the device's deadman switch is open; close it";
+    default:
+      return "the device's force is off; press its force button";
+  }
 }
 
 class ForceDimensionDevice final : public Device {
@@ -110,6 +124,16 @@ class ForceDimensionDevice final : public Device {
 
   const DeviceSpec& spec() const override { return described_.spec; }
   std::vector<std::string> notes() const { return notes_; }
+
+  std::string_view prepare() noexcept override {
+    Status status{};
+    if (give({}) < 0 || call_.status(status.data(), id_) < 0 || status[kConnected] == 0)
+      return "the device does not answer; see its cable and its power";
+    if (status[kForce] != 0) return {};
+    call_.enable_force(1, id_);
+    if (call_.status(status.data(), id_) >= 0 && status[kForce] != 0) return {};
+    return force_is_off(status[kOffCause]);
+  }
 
   DeviceReading read(Nanoseconds) noexcept override {
     DeviceReading reading;
@@ -150,9 +174,19 @@ class ForceDimensionDevice final : public Device {
     // of zero has gone through.
     lost_ = answer < 0 || (lost_ && !nothing);
     if (lost_) return {};
-    std::array<int, kStatuses> status{};
+    Status status{};
     if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
-    if (lost_ || status[kForce] == 0) return {};  // switched off: by the button, the speed guard
+    // The weight of the handle comes or goes, and its work over a closed way is not zero then.
+    if (!lost_ && (status[kGravity] != 0) != compensates_) {
+      compensates_ = !compensates_;
+      lost_ = true;
+    }
+    if (lost_) return {};
+    if (status[kForce] == 0) {  // switched off: by the button, the speed guard
+      // A pause of this program did it, which is over.
+      if (status[kOffCause] == kByWatchdog) call_.enable_force(1, id_);
+      return {};
+    }
     on_hand_ = on_hand;
     if (answer != kSaturated || nothing) return on_hand;
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -170,6 +204,8 @@ class ForceDimensionDevice final : public Device {
   void release() noexcept override { let_go_->now(); }
 
  private:
+  using Status = std::array<int, kStatuses>;
+
   /// Puts the command on the hand; a gripper with a motor opens and closes freely. Returns what the
   /// library's call returns.
   int give(const Command& command) const noexcept {
@@ -233,10 +269,14 @@ class ForceDimensionDevice final : public Device {
                        call_.brakes(0, id_) >= 0 && give({}) >= 0 &&
                        call_.enable_force(1, id_) >= 0 && call_.gravity(1, id_) >= 0;
     if (!ready) refuse("the device cannot be made ready: " + last_error());
-    std::array<int, kStatuses> status{};
-    const bool compensates = call_.status(status.data(), id_) >= 0 && status[kGravity] != 0;
+    Status status{};
+    compensates_ = call_.status(status.data(), id_) >= 0 && status[kGravity] != 0;
+    if (call_.left_handed != nullptr && call_.left_handed(id_))
+      notes_.emplace_back(
+          "it is a left-handed model: its axes are taken to be those of a right-handed one. See "
+          "with a small --max-force that the tool follows the hand");
     notes_.emplace_back(
-        compensates
+        compensates_
             ? "gravity compensation is on: the maker's library holds the handle's weight, and that "
               "force is not accounted"
             : "gravity compensation is off, although it was asked for: the handle pulls down. "
@@ -265,7 +305,8 @@ class ForceDimensionDevice final : public Device {
   bool wrist_ = false;
   bool torque_ = false;  // the wrist has motors, and they are used
   bool gripper_ = false;
-  bool lost_ = false;  // a call failed, and the force on the hand is not known
+  bool compensates_ = false;  // the library holds the handle's weight
+  bool lost_ = false;         // a call failed, and the force on the hand is not known
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Command on_hand_;
@@ -282,11 +323,11 @@ OpenedDevice open_force_dimension(const DeviceRequest& request) {
 }
 
 std::string force_dimension_library() {
-  const SharedLibrary library = drd::load();
+  const SharedLibrary library = drd::load();  // with all needed functions
   int major = 0, minor = 0, release = 0, revision = 0;
   library.get<void(int*, int*, int*, int*)>("dhdGetSDKVersion")(&major, &minor, &release,
                                                                 &revision);
-  return library.file().string() + ", version " + std::to_string(major) + "." +
+  return library.loaded_from().string() + ", version " + std::to_string(major) + "." +
          std::to_string(minor) + "." + std::to_string(release);
 }
 

@@ -33,6 +33,7 @@ std::vector<fs::path> libraries() {
       for (const auto& entry : fs::directory_iterator(folder, none))
         if (entry.path().filename().string().starts_with(name)) found.push_back(entry.path());
       std::sort(found.rbegin(), found.rend());
+      if (found.empty()) found.push_back(folder / name);  // so that the loader names it
       files.insert(files.end(), found.begin(), found.end());
     }
     files.emplace_back(name);  // as the system's loader finds it
@@ -48,10 +49,13 @@ void refuse(const std::string& why) { throw std::runtime_error("forcedimension: 
 SharedLibrary load() {
   const std::vector<fs::path> files = libraries();
   try {
-    return SharedLibrary::first_of(files);
+    SharedLibrary library = SharedLibrary::first_of(files);
+    [[maybe_unused]] const Calls all(library);
+    return library;
   } catch (const std::runtime_error& error) {
-    refuse(std::string("the maker's library cannot be loaded: ") + error.what() +
-           "; install the Force Dimension SDK and set FDSDK to its folder. It needs libusb-1.0-0");
+    refuse(std::string("the maker's library cannot be used: ") + error.what() +
+           "; install the Force Dimension SDK 3.14 or newer and set FDSDK to its folder. It needs "
+           "libusb-1.0-0");
   }
 }
 

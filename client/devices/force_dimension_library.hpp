@@ -10,7 +10,8 @@ namespace feltwire::drd {
 /// Throws std::runtime_error with the driver's name before the reason.
 [[noreturn]] void refuse(const std::string& why);
 
-/// Loads libdrd, or else libdhd. Throws std::runtime_error that names the searched places.
+/// Loads libdrd, or else libdhd. Throws std::runtime_error that names the searched places, or the
+/// function that is missing.
 SharedLibrary load();
 
 /// The calls that are made, by the facts that others have published; the maker's header is not
@@ -46,7 +47,8 @@ struct Calls {
         set_wrench(l.find<SetWrench>("dhdSetForceAndTorqueAndGripperForce")),
         get_wrench(l.find<GetWrench>("dhdGetForceAndTorqueAndGripperForce")),
         has_gripper(l.find<bool(char)>("dhdHasGripper")),
-        gripper_gap(l.find<int(double*, char)>("dhdGetGripperGap")) {}
+        gripper_gap(l.find<int(double*, char)>("dhdGetGripperGap")),
+        left_handed(l.find<bool(char)>("dhdIsLeftHanded")) {}
 
   // Force, torque and the gripper's force.
   using SetWrench = int(double, double, double, double, double, double, double, char);
@@ -82,6 +84,7 @@ struct Calls {
   GetWrench* get_wrench;
   bool (*has_gripper)(char);
   int (*gripper_gap)(double*, char);
+  bool (*left_handed)(char);
 };
 
 }  // namespace feltwire::drd

@@ -36,35 +36,15 @@ constexpr double kAhead = 0.08, kBeside = 0.01;  // [m]
 Vec3 ours(const Vec2& theirs) { return {theirs.y() - kAhead, theirs.x() - kBeside, 0.0}; }
 Vec2 theirs(const Vec3& ours) { return {ours.y(), ours.x()}; }
 
-SourcedSpec usual_spec() {
-  SourcedSpec described;
-  DeviceSpec& spec = described.spec;
-  spec.name = "hapi_2dof";
-  spec.translation_dof = 2;
-  spec.damping = 0.02;
-  spec.apparent_mass = 0.05;
-  spec.position_resolution = 4e-5;
-  spec.max_force = 5.0;
-  spec.continuous_force = 2.0;
-  spec.workspace = {0.08, 0.1, 0.0};
-  described.sources = {
-      {"damping", "assumption, small on purpose"},
-      {"apparent_mass", "assumption"},
-      {"position_resolution", "computed: 13824 counts a turn, links of 50 and 70 mm"},
-      {"max_force", "CHAI3D's device class as repeated by others, not calibrated"},
-      {"continuous_force", "assumption"},
-      {"workspace", "computed from the links; it has no z"}};
-  return described;
-}
-
 class HapiDevice final : public LockStepDevice {
  public:
   explicit HapiDevice(const DeviceRequest& request)
-      : LockStepDevice(usual_spec(), request.spec), port_(request.name) {
+      : LockStepDevice(sourced_spec("hapi_2dof"), request.spec), port_(request.name) {
     described_.spec.translation_dof = 2;
     notes_ = assumptions(described_);
     set_up();
     see_to_answers();
+    notes_.emplace_back(kTickNote);
     notes_.emplace_back(
         "the board's torque is not calibrated: a newton of feltwire is some force on the handle");
     notes_.emplace_back(

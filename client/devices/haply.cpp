@@ -29,7 +29,6 @@ constexpr Nanoseconds kPatience = milliseconds(3000);  // of the start
 constexpr int kAnswers = 50;          // at the start, until one tells of the device
 constexpr double kFarthest = 1.0;     // [m] that a tool can be away
 constexpr double kSmallForce = 0.02;  // [N] that is no difference
-constexpr double kNeutral = 1e-6;     // [m], and of a scale
 constexpr double kDigits = 1e6;       // per newton, that are sent
 
 [[noreturn]] void refuse_service(const std::string& why) {
@@ -68,32 +67,15 @@ Place place_of(const std::string& name) {
   return place;
 }
 
-SourcedSpec inverse3() {
-  SourcedSpec described;
-  DeviceSpec& spec = described.spec;
-  spec.name = "inverse3";
-  spec.damping = 0.05;
-  spec.apparent_mass = 0.2;
-  spec.position_resolution = 5e-5;
-  spec.max_force = 10.0;
-  spec.continuous_force = 3.0;
-  spec.workspace = {0.2, 0.2, 0.2};
-  described.sources = {{"damping", "assumption, small on purpose"},
-                       {"apparent_mass", "assumption"},
-                       {"position_resolution", "assumption"},
-                       {"max_force", "CHAI3D's device class, by its users"},
-                       {"continuous_force", "assumption"},
-                       {"workspace", "the maker's tutorials: 0.1 m about the middle"}};
-  return described;
-}
-
 class HaplyDevice final : public LockStepDevice {
  public:
   HaplyDevice(const Place& place, const DeviceRequest& request)
-      : LockStepDevice(inverse3(), request.spec), socket_(place.port, kLongestMessage) {
+      : LockStepDevice(sourced_spec("inverse3"), request.spec),
+        socket_(place.port, kLongestMessage) {
     notes_ = assumptions(described_);
     take_inventory(place.id);
     see_to_answers();
+    notes_.emplace_back(kTickNote);
   }
   ~HaplyDevice() override { release(); }
   HaplyDevice(const HaplyDevice&) = delete;
@@ -144,10 +126,13 @@ class HaplyDevice final : public LockStepDevice {
                 Nanoseconds latest) noexcept override {
     if (const Answer heard = hear(latest); heard != Answer::whole) return heard;
     const auto message = read_message(socket_.message(), id_);
-    if (!message || !message->told.position || message->told.calibrated == false ||
-        message->told.position->norm() > kFarthest)
+    if (!message) return Answer::garbled;
+    const Told& told = message->told;
+    // A profile that was changed meanwhile is told only if the service says so.
+    if (!told.position || told.calibrated == false || told.ready == false || !told.neutral() ||
+        told.position->norm() > kFarthest)
       return Answer::garbled;
-    reading.pose.position = turned_to_ours(*message->told.position - Vec3(0.0, kAway, kUp));
+    reading.pose.position = turned_to_ours(*told.position - Vec3(0.0, kAway, kUp));
     if (turns_ && message->orientation) orientation_ = turned_to_ours(*message->orientation);
     reading.pose.orientation = orientation_;
     for (std::size_t i = 0; message->buttons && i < message->buttons->size(); ++i)
@@ -155,7 +140,7 @@ class HaplyDevice final : public LockStepDevice {
     reading.deadman = message->buttons && (*message->buttons)[0];
     reading.clutch = message->buttons && (*message->buttons)[1];
     if (cut_) reading.held = held_command(on_hand, *cut_, Vec3::Zero());
-    return take_force(on_hand, message->told.force) ? Answer::whole : Answer::garbled;
+    return take_force(on_hand, told.force) ? Answer::whole : Answer::garbled;
   }
 
   /// Takes the force that the service says it applies: the newest command, a part of it, or still
@@ -188,6 +173,10 @@ class HaplyDevice final : public LockStepDevice {
     if (socket_.receive(monotonic_now() + kPatience) != ServiceSocket::News::message)
       refuse_service("the service says nothing of its devices; restart it");
     const auto message = read_message(socket_.message(), id);
+    if (!message && !lists_devices(socket_.message()))
+      refuse_service(
+          "the service does not speak the JSON of version 3, as the older 2.x; install "
+          "haply-inverse-service 3.1 or newer");
     if (!message)
       refuse_service((id.empty() ? std::string("the service has no Inverse3 or Minverse")
                                  : "the service has no device '" + id + "'") +
@@ -198,21 +187,41 @@ class HaplyDevice final : public LockStepDevice {
     id_ = told.id;
     dialect_ = message->dialect;
     if (dialect_ == Dialect::keyed)
-      refuse_service("the service speaks the JSON of version 3.0; install 3.1 or newer");
+      refuse_service(
+          "this port speaks the JSON of version 3.0, as newer services do at port 10000 for old "
+          "programs; use port 10001 (haply, or haply:ID@10001), and if it is that, install "
+          "haply-inverse-service 3.1 or newer");
     if (told.calibrated == false)
       refuse_service(
           "device " + id_ +
           " is not calibrated; move it by hand as its quick start shows, and start again");
-    if (told.permutation != "XYZ" || !told.mount.isZero(kNeutral) || told.turned ||
-        !told.scale.isOnes(kNeutral))
+    if (told.ready == false)
+      refuse_service("device " + id_ + " is not ready; see its power and what the Haply Hub says");
+    if (!told.neutral())
       refuse_service(
-          "the service turns, moves or scales the device's space; reset basis and mount of "
-          "the profile in the Haply Hub, and use feltwire's own mapping");
+          "the service turns, moves, scales or damps the device's space; reset basis and mount of "
+          "the profile in the Haply Hub, set its damping to 0, and use feltwire's own mapping");
+    if (told.powered == false)
+      notes_.emplace_back(
+          "the service says that the device's power supply is not there: plug it in, or the force "
+          "may be weak. What the service says that it applies is accounted");
+    if (told.in_use == true)
+      notes_.emplace_back(
+          "the service says that another program uses the device; end it, for forces add up");
+    if (told.left_handed)
+      notes_.emplace_back(
+          "it is a left-handed device: its axes are taken to be those of a right-handed one. See "
+          "with a small --max-force that the tool follows the hand");
+    if (dialect_ == Dialect::values)
+      notes_.emplace_back(
+          "this version of the service does not tell of its damping and its force gate: what it "
+          "says that it applies is accounted");
     turns_ = message->orientation.has_value();
     if (turns_) {
       described_.spec.rotation_sensed = 3;
       notes_.emplace_back(
-          "the tool turns as the grip of the service does, whose axes are an assumption");
+          "the tool turns as the grip of the service does, whose axes are an assumption. A grip "
+          "that sleeps keeps its last orientation, and nothing tells");
     }
     if (message->devices > 1 && id.empty())
       notes_.push_back("the first of " + std::to_string(message->devices) +

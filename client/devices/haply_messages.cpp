@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 namespace feltwire::haply {
 namespace {
@@ -221,9 +223,26 @@ void read_config(Scanner& scan, Told& told, bool& session) noexcept {
         else
           scan.skip();
       });
+    } else if (key == "handedness" && scan.peek() == '"') {
+      told.left_handed = scan.string().starts_with("left");
     } else {
       scan.skip();
     }
+  });
+}
+
+void read_status(Scanner& scan, Told& told) noexcept {
+  const std::pair<std::string_view, std::optional<bool>*> all[] = {{"calibrated", &told.calibrated},
+                                                                   {"ready", &told.ready},
+                                                                   {"power_supply", &told.powered},
+                                                                   {"in_use", &told.in_use}};
+  scan.object([&](std::string_view name) {
+    const char begins = scan.peek();
+    const auto* one = std::ranges::find(all, name, [](const auto& entry) { return entry.first; });
+    if (one != std::end(all) && (begins == 't' || begins == 'f'))
+      *one->second = scan.boolean();
+    else
+      scan.skip();
   });
 }
 
@@ -238,12 +257,7 @@ Told read_device(Scanner& scan, std::string_view id, bool& session) noexcept {
     } else if (key == "config") {
       read_config(scan, told, session);
     } else if (key == "status") {
-      scan.object([&](std::string_view name) {
-        if (name == "calibrated")
-          told.calibrated = scan.boolean();
-        else
-          scan.skip();
-      });
+      read_status(scan, told);
     } else {
       scan.skip();
     }
@@ -303,6 +317,22 @@ struct Writer {
 };
 
 }  // namespace
+
+bool Told::neutral() const noexcept {
+  constexpr double kNeutral = 1e-6;  // [m], [N s/m], and of a scale
+  return permutation == "XYZ" && mount.isZero(kNeutral) && scale.isOnes(kNeutral) && !turned &&
+         std::abs(damping) <= kNeutral;
+}
+
+bool lists_devices(std::string_view text) noexcept {
+  Scanner scan(text);
+  bool lists = false;
+  scan.object([&](std::string_view key) {
+    lists |= key == "inverse3";
+    scan.skip();
+  });
+  return scan.good() && lists;
+}
 
 std::optional<Message> read_message(std::string_view text, std::string_view id) noexcept {
   Scanner scan(text);

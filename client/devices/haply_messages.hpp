@@ -24,7 +24,7 @@ struct Told {
   std::string_view id;           // points into the message
   std::optional<Vec3> position;  // [m]
   std::optional<Vec3> force;     // [N] the applied force, if the message has it
-  std::optional<bool> calibrated;
+  std::optional<bool> calibrated, ready, powered, in_use;
   // Only the first message has these. Otherwise they have neutral values.
   std::string_view permutation = "XYZ";
   Vec3 mount = Vec3::Zero(), scale = Vec3::Ones();
@@ -32,6 +32,11 @@ struct Told {
   double damping = 0.0;
   std::optional<double> gate;  // gain of the force gate
   bool compensates_gravity = false;
+  bool left_handed = false;
+
+  /// The service hands positions and forces through as they are: it turns, moves, scales and damps
+  /// nothing.
+  bool neutral() const noexcept;
 };
 
 struct Message {
@@ -45,6 +50,9 @@ struct Message {
 /// Reads the data of the device `id` from `text`, or of the first device if `id` is empty. Empty if
 /// `text` is no JSON object, is nested more than 32 deep, or does not contain the device.
 std::optional<Message> read_message(std::string_view text, std::string_view id) noexcept;
+
+/// Whether `text` has the list of devices that every service of version 3 sends, be it empty.
+bool lists_devices(std::string_view text) noexcept;
 
 inline constexpr std::size_t kMostCommand = 512;
 inline constexpr std::size_t kMostId = 64;

@@ -30,6 +30,10 @@ class LockStepDevice : public Device {
   /// rotation, and takes a force up one tick late (write()). Throws as requested_spec().
   LockStepDevice(const SourcedSpec& usual, const SpecRequest& request);
 
+  /// For the user, beside the driver's other notes.
+  static constexpr const char* kTickNote =
+      "the device promises no longest tick: 1.25 times the usual one of 50 at the start is an "
+      "assumption; a later tick is an overrun in the report";
   static constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   static constexpr Nanoseconds kQuiet = std::chrono::milliseconds(50);
   static constexpr Nanoseconds kSlowest = std::chrono::milliseconds(8);  // usual answer

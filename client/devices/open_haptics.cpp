@@ -30,8 +30,9 @@ constexpr unsigned kCurrentForce = 0x2700, kCurrentTorque = 0x2701;
 constexpr int kForceAndTorque = 6;  // kOutputDof of a device with motors at the wrist
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
 constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // styles of calibration
-// Errors after which the amplifiers are off: warm motors, force, speed, and faults of the device.
-constexpr unsigned kFirstFault = 0x200, kLastFault = 0x303;
+// From here on an error says that the force is not as asked for: warm motors, force, speed, faults
+// of the device, a scheduler that is late, a frame that did not end.
+constexpr unsigned kFirstFault = 0x200;
 
 constexpr Nanoseconds kPatience =
     std::chrono::microseconds(300);  // for the servo, in the call back
@@ -48,22 +49,6 @@ struct ErrorInfo {
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::runtime_error("openhaptics: " + why);
-}
-
-SharedLibrary load() {
-  std::vector<fs::path> files;
-  if (const char* root = std::getenv("OH_SDK_BASE"))
-    for (const char* folder : {"lib", "usr/lib"})
-      files.push_back(fs::path(root) / folder / "libHD.so");
-  files.insert(files.end(), {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"});
-  try {
-    return SharedLibrary::first_of(files);
-  } catch (const std::runtime_error& error) {
-    refuse(
-        std::string("the maker's library cannot be loaded: ") + error.what() +
-        "; install OpenHaptics and the Touch driver (libPhantomIOLib42.so comes with the driver; "
-        "libHD 3.0 needs libncurses5), and set OH_SDK_BASE where it is not in /usr/lib");
-  }
 }
 
 struct Calls {
@@ -113,6 +98,24 @@ struct Calls {
   unsigned long (*schedule)(Callback*, void*, unsigned short);
   void (*unschedule)(unsigned long);
 };
+
+SharedLibrary load() {
+  std::vector<fs::path> files;
+  if (const char* root = std::getenv("OH_SDK_BASE"))
+    for (const char* folder : {"lib", "usr/lib"})
+      files.push_back(fs::path(root) / folder / "libHD.so");
+  files.insert(files.end(), {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"});
+  try {
+    SharedLibrary library = SharedLibrary::first_of(files);
+    [[maybe_unused]] const Calls all(library);
+    return library;
+  } catch (const std::runtime_error& error) {
+    refuse(
+        std::string("the maker's library cannot be used: ") + error.what() +
+        "; install OpenHaptics 3 and the Touch driver (libPhantomIOLib42.so comes with the driver; "
+        "libHD 3.0 needs libncurses5), and set OH_SDK_BASE where it is not in /usr/lib");
+  }
+}
 
 /// From x right, y up, z towards the user, to x towards the user, y right, z up.
 Mat3 turned() {
@@ -216,6 +219,9 @@ class OpenHapticsDevice final : public Device {
     notes_.emplace_back(
         "the maker promises no longest tick: 1.25 times the usual one is an assumption; a later "
         "tick is an overrun in the report");
+    notes_.emplace_back(
+        "nothing tells whether the stylus's weight is compensated: hand_force of the specification "
+        "must have it in it");
     int rate = 0;
     call_.get_integers(kUpdateRate, &rate);
     constexpr int kUsualRate = 1000;
@@ -270,12 +276,13 @@ class OpenHapticsDevice final : public Device {
     const Eigen::Map<const Eigen::Matrix4d> placed(transform.data());  // column by column
     const Mat3 axes = placed.topLeftCorner<3, 3>();
     reading.pose.orientation = Quaternion(Mat3(turn_ * axes * turn_.transpose()));
-    reading.ok = ramping_ == 0;
+    reading.ok = !failed_;
     int pressed = 0;
     call_.get_integers(kButtons, &pressed);
     reading.buttons = static_cast<std::uint32_t>(pressed);
     reading.deadman = (pressed & 1) != 0;
     reading.clutch = (pressed & 2) != 0;
+    if (ramping_ > 0) reading.withheld = Withheld::starting;
     if (in_inkwell) reading.withheld = Withheld::in_inkwell;
     return reading;
   }
@@ -305,11 +312,13 @@ class OpenHapticsDevice final : public Device {
   void look_for_errors() noexcept {
     constexpr int kMost = 32;
     ramping_ = std::max(0, ramping_ - 1);
+    failed_ = false;
     for (int n = 0; n < kMost; ++n) {
       const unsigned code = call_.error().code;
-      if (code == 0) return;
-      if (code >= kFirstFault && code <= kLastFault) ramping_ = kRampTicks;
+      if (code == 0) break;
+      failed_ |= code >= kFirstFault;
     }
+    if (failed_) ramping_ = kRampTicks;
   }
 
   SharedLibrary library_;
@@ -326,6 +335,7 @@ class OpenHapticsDevice final : public Device {
   std::atomic<bool> let_go_{false}, in_inkwell_{false};
   // Only the scheduler's thread reads and writes it.
   int ramping_ = kRampTicks;
+  bool failed_ = false;  // in the frame before: what was on the hand since is not known
 };
 
 }  // namespace
@@ -337,6 +347,6 @@ OpenedDevice open_haptics(const DeviceRequest& request) {
   return {std::move(device), std::move(notes)};
 }
 
-std::string open_haptics_library() { return hd::load().file().string(); }
+std::string open_haptics_library() { return hd::load().loaded_from().string(); }
 
 }  // namespace feltwire

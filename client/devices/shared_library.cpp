@@ -1,8 +1,10 @@
 #include "client/devices/shared_library.hpp"
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include <stdexcept>
+#include <system_error>
 
 namespace feltwire {
 namespace {
@@ -31,6 +33,14 @@ SharedLibrary SharedLibrary::first_of(std::span<const std::filesystem::path> fil
     }
   }
   throw std::runtime_error(errors);
+}
+
+std::filesystem::path SharedLibrary::loaded_from() const {
+  const link_map* map = nullptr;
+  if (::dlinfo(handle_.get(), RTLD_DI_LINKMAP, &map) != 0 || map == nullptr) return file_;
+  std::error_code none;
+  const std::filesystem::path real = std::filesystem::canonical(map->l_name, none);
+  return real.empty() ? file_ : real;
 }
 
 void* SharedLibrary::symbol(const char* name) const { return ::dlsym(handle_.get(), name); }

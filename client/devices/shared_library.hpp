@@ -18,6 +18,8 @@ class SharedLibrary {
   static SharedLibrary first_of(std::span<const std::filesystem::path> files);
 
   const std::filesystem::path& file() const { return file_; }
+  /// The file itself, where the loader found it and behind all links: its name often has a version.
+  std::filesystem::path loaded_from() const;
 
   /// Returns the function of that name. Null if there is none.
   template <class Function>

@@ -28,15 +28,10 @@ struct Descriptor {
 };
 static_assert(sizeof(Descriptor) == 18);
 
-SharedLibrary load_libusb() {
-  const std::vector<std::filesystem::path> files = {"libusb-1.0.so.0", "libusb-1.0.so"};
-  try {
-    return SharedLibrary::first_of(files);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string("libusb cannot be loaded: ") + error.what() +
-                             "; install libusb-1.0-0");
-  }
-}
+struct Version {
+  std::uint16_t major, minor, micro, nano;
+  const char *rc, *description;
+};
 
 /// libusb takes 0 for ever.
 unsigned milliseconds_of(Nanoseconds patience) {
@@ -64,7 +59,8 @@ struct UsbLine::Calls {
                             unsigned char*, std::uint16_t, unsigned)>("libusb_control_transfer")),
         bulk(library.get<int(void*, unsigned char, unsigned char*, int, int*, unsigned)>(
             "libusb_bulk_transfer")),
-        error_name(library.get<const char*(int)>("libusb_error_name")) {}
+        error_name(library.get<const char*(int)>("libusb_error_name")),
+        version(library.find<const Version*()>("libusb_get_version")) {}
 
   SharedLibrary library;
   int (*init)(void**);
@@ -81,10 +77,20 @@ struct UsbLine::Calls {
                  std::uint16_t, unsigned);
   int (*bulk)(void*, unsigned char, unsigned char*, int, int*, unsigned);
   const char* (*error_name)(int);
+  const Version* (*version)();  // null where it is not
 };
 
-UsbLine::UsbLine(std::uint16_t vendor, std::uint16_t product, int number)
-    : call_(std::make_unique<Calls>(load_libusb())) {
+std::unique_ptr<UsbLine::Calls> UsbLine::load() {
+  const std::vector<std::filesystem::path> files = {"libusb-1.0.so.0", "libusb-1.0.so"};
+  try {
+    return std::make_unique<Calls>(SharedLibrary::first_of(files));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("libusb cannot be used: ") + error.what() +
+                             "; install libusb-1.0-0");
+  }
+}
+
+UsbLine::UsbLine(std::uint16_t vendor, std::uint16_t product, int number) : call_(load()) {
   if (const int error = call_->init(&context_); error != 0)
     throw std::runtime_error(std::string("libusb does not start: ") + call_->error_name(error));
   try {
@@ -168,6 +174,13 @@ std::optional<std::size_t> UsbLine::read(std::span<std::uint8_t> room, Nanosecon
   return count;
 }
 
-std::string UsbLine::library() { return load_libusb().file().string(); }
+std::string UsbLine::library() {
+  const std::unique_ptr<Calls> call = load();
+  std::string text = call->library.loaded_from().string();
+  if (call->version == nullptr) return text;
+  const Version& v = *call->version();
+  return text + ", version " + std::to_string(v.major) + "." + std::to_string(v.minor) + "." +
+         std::to_string(v.micro);
+}
 
 }  // namespace feltwire

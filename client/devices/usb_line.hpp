@@ -38,11 +38,12 @@ class UsbLine {
   /// One packet, without the converter's own two bytes; 0: none had come by then; none: it is gone.
   std::optional<std::size_t> read(std::span<std::uint8_t> room, Nanoseconds patience);
 
-  /// "FILE", of libusb. Throws std::runtime_error with the remedy.
+  /// "FILE, version 1.0.26", of libusb. Throws std::runtime_error with the remedy.
   static std::string library();
 
  private:
   struct Calls;
+  static std::unique_ptr<Calls> load();
   void open(std::uint16_t vendor, std::uint16_t product, int number);
   void close() noexcept;
 

@@ -136,18 +136,32 @@ std::string line_name(const Vec3& along) {
   return text;
 }
 
-/// Empty: the impulse says no less than the energy does. It says more where stiction bends the line
-/// or axes have a friction each, and the less is the safe one.
-std::string disagreement(const Line& line, const FittedLine& energy) {
-  const ImpulseFit& impulse = line.impulse;
-  const double t = student(energy.freedom);
-  const double open = t * std::hypot(energy.slope_error, impulse.damping_error);
-  if (energy.slope - impulse.damping <= kDisagreement * std::abs(energy.slope) + open) return {};
+/// Empty: the other measurement says no less than the energy does. It says more where stiction
+/// bends the line or axes have a friction each, and the less is the safe one. `open`: what both
+/// leave open.
+std::string disagreement(const Vec3& along, const FittedLine& energy, const char* other,
+                         double damping, double open) {
+  if (energy.slope - damping <= kDisagreement * std::abs(energy.slope) + open) return {};
   std::ostringstream text;
-  text << "along " << line_name(line.along) << " the energy says a damping of " << energy.slope
-       << " N s/m and the impulse only " << impulse.damping
+  text << "along " << line_name(along) << " the energy says a damping of " << energy.slope
+       << " N s/m and the " << other << " only " << damping
        << ": does somebody hold the handle, or is the maker's own damping on?";
   return text.str();
+}
+
+/// Takes the decay along an axis: it can only lower the damping.
+void cross_check(std::span<const CoastRun> coasts, std::size_t axis, const Line& line,
+                 const FittedLine& energy, const AlongLine& damping, DeviceEstimate& found) {
+  const ImpulseFit& impulse = line.impulse;
+  const DecayFit decay = decay_fit(coasts, line.along, impulse.mass, impulse.delay);
+  if (!decay.valid) return;
+  const double of_mass = decay.damping * impulse.mass_error / impulse.mass;
+  const double error = student(decay.freedom) * std::hypot(decay.damping_error, of_mass);
+  found.decay[axis] = decay.damping;
+  found.decay_limit[static_cast<Eigen::Index>(axis)] = std::max(0.0, decay.damping + error);
+  std::string doubt = disagreement(line.along, energy, "decay", decay.damping,
+                                   std::hypot(error, damping.uncertainty));
+  if (!doubt.empty()) found.doubts.push_back(std::move(doubt));
 }
 
 void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
@@ -168,7 +182,8 @@ void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
 
 }  // namespace
 
-DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const SweptTick> rest, int dof) {
+DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun> coasts,
+                        std::span<const SweptTick> rest, int dof) {
   DeviceEstimate found;
   read_noise(runs, rest, found);
   const std::vector<Line> lines = lines_of(runs);
@@ -202,11 +217,19 @@ DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const SweptTic
     if (pull_back(*line.runs.front()) > kHeld)
       found.doubts.push_back("along " + line_name(line.along) +
                              " the handle pulls back to a place: does somebody hold it?");
-    if (std::string doubt = disagreement(line, energy); !doubt.empty())
+    if (std::string doubt = disagreement(line.along, energy, "impulse", impulse.damping,
+                                         t * std::hypot(energy.slope_error, impulse.damping_error));
+        !doubt.empty())
       found.doubts.push_back(std::move(doubt));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (line.along[static_cast<Eigen::Index>(axis)] == 1.0)
+        cross_check(coasts, axis, line, energy, dampings.back(), found);
   }
-  const Measured damping = measured(dampings, dof), mass = measured(masses, dof);
+  Measured damping = measured(dampings, dof);
+  const Measured mass = measured(masses, dof);
   found.damping = damping.value.diagonal();
+  for (int i = 0; i < dof; ++i)
+    damping.value(i, i) = std::min(damping.value(i, i), found.decay_limit[i]);
   found.mass = mass.value.diagonal();
   found.damping_bound = kShare * diagonal_below(damping, dof);
   found.mass_bound = kShare * diagonal_below(mass, dof).head(dof).minCoeff();

@@ -2,10 +2,14 @@
 // Estimates a device's damping, friction and mass from sweeps of a handle that nobody holds. Values
 // in, values out.
 
+#include <array>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "client/identify/coast.hpp"
 #include "client/identify/swept.hpp"
 
 namespace feltwire {
@@ -19,9 +23,13 @@ struct DeviceEstimate {
   double friction_bound = 0.0;        // in every direction
   Vec3 mass = Vec3::Zero();           // [kg] along x, y, z
   double mass_bound = 0.0;            // in every direction
-  double quantum = 0.0;             // [m] smallest step of a reading; tiny if readings never repeat
-  double noise = 0.0;               // [m] RMS of a handle at rest, the worst axis
-  double delay = 0.0;               // [s] from a force to its reading, without the hold
+  double quantum = 0.0;  // [m] smallest step of a reading; tiny if readings never repeat
+  double noise = 0.0;    // [m] RMS of a handle at rest, the worst axis
+  double delay = 0.0;    // [s] from a force to its reading, without the hold
+  // [N s/m] the damping by the decay, and what it is at most; empty and infinite where the handle
+  // stopped too soon to tell.
+  std::array<std::optional<double>, 3> decay{};
+  Vec3 decay_limit = Vec3::Constant(std::numeric_limits<double>::infinity());
   std::vector<std::string> doubts;  // why the estimates must not be used; empty: there is no doubt
 };
 
@@ -37,9 +45,13 @@ struct DeviceEstimate {
 /// fit. Coupled axes: Gershgorin's circles, with the diagonals' sweeps.
 ///
 /// Cross-check: the impulse of the same ticks, force = m a + b v + f_c sign v + g by least squares,
-/// which also gives mass and delay. Where the two disagree about the damping, that is a doubt.
+/// which also gives mass and delay. And the decay of the coasts, without a force, times that mass.
+/// A damping above what the decay can be is lowered to that. Where the energy says more than the
+/// impulse or the decay by a third, that is a doubt.
 ///
-/// Precondition: the runs are those of sweep_plan(), in its order.
-DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const SweptTick> rest, int dof);
+/// Precondition: the runs are those of sweep_plan(), and the coasts those of coast_plan(), in their
+/// order.
+DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun> coasts,
+                        std::span<const SweptTick> rest, int dof);
 
 }  // namespace feltwire

@@ -19,6 +19,11 @@ constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;  // [
 constexpr double kBeyond = 0.03;   // [s] after the last cycle: what the windows look at
 constexpr double kRoom = 1.5;      // ticks that there is room for, over those that are awaited
 constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
+// A coast: its longest time and way, and the speeds [of the push] at which it is over. What is not
+// balanced falls.
+constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
+constexpr double kCoasted = 0.15, kFallen = 1.3;
+constexpr double kLeastBrake = 1.0;  // [m/s^2]
 constexpr double kUsualAmplitude = 0.02, kLargestAmplitude = 0.025, kTopSpeed = 0.25;
 
 double sweep_time(const Sweep& sweep, double amplitude) {
@@ -67,6 +72,12 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
     duration_ += kApproach + time;
     runs_.push_back(std::move(run));
   }
+  for (const Coast& coast : coast_plan(dof_, limits.top_speed)) {
+    CoastRun run{coast, {}};
+    run.ticks.reserve(room(kLongestCoast));
+    duration_ += kApproach + 2.0 * limits.amplitude / coast.speed;
+    coasts_.push_back(std::move(run));
+  }
 }
 
 void Identification::give_up(const char* why) noexcept {
@@ -80,8 +91,8 @@ double Identification::progress() const {
 }
 
 int Identification::line() const {
-  const bool sweeps = phase_ == Phase::approach || phase_ == Phase::sweep;
-  if (!sweeps || state_ != State::measuring) return -1;
+  const bool swept = phase_ == Phase::approach || phase_ == Phase::sweep;
+  if (!swept || !sweeps() || state_ != State::measuring) return -1;
   int line = 0;
   for (std::size_t n = 1; n <= run_; ++n)
     if (runs_[n].sweep.along != runs_[n - 1].sweep.along) ++line;
@@ -134,6 +145,7 @@ bool Identification::odd(double time, const Vec3& position) noexcept {
 Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   const double in_phase = time - phase_began_;
   double strength = 1.0, meant = limits_.top_speed;  // [m/s]
+  const double amplitude = limits_.amplitude;
   switch (phase_) {
     case Phase::rest:
       if (in_phase > kSettle + kRest) begin(Phase::approach, time);
@@ -141,19 +153,45 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
     case Phase::approach: {
       const double done = std::min(in_phase / kApproach, 1.0);
       const double soft = 0.5 - 0.5 * std::cos(std::numbers::pi * done);
-      led_ = led_from_ - soft * (led_from_ + limits_.amplitude * runs_[run_].sweep.along);
-      if (done >= 1.0) begin(Phase::sweep, time);
+      led_ = led_from_ - soft * (led_from_ + amplitude * line_along());
+      if (done >= 1.0) begin(sweeps() ? Phase::sweep : Phase::push, time);
       break;
     }
     case Phase::sweep: {
       const Sweep& sweep = runs_[run_].sweep;
       meant = sweep.speed;
-      led_ = led_to(sweep, limits_.amplitude, in_phase) * sweep.along;
+      led_ = led_to(sweep, amplitude, in_phase) * sweep.along;
       look_for_turn(in_phase);
-      if (in_phase < sweep_time(sweep, limits_.amplitude) + kBeyond) break;
-      const bool last = run_ + 1 == runs_.size();
-      if (!last) ++run_;
-      begin(last ? Phase::fade : Phase::approach, time);
+      if (in_phase >= sweep_time(sweep, amplitude) + kBeyond) next(time);
+      break;
+    }
+    case Phase::push: {
+      const Coast& coast = coasts_[coast_].coast;
+      meant = coast.speed;
+      const double at = led_to({coast.along, coast.speed, 1}, amplitude, in_phase);
+      led_ = at * coast.along;
+      if (at >= coast.from * amplitude) begin(Phase::coast, time);
+      break;
+    }
+    case Phase::coast: {
+      const Coast& coast = coasts_[coast_].coast;
+      const double at = coast.along.dot(position - start_);
+      coasted_ = coast.along.dot(velocity_);
+      led_ = at * coast.along;
+      if (at > kCoastUntil * amplitude || coasted_ < kCoasted * coast.speed ||
+          coasted_ > kFallen * coast.speed || in_phase > kLongestCoast)
+        begin(Phase::brake, time);
+      break;
+    }
+    case Phase::brake: {  // from the speed that it has to rest, as at a sweep's turn
+      const Coast& coast = coasts_[coast_].coast;
+      meant = coast.speed;
+      const double speed = std::max(coasted_, 0.0);
+      const double room = std::max(amplitude - coast.along.dot(led_from_), 0.1 * amplitude);
+      const double brake = std::max(kLeastBrake, 0.5 * speed * speed / room);
+      const double braking = std::min(in_phase, speed / brake);
+      led_ = led_from_ + (speed - 0.5 * brake * braking) * braking * coast.along;
+      if (in_phase * brake >= speed) next(time);
       break;
     }
     case Phase::fade:
@@ -164,6 +202,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   Vec3 wanted = kStiffness * (start_ + led_ - position) - kDamping * velocity_;
   const double speed = velocity_.norm(), excess = speed - kExcess * meant;
   if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;  // a heavy handle swings
+  if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
   wanted = strength * cut(wanted, limits_.force);
   return cut(force_ + cut(wanted - force_, kSlew * (time - last_)), limits_.force);
@@ -173,6 +212,20 @@ void Identification::begin(Phase phase, double time) noexcept {
   phase_ = phase;
   phase_began_ = time;
   led_from_ = led_;
+}
+
+const Vec3& Identification::line_along() const noexcept {
+  return sweeps() ? runs_[run_].sweep.along : coasts_[coast_].coast.along;
+}
+
+/// The next sweep or coast, or the end.
+void Identification::next(double time) noexcept {
+  const bool last = !sweeps() && coast_ + 1 == coasts_.size();
+  if (sweeps())
+    ++run_;
+  else if (!last)
+    ++coast_;
+  begin(last ? Phase::fade : Phase::approach, time);
 }
 
 /// The tick that is recorded next begins a cycle, or ends the last one.
@@ -186,8 +239,11 @@ void Identification::look_for_turn(double in_phase) noexcept {
 
 void Identification::record(double time, const Vec3& position) noexcept {
   const bool rests = phase_ == Phase::rest && time - phase_began_ > kSettle;
-  if (!rests && phase_ != Phase::sweep) return;
-  std::vector<SweptTick>& ticks = rests ? rest_ : runs_[run_].ticks;
+  const bool coasts = phase_ == Phase::coast;
+  if (!rests && !coasts && phase_ != Phase::sweep) return;
+  std::vector<SweptTick>& ticks = rests    ? rest_
+                                  : coasts ? coasts_[coast_].ticks
+                                           : runs_[run_].ticks;
   if (ticks.size() == ticks.capacity())
     return give_up("the readings come more often than the device says");
   ticks.push_back({time, position, Vec3::Zero()});

@@ -1,6 +1,6 @@
 #pragma once
-// Leads a handle that nobody holds along the sweeps of identify, and stops on any fault. Its input
-// is positions, its output forces: it has no clock and no device.
+// Leads a handle that nobody holds along the sweeps of identify, pushes it and lets it coast, and
+// stops on any fault. Its input is positions, its output forces: it has no clock and no device.
 
 #include <cstdint>
 #include <optional>
@@ -49,20 +49,24 @@ class Identification {
   double largest_force() const { return largest_; }  // [N] held so far
 
   /// Precondition: done.
-  DeviceEstimate estimate() const { return feltwire::estimate(runs_, rest_, dof_); }
+  DeviceEstimate estimate() const { return feltwire::estimate(runs_, coasts_, rest_, dof_); }
 
  private:
-  enum class Phase : std::uint8_t { rest, approach, sweep, fade };
+  enum class Phase : std::uint8_t { rest, approach, sweep, push, coast, brake, fade };
 
   bool odd(double time, const Vec3& position) noexcept;
   Vec3 pull(double time, const Vec3& position) noexcept;
   void record(double time, const Vec3& position) noexcept;
   void begin(Phase phase, double time) noexcept;
   void look_for_turn(double in_phase) noexcept;
+  void next(double time) noexcept;
+  bool sweeps() const noexcept { return run_ < runs_.size(); }
+  const Vec3& line_along() const noexcept;
 
   IdentifyLimits limits_;
   int dof_;
   std::vector<SweptRun> runs_;
+  std::vector<CoastRun> coasts_;  // after all sweeps
   std::vector<SweptTick> rest_;
   std::vector<SweptTick>* recorded_ = nullptr;  // where held() completes the last tick
   double duration_ = 0.0;
@@ -70,12 +74,13 @@ class Identification {
   State state_ = State::measuring;
   const char* why_ = "";
   Phase phase_ = Phase::rest;
-  std::size_t run_ = 0;
+  std::size_t run_ = 0, coast_ = 0;
   bool started_ = false;
   double first_ = 0.0, phase_began_ = 0.0, last_ = 0.0;  // [s]
   Vec3 start_ = Vec3::Zero(), last_position_ = Vec3::Zero();
   Vec3 velocity_ = Vec3::Zero();                       // [m/s] filtered
   Vec3 led_ = Vec3::Zero(), led_from_ = Vec3::Zero();  // [m] of the start
+  double coasted_ = 0.0;                               // [m/s] at the end of a coast
   Vec3 force_ = Vec3::Zero();
   double largest_ = 0.0;
 };

@@ -1,6 +1,8 @@
 #include "client/identify/measure.hpp"
 
 #include <chrono>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "client/devices/tick_pace.hpp"
@@ -12,31 +14,94 @@ namespace {
 constexpr Nanoseconds kPatience = std::chrono::milliseconds(50);
 constexpr Nanoseconds kHung = std::chrono::milliseconds(100);
 constexpr Nanoseconds kGivenUp = std::chrono::seconds(1);
+constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);  // two questions to a person
+// Before it begins: how long a fault may last, a person may take, and the device must be usable.
+constexpr Nanoseconds kLongestFault = std::chrono::seconds(5);
+constexpr Nanoseconds kLongestWithheld = std::chrono::seconds(60);
+constexpr Nanoseconds kUsable = std::chrono::milliseconds(200);
 
-double in_seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+/// What a person must do so that the device takes forces.
+const char* remedy(const DeviceReading* reading) noexcept {
+  if (reading == nullptr || !reading->ok || reading->ended)
+    return "the device has a fault; see its cable, power and calibration";
+  switch (reading->withheld) {
+    case Withheld::not_homed:
+      return "the device is not homed; move its handle all the way out, and all the way in";
+    case Withheld::in_inkwell:
+      return "the stylus is in its inkwell; take it out, and let it hang freely";
+    case Withheld::starting:
+      return "the maker's library raises its force to the full; wait";
+    case Withheld::emergency:
+      return "the emergency stop was pressed; reset it";
+    case Withheld::nothing:
+      break;
+  }
+  return "";
+}
 
-void tick(Device& device, Identification& identification, Nanoseconds now) noexcept {
-  const DeviceReading reading = device.read(now);
-  if (!reading.ok || reading.ended)
-    identification.give_up("the device has a fault");
-  else if (!reading.fresh)
-    return;  // the force goes on being held
-  // The device knows better than write() did what it held since the last reading.
-  if (reading.held) identification.held(reading.held->force());
-  const Vec3 force = identification.step(in_seconds(now), reading.pose.position);
-  const Command held = device.write({.elastic = force});
-  identification.held(held.force());
+/// How long something has been so. `since` is empty while it is not.
+Nanoseconds lasted(bool so, Nanoseconds now, std::optional<Nanoseconds>& since) noexcept {
+  if (!so) since.reset();
+  if (so && !since) since = now;
+  return so ? now - *since : Nanoseconds(0);
 }
 
 }  // namespace
 
+void await_prepared(Device& device, Nanoseconds patience,
+                    const std::function<void(std::string_view)>& tell) {
+  const Nanoseconds latest = monotonic_now() + patience;
+  std::string told;
+  while (true) {
+    const std::string wanted(device.prepare());
+    if (wanted.empty()) return;
+    if (wanted != told) tell(wanted);
+    told = wanted;
+    if (monotonic_now() > latest)
+      throw std::runtime_error("the device was not made ready in time: " + wanted);
+    std::this_thread::sleep_for(kBetween);
+  }
+}
+
+/// `reading`: null if none came.
+bool Measurement::ready(const DeviceReading* reading, Nanoseconds now) noexcept {
+  const bool faulty = reading == nullptr || !reading->ok || reading->ended;
+  const bool withheld = !faulty && reading->withheld != Withheld::nothing;
+  const bool usable = !faulty && !withheld;
+  const char* why = remedy(reading);
+  const bool given_up = lasted(faulty, now, faulty_since_) > kLongestFault ||
+                        lasted(withheld, now, withheld_since_) > kLongestWithheld;
+  began_ = lasted(usable, now, usable_since_) >= kUsable;
+  status_.awaits.store(why);
+  if (given_up) identification_.give_up(why);
+  return began_;
+}
+
+void Measurement::tick(Nanoseconds now, bool came) noexcept {
+  if (status_.stop.load()) identification_.give_up("it was asked to stop");
+  if (!came && began_) identification_.give_up("the device does not tick");
+  DeviceReading reading;
+  if (came) reading = device_.read(now);
+  if (came && reading.ok && !reading.fresh) return;  // the force goes on being held
+  if (!began_ && !ready(came ? &reading : nullptr, now)) {
+    if (came) device_.write({});
+    return;
+  }
+  if (const char* why = came ? remedy(&reading) : ""; *why != '\0') identification_.give_up(why);
+  // The device knows better than write() did what it held since the last reading.
+  if (reading.held) identification_.held(reading.held->force());
+  const Vec3 force = identification_.step(seconds(now), reading.pose.position);
+  const Command held = device_.write({.elastic = force});
+  identification_.held(held.force());
+}
+
 void measure(Device& device, Identification& identification, MeasureStatus& status) noexcept {
   TickPace pace(device, from_seconds(kMeasurePeriod));
+  Measurement measurement(device, identification, status);
   while (identification.state() == Identification::State::measuring) {
-    if (!pace.wait(kPatience)) identification.give_up("the device does not tick");
-    if (status.stop.load()) identification.give_up("it was asked to stop");
+    const bool came = pace.wait(kPatience);
     const Nanoseconds now = monotonic_now();
-    tick(device, identification, now);
+    measurement.tick(now, came);
     status.ticked.store(now.count());
     status.progress.store(identification.progress());
     status.sweep.store(identification.line());

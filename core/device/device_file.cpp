@@ -5,9 +5,14 @@
 
 #include "core/base/choice.hpp"
 #include "core/base/json_document.hpp"
+#include "core/device/delta_3_text.hpp"
 #include "core/device/device_spec_generated.h"
 #include "core/device/device_spec_text.hpp"
+#include "core/device/falcon_text.hpp"
+#include "core/device/hapi_2dof_text.hpp"
 #include "core/device/impulse_engine_2000_text.hpp"
+#include "core/device/inverse3_text.hpp"
+#include "core/device/lambda_7_text.hpp"
 #include "core/device/omega_7_text.hpp"
 #include "core/device/phantom_premium_1_5_6dof_text.hpp"
 #include "core/device/phantom_premium_1_5_text.hpp"
@@ -142,7 +147,8 @@ const std::vector<SourcedSpec>& built_in() {
     for (const char* text :
          {embedded::simulated, embedded::impulse_engine_2000, embedded::phantom_premium_1_5,
           embedded::touch, embedded::omega_7, embedded::sigma_7, embedded::virtuose_6d,
-          embedded::phantom_premium_1_5_6dof, embedded::simulated_6dof})
+          embedded::phantom_premium_1_5_6dof, embedded::simulated_6dof, embedded::delta_3,
+          embedded::lambda_7, embedded::falcon, embedded::inverse3, embedded::hapi_2dof})
       specs.push_back(read_spec(text, "a built-in device"));
     return specs;
   }();

@@ -11,9 +11,12 @@ using stand_in::Three;
 
 std::unique_ptr<stand_in::Drd> device = std::make_unique<stand_in::Drd>();
 Three force{}, torque{};  // [N], [N m]
+char open_id = 0;
+double quiet = 0.0;  // [s] since the last command
 int last_error = 0;
 bool expert = false;
 
+constexpr double kWatchdogUnit = 125e-6;  // [s]
 constexpr int kFailed = -1, kTimeGuard = 1, kMotorSaturated = 2;
 constexpr int kCommunication = 2, kNoDevice = 5, kExpertDisabled = 9;
 
@@ -24,11 +27,13 @@ int failed(int error) {
   return kFailed;
 }
 bool answers(char id) {
-  return id == 0 && device->plugged &&
+  device->strangers += id == open_id ? 0 : 1;
+  return id == open_id && device->plugged &&
          !between(device->readings, device->fails_from, device->fails_until);
 }
 bool forces_on() {
-  return device->force_on && !between(device->readings, device->off_from, device->off_until);
+  return device->force_on && !device->watched_off &&
+         !between(device->readings, device->off_from, device->off_until);
 }
 
 /// Sets the force and torque that the motors can give. Each is shortened to its limit and keeps
@@ -40,20 +45,34 @@ int set(double x, double y, double z, double about_x, double about_y, double abo
   force = {share * x, share * y, share * z};
   torque = {part * about_x, part * about_y, part * about_z};
   device->pulls.store(size > 0.0 || turns > 0.0);
+  device->edge.command(size > 0.0 || turns > 0.0);
+  quiet = 0.0;
   if (size == 0.0 && turns == 0.0) ++device->zeros;
   return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
 }
 
+void let_go() {
+  force = torque = {};
+  device->pulls.store(false);
+  device->edge.command(false);
+}
+
 /// A period of the real motion, and what the encoders say then.
-int sensed(double* x, double* y, double* z) {
+int sensed(double* x, double* y, double* z, char id) {
   while (device->blocks.load()) device->blocked.store(true);
   ++device->readings;
+  device->edge.tick();
+  quiet += device->period;
+  if (device->watchdog > 0 && quiet > kWatchdogUnit * device->watchdog) {
+    let_go();
+    device->watched_off = true;
+  }
   device->mass.advance(device->period, forces_on() ? force : Three{});
   device->wrist_mass.advance(device->period, forces_on() ? torque : Three{});
   device->most_made =
       std::max(device->most_made, device->mass.delivered - device->mass.burned +
                                       device->wrist_mass.delivered - device->wrist_mass.burned);
-  if (!answers(0)) return failed(kCommunication);
+  if (!answers(id)) return failed(kCommunication);
   static Three told;
   const bool old = device->stale_every > 0 && device->readings % device->stale_every == 0;
   if (!old) told = device->mass.sensed();
@@ -68,6 +87,7 @@ extern "C" {
 stand_in::Drd* stand_in_new() {
   device = std::make_unique<stand_in::Drd>();
   force = torque = {};
+  quiet = 0.0;
   last_error = 0;
   return device.get();
 }
@@ -76,13 +96,13 @@ void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
   *major = device->major, *minor = device->minor, *release = 5, *revision = 0;
 }
 int dhdOpenID(char index) {
-  if (!device->plugged || index != 0) return failed(kNoDevice);
+  if (!device->plugged || index >= device->devices) return failed(kNoDevice);
   ++device->opened;
-  return 0;
+  return open_id = index;
 }
 int dhdClose(char) { return ++device->closed, 0; }
 int dhdStop(char) {
-  force = torque = {};
+  let_go();
   device->force_on = false;
   return ++device->stopped, 0;
 }
@@ -96,10 +116,13 @@ int dhdGetGripperGap(double* gap, char id) {
   if (!answers(id) || device->gap < 0.0) return failed(kCommunication);
   return *gap = device->gap, 0;
 }
+bool dhdIsLeftHanded(char) { return device->left_handed; }
 bool drdIsInitialized(char) { return device->initialized; }
 int dhdEnableForce(unsigned char on, char) {
   device->force_before_on = force != Three{} || torque != Three{};
   device->force_on = on != 0;
+  device->watched_off = false;
+  quiet = 0.0;
   return 0;
 }
 int dhdSetBrakes(int on, char) { return device->brakes_on = on != 0, 0; }
@@ -114,11 +137,12 @@ int dhdGetStatus(int* status, char id) {
   status[0] = status[1] = status[2] = 1;
   status[5] = forces_on() ? 1 : 0;
   status[10] = device->gravity_on ? 1 : 0;
+  if (!forces_on()) status[14] = device->watched_off ? 3 : device->off_cause;
   return 0;
 }
-int dhdGetPosition(double* x, double* y, double* z, char) { return sensed(x, y, z); }
-int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char) {
-  const int answer = sensed(x, y, z);
+int dhdGetPosition(double* x, double* y, double* z, char id) { return sensed(x, y, z, id); }
+int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char id) {
+  const int answer = sensed(x, y, z, id);
   // A quarter of a turn about z, from where the wrist turns: the tool's x points along the world's
   // y.
   static double turn = 0.0;

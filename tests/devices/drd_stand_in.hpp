@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "tests/devices/force_edge.hpp"
 #include "tests/devices/simulated_mass.hpp"
 
 namespace stand_in {
@@ -19,9 +20,13 @@ struct Drd {
     turns.depth = 0.2, turns.reach = 0.0;
     return turns;
   }
+  ForceEdge edge;
   double period = 1e-3;  // [s]
   int major = 3, minor = 17;
   const char* system = "omega.7";
+  int devices = 1;  // all with the one mass
+  bool left_handed = false;
+  int off_cause = 1;  // what switches the force off between these readings: the button
   bool plugged = true, initialized = true, wrist = true, active_wrist = false;
   double gap = -1.0;                       // [m] of the gripper; below zero: it has none
   int stale_every = 0;                     // readings; 0: never
@@ -37,6 +42,8 @@ struct Drd {
   bool grips = false;  // a force of the gripper was set
   bool force_on = false, brakes_on = true, gravity_on = false, force_before_on = false;
   unsigned char watchdog = 0;
+  bool watched_off = false;  // the watchdog has switched the force off, until it is enabled again
+  int strangers = 0;         // calls for a device that was not opened
   double max_force = -1.0, max_torque = -1.0;
   double most_made = 0.0;  // [J] by force and torque together, beyond what both burned
   std::atomic<bool> pulls{false};

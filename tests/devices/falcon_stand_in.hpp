@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/devices/force_edge.hpp"
 #include "tests/devices/simulated_mass.hpp"
 
 namespace stand_in {
@@ -14,6 +15,7 @@ namespace stand_in {
 /// mass's axes are x towards the user, y right, z up, from 120 mm before the legs' middle.
 struct Falcon {
   SimulatedMass mass;  // look at it when nobody asks
+  ForceEdge edge;
   bool plugged = true, accessible = true, busy = false;
   int devices = 1;
   bool loaded = true;                // the firmware runs
@@ -22,6 +24,7 @@ struct Falcon {
   int wrong_echoes = 0;              // loads in which one byte is echoed wrongly
   bool refuses_load = false;         // it answers the load's first byte by another
 
+  std::atomic<bool> blocks{false};   // transfers do not return
   std::atomic<bool> unplug{false};   // from now on every transfer fails
   std::atomic<int> short_writes{0};  // writes of which half is taken
   std::atomic<int> drops{0};         // requests that are not seen

@@ -12,9 +12,11 @@
 #include "protocol/net/clock.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/devices/falcon_stand_in.hpp"
+#include "tests/devices/identified.hpp"
 #include "tests/devices/stand_in_session.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/hurry.hpp"
 
 namespace feltwire::falcon_test {
 namespace {
@@ -69,15 +71,17 @@ struct Falcon : ::testing::Test {
     session.run(device, servo, [&] { return stand_in->force > 0.5; });
   }
   /// After a fault: the force goes at once, a fault is counted, and it is felt again.
-  void recovers(const std::function<void()>& fault) {
+  void recovers(const char* name, const std::function<void()>& fault) {
     const OpenedDevice opened = open();
     Servo servo = servo_of(opened);
     feel(*opened.device, servo);
     const std::uint64_t faults = servo.statistics().device_faults;
+    session.strike(stand_in->edge);
     fault();
     session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
     EXPECT_EQ(servo.held(), Command{});
     session.run(*opened.device, servo, [&] { return stand_in->force == 0.0; });
+    session.expect_let_go("falcon", name, stand_in->edge);
     feel(*opened.device, servo);
   }
   /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
@@ -214,6 +218,40 @@ TEST_F(Falcon, ButtonsAreTold) {
   EXPECT_FALSE(reading.clutch);
 }
 
+TEST_F(Falcon, IdentifyMeasuresAFreeHandle) {
+  const test::Hurry hurry;
+  testing::let_free(stand_in->mass);
+  OpenedDevice opened = open();
+  testing::Identified identified(*opened.device);
+  identified.run(*opened.device, [&] { return 1e-3 * stand_in->requests.load(); });
+  opened.device.reset();  // nobody asks any more
+  identified.expect_below(stand_in->mass);
+}
+
+/// Nothing is put on a handle that is not homed, and one that loses its zero ends it.
+TEST_F(Falcon, IdentifyWaitsForTheZero) {
+  const test::Hurry hurry;
+  testing::let_free(stand_in->mass);
+  stand_in->homed = 3;
+  const OpenedDevice opened = open();
+  std::string wanted;
+  EXPECT_THROW(
+      await_prepared(*opened.device, Nanoseconds(0), [&](std::string_view text) { wanted = text; }),
+      std::runtime_error);
+  EXPECT_THAT(wanted, HasSubstr("all the way in"));
+  testing::Identified identified(*opened.device);
+  const auto time = [&] { return 1e-3 * stand_in->requests.load(); };
+  identified.run(*opened.device, time, [&] { return stand_in->requests > 3000; });
+  EXPECT_EQ(stand_in->largest_motor, 0);
+  EXPECT_THAT(identified.status.awaits.load(), HasSubstr("not homed"));
+  stand_in->homed = 7;
+  identified.run(*opened.device, time, [&] { return stand_in->force > 0.01; });
+  stand_in->homed = 6;
+  identified.run(*opened.device, time);
+  EXPECT_THAT(std::string(identified.identification.why()), HasSubstr("not homed"));
+  stand_in->motor_before_homing = 0;  // the request that was on its way then
+}
+
 TEST_F(Falcon, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_EQ(statistics.device_faults, 0u);
@@ -233,25 +271,42 @@ TEST_F(Falcon, MakesNoneWithFaults) {
 }
 
 TEST_F(Falcon, RecoversFromALostAnswer) {
-  recovers([&] { stand_in->drops = 1; });
+  recovers("drops", [&] { stand_in->drops = 1; });
 }
 TEST_F(Falcon, RecoversFromAGarbledAnswer) {
-  recovers([&] { stand_in->garbles = 1; });
+  recovers("garbles", [&] { stand_in->garbles = 1; });
 }
 TEST_F(Falcon, RecoversFromAnAnswerWithoutAnEnd) {
-  recovers([&] { stand_in->wrong_ends = 1; });
+  recovers("wrong_ends", [&] { stand_in->wrong_ends = 1; });
 }
 TEST_F(Falcon, RecoversFromAnArmThatJumps) {
-  recovers([&] { stand_in->jumps = 1; });
+  recovers("jumps", [&] { stand_in->jumps = 1; });
 }
 TEST_F(Falcon, RecoversFromAShortTransfer) {
-  recovers([&] { stand_in->short_writes = 1; });
+  recovers("short_writes", [&] { stand_in->short_writes = 1; });
 }
 TEST_F(Falcon, RecoversFromALateAnswer) {
-  recovers([&] { stand_in->late = 1; });
+  recovers("late", [&] { stand_in->late = 1; });
 }
 TEST_F(Falcon, RecoversFromAnAnswerThatComesTwice) {
-  recovers([&] { stand_in->repeats = 1; });
+  recovers("repeats", [&] { stand_in->repeats = 1; });
+}
+
+/// A transfer over USB that does not come back holds up only the driver's own thread, which lets
+/// the force go as soon as it comes back.
+TEST_F(Falcon, ABlockedTransferNeverHoldsTheServoUp) {
+  const OpenedDevice opened = open();
+  Servo servo = servo_of(opened);
+  feel(*opened.device, servo);
+  stand_in->blocks = true;
+  const std::uint64_t faults = servo.statistics().device_faults;
+  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 5; });
+  EXPECT_EQ(servo.held(), Command{});
+  session.stiffness = 0.0;
+  stand_in->edge.strike();
+  stand_in->blocks = false;
+  test::eventually("it is let go", [&] { return stand_in->edge.ended(); });
+  testing::expect_in_time("falcon", "a blocked transfer", stand_in->edge, 0.0);
 }
 
 TEST_F(Falcon, UnpluggedItIsAFaultForGood) {

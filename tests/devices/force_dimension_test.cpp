@@ -1,17 +1,9 @@
 // The driver of Force Dimension's devices, against a library that answers as theirs does.
 
-#include "client/devices/force_dimension.hpp"
-
-#include <dlfcn.h>
 #include <gmock/gmock.h>
 
-#include <cstdlib>
-#include <numbers>
-
-#include "client/servo/servo_thread.hpp"
-#include "tests/client/peer.hpp"
-#include "tests/devices/drd_stand_in.hpp"
-#include "tests/devices/stand_in_session.hpp"
+#include "tests/devices/force_dimension_bench.hpp"
+#include "tests/devices/identified.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -22,60 +14,6 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::WallSession;
-
-Command pull(double x, double y, double z) { return {.elastic = Vec3(x, y, z)}; }
-
-struct ForceDimension : ::testing::Test {
-  ForceDimension() : library(::dlopen(FELTWIRE_DRD_STAND_IN, RTLD_NOW | RTLD_LOCAL)) {
-    ::setenv("FDSDK", FELTWIRE_FDSDK, 1);
-    using New = stand_in::Drd*();
-    stand_in = reinterpret_cast<New*>(::dlsym(library, "stand_in_new"))();
-  }
-  ~ForceDimension() override {
-    ::unsetenv("FDSDK");
-    ::dlclose(library);
-  }
-  static OpenedDevice open(const std::string& name = "") {
-    DeviceRequest request;
-    request.name = name;
-    return open_force_dimension(request);
-  }
-  /// One whose physics are known: the stand-in's.
-  OpenedDevice known() const {
-    DeviceRequest request;
-    request.spec.damping = stand_in->mass.damping;
-    request.spec.mass = stand_in->mass.mass;
-    OpenedDevice opened = open_force_dimension(request);
-    return opened;
-  }
-  static std::string refusal(const std::string& name = "") {
-    try {
-      open(name);
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return "none";
-  }
-  /// [J] that the true motion made more than the device burned, in a minute at a late wall.
-  double made(std::string_view mode = kSessionMethod, double twist = 0.0) {
-    const OpenedDevice opened = known();
-    SessionParameters parameters = testing::session_of(*opened.device);
-    parameters.mode = mode;
-    DeviceSpec spec = opened.device->spec();
-    spec.position_resolution = stand_in->mass.quantum;
-    spec.least_friction = stand_in->mass.friction;
-    Servo servo(spec, parameters, {});
-    WallSession session{.twist = twist, .period = stand_in->period};
-    session.run(*opened.device, servo, 60.0);
-    statistics = servo.statistics();
-    return twist > 0.0 ? stand_in->most_made : stand_in->mass.most_made;
-  }
-
-  void* library;
-  stand_in::Drd* stand_in;
-  ServoStatistics statistics;
-};
 
 TEST_F(ForceDimension, IsMadeReadyWithoutAKick) {
   {
@@ -185,51 +123,24 @@ TEST_F(ForceDimension, ButtonsAreTheClutchAndTheEnablingSwitch) {
   EXPECT_TRUE(opened.device->read({}).deadman);
 }
 
-/// What the motors cannot give is not accounted as given.
-TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
-  const OpenedDevice opened = open();
-  stand_in->saturates_at = 2.0;
-  const Command held =
-      opened.device->write({.elastic = Vec3(0, 3, 0), .frictional = Vec3(4, 0, 0)});
-  EXPECT_NEAR(held.force().norm(), 2.0, 1e-12);
-  EXPECT_NEAR((held.elastic - 0.4 * Vec3(0, 3, 0)).norm(), 0.0, 1e-12);
-  stand_in->tells_force = false;
-  EXPECT_EQ(opened.device->write(pull(0, 3, 0)), Command{});
-  EXPECT_FALSE(opened.device->read({}).ok);  // until a zero has gone through
-  opened.device->write({});
+TEST_F(ForceDimension, TheSecondOfTwoIsTheSecond) {
+  stand_in->devices = 2;
+  stand_in->left_handed = true;
+  const OpenedDevice opened = open("1");
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("left-handed")));
+  EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
   EXPECT_TRUE(opened.device->read({}).ok);
+  EXPECT_EQ(stand_in->strangers, 0);
+  EXPECT_THAT(refusal("2"), HasSubstr("no device found"));
 }
 
-TEST_F(ForceDimension, ForcesThatAreSwitchedOffAreNotHeld) {
+TEST_F(ForceDimension, IdentifyMeasuresAFreeHandle) {
+  testing::let_free(stand_in->mass);
   const OpenedDevice opened = open();
-  EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
-  stand_in->off_from = 0;
-  stand_in->off_until = 2;
-  EXPECT_EQ(opened.device->write(pull(0, 0, 1)), Command{});
-  opened.device->read({});
-  opened.device->read({});
-  EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
-}
-
-/// A reading in time guard tells nothing new; meanwhile the firmware's watchdog is kept quiet.
-TEST_F(ForceDimension, AnOldReadingIsSeenAsSuch) {
-  const OpenedDevice opened = open();
-  opened.device->read({});
-  opened.device->write({});
-  stand_in->stale_every = 1;
-  const int zeros = stand_in->zeros;
-  EXPECT_FALSE(opened.device->read({}).fresh);
-  EXPECT_EQ(stand_in->zeros, zeros + 1);
-}
-
-TEST_F(ForceDimension, ReleaseTakesTheForceOffForGood) {
-  const OpenedDevice opened = open();
-  opened.device->write(pull(0, 0, 1));
-  ASSERT_TRUE(stand_in->pulls);
-  opened.device->release();
-  test::eventually("it is let go", [&] { return !stand_in->pulls.load(); });
-  EXPECT_EQ(opened.device->write(pull(0, 0, 1)), Command{});
-  EXPECT_FALSE(stand_in->pulls);
+  testing::Identified identified(*opened.device);
+  identified.run(*opened.device,
+                 [&] { return static_cast<double>(stand_in->readings) * stand_in->period; });
+  identified.expect_below(stand_in->mass);
 }
 
 TEST_F(ForceDimension, MakesNoEnergy) {
@@ -258,18 +169,6 @@ TEST_F(ForceDimension, MakesNoEnergyByTorqueEither) {
   }
 }
 
-TEST_F(ForceDimension, MakesNoneWithEveryFaultAtOnce) {
-  stand_in->stale_every = 5;
-  stand_in->saturates_at = 1.0;
-  stand_in->fails_from = 3000;
-  stand_in->fails_until = 3050;
-  stand_in->off_from = 6000;
-  stand_in->off_until = 6700;
-  EXPECT_LE(made(), 1e-12);
-  EXPECT_GE(statistics.device_faults, 50u);
-  EXPECT_GT(statistics.stale_readings, 1900u);
-}
-
 TEST_F(ForceDimension, ATickDoesNotTouchTheHeap) {
   const OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
@@ -277,28 +176,6 @@ TEST_F(ForceDimension, ATickDoesNotTouchTheHeap) {
   const std::size_t before = test::allocations();
   for (int n = 0; n < 1000; ++n) servo.tick(*opened.device, now += std::chrono::milliseconds(1));
   EXPECT_EQ(test::allocations() - before, 0u);
-}
-
-/// A transfer over USB that does not come back.
-TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
-  testing::ScenePeer peer;
-  SessionParameters parameters;
-  parameters.mode = kUnbounded;
-  auto task = std::make_shared<ServoTask>(
-      open().device, std::make_shared<Transport>(peer.session(), SessionParameters{}, true),
-      parameters, ServoOptions{});
-  task->priority = ServoTask::kNoRealTime;
-  ServoThread thread(task);
-  while (!stand_in->pulls) {
-    const auto received = peer.receive();
-    if (received.kind == DatagramKind::samples)
-      peer.send(testing::ScenePeer::reply_to(received.batch.samples[0], pull(0, 0, 3)));
-  }
-  stand_in->blocks.store(true);
-  test::eventually("it is let go", [&] { return stand_in->blocked && !stand_in->pulls; });
-  stand_in->blocks.store(false);
-  EXPECT_TRUE(thread.end());
-  EXPECT_TRUE(task->result.stood_still);
 }
 
 }  // namespace

@@ -165,6 +165,9 @@ void HapiBoard::answer_torques() {
   }
   ++frames;
   force.store(std::hypot(f.x, f.y));
+  edge.tick();
+  edge.command(force > 0.0);
+  if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
   if (!takes_one(drops)) reply(bytes);
   mass.advance(kFrameTick, {f.x, 0.0, f.y});
 }

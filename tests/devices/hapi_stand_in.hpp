@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/devices/force_edge.hpp"
 #include "tests/devices/simulated_mass.hpp"
 
 namespace stand_in {
@@ -31,8 +32,10 @@ class HapiBoard {
   void stop();
 
   SimulatedMass mass;
+  ForceEdge edge;
   Firmware firmware = Firmware::hapi;
   std::atomic<bool> blocks{false};        // it does not read
+  std::atomic<int> late{0};               // replies that come 30 ms late
   std::atomic<int> drops{0};              // replies that it will not give
   std::atomic<int> loses{0};              // frames that it will not see
   std::atomic<int> garbles{0};            // replies that it will give some of, with other bytes

@@ -12,9 +12,11 @@
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
 #include "tests/devices/hapi_stand_in.hpp"
+#include "tests/devices/identified.hpp"
 #include "tests/devices/stand_in_session.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/hurry.hpp"
 
 namespace feltwire::hapi_test {
 namespace {
@@ -85,6 +87,7 @@ TEST_F(Hapi, SaysWhatItIs) {
   EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.02 N s/m is an assumption")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("not calibrated")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("watchdog")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("no longest tick")));
 }
 
 TEST_F(Hapi, WhatIsWrongIsSaid) {
@@ -139,6 +142,36 @@ TEST_F(Hapi, ForcesAreOurs) {
   board.stop();
   EXPECT_GT(board.mass.velocity[2], 0.0);
   EXPECT_LT(board.mass.velocity[0], 0.0);
+}
+
+TEST_F(Hapi, IdentifyMeasuresAFreeHandle) {
+  const test::Hurry hurry;
+  testing::let_free(board.mass);
+  const OpenedDevice opened = open();
+  testing::Identified identified(*opened.device);
+  identified.run(*opened.device, [&] { return 1e-3 * board.frames.load(); });
+  board.stop();
+  identified.expect_below(board.mass);
+}
+
+/// What the board's unit of torque does not reach is scaled, and accounted as that.
+TEST_F(Hapi, AForceBeyondTheMotorsKeepsItsDirection) {
+  const OpenedDevice opened = open();
+  Device& device = *opened.device;
+  const auto tick = [&] {
+    EXPECT_TRUE(device.await_tick(monotonic_now() + std::chrono::seconds(10)));
+    device.read({});
+  };
+  const Vec3 asked(30.0, -40.0, 0.0);
+  tick();
+  device.write({.elastic = asked});
+  tick();
+  const Vec3 held = device.write({}).force();
+  EXPECT_LT(held.norm(), 0.9 * asked.norm());
+  EXPECT_NEAR((held.normalized() - asked.normalized()).norm(), 0.0, 1e-12);
+  tick();
+  board.stop();
+  EXPECT_NEAR(board.mass.largest_force, held.norm(), 0.01 * held.norm());
 }
 
 TEST_F(Hapi, MakesNoEnergy) {
@@ -199,17 +232,20 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   const std::uint64_t faults = servo.statistics().device_faults;
+  session.strike(board.edge);
   board.*GetParam().count = 1;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
   EXPECT_EQ(servo.held(), Command{});
   // By that one tick, without another.
   test::eventually("it is let go", [&] { return board.force == 0.0; });
+  session.expect_let_go("hapi", GetParam().name, board.edge);
   feel(*opened.device, servo);
   EXPECT_LT(servo.statistics().device_faults, faults + 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HapiFault,
                          ::testing::Values(Fault{"ADroppedReply", &HapiBoard::drops},
+                                           Fault{"ALateReply", &HapiBoard::late},
                                            Fault{"ALostFrame", &HapiBoard::loses},
                                            Fault{"Garbage", &HapiBoard::garbles},
                                            Fault{"AReplyTwice", &HapiBoard::repeats},

@@ -71,6 +71,7 @@ void HaplyService::run() {
     ::setsockopt(peer_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (peer_ >= 0 && shake_hands()) serve();
     force.store(0.0);  // nobody sends any more: it goes idle
+    edge.command(false);
     ::close(peer_);
   }
 }
@@ -140,7 +141,10 @@ void HaplyService::understand(std::string_view text) {
   const std::string_view name = json_ == Json::v3_5 ? "\"set_cursor_force\":{\"vector\":"
                                                     : "\"set_cursor_force\":{\"values\":";
   const std::size_t at = text.find(name);
-  const bool known = at != std::string_view::npos && text.find("\"device_id\":\"049D\"") < at;
+  const bool to_second = second && text.find("\"device_id\":\"0B1A\"") < at;
+  const bool known =
+      at != std::string_view::npos && (to_second || text.find("\"device_id\":\"049D\"") < at);
+  for_second += to_second ? 1 : 0;
   if (!known) ++misunderstood;
   if (json_ == Json::v3_5 && text.find("\"profile\":{\"name\":") != std::string_view::npos)
     ++sessions;
@@ -154,6 +158,8 @@ void HaplyService::understand(std::string_view text) {
   for (std::size_t i = 0; i < 3; ++i) applied_[i] = gate.load() * wanted[i];
   applied_[2] += pushes.load();
   force.store(std::hypot(applied_[0], applied_[1], applied_[2]));
+  edge.tick();
+  edge.command(wanted != Three{});
   answer(told(false));
   mass.advance(kCommandTick, {-applied_[1], applied_[0], applied_[2]});
 }
@@ -170,9 +176,10 @@ std::string HaplyService::device(std::string_view id, bool first) const {
         "{\"permutation\": \"" +
         std::string(permutation) + "\"}, \"mount\": {\"position\": " + xyz(0, 0, 0) +
         ", \"rotation\": {\"w\": 1, \"x\": 0, \"y\": 0, \"z\": 0}, \"scale\": " +
-        xyz(scale, scale, scale) + "}";
+        xyz(scale, scale, scale) + "}, \"handedness\": \"" + handedness + "\"";
     if (json_ == Json::v3_5)
-      text += ", \"filters\": {\"force_gate\": {\"gain\": 0.3}, \"damping\": {\"scalar\": 0.0}}";
+      text += ", \"filters\": {\"force_gate\": {\"gain\": 0.3}, \"damping\": {\"scalar\": " +
+              std::to_string(damping) + "}}";
     text += "}, ";
   }
   text += "\"state\": {\"cursor_velocity\": " + xyz(0, 0, 0) +
@@ -181,11 +188,15 @@ std::string HaplyService::device(std::string_view id, bool first) const {
     text += ", \"cursor_position\": " + xyz(p[1], kBack - p[0], kHeight + p[2]);
   text += ", \"current_cursor_force\": " + xyz(applied_[0], applied_[1], applied_[2]) +
           ", \"control_mode\": \"idle \\\"}\"}, \"status\": {\"calibrated\": " +
-          (calibrated.load() ? "true" : "false") + ", \"ready\": true}}";
+          (calibrated.load() ? "true" : "false") +
+          ", \"ready\": " + (ready.load() ? "true" : "false") +
+          ", \"power_supply\": " + (power_supply.load() ? "true" : "false") +
+          ", \"in_use\": " + (in_use.load() ? "true" : "false") + "}}";
   return text;
 }
 
 std::string HaplyService::told(bool first) const {
+  if (old_json) return R"({"devices": [{"id": "049D", "position": [0, 0, 0]}]})";
   std::string text = "{";
   if (json_ == Json::v3_5) text += "\"session_id\": 7, ";
   const bool keyed = json_ == Json::v3_0;
@@ -213,6 +224,7 @@ std::string HaplyService::told(bool first) const {
 
 void HaplyService::answer(std::string text) {
   if (takes_one(drops)) return;
+  if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
   takes_one(homeless);  // the text has been made so
   if (takes_one(breaks)) text.resize(text.size() / 2);
   if (takes_one(huge)) text.insert(1, "\"filler\": \"" + std::string(200000, 'x') + "\", ");

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <thread>
 
+#include "tests/devices/force_edge.hpp"
 #include "tests/devices/simulated_mass.hpp"
 
 namespace stand_in {
@@ -30,10 +31,14 @@ class HaplyService {
   void stop();
 
   SimulatedMass mass;
+  ForceEdge edge;
   std::atomic<bool> plugged{true}, second{false}, speaks{true};
   // Set before the driver comes.
   const char* permutation = "XYZ";
-  double scale = 1.0;
+  double scale = 1.0, damping = 0.0;
+  const char* handedness = "right";
+  bool old_json = false;  // of 2.x, of which only is known that it is another
+  std::atomic<bool> ready{true}, power_supply{true}, in_use{false};
   std::atomic<bool> calibrated{true}, button{false}, second_button{false};
   std::atomic<bool> grip_turns{false};    // the grip tells its orientation
   std::atomic<double> away_turn{0.0};     // [rad] about its y, which points away from the user
@@ -42,6 +47,7 @@ class HaplyService {
   std::atomic<bool> hangs_up{false};      // it closes the connection
   std::atomic<double> gate{1.0};          // of the force that it applies, and tells
   std::atomic<double> pushes{0.0};        // [N] along z of another program
+  std::atomic<int> late{0};               // answers that come 30 ms late
   std::atomic<int> drops{0};              // answers that it will not give
   std::atomic<int> breaks{0};             // answers that are no JSON
   std::atomic<int> huge{0};               // answers of 200 kB
@@ -51,6 +57,7 @@ class HaplyService {
   std::atomic<int> pongs{0};
   std::atomic<double> force{0.0};  // [N] on the mass
   std::atomic<int> commands{0}, sessions{0}, misunderstood{0};
+  std::atomic<int> for_second{0};  // commands to the second device, which has the same mass
 
  private:
   void run();

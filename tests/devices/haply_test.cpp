@@ -104,10 +104,37 @@ TEST_P(HaplyDialect, WhatIsWrongIsSaid) {
   service.permutation = "XYZ";
   service.scale = 2.0;
   EXPECT_THAT(refusal(service), HasSubstr("reset basis and mount"));
+  service.scale = 1.0;
+  service.damping = 3.0;  // only a session's configuration tells of it
+  EXPECT_THAT(refusal(service),
+              HasSubstr(GetParam() == Json::v3_5 ? "set its damping to 0" : "none"));
+  service.damping = 0.0;
+  service.ready = false;
+  EXPECT_THAT(refusal(service), HasSubstr("not ready"));
+  service.ready = true;
   service.plugged = false;
   EXPECT_THAT(refusal(service), HasSubstr("no Inverse3"));
   service.speaks = false;
   EXPECT_THAT(refusal(service), HasSubstr("is not a WebSocket service"));
+}
+
+TEST_P(HaplyDialect, WhatIsOddIsNoted) {
+  service.power_supply = false;
+  service.in_use = true;
+  service.handedness = "left";
+  const OpenedDevice opened = open(service);
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("power supply is not there")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("another program uses")));
+  EXPECT_THAT(opened.notes, Contains(HasSubstr("left-handed")));
+}
+
+TEST_P(HaplyDialect, TheSecondOfTwoIsTheSecond) {
+  service.second = true;
+  const OpenedDevice opened = open(service, "0B1A");
+  ASSERT_TRUE(opened.device->await_tick(monotonic_now() + std::chrono::seconds(10)));
+  EXPECT_TRUE(opened.device->read({}).ok);
+  EXPECT_GT(service.for_second, 0);
+  EXPECT_EQ(service.for_second, service.commands);
 }
 
 TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
@@ -229,15 +256,18 @@ TEST_P(HaplyFault, LetsTheForceGoAndIsOver) {
   Servo servo = servo_of(opened);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
   const std::uint64_t faults = servo.statistics().device_faults;
+  session.strike(service.edge);
   service.*GetParam().count = 1;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
   EXPECT_EQ(servo.held(), Command{});
   // By that one tick, without another.
   test::eventually("it is let go", [&] { return service.force == 0.0; });
+  session.expect_let_go("haply", GetParam().name, service.edge);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
 }
 INSTANTIATE_TEST_SUITE_P(Of, HaplyFault,
                          Values(Fault{"ADroppedAnswer", &HaplyService::drops},
+                                Fault{"ALateAnswer", &HaplyService::late},
                                 Fault{"BrokenJson", &HaplyService::breaks},
                                 Fault{"AHugeAnswer", &HaplyService::huge},
                                 Fault{"AnAnswerTwice", &HaplyService::repeats},
@@ -251,7 +281,13 @@ struct HaplyLoss : ::testing::Test {
     Servo servo = servo_of(opened);
     session.run(*opened.device, servo, [&] { return service.force > 0.5; });
     const std::uint64_t faults = servo.statistics().device_faults;
+    session.strike(service.edge);
     lost = value;
+    session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+    if (!service.blocks) {
+      test::eventually("it is let go", [&] { return service.edge.ended(); });
+      session.expect_let_go("haply", "a loss", service.edge);
+    }
     session.run(*opened.device, servo,
                 [&] { return servo.statistics().device_faults > faults + 3; });
     EXPECT_EQ(servo.held(), Command{});
@@ -269,6 +305,10 @@ TEST_F(HaplyLoss, ADeviceThatLosesItsCalibrationIsAFault) {
   expect_let_go(service.calibrated, false);
 }
 
+TEST_F(HaplyLoss, ADeviceThatIsNotReadyAnyMoreIsAFault) { expect_let_go(service.ready, false); }
+/// The service goes on, and its messages do not have the device any more.
+TEST_F(HaplyLoss, ADeviceThatIsPulledOutIsAFault) { expect_let_go(service.plugged, false); }
+
 /// Another program adds a force of its own: what is on the hand is not ours to account.
 TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
   session.patience = std::chrono::seconds(10);  // no other fault
@@ -276,14 +316,23 @@ TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
   Servo servo = servo_of(opened);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
   const std::uint64_t faults = servo.statistics().device_faults;
+  session.strike(service.edge);
   service.pushes = 1.0;
+  session.run(*opened.device, servo, [&] { return service.edge.ended(); });
+  session.expect_let_go("haply", "another's force", service.edge);
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
   EXPECT_EQ(servo.held(), Command{});
 }
 
 TEST(Haply, TheOldestJsonIsRefused) {
   const HaplyService service(Json::v3_0);
-  EXPECT_THAT(refusal(service), AllOf(HasSubstr("3.0"), HasSubstr("install 3.1")));
+  EXPECT_THAT(refusal(service), AllOf(HasSubstr("3.0"), HasSubstr("port 10001"),
+                                      HasSubstr("haply-inverse-service 3.1")));
+}
+TEST(Haply, AnOlderServiceIsRefused) {
+  HaplyService service(Json::v3_1);
+  service.old_json = true;
+  EXPECT_THAT(refusal(service), AllOf(HasSubstr("2.x"), HasSubstr("install")));
 }
 /// For the doctor; no command is sent.
 TEST(Haply, TheServiceSaysWhatItHas) {

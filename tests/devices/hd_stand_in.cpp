@@ -22,16 +22,18 @@ struct ErrorInfo {
 };
 
 constexpr unsigned kHandle = 3, kNone = 0xFFFFFFFFu;
-constexpr double kMost = 625e-6;  // [s] of either half of a tick, for the mass
-constexpr int kRamp = 500;        // ticks
+constexpr double kTick = 1e-3, kMostTick = 1.25e-3;  // [s] for the mass
+constexpr int kRamp = 500;                           // ticks
 
 std::unique_ptr<stand_in::Hd> device = std::make_unique<stand_in::Hd>();
 std::array<unsigned, 16> errors;
 std::size_t error_count = 0;
-Three force{}, wanted{};  // [N] on the mass, in our axes; of this frame
-Three twist{};            // [N m] of this frame
-Clock::time_point last;
-int ramp = 0;  // ticks that are left of it
+Three force{}, wanted{};         // [N] on the mass, in our axes; of this frame
+Three before{};                  // [N] on it until the last frame ended
+Three twist{};                   // [N m] of this frame
+Clock::time_point began, ended;  // the last frame
+bool framed = false;             // there was one
+int ramp = 0;                    // ticks that are left of it
 bool in_frame = false;
 
 std::thread scheduler;
@@ -43,19 +45,28 @@ void* user = nullptr;
 void raise(unsigned code) {
   if (error_count < errors.size()) errors[error_count++] = code;
 }
+/// The motion of the tick that ends: by the force of the frame before until that frame ended, and
+/// then by the new one.
 void move() {
   const auto now = Clock::now();
-  device->mass.advance(std::min(std::chrono::duration<double>(now - last).count(), kMost), force);
-  last = now;
+  if (framed) {
+    const double real = std::chrono::duration<double>(now - began).count();
+    const double tick = device->virtual_time ? kTick : std::min(real, kMostTick);
+    const double share = std::chrono::duration<double>(ended - began).count() / real;
+    device->mass.advance(share * tick, before);
+    device->mass.advance((1.0 - share) * tick, force);
+  }
+  began = now;
+  framed = true;
 }
 bool allowed() { return !runs.load() || in_scheduler; }
 void check(bool good) { device->misuses += good ? 0 : 1; }
 
 void run() {
   in_scheduler = true;
-  auto next = last = Clock::now();
+  auto next = Clock::now();
   while (runs.load()) {
-    next += std::chrono::milliseconds(1);
+    if (!device->virtual_time) next += std::chrono::milliseconds(1);
     std::this_thread::sleep_until(next);
     if (Clock::now() - next > std::chrono::milliseconds(5)) next = Clock::now();
     Callback* call = callback.load();
@@ -70,7 +81,8 @@ extern "C" {
 stand_in::Hd* stand_in_new() {
   device = std::make_unique<stand_in::Hd>();
   error_count = 0;
-  force = twist = {};
+  force = wanted = before = twist = {};
+  framed = false;
   ramp = 0;
   return device.get();
 }
@@ -95,9 +107,15 @@ void hdBeginFrame(unsigned handle) {
 void hdEndFrame(unsigned) {
   check(in_frame && allowed());
   in_frame = false;
-  move();
+  while (device->blocks.load()) std::this_thread::yield();
+  ended = Clock::now();
+  before = force;
   if (const unsigned code = device->raises.exchange(0); code != 0) {
     raise(code);
+    raise(code);
+    ramp = kRamp;
+  }
+  if (const unsigned code = device->fails.load(); code != 0) {
     raise(code);
     ramp = kRamp;
   }
@@ -115,6 +133,8 @@ void hdEndFrame(unsigned) {
     device->about_near.store(device->torque[0]);
   }
   device->force.store(share * size);
+  device->edge.tick();
+  device->edge.command(size > 0.0);
   ++device->frames;
 }
 ErrorInfo hdGetError() {
@@ -143,6 +163,7 @@ void hdGetDoublev(unsigned what, double* values) {
   for (int i = 0; i < 16; ++i) values[i] = i % 5 == 0 ? 1.0 : 0.0;
   const Three p = device->mass.sensed();
   device->told_near.store(p[0]);
+  device->told_at.store(device->mass.time);
   values[12] = 1e3 * p[1], values[13] = 1e3 * p[2], values[14] = 1e3 * p[0];  // right, up, near
 }
 void hdGetIntegerv(unsigned what, int* value) {

@@ -124,6 +124,8 @@ void answer() {
   const Three told = arms(falcon->mass.position);
   force = force_of(motors, falcon->mass.position);
   falcon->force = std::hypot(force[0], force[1], force[2]);
+  falcon->edge.tick();
+  falcon->edge.command(falcon->force > 0.0);
   std::vector<Byte> reply(16, 'A');
   reply.front() = '<';
   reply.back() = '>';
@@ -237,6 +239,7 @@ int libusb_control_transfer(void*, Byte type, Byte what, std::uint16_t value, st
 }
 int libusb_bulk_transfer(void*, Byte endpoint, Byte* data, int length, int* transferred, unsigned) {
   *transferred = 0;
+  while (falcon->blocks) std::this_thread::yield();
   if (falcon->unplug) return kNoDevice;
   std::unique_lock lock(mutex);
   if (!claimed) ++falcon->misuses;
@@ -264,5 +267,12 @@ int libusb_bulk_transfer(void*, Byte endpoint, Byte* data, int length, int* tran
   return 0;
 }
 int libusb_set_auto_detach_kernel_driver(void*, int) { return 0; }
+const void* libusb_get_version(void) {
+  static const struct {
+    std::uint16_t major = 1, minor = 0, micro = 26, nano = 11724;
+    const char *rc = "", *description = "a stand-in";
+  } version;
+  return &version;
+}
 const char* libusb_error_name(int) { return "LIBUSB_ERROR"; }
 }

@@ -6,10 +6,14 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
 
+#include "client/run/device_check.hpp"
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
+#include "tests/client/temporary_folder.hpp"
 #include "tests/devices/hd_stand_in.hpp"
+#include "tests/devices/identified.hpp"
 #include "tests/devices/stand_in_session.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
@@ -164,6 +168,43 @@ TEST_F(OpenHaptics, ButtonsAreTheEnablingSwitchAndTheClutch) {
   EXPECT_EQ(pressed(2), std::pair(false, true));
 }
 
+/// It waits for the end of the maker's ramp, and does not take it for a fault.
+TEST_F(OpenHaptics, IdentifyMeasuresAFreeHandle) {
+  testing::let_free(stand_in->mass);
+  stand_in->virtual_time = true;
+  OpenedDevice opened = open();
+  testing::Identified identified(*opened.device);
+  identified.run(*opened.device, [&] { return stand_in->told_at.load(); });
+  opened.device.reset();  // the scheduler does not run any more
+  identified.expect_below(stand_in->mass);
+  EXPECT_EQ(stand_in->asked_ramping, 0.0);
+}
+
+/// In its inkwell it is not moved; put back while it is measured, it ends that.
+TEST_F(OpenHaptics, IdentifyWaitsForTheStylus) {
+  testing::let_free(stand_in->mass);
+  stand_in->inkwell.store(true);
+  OpenedDevice opened = open();
+  testing::Identified identified(*opened.device);
+  const auto now = [] { return seconds(monotonic_now()); };
+  identified.run(*opened.device, now, [&] { return stand_in->frames > 1500; });
+  EXPECT_EQ(stand_in->asked_in_inkwell, 0.0);
+  EXPECT_THAT(identified.status.awaits.load(), HasSubstr("take it out"));
+  stand_in->inkwell.store(false);
+  identified.run(*opened.device, now, [&] { return stand_in->force > 0.01; });
+  stand_in->inkwell.store(true);
+  identified.run(*opened.device, now);
+  EXPECT_THAT(std::string(identified.identification.why()), HasSubstr("in its inkwell"));
+}
+
+/// The ramp is no fault of the device.
+TEST_F(OpenHaptics, ItsRateIsMeasuredFromTheStart) {
+  const OpenedDevice opened = open();
+  const DeviceTicks ticks = watch_ticks(*opened.device, 0.5, 1000.0);
+  EXPECT_GT(ticks.ticks, 50u);
+  EXPECT_EQ(ticks.faults, 0u);
+}
+
 /// The stand-in was pulled by its wall, its force ramped at the start, and gave nothing away.
 TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
@@ -192,8 +233,12 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   test::eventually("it is out", [&] { return opened.device->prepare().empty(); });
   felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
   const std::uint64_t faults = servo.statistics().device_faults;
+  testing::PacedSession session;
+  session.strike(stand_in->edge);
   stand_in->inkwell.store(true);
-  felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
+  session.run(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
+  session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
+  session.expect_let_go("openhaptics", "the inkwell", stand_in->edge);
   stand_in->asked_in_inkwell = 0.0;  // the frame in which it went in had begun before
   const int frames = stand_in->frames;
   felt(*opened.device, servo, [&] { return stand_in->frames > frames + 200; });
@@ -210,14 +255,76 @@ TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
   felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });
+  testing::PacedSession session;
+  session.strike(stand_in->edge);
   stand_in->raises.store(0x201);
   const std::uint64_t faults = servo.statistics().device_faults;
-  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
   EXPECT_EQ(servo.held(), Command{});
+  session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
+  session.expect_let_go("openhaptics", "an error", stand_in->edge);
+  const int frames = stand_in->frames;
+  felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::starting; });
   felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // and then it is back
-  EXPECT_GE(servo.statistics().device_faults, faults + 900);
+  EXPECT_GE(stand_in->frames, frames + 900);
   // The frame that raised it was under way.
   EXPECT_LE(stand_in->asked_ramping, 3.3 + 1e-9);
+}
+
+/// A scheduler that comes late (frames are dropped), and a frame that did not end: one fault each.
+TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
+  OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  for (const unsigned code : {0x200U, 0x203U, 0x304U, 0x402U}) {
+    const std::uint64_t faults = servo.statistics().device_faults;
+    stand_in->raises.store(code);
+    felt(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+    EXPECT_EQ(servo.held(), Command{});
+  }
+}
+
+/// It is a fault as long as it lasts.
+TEST_F(OpenHaptics, UnpluggedItIsAFault) {
+  OpenedDevice opened = open();
+  SessionParameters parameters = testing::session_of(*opened.device);
+  parameters.mode = kUnbounded;
+  Servo servo(opened.device->spec(), parameters, {});
+  felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  const std::uint64_t faults = servo.statistics().device_faults;
+  testing::PacedSession session;
+  session.strike(stand_in->edge);
+  stand_in->fails.store(0x302);
+  session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
+  session.expect_let_go("openhaptics", "unplugged", stand_in->edge);
+  session.run(*opened.device, servo,
+              [&] { return servo.statistics().device_faults > faults + 100; });
+  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+}
+
+/// A call of the maker's that does not return: no tick comes, and then the servo is given no force.
+TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
+  OpenedDevice opened = open();
+  Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
+  stand_in->blocks.store(true);
+  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
+  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  stand_in->blocks.store(false);
+}
+
+/// A library without what the driver needs, and one without what it needs itself.
+TEST_F(OpenHaptics, ALibraryThatCannotBeUsedIsRefused) {
+  const testing::TemporaryFolder sdk;
+  ::setenv("OH_SDK_BASE", (sdk / "").c_str(), 1);
+  std::filesystem::create_directory(sdk / "lib");
+  std::filesystem::copy_file(FELTWIRE_EMPTY_LIBRARY, sdk / "lib/libHD.so");
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("openhaptics: "), HasSubstr("no function hdInitDevice"),
+                               HasSubstr("install OpenHaptics 3")));
+  EXPECT_THROW(open_haptics_library(), std::runtime_error);
+  std::filesystem::remove(sdk / "lib/libHD.so");
+  std::filesystem::copy_file(FELTWIRE_NEEDY_LIBRARY, sdk / "lib/libHD.so");
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("libPhantomIOLib42.so: cannot open"),
+                               HasSubstr("comes with the driver")));
 }
 
 TEST_F(OpenHaptics, ReleaseTakesTheForceOffForGood) {
@@ -226,8 +333,10 @@ TEST_F(OpenHaptics, ReleaseTakesTheForceOffForGood) {
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
   felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  stand_in->edge.strike();
   opened.device->release();
   test::eventually("it is let go", [&] { return stand_in->force == 0.0; });
+  testing::expect_in_time("openhaptics", "release", stand_in->edge, 0.0);
   const int frames = stand_in->frames;
   test::eventually("some more frames", [&] { return stand_in->frames > frames + 20; });
   EXPECT_EQ(stand_in->force, 0.0);
@@ -250,7 +359,9 @@ TEST_F(OpenHaptics, AServoThatStandsStillHoldsNothing) {
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
   felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
+  stand_in->edge.strike();
   test::eventually("it is let go", [&] { return stand_in->force == 0.0; });
+  testing::expect_in_time("openhaptics", "a servo that stops", stand_in->edge, 0.0);
 }
 
 TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {

@@ -42,6 +42,12 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
   spec->position_resolution = m.quantum;
   spec->max_force = 8.0;
   spec->late_ticks = device->late_ticks;
+  if (device->turns) {
+    spec->rotation_sensed = spec->rotation_actuated = 3;
+    spec->rotational_damping = 1e-3;
+    spec->rotational_resolution = 2e-4;
+    spec->max_torque = 0.2;
+  }
   for (double& w : spec->workspace) w = 0.2;
   released = false;
   before = force = {};
@@ -52,6 +58,7 @@ int wait_for_tick(void*, std::int64_t) {
   if (unplugged()) return 0;
   drop_released();
   ++device->ticks;
+  device->edge.tick();
   random_share = std::fmod(random_share * 997.13 + 0.317, 1.0);
   const double span = device->period - device->jitter * random_share;
   device->mass.advance(device->late * span, before);
@@ -82,19 +89,24 @@ int read_device(void*, feltwire_reading_v1* reading) {
   return FELTWIRE_OK;
 }
 
-int write_device(void*, const double* asked, const double*, double* held, double*) {
+int write_device(void*, const double* asked, const double* twist, double* held, double* turned) {
   if (unplugged() || released) return 1;
   before = force;
   const double size = std::hypot(asked[0], asked[1], asked[2]);
   const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
   for (std::size_t i = 0; i < 3; ++i) held[i] = force[i] = share * asked[i];
+  const double turn = std::hypot(twist[0], twist[1], twist[2]);
+  const double part = turn > device->turns_at_most ? device->turns_at_most / turn : 1.0;
+  for (std::size_t i = 0; i < 3; ++i) turned[i] = device->torque[i] = part * twist[i];
   device->pulls.store(size > 0.0);
+  device->edge.command(size > 0.0);
   return 0;
 }
 
 void release_device(void*) {
   released = true;
   device->pulls.store(false);
+  device->edge.command(false);
   ++device->releases;
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "tests/devices/force_edge.hpp"
 #include "tests/devices/simulated_mass.hpp"
 
 namespace stand_in {
@@ -11,6 +12,7 @@ namespace stand_in {
 /// In virtual time: each wait() is a tick.
 struct Plugin {
   SimulatedMass mass;
+  ForceEdge edge;
   double period = 1e-3;             // [s]
   double jitter = 0.0;              // [s] that ticks come sooner, at most
   double late = 0.0;                // of a tick, for which the old force stays
@@ -20,6 +22,9 @@ struct Plugin {
   bool tells_late = true;           // and whether it is told of
   int stale_every = 0;              // ticks; 0: never
   double saturates_at = 1e9;        // [N]
+  bool turns = false;               // its wrist has motors
+  double turns_at_most = 1e9;       // [N m]
+  Three torque{};                   // [N m] that it holds
   std::int64_t unplugged_at = -1;   // tick; -1: never
   std::atomic<bool> blocks{false};  // read() does not come back while it is set
   std::atomic<bool> blocked{false};

@@ -91,6 +91,20 @@ TEST_F(Plugin, TellsLatenessButtonsAndLever) {
   EXPECT_THAT(refusal(), HasSubstr("late_ticks"));
 }
 
+TEST_F(Plugin, TorqueGoesOutAndWhatIsHeldOfItComesBack) {
+  stand_in->turns = true;
+  const OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->spec().rotation_actuated, 3);
+  EXPECT_EQ(opened.device->spec().max_torque, 0.2);
+  const Command turn{.elastic = Vec3(0, 0, 1), .torque = Vec3(0.01, 0.02, 0.03)};
+  EXPECT_EQ(opened.device->write(turn), turn);
+  EXPECT_EQ(stand_in->torque, (stand_in::Three{0.01, 0.02, 0.03}));
+  stand_in->turns_at_most = 0.5 * turn.torque.norm();
+  const Command held = opened.device->write(turn);
+  EXPECT_NEAR((held.torque - 0.5 * turn.torque).norm(), 0.0, 1e-15);
+  EXPECT_EQ(held.force(), turn.force());
+}
+
 TEST_F(Plugin, ErrorsNameTheFileAndTheRemedy) {
   EXPECT_THAT(refusal("not_there.so"), AllOf(HasSubstr("not_there.so"), HasSubstr("plugin:")));
   EXPECT_THAT(refusal(__FILE__), HasSubstr("cannot be loaded"));
@@ -250,8 +264,10 @@ TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
       peer.send(
           testing::ScenePeer::reply_to(received.batch.samples[0], {.elastic = Vec3(0, 0, 3)}));
   }
+  stand_in->edge.strike();
   stand_in->blocks.store(true);
   test::eventually("it is let go", [&] { return stand_in->blocked && !stand_in->pulls; });
+  testing::expect_in_time_by_clock("plugin", "a blocked call", stand_in->edge);
   EXPECT_GT(stand_in->releases, 0);
   stand_in->blocks.store(false);
   EXPECT_TRUE(thread.end());

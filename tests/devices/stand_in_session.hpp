@@ -8,11 +8,14 @@
 #include <cstdlib>
 #include <deque>
 #include <numbers>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
 #include "protocol/session/session_parameters.hpp"
+#include "tests/devices/force_edge.hpp"
 
 namespace feltwire::testing {
 
@@ -60,6 +63,32 @@ inline double session_seconds(double usual) {
 }
 inline bool measures() { return std::getenv("FELTWIRE_SESSION_SECONDS") != nullptr; }
 
+/// The force has gone within the hold time and a tick after the fault, by the stand-in's own ticks
+/// and by `waited` [s], what the servo's ticks since then take at most. A busy machine makes both
+/// no longer.
+inline void expect_in_time(const char* device, const std::string& fault,
+                           const stand_in::ForceEdge& edge, double waited) {
+  constexpr double kTick = 1e-3;  // [s] of every stand-in
+  const double most = SessionParameters{}.hold_time + kTick;
+  ASSERT_TRUE(edge.ended());
+  EXPECT_LE(kTick * static_cast<double>(edge.ticks()), most);
+  EXPECT_LE(waited, most);
+  if (measures())
+    std::printf("%-14s %-24s %3ld ticks, servo %4.0f ms, by the clock %6.1f ms\n", device,
+                fault.c_str(), edge.ticks(), 1e3 * waited, 1e3 * edge.seconds());
+}
+
+/// Where another thread lets it go: only the clock can tell. A busy machine may take that many
+/// times as long as the hold time, and the test says no more than that it is not forever.
+inline void expect_in_time_by_clock(const char* device, const std::string& fault,
+                                    const stand_in::ForceEdge& edge) {
+  constexpr double kBusy = 50.0;
+  ASSERT_TRUE(edge.ended());
+  EXPECT_LE(edge.seconds(), kBusy * SessionParameters{}.hold_time);
+  if (measures())
+    std::printf("%-14s %-24s by the clock %6.1f ms\n", device, fault.c_str(), 1e3 * edge.seconds());
+}
+
 /// Of a device that sets the pace with a thread of its own, in real time.
 struct PacedSession {
   Vec3 normal = Vec3::UnitZ();                           // of the wall through the origin
@@ -101,6 +130,19 @@ struct PacedSession {
     other.join();
   }
 
+  /// The fault begins now.
+  void strike(stand_in::ForceEdge& edge) {
+    edge.strike();
+    struck = {ticks, missed};
+  }
+  /// The force is gone.
+  void expect_let_go(const char* device, const std::string& fault,
+                     const stand_in::ForceEdge& edge) const {
+    const auto late = static_cast<double>(missed - struck.second);
+    const double came = static_cast<double>(ticks - struck.first) - late;
+    expect_in_time(device, fault, edge, 1e-3 * came + seconds(patience) * late);
+  }
+
   /// One line of the table.
   void tell(const char* device, const Servo& servo, double force, double made) const {
     if (!measures()) return;
@@ -113,7 +155,8 @@ struct PacedSession {
 
   std::deque<Reply> on_the_way{};
   std::uint64_t ticks = 0, missed = 0;
-  double lasted = 0.0;  // [s]
+  double lasted = 0.0;                               // [s]
+  std::pair<std::uint64_t, std::uint64_t> struck{};  // ticks and missed ones until the fault
 };
 
 inline SessionParameters session_of(const Device& device) {

@@ -101,5 +101,13 @@ TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
   EXPECT_EQ(first->finish().status, 0);
 }
 
+TEST_F(TwoDevices, IdentifyTakesNoFirmwareForABoard) {
+  Program identify(FELTWIRE_CLIENT_PROGRAM,
+                   {"identify", "--device", "hapi:/dev/none", "--firmware", "image.bin"});
+  const Outcome outcome = identify.finish();
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.error, ::testing::HasSubstr("--firmware is for --device falcon"));
+}
+
 }  // namespace
 }  // namespace feltwire::two_devices_test

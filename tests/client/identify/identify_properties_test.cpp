@@ -137,6 +137,29 @@ TEST(Identify, AHandThatHoldsItIsDoubted) {
   EXPECT_NE(found.doubts.front().find("does somebody hold it"), std::string::npos);
 }
 
+/// A damping that is there only while a force is on, as a filter of the maker's: sweeps cannot tell
+/// it from the device's own, and the decay can.
+TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
+  HandleTruth truth;
+  truth.friction = Vec3::Constant(0.02);
+  truth.quantum = 10e-6;
+  const Identification free = measured(truth, spec_of(12.0), 3.0);
+  ASSERT_EQ(free.state(), Identification::State::done) << free.why();
+  EXPECT_TRUE(free.estimate().doubts.empty());
+  for (const auto& decay : free.estimate().decay) EXPECT_NEAR(decay.value(), 0.5, 0.05);
+  // A third less than what the sweeps say: that is told.
+  truth.servo_damping = 1.0;
+  const DeviceEstimate doubted = measured(truth, spec_of(12.0), 3.0).estimate();
+  ASSERT_FALSE(doubted.doubts.empty());
+  EXPECT_NE(doubted.doubts.front().find("the decay only"), std::string::npos);
+  // A little less: the reported number is lowered.
+  truth.servo_damping = 0.1;
+  const DeviceEstimate lowered = measured(truth, spec_of(12.0), 3.0).estimate();
+  EXPECT_TRUE(lowered.doubts.empty());
+  EXPECT_GT(lowered.damping.minCoeff(), 0.55);
+  EXPECT_LT(lowered.damping_bound.maxCoeff(), 0.8 * 0.55);
+}
+
 /// Half of the reported numbers of clean devices, an encoder of 10 um and nothing else, are at
 /// least these shares of the truth.
 TEST(Identify, ReportsAGoodShareOfACleanDevice) {

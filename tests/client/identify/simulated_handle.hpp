@@ -22,6 +22,7 @@ struct HandleTruth {
   double quantum = 0.0, noise = 0.0;                // [m]
   int force_delay = 0, reading_delay = 0;           // [ticks]
   double hand_stiffness = 0.0, hand_damping = 0.0;  // [N/m], [N s/m] of who holds it after all
+  double servo_damping = 0.0;  // [N s/m] more along axes with a force: a filter of the maker's
   unsigned seed = 1;
 };
 
@@ -52,7 +53,9 @@ class SimulatedHandle {
 
  private:
   void advance(const Vec3& force, double h) {
-    const Vec3 drag = truth_.damping * velocity_;
+    Vec3 drag = truth_.damping * velocity_;
+    for (int i = 0; i < 3; ++i)
+      if (force[i] != 0.0) drag[i] += truth_.servo_damping * velocity_[i];
     for (int i = 0; i < 3; ++i) {
       const double turn = 2.0 * std::numbers::pi / truth_.cogging_pitch;
       const double midway = position_[i] + 0.5 * h * velocity_[i];

@@ -20,10 +20,11 @@ TEST(DeviceSpec, BuiltInDevicesAreValidAndFoundByName) {
         << device.name << " could render nothing under the bound";
     EXPECT_TRUE(names.insert(device.name).second);
   }
-  EXPECT_THAT(names, ::testing::UnorderedElementsAre("simulated", "impulse_engine_2000",
-                                                     "phantom_premium_1.5", "touch", "omega.7",
-                                                     "sigma.7", "virtuose_6d",
-                                                     "phantom_premium_1.5_6dof", "simulated_6dof"));
+  EXPECT_THAT(names,
+              ::testing::UnorderedElementsAre(
+                  "simulated", "impulse_engine_2000", "phantom_premium_1.5", "touch", "omega.7",
+                  "sigma.7", "virtuose_6d", "phantom_premium_1.5_6dof", "simulated_6dof", "delta.3",
+                  "lambda.7", "falcon", "inverse3", "hapi_2dof"));
 }
 
 TEST(DeviceSpec, DegreesOfFreedom) {
@@ -57,13 +58,13 @@ TEST(DeviceSpec, TheSimulatedDeviceIsTheOneOfTheMeasurements) {
 
 TEST(DeviceSpec, UnknownDeviceListsThoseThereAre) {
   try {
-    builtin_device("falcon");
+    builtin_device("novint");
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
-                 "unknown device 'falcon'; choose one of: simulated impulse_engine_2000 "
+                 "unknown device 'novint'; choose one of: simulated impulse_engine_2000 "
                  "phantom_premium_1.5 touch omega.7 sigma.7 virtuose_6d phantom_premium_1.5_6dof "
-                 "simulated_6dof");
+                 "simulated_6dof delta.3 lambda.7 falcon inverse3 hapi_2dof");
   }
 }
 

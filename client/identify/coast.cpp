@@ -1,0 +1,84 @@
+#include "client/identify/coast.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "client/identify/burned.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr std::array kPushes = {0.4, 0.7, 1.0};       // of the top speed
+constexpr std::array kPlaces = {-0.45, -0.4, -0.35};  // [amplitudes]
+constexpr double kNoForce = 1e-3;                     // [N] that a device may hold of none
+constexpr double kMargin = 3e-3;                      // [s] that a force may last beyond the delay
+constexpr double kSlowestCoast = 0.25;                // of the push: below it stiction may act
+constexpr std::size_t kShortest = 10;                 // [ticks]
+constexpr int kLeastFreedom = 4;
+
+/// [m] the mean place about tick k, over the window of velocity_at().
+double place_at(const CoastRun& run, std::size_t k) {
+  double sum = 0.0;
+  for (std::size_t n = k - kHalfWindow + 1; n < k + kHalfWindow; ++n)
+    sum += run.coast.along.dot(run.ticks[n].position);
+  const double ends = run.coast.along.dot(run.ticks[k - kHalfWindow].position +
+                                          run.ticks[k + kHalfWindow].position);
+  return (sum + 0.5 * ends) / (2.0 * kHalfWindow);
+}
+
+double speed_at(const CoastRun& run, std::size_t k) {
+  return run.coast.along.dot(velocity_at(run.ticks, k, kHalfWindow));
+}
+
+/// How it slows down, and at which mean speed.
+struct Slowing {
+  double deceleration, speed;  // [m/s^2], [m/s]
+};
+
+/// Over the part without a force. The integral of dv/dt = -(b v + f_c) / m from one tick to another
+/// has no other error than that of both ends.
+std::optional<Slowing> slowing(const CoastRun& run, double delay) {
+  std::size_t free = run.ticks.size();
+  while (free > 0 && std::abs(run.coast.along.dot(run.ticks[free - 1].force)) < kNoForce) --free;
+  if (free == run.ticks.size()) return std::nullopt;
+  std::size_t first = free;
+  while (first < run.ticks.size() && run.ticks[first].time < run.ticks[free].time + delay + kMargin)
+    ++first;
+  first += kHalfWindow;
+  if (first + kShortest + kHalfWindow >= run.ticks.size()) return std::nullopt;
+  std::size_t last = run.ticks.size() - kHalfWindow - 1;
+  while (last > first && speed_at(run, last) < kSlowestCoast * run.coast.speed) --last;
+  if (last < first + kShortest) return std::nullopt;
+  const double span = run.ticks[last].time - run.ticks[first].time;
+  return Slowing{(speed_at(run, first) - speed_at(run, last)) / span,
+                 (place_at(run, last) - place_at(run, first)) / span};
+}
+
+}  // namespace
+
+std::vector<Coast> coast_plan(int dof, double top_speed) {
+  std::vector<Coast> plan;
+  plan.reserve(static_cast<std::size_t>(dof) * 2 * kPushes.size() * kPlaces.size());
+  for (int i = 0; i < dof; ++i)
+    for (const double from : kPlaces)
+      for (const double share : kPushes)
+        for (const double sense : {1.0, -1.0})
+          plan.push_back({sense * Vec3::Unit(i), share * top_speed, from});
+  return plan;
+}
+
+DecayFit decay_fit(std::span<const CoastRun> runs, const Vec3& axis, double mass, double delay) {
+  std::vector<BurnedCycle> pairs;
+  for (std::size_t n = 0; n + 1 < runs.size(); n += 2) {
+    if (!runs[n].coast.along.isApprox(axis, 1e-6)) continue;
+    const auto there = slowing(runs[n], delay), back = slowing(runs[n + 1], delay);
+    if (there && back)
+      pairs.push_back({0.5 * mass * (there->deceleration + back->deceleration),
+                       0.5 * (there->speed + back->speed), 0.0});
+  }
+  const FittedLine line = fitted_line(pairs);
+  return {line.slope, line.slope_error, line.freedom, line.freedom >= kLeastFreedom};
+}
+
+}  // namespace feltwire
