@@ -184,8 +184,16 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
+  // The old place with a stiffer surface is a larger force, so the place changes in the same
+  // sample. With a softer one it may be far away, and the first fit may be false: it goes there
+  // slowly.
+  const bool stiffer = line.slope > contact_.stiffness;
   contact_.stiffness = line.slope;
-  if (!known_) place_.relearn(height_of(s, force));
+  const double place = height_of(s, force);
+  if (!known_ && stiffer)
+    place_.begin(place, place);
+  else if (!known_)
+    place_.relearn(place);
   known_ = true;
 }
 

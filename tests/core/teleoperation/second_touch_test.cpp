@@ -100,5 +100,29 @@ TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   EXPECT_LT(most, 0.05) << "both sides cancel";
 }
 
+/// The stiffness is learnt late: at first the tool shakes, which is no spring. Then place and
+/// stiffness change together, so the force that they tell does not jump.
+TEST(FirstTouch, AStiffnessThatIsLearntLateChangesNoForce) {
+  ContactEstimate estimate({});
+  Vec3 tip(0, 0, -0.5e-3);
+  for (int n = 0; n < 100; ++n) {
+    const bool even = n % 2 == 0;
+    estimate.step({tip, Vec3::Zero(), Vec3(0, 0, even ? 2.0 : 3.0), kPeriod});
+    tip.z() += even ? -0.05e-3 : 0.05e-3;
+  }
+  const double assumed = ContactEstimateConfig{}.first_stiffness;
+  ASSERT_EQ(estimate.contact().stiffness, assumed) << "nothing was learnt yet";
+  constexpr double kIn = 5e-6;  // [m] in one sample
+  double felt = 0.0;
+  for (int n = 0; n < 1000 && estimate.contact().stiffness == assumed; ++n) {
+    tip.z() -= kIn;
+    felt = -kStiffness * tip.z();
+    estimate.step({tip, Vec3(0, 0, -kIn / kPeriod), Vec3(0, 0, felt), kPeriod});
+  }
+  const RemoteContact& seen = estimate.contact();
+  ASSERT_GT(seen.stiffness, 2.0 * assumed);
+  EXPECT_NEAR(seen.stiffness * (seen.point - tip).dot(seen.normal), felt, 1e-3 * felt);
+}
+
 }  // namespace
 }  // namespace feltwire::second_touch_test
