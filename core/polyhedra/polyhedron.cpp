@@ -142,6 +142,7 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
       solid.first.push_back(static_cast<std::uint32_t>(solid.loop.size()));
     }
     if (!join_faces(solid)) continue;
+    solid.graph = corner_graph(solid.vertices.size(), solid.first, solid.loop);
     solid.centre = 0.5 * (box.least + box.most);
     for (const Vec3& v : solid.vertices)
       solid.radius = std::max(solid.radius, (v - solid.centre).norm());
