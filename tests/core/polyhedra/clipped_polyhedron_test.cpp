@@ -68,6 +68,19 @@ TEST(ClippedPolyhedron, IsTheWholeSolidAtFirst) {
   }
 }
 
+// A narrow face that is nearly in the plane of a wide one, tilted by more than what joins planes.
+TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
+  std::vector<Vec3> corners;
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(1.0, 0.999),
+                               std::pair(0.999, 1.0), std::pair(0.0, 1.0)})
+      corners.emplace_back(x, y, z);
+  corners[8].z() += 5e-10;
+  const ClippedPolyhedron whole = placed(polyhedron(corners));
+  expect_closed(whole);
+  EXPECT_NEAR(volume(whole), 1.0 - 5e-7, 1e-9);
+}
+
 TEST(ClippedPolyhedron, ACutDividesTheVolume) {
   test::Random random(4);
   for (int i = 0; i < 50; ++i) {
