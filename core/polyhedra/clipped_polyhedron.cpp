@@ -7,143 +7,115 @@ namespace {
 
 /// [m] A corner this little above a plane lies on it: rounding of coordinates of some metres.
 constexpr double kOn = 1e-14;
-constexpr std::size_t kCrossings = 512;  // of one cut with edges
-
-/// The corners that a cut makes: one for both directions of an edge.
-struct Crossings {
-  struct Known {
-    std::uint16_t low, high, made;
-  };
-  std::array<Known, kCrossings> known;
-  std::size_t count = 0;
-
-  const Known* find(std::uint16_t low, std::uint16_t high) const noexcept {
-    for (std::size_t i = 0; i < count; ++i)
-      if (known[i].low == low && known[i].high == high) return &known[i];
-    return nullptr;
-  }
-};
 
 }  // namespace
 
 ClippedPolyhedron& ClippedPolyhedron::operator=(const ClippedPolyhedron& other) noexcept {
   if (this == &other) return *this;
-  vertex_count_ = other.vertex_count_;
-  edge_count_ = other.edge_count_;
-  face_count_ = other.face_count_;
-  std::copy_n(other.vertices_.begin(), vertex_count_, vertices_.begin());
-  std::copy_n(other.edges_.begin(), edge_count_, edges_.begin());
-  std::copy_n(other.faces_.begin(), face_count_, faces_.begin());
+  count_ = other.count_;
+  std::copy_n(other.x_.begin(), count_, x_.begin());
+  std::copy_n(other.y_.begin(), count_, y_.begin());
+  std::copy_n(other.z_.begin(), count_, z_.begin());
+  std::copy_n(other.links_.begin(), count_, links_.begin());
   return *this;
 }
 
 void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
                                const Vec3& position) noexcept {
-  vertex_count_ = edge_count_ = face_count_ = 0;
-  if (solid.vertices.size() > kVertices || solid.loop.size() > kEdges ||
-      solid.planes.size() > kFaces) [[unlikely]]
-    return;  // never: polyhedron() limits the vertices, and so the rest
-  for (const Vec3& v : solid.vertices) vertices_[vertex_count_++] = rotation * v + position;
-  for (std::size_t f = 0; f < solid.planes.size(); ++f) {
-    const auto loop = solid.face(f);
-    const auto begin = static_cast<std::uint16_t>(edge_count_);
-    for (std::size_t k = 0; k < loop.size(); ++k)
-      edges_[edge_count_++] = {static_cast<std::uint16_t>(loop[k]),
-                               static_cast<std::uint16_t>(loop[(k + 1) % loop.size()])};
-    faces_[face_count_++] = {begin, static_cast<std::uint16_t>(edge_count_), kOwn};
+  count_ = 0;
+  if (solid.graph.size() > kCorners) [[unlikely]]
+    return;  // never: polyhedron() limits the vertices, and so the corners
+  for (const GraphCorner& corner : solid.graph) {
+    const Vec3 at = rotation * solid.vertices[corner.vertex] + position;
+    x_[count_] = at.x();
+    y_[count_] = at.y();
+    z_[count_] = at.z();
+    links_[count_++] = {corner.next, {kOwn, kOwn, kOwn}, corner.back};
   }
 }
 
-bool ClippedPolyhedron::cut(const Vec3& normal, double offset, std::uint32_t tag) noexcept {
-  std::array<double, kVertices> height;
-  std::size_t above = 0;
-  double lowest = 0.0;
-  for (std::size_t v = 0; v < vertex_count_; ++v) {
-    height[v] = normal.dot(vertices_[v]) - offset;
-    above += height[v] > kOn ? 1 : 0;
-    lowest = std::min(lowest, height[v]);
-  }
-  if (above == 0) return vertex_count_ > 0;
-  if (lowest >= -kOn) {
-    vertex_count_ = edge_count_ = face_count_ = 0;
+bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept {
+  if (count_ == 0) return false;
+  alignas(16) Heights height;
+  Eigen::Map<Eigen::ArrayXd, Eigen::Aligned16> heights(height.data(),
+                                                       static_cast<Eigen::Index>(count_));
+  heights = normal.x() * x() + normal.y() * y() + normal.z() * z() - offset;
+  if (!(heights.maxCoeff() > kOn)) return true;
+  if (heights.minCoeff() >= -kOn) {
+    count_ = 0;
     return false;
   }
-
-  constexpr std::uint16_t kNone = 0xFFFF;
-  std::array<Vec3, kVertices> vertices;
-  std::array<std::uint16_t, kVertices> number;
-  std::fill_n(number.begin(), vertex_count_, kNone);
-  std::array<Edge, kEdges> edges;
-  std::array<Face, kFaces> faces;
-  std::array<Edge, kCrossings> cap;
-  Crossings crossings;
-  std::size_t vertex_count = 0, edge_count = 0, face_count = 0, cap_count = 0;
-  const auto kept = [&](std::uint16_t v) {
-    if (number[v] == kNone) {
-      number[v] = static_cast<std::uint16_t>(vertex_count);
-      vertices[vertex_count++] = vertices_[v];
+  const std::size_t old_count = count_;
+  if (!has_room(height)) [[unlikely]]
+    return true;
+  std::array<std::uint16_t, kCorners> above;
+  std::size_t above_count = 0;
+  for (std::size_t v = 0; v < old_count; ++v) {
+    if (!(height[v] > kOn)) continue;
+    above[above_count++] = static_cast<std::uint16_t>(v);
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::uint16_t in = links_[v].next[s];
+      if (height[in] > kOn) continue;
+      // A corner on the edge from `in`; the new face lies between its other two edges.
+      const double part = std::clamp(height[in] / (height[in] - height[v]), 0.0, 1.0);
+      x_[count_] = x_[in] + part * (x_[v] - x_[in]);
+      y_[count_] = y_[in] + part * (y_[v] - y_[in]);
+      z_[count_] = z_[in] + part * (z_[v] - z_[in]);
+      const std::uint8_t slot = links_[v].back[s];
+      Links& kept = links_[in];
+      links_[count_] = {
+          {in, 0, 0}, {kept.face[kAfter[kAfter[slot]]], tag, kept.face[slot]}, {slot, 0, 0}};
+      kept.next[slot] = static_cast<std::uint16_t>(count_++);
+      kept.back[slot] = 0;
     }
-    return number[v];
-  };
-  const auto crossed = [&](std::uint16_t a, std::uint16_t b) {
-    const auto [low, high] = std::minmax(a, b);
-    if (const auto* known = crossings.find(low, high)) return known->made;
-    const double part = std::clamp(height[low] / (height[low] - height[high]), 0.0, 1.0);
-    const auto made = static_cast<std::uint16_t>(vertex_count);
-    vertices[vertex_count++] = vertices_[low] + part * (vertices_[high] - vertices_[low]);
-    crossings.known[crossings.count++] = {low, high, made};
-    return made;
-  };
-  for (std::size_t f = 0; f < face_count_; ++f) {
-    const Face face = faces_[f];
-    const std::size_t begin = edge_count;
-    // A convex face is left and entered once. Where rounding makes it more, any pairing closes it,
-    // as all the places lie on one line.
-    std::array<std::uint16_t, 8> left, entered;
-    std::size_t lefts = 0, entries = 0;
-    for (std::size_t e = face.begin; e < face.end; ++e) {
-      const auto [from, to] = edges_[e];
-      const bool in = !(height[from] > kOn), stays = !(height[to] > kOn);
-      if (!in && !stays) continue;
-      if (vertex_count + 2 >= kVertices || edge_count + left.size() + 2 >= kEdges ||
-          crossings.count + 1 >= kCrossings || cap_count + left.size() >= kCrossings ||
-          lefts == left.size() || entries == entered.size()) [[unlikely]]
-        return true;  // no room: as it was
-      if (in && stays) {
-        edges[edge_count++] = {kept(from), kept(to)};
-      } else if (in) {
-        const std::uint16_t at = crossed(from, to);
-        edges[edge_count++] = {kept(from), at};
-        left[lefts++] = at;
-      } else {
-        const std::uint16_t at = crossed(from, to);
-        edges[edge_count++] = {at, kept(to)};
-        entered[entries++] = at;
-      }
-    }
-    for (std::size_t k = 0; k < std::min(lefts, entries); ++k) {
-      edges[edge_count++] = {left[k], entered[k]};
-      cap[cap_count++] = {entered[k], left[k]};
-    }
-    if (edge_count > begin)
-      faces[face_count++] = {static_cast<std::uint16_t>(begin),
-                             static_cast<std::uint16_t>(edge_count), face.tag};
   }
-  if (cap_count > 0) {
-    if (face_count == kFaces || edge_count + cap_count > kEdges) [[unlikely]]
-      return true;
-    const auto begin = static_cast<std::uint16_t>(edge_count);
-    std::copy_n(cap.begin(), cap_count, edges.begin() + static_cast<std::ptrdiff_t>(edge_count));
-    edge_count += cap_count;
-    faces[face_count++] = {begin, static_cast<std::uint16_t>(edge_count), tag};
-  }
-  vertex_count_ = vertex_count;
-  edge_count_ = edge_count;
-  face_count_ = face_count;
-  std::copy_n(vertices.begin(), vertex_count, vertices_.begin());
-  std::copy_n(edges.begin(), edge_count, edges_.begin());
-  std::copy_n(faces.begin(), face_count, faces_.begin());
+  close(old_count);
+  remove(std::span(above).first(above_count));
   return true;
+}
+
+bool ClippedPolyhedron::has_room(const Heights& height) const noexcept {
+  if (count_ + 3 * count_ / 2 <= kCorners) return true;  // a new corner on every edge
+  std::size_t crossing = 0;
+  for (std::size_t v = 0; v < count_; ++v)
+    for (std::size_t s = 0; s < 3; ++s)
+      crossing += height[v] > kOn && !(height[links_[v].next[s]] > kOn) ? 1 : 0;
+  return count_ + crossing <= kCorners;
+}
+
+void ClippedPolyhedron::close(std::size_t first_new) noexcept {
+  for (std::size_t n = first_new; n < count_; ++n) {
+    std::uint16_t at = links_[n].next[0];
+    std::uint8_t entered = links_[n].back[0];
+    while (at < first_new) {
+      const Links& links = links_[at];
+      const std::size_t out = kAfter[entered];
+      at = links.next[out];
+      entered = links.back[out];
+    }
+    links_[n].next[2] = at;
+    links_[n].back[2] = 1;
+    links_[at].next[1] = static_cast<std::uint16_t>(n);
+    links_[at].back[1] = 2;
+  }
+}
+
+void ClippedPolyhedron::remove(std::span<const std::uint16_t> gone) noexcept {
+  std::size_t left = gone.size();  // to remove; those behind are beyond the end
+  for (std::size_t k = 0; k < left; ++k) {
+    while (left > k && gone[left - 1] == count_ - 1) {
+      --left;
+      --count_;
+    }
+    if (k == left) return;
+    const std::uint16_t place = gone[k];
+    --count_;
+    x_[place] = x_[count_];
+    y_[place] = y_[count_];
+    z_[place] = z_[count_];
+    const Links& moved = links_[place] = links_[count_];
+    for (std::size_t s = 0; s < 3; ++s) links_[moved.next[s]].next[moved.back[s]] = place;
+  }
 }
 
 }  // namespace feltwire

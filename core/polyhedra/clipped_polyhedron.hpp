@@ -1,6 +1,8 @@
 #pragma once
 // A convex polyhedron that is cut by planes, without memory from the heap.
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -9,22 +11,16 @@
 
 namespace feltwire {
 
-/// The part of a polyhedron below planes. Each face is a set of directed edges that closes; their
-/// order does not matter. A cut shortens edges, and closes each face and the new one by the same
-/// edges in opposite directions. So the surface stays closed whatever rounding does to a corner on
-/// a plane, and integrals over it by the divergence theorem are right to rounding.
+/// The part of a polyhedron below planes, as a graph of corners at which three edges meet (Powell &
+/// Abel 2015, An exact general remeshing scheme applied to physically conservative voxelization).
+/// A cut looks only at signs of heights: it removes corners, places new ones on the edges that led
+/// to them, and joins these round each face. So the surface stays closed whatever rounding does to
+/// a corner on a plane, and integrals over it by the divergence theorem are right to rounding.
 class ClippedPolyhedron {
  public:
-  static constexpr std::size_t kVertices = 1024, kEdges = 6144, kFaces = 1536;
-  static constexpr std::uint32_t kOwn = 0xFFFFFFFF;  // the tag of a face of the polyhedron itself
-
-  struct Edge {
-    std::uint16_t from, to;  // vertices
-  };
-  struct Face {
-    std::uint16_t begin, end;  // edges
-    std::uint32_t tag;         // of the cut that made it
-  };
+  static constexpr std::size_t kCorners = 3072;
+  using Tag = std::uint16_t;
+  static constexpr Tag kOwn = 0xFFFF;  // the tag of a face of the polyhedron itself
 
   ClippedPolyhedron() = default;
   // Only what is in use is copied.
@@ -36,21 +32,68 @@ class ClippedPolyhedron {
 
   /// Keeps the points x with normal . x <= offset; the normal has any length but zero. The face
   /// that the cut makes gets the tag. Returns false if nothing with a volume is left. Without room
-  /// for more edges the cut is left out.
-  bool cut(const Vec3& normal, double offset, std::uint32_t tag) noexcept;
+  /// for more corners the cut is left out.
+  bool cut(const Vec3& normal, double offset, Tag tag) noexcept;
 
-  bool empty() const { return vertex_count_ == 0; }
-  std::span<const Vec3> vertices() const { return {vertices_.data(), vertex_count_}; }
-  std::span<const Face> faces() const { return {faces_.data(), face_count_}; }
-  std::span<const Edge> edges(const Face& face) const {
-    return std::span(edges_).subspan(face.begin, face.end - face.begin);
+  bool empty() const { return count_ == 0; }
+  std::size_t corner_count() const { return count_; }
+  Vec3 corner(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+  /// [m] Coordinates of all corners. Several may lie at one place.
+  using Coordinates = Eigen::Map<const Eigen::ArrayXd, Eigen::Aligned16>;
+  Coordinates x() const { return coordinates(x_); }
+  Coordinates y() const { return coordinates(y_); }
+  Coordinates z() const { return coordinates(z_); }
+  /// The tags of the three faces at a corner.
+  const std::array<Tag, 3>& tags(std::size_t i) const { return links_[i].face; }
+
+  /// Calls visit(tag, corners) for each face, with its corners counter-clockwise seen from outside.
+  template <class Visit>
+  void for_each_face(const Visit& visit) const {
+    std::array<std::uint8_t, kCorners> seen;  // a bit for each edge by which a walk entered
+    std::array<std::uint16_t, kCorners> loop;
+    std::fill_n(seen.begin(), count_, std::uint8_t{0});
+    for (std::size_t begin = 0; begin < count_; ++begin)
+      for (std::uint8_t entry = 0; entry < 3; ++entry) {
+        if ((seen[begin] >> entry & 1) != 0) continue;
+        std::size_t length = 0;
+        auto at = static_cast<std::uint16_t>(begin);
+        std::uint8_t entered = entry;
+        do {
+          seen[at] = static_cast<std::uint8_t>(seen[at] | 1U << entered);
+          loop[length++] = at;
+          const Links& links = links_[at];
+          const std::size_t out = kAfter[entered];
+          at = links.next[out];
+          entered = links.back[out];
+        } while ((at != begin || entered != entry) && length < loop.size());
+        visit(links_[begin].face[entry], std::span<const std::uint16_t>(loop.data(), length));
+      }
   }
 
  private:
-  std::array<Vec3, kVertices> vertices_;
-  std::array<Edge, kEdges> edges_;
-  std::array<Face, kFaces> faces_;
-  std::size_t vertex_count_ = 0, edge_count_ = 0, face_count_ = 0;
+  /// As GraphCorner; face[s]: the tag of the face whose walk enters by edge s.
+  struct Links {
+    std::array<std::uint16_t, 3> next;
+    std::array<Tag, 3> face;
+    std::array<std::uint8_t, 3> back;
+  };
+  static constexpr std::array<std::uint8_t, 3> kAfter = {1, 2, 0};
+
+  Coordinates coordinates(const std::array<double, kCorners>& values) const {
+    return {values.data(), static_cast<Eigen::Index>(count_)};
+  }
+  using Heights = std::array<double, kCorners>;  // [m] above the plane of a cut, times its length
+  bool has_room(const Heights& height) const noexcept;
+  /// Joins the corners that a cut has made, round each face that it has cut.
+  void close(std::size_t first_new) noexcept;
+  /// Fills the places of the corners that are gone, in ascending order, with the last ones.
+  void remove(std::span<const std::uint16_t> gone) noexcept;
+
+  alignas(16) std::array<double, kCorners> x_;
+  alignas(16) std::array<double, kCorners> y_;
+  alignas(16) std::array<double, kCorners> z_;
+  std::array<Links, kCorners> links_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace feltwire

@@ -8,8 +8,10 @@
 namespace feltwire {
 namespace {
 
+using Tag = ClippedPolyhedron::Tag;
+
 /// The tag of a plane between two cells: this and the other's candidate.
-constexpr std::uint32_t kRidge = 0x10000;
+constexpr Tag kRidge = 0x8000;
 static_assert(kRidge > kMostDepthPlanes && kRidge + kMostDepthPlanes < ClippedPolyhedron::kOwn);
 
 /// The rule of six points for polynomials of degree four on a triangle (Strang & Fix 1973): weights
@@ -46,33 +48,82 @@ struct Cell {
   }
 };
 
+/// The same number of two triangles.
+using Two = Eigen::Array2d;
+
+/// Corners of two triangles, as a cell sees them.
+struct TwoCorners {
+  Two u, v, d;
+
+  TwoCorners(const Vec3& first, const Vec3& second)
+      : u(first.x(), second.x()), v(first.y(), second.y()), d(first.z(), second.z()) {}
+};
+
 /// Integrals over what a cell and the tool's part have in common. By Gauss that of f(u, v) d^n is
 /// that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
 struct Moments {
   double cubes = 0.0;               // of d^3
   std::array<double, 3> squares{};  // of d^2 (1, u, v)
   std::array<double, 6> depths{};   // of d (1, u, v, u u, u v, v v)
+};
 
-  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const double area =
-        0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
-    if (area == 0.0) return;
-    for (const TrianglePoint& point : kRule) {
-      const double u = point.at[0] * a.x() + point.at[1] * b.x() + point.at[2] * c.x();
-      const double v = point.at[0] * a.y() + point.at[1] * b.y() + point.at[2] * c.y();
-      const double d = point.at[0] * a.z() + point.at[1] * b.z() + point.at[2] * c.z();
-      const double first = point.weight * area * d * d / 2.0, second = first * d * 2.0 / 3.0;
-      cubes += second * d * 3.0 / 4.0;
-      squares[0] += second;
-      squares[1] += second * u;
-      squares[2] += second * v;
-      depths[0] += first;
-      depths[1] += first * u;
-      depths[2] += first * v;
-      depths[3] += first * u * u;
-      depths[4] += first * u * v;
-      depths[5] += first * v * v;
-    }
+/// The integrals of d^2 f g over the surface, for f and g of (1, u, v, d). For f and g linear on a
+/// triangle with corners i,
+///   integral of d^2 f g = area / 180 sum of f_i H_ij g_j,
+/// H the second derivatives of the complete homogeneous polynomial of degree 4 in the depths of
+/// the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j, with
+/// S and Q the sums of the depths and of their squares.
+class SurfaceMoments {
+ public:
+  void add(const TwoCorners& a, const TwoCorners& b, const TwoCorners& c) {
+    const Two area = (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);  // twice
+    if (area[0] == 0.0 && area[1] == 0.0) return;
+    const Two sum = a.d + b.d + c.d;
+    const Two aa = a.d * a.d, bb = b.d * b.d, cc = c.d * c.d, squared = aa + bb + cc;
+    const Two sa = sum + 2.0 * a.d, sb = sum + 2.0 * b.d, sc = sum + 2.0 * c.d;
+    const Two h00 = area * (sa * sa + squared + 2.0 * aa);
+    const Two h11 = area * (sb * sb + squared + 2.0 * bb);
+    const Two h22 = area * (sc * sc + squared + 2.0 * cc);
+    const Two ta = sum + b.d + c.d, tb = sum + a.d + c.d, tc = sum + a.d + b.d;
+    const Two half = 0.5 * area;
+    const Two h12 = half * (ta * ta + squared + bb + cc);
+    const Two h02 = half * (tb * tb + squared + aa + cc);
+    const Two h01 = half * (tc * tc + squared + aa + bb);
+    const Two one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
+    of_[0] += one0 + one1 + one2;
+    of_[1] += one0 * a.u + one1 * b.u + one2 * c.u;
+    of_[2] += one0 * a.v + one1 * b.v + one2 * c.v;
+    of_[6] += one0 * a.d + one1 * b.d + one2 * c.d;
+    const Two u0 = h00 * a.u + h01 * b.u + h02 * c.u, u1 = h01 * a.u + h11 * b.u + h12 * c.u,
+              u2 = h02 * a.u + h12 * b.u + h22 * c.u;
+    of_[3] += u0 * a.u + u1 * b.u + u2 * c.u;
+    of_[4] += u0 * a.v + u1 * b.v + u2 * c.v;
+    of_[7] += u0 * a.d + u1 * b.d + u2 * c.d;
+    const Two v0 = h00 * a.v + h01 * b.v + h02 * c.v, v1 = h01 * a.v + h11 * b.v + h12 * c.v,
+              v2 = h02 * a.v + h12 * b.v + h22 * c.v;
+    of_[5] += v0 * a.v + v1 * b.v + v2 * c.v;
+    of_[8] += v0 * a.d + v1 * b.d + v2 * c.d;
+    of_[9] += (h00 * a.d + h01 * b.d + h02 * c.d) * a.d +
+              (h01 * a.d + h11 * b.d + h12 * c.d) * b.d + (h02 * a.d + h12 * b.d + h22 * c.d) * c.d;
+  }
+
+  Moments moments() const {
+    constexpr double kPart = 1.0 / 360.0;  // of twice the area
+    const auto of = [&](std::size_t i) { return kPart * of_[i].sum(); };
+    Moments m;
+    for (std::size_t i = 0; i < m.depths.size(); ++i) m.depths[i] = of(i) / 2.0;
+    for (std::size_t i = 0; i < m.squares.size(); ++i) m.squares[i] = of(6 + i) / 3.0;
+    m.cubes = of(9) / 4.0;
+    return m;
+  }
+
+ private:
+  /// Of 1, u, v, u u, u v, v v, then d (1, u, v), then d d.
+  std::array<Two, 10> of_ = zeros();
+  static std::array<Two, 10> zeros() {
+    std::array<Two, 10> all;
+    all.fill(Two::Zero());
+    return all;
   }
 };
 
@@ -113,12 +164,11 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
 }
 
 /// Of a face at which the part ends inside the solid.
-void add_inner_face(const ClippedPolyhedron& common, const ClippedPolyhedron::Face& face,
+void add_inner_face(const ClippedPolyhedron& common, std::span<const std::uint16_t> corners,
                     const Cell& cell, Vec6& slope) {
-  const auto edges = common.edges(face);
-  const Vec3& a = common.vertices()[edges.front().from];
-  for (const auto& edge : edges.subspan(1)) {
-    const Vec3 &b = common.vertices()[edge.from], &c = common.vertices()[edge.to];
+  const Vec3 a = common.corner(corners[0]);
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const Vec3 b = common.corner(corners[k - 1]), c = common.corner(corners[k]);
     const Vec3 area = 0.5 * (b - a).cross(c - a);
     double cubes = 0.0;
     Vec3 arm = Vec3::Zero();
@@ -133,22 +183,27 @@ void add_inner_face(const ClippedPolyhedron& common, const ClippedPolyhedron::Fa
   }
 }
 
-void add_cell(const ClippedPolyhedron& common, const Cell& cell, const DepthPlanes& planes,
+/// `own`: the tag of faces on the plane to which the depth is measured.
+void add_cell(const ClippedPolyhedron& common, const Cell& cell, Tag own, const DepthPlanes& planes,
               bool slides, DepthSums& sums) {
-  Moments m;
-  std::array<Vec3, ClippedPolyhedron::kVertices> seen;
-  for (std::size_t v = 0; v < common.vertices().size(); ++v)
-    seen[v] = cell.seen(common.vertices()[v]);
-  for (const auto& face : common.faces()) {
-    const auto edges = common.edges(face);
-    const Vec3& corner = seen[edges.front().from];
-    for (const auto& edge : edges.subspan(1)) m.add(corner, seen[edge.from], seen[edge.to]);
-  }
+  SurfaceMoments surface;
+  std::array<Vec3, ClippedPolyhedron::kCorners> seen;
+  for (std::size_t i = 0; i < common.corner_count(); ++i) seen[i] = cell.seen(common.corner(i));
+  Vec6 ends = Vec6::Zero();
+  common.for_each_face([&](Tag tag, std::span<const std::uint16_t> corners) {
+    if (tag == own) return;  // there the depth is zero
+    const Vec3& a = seen[corners[0]];
+    for (std::size_t k = 2; k < corners.size(); k += 2) {
+      const Vec3 &b = seen[corners[k - 1]], &c = seen[corners[k]];
+      const Vec3& d = seen[corners[std::min(k + 1, corners.size() - 1)]];
+      surface.add({a, a}, {b, c}, {c, d});
+    }
+    if (tag < planes.size() && planes[tag].inner) add_inner_face(common, corners, cell, ends);
+  });
+  const Moments m = surface.moments();
   if (!(m.cubes > 0.0 && m.squares[0] > 0.0 && m.depths[0] > 0.0)) return;
-  for (const auto& face : common.faces())
-    if (face.tag < planes.size() && planes[face.tag].inner)
-      add_inner_face(common, face, cell, sums.slope);
   ++sums.cells;
+  sums.slope += ends;
   sums.cubes += m.cubes;
   const Ways w(cell);
   const Vec6 out = 3.0 * (m.squares[0] * w.translation + m.squares[2] * w.about_across +
@@ -171,19 +226,16 @@ struct Extent {
   double least, most;
 };
 Extent depth_extent(const ClippedPolyhedron& common, const DepthPlane& plane) {
-  Extent extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const Vec3& x : common.vertices()) {
-    const double d = plane.offset - plane.normal.dot(x);
-    extent.least = std::min(extent.least, d);
-    extent.most = std::max(extent.most, d);
-  }
-  return extent;
+  alignas(16) std::array<double, ClippedPolyhedron::kCorners> depth;
+  Eigen::Map<Eigen::ArrayXd, Eigen::Aligned16> depths(
+      depth.data(), static_cast<Eigen::Index>(common.corner_count()));
+  depths = plane.offset - (plane.normal.x() * common.x() + plane.normal.y() * common.y() +
+                           plane.normal.z() * common.z());
+  return {depths.minCoeff(), depths.maxCoeff()};
 }
 
 Vec3 middle_of(const ClippedPolyhedron& common) {
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& x : common.vertices()) middle += x;
-  return middle / static_cast<double>(common.vertices().size());
+  return {common.x().mean(), common.y().mean(), common.z().mean()};
 }
 
 /// The faces to which depth is measured somewhere in a polyhedron, each plane once.
@@ -221,7 +273,7 @@ bool cut_to_cell(ClippedPolyhedron& common, const DepthPlanes& planes, const Can
   const auto cut = [&](std::size_t other) {
     const DepthPlane& farther = planes[nearest.of[other]];
     return common.cut(farther.normal - plane.normal, farther.offset - plane.offset,
-                      kRidge + static_cast<std::uint32_t>(other));
+                      static_cast<Tag>(kRidge + other));
   };
   for (std::size_t round = 0; round < nearest.count; ++round) {
     const std::size_t other = nearest.nearest_to(planes, middle_of(common));
@@ -242,14 +294,15 @@ void add_hollow(const PlacedPart& tool, const ClippedPolyhedron& whole, const De
   for (std::size_t k = 0; k < beyond.count; ++k) {
     const DepthPlane& plane = planes[beyond.of[k]];
     ClippedPolyhedron common(whole);
-    bool left = common.cut(-plane.normal, -plane.offset, beyond.of[k]);
+    const auto own = static_cast<Tag>(beyond.of[k]);
+    bool left = common.cut(-plane.normal, -plane.offset, own);
     for (std::size_t other = 0; left && other < beyond.count; ++other) {
       if (other == k) continue;
       const DepthPlane& nearer = planes[beyond.of[other]];
       left = common.cut(nearer.normal - plane.normal, nearer.offset - plane.offset, kRidge);
     }
     if (left)
-      add_cell(common, Cell(plane.normal, -plane.offset, tool.origin), planes, slides, sums);
+      add_cell(common, Cell(plane.normal, -plane.offset, tool.origin), own, planes, slides, sums);
   }
 }
 
@@ -265,7 +318,7 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     return;
   }
   const auto cut = [&](std::size_t i) {
-    return inside.cut(planes[i].normal, planes[i].offset, static_cast<std::uint32_t>(i));
+    return inside.cut(planes[i].normal, planes[i].offset, static_cast<Tag>(i));
   };
   if (!cut(planes.facing())) return;
   for (std::size_t i = 0; i < planes.size(); ++i)
@@ -300,9 +353,11 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     const DepthPlane& plane = planes[nearest.of[k]];
     ClippedPolyhedron common(inside);
     if (!cut_to_cell(common, planes, nearest, k)) continue;
-    add_cell(common, Cell(-plane.normal, plane.offset, tool.origin), planes, slides, sums);
-    for (const auto& face : common.faces())
-      if (face.tag >= kRidge && face.tag != ClippedPolyhedron::kOwn) look_at(face.tag - kRidge);
+    add_cell(common, Cell(-plane.normal, plane.offset, tool.origin),
+             static_cast<Tag>(nearest.of[k]), planes, slides, sums);
+    for (std::size_t i = 0; i < common.corner_count(); ++i)
+      for (const Tag tag : common.tags(i))
+        if (tag >= kRidge && tag != ClippedPolyhedron::kOwn) look_at(tag - kRidge);
   }
 }
 

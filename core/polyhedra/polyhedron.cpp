@@ -60,6 +60,33 @@ std::vector<std::uint32_t> ring(const std::vector<Vec3>& vertices, const HalfSpa
   return found;
 }
 
+struct Face {
+  HalfSpaceBelow plane;
+  std::vector<std::uint32_t> corners;
+
+  bool holds(const Face& other) const {
+    return std::ranges::all_of(other.corners, [&](std::uint32_t v) {
+      return std::ranges::find(corners, v) != corners.end();
+    });
+  }
+};
+
+/// The faces on planes. Where a narrow face beside a wide one lies in its plane but for rounding,
+/// both planes have the same corners: one of them remains.
+std::vector<Face> faces(const std::vector<Vec3>& vertices,
+                        const std::vector<HalfSpaceBelow>& planes, double on) {
+  std::vector<Face> found;
+  for (const HalfSpaceBelow& plane : planes) {
+    Face face{plane, ring(vertices, plane, on)};
+    if (face.corners.empty() ||
+        std::ranges::any_of(found, [&](const Face& other) { return other.holds(face); }))
+      continue;
+    std::erase_if(found, [&](const Face& other) { return face.holds(other); });
+    found.push_back(std::move(face));
+  }
+  return found;
+}
+
 /// False: some edge has not exactly two faces.
 bool join_faces(Polyhedron& solid) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> face_of;
@@ -134,14 +161,13 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
     solid.first = {0};
     solid.loop.clear();
     solid.edges.clear();
-    for (const HalfSpaceBelow& plane : distinct(hull->planes, size)) {
-      const auto corners = ring(solid.vertices, plane, on);
-      if (corners.empty()) continue;
+    for (const auto& [plane, corners] : faces(solid.vertices, distinct(hull->planes, size), on)) {
       solid.planes.push_back(plane);
       solid.loop.insert(solid.loop.end(), corners.begin(), corners.end());
       solid.first.push_back(static_cast<std::uint32_t>(solid.loop.size()));
     }
     if (!join_faces(solid)) continue;
+    solid.graph = corner_graph(solid.vertices.size(), solid.first, solid.loop);
     solid.centre = 0.5 * (box.least + box.most);
     for (const Vec3& v : solid.vertices)
       solid.radius = std::max(solid.radius, (v - solid.centre).norm());

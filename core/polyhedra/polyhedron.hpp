@@ -7,6 +7,7 @@
 
 #include "core/base/types.hpp"
 #include "core/convex/convex_hull.hpp"
+#include "core/polyhedra/corner_graph.hpp"
 
 namespace feltwire {
 
@@ -23,6 +24,7 @@ struct Polyhedron {
   std::vector<std::uint32_t> first;    // face f has loop[first[f]] ... loop[first[f + 1] - 1]
   std::vector<std::uint32_t> loop;     // vertices, counter-clockwise seen from outside
   std::vector<PolyhedronEdge> edges;
+  std::vector<GraphCorner> graph;                  // of the surface
   Vec3 centre = Vec3::Zero();                      // [m] of a ball that holds all vertices
   double radius = 0.0;                             // [m]
   Vec3 least = Vec3::Zero(), most = Vec3::Zero();  // [m] the box along the axes

@@ -53,12 +53,33 @@ std::vector<std::string> objects_if(
   return names;
 }
 
+/// The time of a step grows with the faces that touch.
+std::string polygons_text(const PolygonBody& polygons) {
+  std::size_t faces = 0;
+  for (const Polyhedron& part : polygons.parts) faces += part.planes.size();
+  return "polygons in " + std::to_string(polygons.parts.size()) + " convex parts with " +
+         std::to_string(faces) + " faces";
+}
+
+/// What the bodies in the hand touch with, and what else they need.
+std::string body_cost(const Scene& scene) {
+  std::string text;
+  for (const ToolView& view : scene.views()) {
+    const auto& body = view.tool().body;
+    if (body && body->polygons() != nullptr)
+      text += (text.empty() ? "" : "; ") + polygons_text(*body->polygons());
+    else if (body && text.find("points") == std::string::npos)
+      text += text.empty() ? "points" : "; points";
+  }
+  return (text.empty() ? "points" : text) + ", orientation and torque";
+}
+
 std::string tool_kind(const HandTool& tool) {
   if (tool.body) {
     const PolygonBody* polygons = tool.body->polygons();
     const double mass = tool.body->inertia().mass;
     return (polygons != nullptr
-                ? "polygons in " + std::to_string(polygons->parts.size()) + " convex parts"
+                ? polygons_text(*polygons)
                 : "a body of " + std::to_string(tool.body->shell().points.size()) + " points") +
            (mass > 0.0 ? ", " + number_text(mass) + " kg" : "");
   }
@@ -137,7 +158,7 @@ std::vector<FeatureCost> feature_costs(const Scene& scene) {
        objects([](const Object& o) { return std::holds_alternative<Grid>(o.shape); })},
       {"a ball in the hand", "edges and corners rounded",
        tools_if(scene, [](const HandTool& tool) { return tool.radius > 0.0; })},
-      {"a body in the hand", "points, orientation and torque",
+      {"a body in the hand", body_cost(scene),
        tools_if(scene, [](const HandTool& tool) { return tool.body != nullptr; })},
       {"motion", "a tick of MuJoCo's, places and forces of what moves", objects_if(scene, moves)},
       {"a tree over the objects", "boxes along the hand's way",

@@ -16,10 +16,11 @@ constexpr double kNoLimit = 1000.0;      // [N] the coupling does not saturate
 constexpr double kMass = 0.1;            // [kg]
 constexpr std::size_t kShownPoints = 8;  // on a tool of polygons, which does not touch by them
 
-ToolInertia inertia_of(const TriangleSoup& surface, const ToolCoupling& coupling) {
+ToolInertia inertia_of(const TriangleSoup& surface, const ToolCoupling& coupling, bool midpoint) {
   const MassProperties solid = mass_properties(TriangleMesh(surface));
   ToolInertia inertia;
   inertia.mass = kMass;
+  inertia.integration = midpoint ? ToolIntegration::midpoint : ToolIntegration::implicit;
   inertia.center = solid.center;
   inertia.inertia = kMass / solid.volume * solid.inertia;
   return critically_damped(inertia, coupling);
@@ -38,7 +39,7 @@ std::size_t bytes_of(const PointShell& shell) {
 
 std::size_t bytes_of(const Polyhedron& solid) {
   return sizeof(solid) + bytes_of(solid.vertices) + bytes_of(solid.planes) + bytes_of(solid.first) +
-         bytes_of(solid.loop) + bytes_of(solid.edges);
+         bytes_of(solid.loop) + bytes_of(solid.edges) + bytes_of(solid.graph);
 }
 
 }  // namespace
@@ -65,7 +66,9 @@ SixDofTool sixdof_tool(const SixDofTask& task, SixDofMethod method, std::size_t 
   }
   return {BodyTool(point_shell(task.tool.surface, method.polygons ? kShownPoints : points),
                    coupling, task.contact_area,
-                   method.mass ? inertia_of(task.tool.surface, coupling) : ToolInertia{}, polygons),
+                   method.mass ? inertia_of(task.tool.surface, coupling, method.midpoint)
+                               : ToolInertia{},
+                   polygons),
           solid, polygons};
 }
 

@@ -9,6 +9,7 @@ namespace feltwire {
 
 struct SixDofMethod {
   bool polygons = false, mass = false;
+  bool midpoint = false;  // of a tool with mass; else it is implicit
 };
 
 inline constexpr double kSixDofPeriod = 1e-3;       // [s]

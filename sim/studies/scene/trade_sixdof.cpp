@@ -8,13 +8,14 @@
 
 #include "core/base/parallel.hpp"
 #include "sim/measure/cost.hpp"
+#include "sim/studies/scene/mujoco_tool.hpp"
 #include "sim/studies/scene/sixdof_tool.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr std::array<SixDofMethod, 4> kMethods = {
-    {{false, false}, {true, false}, {false, true}, {true, true}}};
+constexpr std::array<SixDofMethod, 5> kMethods = {
+    {{false, false}, {true, false}, {false, true}, {true, true}, {true, true, true}}};
 
 /// How fine a run is.
 struct Fineness {
@@ -109,32 +110,38 @@ bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   return squares[2] < kSlow * kSlow || squares[2] < kFades * squares[1];
 }
 
-void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod method,
-                  const SixDofGrid& grid, SixDofCell& cell) {
-  const std::vector<Vec6> own = felt(tool, task, samples_of(task, grid), {});
-  const std::vector<Vec6> fine = reference(task, method, grid, grid.finer);
-  std::tie(cell.force_error, cell.torque_error) = errors(own, fine, tool.tool.radius());
-  std::tie(cell.reference_force_error, cell.reference_torque_error) =
-      errors(reference(task, method, grid, grid.finer / 2), fine, tool.tool.radius());
+void measure_felt(const std::vector<Vec6>& own, const std::vector<Vec6>& fine, double radius,
+                  SixDofCell& cell) {
+  std::tie(cell.force_error, cell.torque_error) = errors(own, fine, radius);
   cell.jump = largest_jump(own);
   cell.reference_jump = largest_jump(fine);
   for (const Vec6& wrench : own)
     cell.largest_force = std::max(cell.largest_force, wrench.head<3>().norm());
+}
+
+void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod method,
+                  const SixDofGrid& grid, SixDofCell& cell) {
+  const std::vector<Vec6> fine = reference(task, method, grid, grid.finer);
+  measure_felt(felt(tool, task, samples_of(task, grid), {}), fine, tool.tool.radius(), cell);
+  std::tie(cell.reference_force_error, cell.reference_torque_error) =
+      errors(reference(task, method, grid, grid.finer / 2), fine, tool.tool.radius());
   cell.stable = largest_calm(grid.stiffness, [&](double stiffness) {
     return is_calm(stiffer(tool, stiffness), task, grid.hand_time);
   });
 }
 
-void measure_cost(const SixDofTool& tool, const SixDofTask& task, const SixDofGrid& grid,
-                  SixDofCell& cell) {
+/// `begin()` begins a lap, `step(device)` is timed.
+template <class Begin, class StepTo>
+void measure_times(const SixDofTask& task, const SixDofGrid& grid, const Begin& begin,
+                   const StepTo& step, SixDofCell& cell) {
   const int samples = samples_of(task, grid);
   std::vector<double> times;
   for (std::size_t lap = 0; lap < grid.cost_laps; ++lap) {
-    BodyMemory memory;
+    begin();
     for (int n = 0; n <= samples; ++n) {
       const Pose device = task.device(static_cast<double>(n) / samples);
       const double start = cpu_seconds();
-      tool.step(device, kSixDofPeriod, memory);
+      step(device);
       times.push_back(1e9 * (cpu_seconds() - start));
     }
   }
@@ -144,7 +151,49 @@ void measure_cost(const SixDofTool& tool, const SixDofTask& task, const SixDofGr
   };
   cell.median_ns = at(0.5);
   cell.p99_9_ns = at(0.999);
+}
+
+void measure_cost(const SixDofTool& tool, const SixDofTask& task, const SixDofGrid& grid,
+                  SixDofCell& cell) {
+  BodyMemory memory;
+  measure_times(
+      task, grid, [&] { memory = {}; },
+      [&](const Pose& device) { tool.step(device, kSixDofPeriod, memory); }, cell);
   cell.bytes = contact_bytes(tool);
+}
+
+/// MuJoCo's loader keeps global state: one at a time.
+SixDofCell measure_mujoco(const SixDofTask& task, const SixDofGrid& grid) {
+  constexpr SixDofMethod kImplicit{.polygons = true, .mass = true};
+  const SixDofTool tool = sixdof_tool(task, kImplicit, grid.points, grid.grid_steps);
+  MujocoTool mujoco(task, tool);
+  SixDofCell cell;
+  cell.task = task.name;
+  cell.contact = "mujoco";
+  cell.mass = "euler";
+  measure_times(
+      task, grid, [&] { mujoco.place(task.device(0.0)); },
+      [&](const Pose& device) { mujoco.step(device); }, cell);
+  cell.bytes = mujoco.bytes();
+  const int samples = samples_of(task, grid);
+  mujoco.place(task.device(0.0));
+  std::vector<Vec6> own;
+  for (int n = 1; n <= samples; ++n)
+    own.push_back(mujoco.step(task.device(static_cast<double>(n) / samples)));
+  measure_felt(own, reference(task, kImplicit, grid, grid.finer), tool.tool.radius(), cell);
+  return cell;
+}
+
+/// The rows of a task, then MuJoCo's.
+std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const SixDofGrid& grid,
+                                    const std::vector<SixDofCell>& cells) {
+  std::vector<SixDofCell> all;
+  for (const SixDofTask& task : tasks) {
+    for (const SixDofCell& cell : cells)
+      if (cell.task == task.name) all.push_back(cell);
+    all.push_back(measure_mujoco(task, grid));
+  }
+  return all;
 }
 
 }  // namespace
@@ -162,7 +211,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
     measure_cost(tools[i], task, grid, cells[i]);
     cells[i].task = task.name;
     cells[i].contact = method.polygons ? "polygons" : "points";
-    cells[i].mass = method.mass ? "implicit" : "none";
+    cells[i].mass = !method.mass ? "none" : method.midpoint ? "midpoint" : "implicit";
   }
   // The longest are the last ones, so they begin first.
   parallel_for(cells.size(), [&](std::size_t n) {
@@ -170,7 +219,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
     measure_felt(tools[i], tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid,
                  cells[i]);
   });
-  return cells;
+  return with_mujoco(tasks, grid, cells);
 }
 
 }  // namespace feltwire

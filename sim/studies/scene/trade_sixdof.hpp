@@ -23,15 +23,18 @@ struct SixDofGrid {
 };
 
 /// A task of sixdof_tasks.hpp by one contact, with or without mass, at 1 kHz. Material and coupling
-/// have 1 kN/m. A tool with mass has 0.1 kg, goes by backward Euler, and is critically damped on
-/// its coupling.
+/// have 1 kN/m. A tool with mass has 0.1 kg, goes by backward Euler, of polygons also by the
+/// midpoint rule, and is critically damped on its coupling.
 ///
 /// The reference is the same law, finer: with mass so many points and steps in each of 1 ms;
 /// without mass twice as many points, a quarter of the steps, and each step is repeated until the
 /// tool stands. The grid of a mesh is finer by the square root of the points. The reference's own
 /// error is the change when it is made half as fine.
 struct SixDofCell {
-  std::string task, contact, mass;  // "points" or "polygons"; "none" or "implicit"
+  /// MuJoCo's rows ("mujoco", "euler"): mj_step() with the same tool with mass, parts and coupling.
+  /// Its contact has another law, so that its errors, against the reference of polygons with mass,
+  /// contain the difference of the laws. It has no `stable`.
+  std::string task, contact, mass;  // "points" or "polygons"; "none", "implicit", "midpoint"
   /// RMS over the RMS of the reference's force; that of the torque over the tool's radius, too.
   double force_error = 0.0, torque_error = 0.0;
   double reference_force_error = 0.0, reference_torque_error = 0.0;

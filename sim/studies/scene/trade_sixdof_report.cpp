@@ -19,14 +19,15 @@ std::string trade_sixdof_table(const std::vector<SixDofCell>& cells) {
       "p50    p99.9    [kB]     [kN/m]\n";
   for (const SixDofCell& c : cells) {
     if (&c != &cells.front() && c.task != (&c - 1)->task) text += '\n';
-    append(
-        text,
-        "%-8s %-8s  %-8s %7.2f %7.2f %7.2f %7.2f   %9.3f %6.3f %6.3f %7.1f %8.1f %7.1f  %s%9.3g\n",
-        c.task.c_str(), c.contact.c_str(), c.mass.c_str(), kPercent * c.force_error,
-        kPercent * c.torque_error, kPercent * c.reference_force_error,
-        kPercent * c.reference_torque_error, c.largest_force, c.jump, c.reference_jump,
-        kToMicro * c.median_ns, kToMicro * c.p99_9_ns, kToKilo * static_cast<double>(c.bytes),
-        c.stable.above_range ? ">" : " ", kToKilo * c.stable.stiffness);
+    append(text, "%-8s %-8s  %-8s %7.2f %7.2f %7.2f %7.2f   %9.3f %6.3f %6.3f %7.1f %8.1f %7.1f  ",
+           c.task.c_str(), c.contact.c_str(), c.mass.c_str(), kPercent * c.force_error,
+           kPercent * c.torque_error, kPercent * c.reference_force_error,
+           kPercent * c.reference_torque_error, c.largest_force, c.jump, c.reference_jump,
+           kToMicro * c.median_ns, kToMicro * c.p99_9_ns, kToKilo * static_cast<double>(c.bytes));
+    if (c.stable.stiffness > 0.0)
+      append(text, "%s%9.3g\n", c.stable.above_range ? ">" : " ", kToKilo * c.stable.stiffness);
+    else
+      text += "         -\n";
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/dynamics/world.hpp"
+#include "core/scene/scene_cost_report.hpp"
 #include "core/tool/body_tool.hpp"
 #include "tests/core/scene_text.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -65,6 +66,8 @@ TEST(ReadPolygons, MeshesAreCutIntoParts) {
   EXPECT_EQ(body.parts.size(), 2u);
   ASSERT_EQ(body.solids.size(), 1u);
   EXPECT_EQ(body.solids[0].parts.size(), 2u);
+  EXPECT_THAT(describe_costs(read),
+              HasSubstr("polygons in 2 convex parts with 12 faces, orientation and torque"));
   double volume = 0.0;
   for (const Polyhedron& part : body.parts) {
     EXPECT_EQ(part.planes.size(), 6u);

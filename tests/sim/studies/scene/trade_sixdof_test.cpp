@@ -36,10 +36,11 @@ const SixDofCell& cell(const std::string& task, const std::string& contact,
 }
 
 TEST(TradeSixDof, EveryRowIsThereAndFinite) {
-  EXPECT_EQ(cells().size(), 7u * 4u);
+  EXPECT_EQ(cells().size(), 7u * 6u);
   for (const char* task : {"peg 0.5", "peg 0.1", "gears", "chain", "edge", "ridge", "bunny"})
-    for (const char* contact : {"points", "polygons"})
-      for (const char* mass : {"none", "implicit"}) {
+    for (const std::string contact : {"points", "polygons"})
+      for (const std::string mass : {"none", "implicit", "midpoint"}) {
+        if (contact == "points" && mass == "midpoint") continue;
         const SixDofCell& c = cell(task, contact, mass);
         const std::string name = c.task + ' ' + c.contact + ' ' + c.mass;
         for (const double number :
@@ -81,6 +82,27 @@ TEST(TradeSixDof, GearsAndLinksAreTheSameSolidByBothWays) {
     double volume = 0.0;
     for (const auto& part : solid.parts) volume += convex_hull(part)->volume;
     EXPECT_NEAR(volume, mesh.report().volume, 1e-6 * volume);
+  }
+}
+
+/// Both go to the same movement: the rule of second order is nearer to it.
+TEST(TradeSixDof, TheMidpointRuleErrsLessThanBackwardEuler) {
+  for (const char* task : {"peg 0.5", "gears", "chain", "edge"})
+    EXPECT_LT(cell(task, "polygons", "midpoint").force_error,
+              0.75 * cell(task, "polygons", "implicit").force_error)
+        << task;
+}
+
+/// The same spring pulls the same tool: apart from the contact's law the forces agree.
+TEST(TradeSixDof, MuJoCoHasTheSameTasks) {
+  for (const char* task : {"peg 0.5", "peg 0.1", "gears", "chain", "edge"}) {
+    const SixDofCell &other = cell(task, "mujoco", "euler"),
+                     &own = cell(task, "polygons", "implicit");
+    EXPECT_GT(other.largest_force, 0.5 * own.largest_force) << task;
+    EXPECT_LT(other.largest_force, 2.0 * own.largest_force) << task;
+    EXPECT_LT(other.force_error, 1.0) << task;
+    EXPECT_GT(other.median_ns, 0.0) << task;
+    EXPECT_GT(other.bytes, 1000u) << task;
   }
 }
 

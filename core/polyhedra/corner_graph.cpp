@@ -1,0 +1,83 @@
+#include "core/polyhedra/corner_graph.hpp"
+
+#include <map>
+#include <utility>
+
+namespace feltwire {
+namespace {
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The vertices round each one, clockwise seen from outside.
+std::vector<std::vector<std::uint32_t>> rings(std::size_t vertices,
+                                              std::span<const std::uint32_t> first,
+                                              std::span<const std::uint32_t> loop) {
+  std::map<Ends, std::uint32_t> after;  // of (v, u), where a face goes u, v, w: w
+  for (std::size_t f = 0; f + 1 < first.size(); ++f) {
+    const std::size_t begin = first[f], count = first[f + 1] - begin;
+    for (std::size_t k = 0; k < count; ++k)
+      after[{loop[begin + (k + 1) % count], loop[begin + k]}] = loop[begin + (k + 2) % count];
+  }
+  std::vector<std::vector<std::uint32_t>> around(vertices);
+  for (const auto& [at, w] : after) {
+    auto& ring = around[at.first];
+    if (!ring.empty()) continue;
+    std::uint32_t u = at.second;
+    do {
+      ring.push_back(u);
+      u = after.at({at.first, u});
+    } while (u != at.second);
+  }
+  return around;
+}
+
+struct Slot {
+  std::uint16_t corner;
+  std::uint8_t edge;
+};
+
+}  // namespace
+
+std::vector<GraphCorner> corner_graph(std::size_t vertices, std::span<const std::uint32_t> first,
+                                      std::span<const std::uint32_t> loop) {
+  std::vector<GraphCorner> graph;
+  std::map<Ends, Slot> slots;
+  const auto join = [&](Slot a, Slot b) {
+    graph[a.corner].next[a.edge] = b.corner;
+    graph[a.corner].back[a.edge] = b.edge;
+    graph[b.corner].next[b.edge] = a.corner;
+    graph[b.corner].back[b.edge] = a.edge;
+  };
+  const auto add = [&](std::uint32_t v) {
+    graph.push_back({{}, {}, static_cast<std::uint16_t>(v)});
+    return static_cast<std::uint16_t>(graph.size() - 1);
+  };
+  const auto around = rings(vertices, first, loop);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const auto& ring = around[v];
+    const std::size_t count = ring.size();
+    if (count < 2) continue;
+    if (count == 2) {  // a face of two edges lies between the two corners
+      const std::uint16_t a = add(v), b = add(v);
+      slots[{v, ring[0]}] = {a, 0};
+      slots[{v, ring[1]}] = {b, 0};
+      join({a, 1}, {b, 2});
+      join({a, 2}, {b, 1});
+      continue;
+    }
+    std::uint16_t last = add(v);
+    slots[{v, ring[0]}] = {last, 0};
+    slots[{v, ring[1]}] = {last, 1};
+    for (std::size_t i = 2; i + 1 < count; ++i) {
+      const std::uint16_t corner = add(v);
+      join({last, 2}, {corner, 0});
+      slots[{v, ring[i]}] = {corner, 1};
+      last = corner;
+    }
+    slots[{v, ring[count - 1]}] = {last, 2};
+  }
+  for (const auto& [ends, slot] : slots) join(slot, slots.at({ends.second, ends.first}));
+  return graph;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,156 @@
+#include "sim/studies/scene/mujoco_tool.hpp"
+
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/text.hpp"
+
+namespace feltwire {
+namespace {
+
+std::string numbers(const Vec3& v) {
+  std::string text;
+  append(text, "%.17g %.17g %.17g ", v.x(), v.y(), v.z());
+  return text;
+}
+
+std::string numbers(const Quaternion& q) {
+  std::string text;
+  append(text, "%.17g %.17g %.17g %.17g", q.w(), q.x(), q.y(), q.z());
+  return text;
+}
+
+/// Adds the parts' meshes to `assets`. Returns their geoms.
+std::string geoms(const char* name, const std::vector<std::vector<Vec3>>& parts,
+                  std::string& assets) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    append(assets, "<mesh name=\"%s%zu\" vertex=\"", name, i);
+    for (const Vec3& corner : parts[i]) assets += numbers(corner);
+    assets += "\"/>";
+    append(text, "<geom type=\"mesh\" mesh=\"%s%zu\"/>", name, i);
+  }
+  return text;
+}
+
+std::string box_geom(const Vec3& at, const Vec3& half) {
+  return "<geom type=\"box\" pos=\"" + numbers(at) + "\" size=\"" + numbers(half) + "\"/>";
+}
+
+/// Walls about a pocket of this half size.
+std::string walls(const Vec3& half) {
+  constexpr double kThick = 0.02;  // [m] half of it
+  std::string text;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      Vec3 at = Vec3::Zero(), size = half + Vec3::Constant(2.0 * kThick);
+      at[axis] = side * (half[axis] + kThick);
+      size[axis] = kThick;
+      text += box_geom(at, size);
+    }
+  return text;
+}
+
+std::string model_text(const SixDofTask& task, const ToolInertia& body) {
+  std::string assets, text;
+  std::string solid = geoms("solid", task.solid.parts, assets);
+  if (task.box)
+    solid = task.side == Side::inside ? walls(task.box->half_extents)
+                                      : box_geom(Vec3::Zero(), task.box->half_extents);
+  const std::string parts = geoms("tool", task.tool.parts, assets);
+  // MuJoCo's stiffness and damping are for a unit of mass.
+  const double stiffness = kSixDofStiffness / body.mass;
+  append(text,
+         "<mujoco><compiler coordinate=\"local\"/><size njmax=\"8000\" nconmax=\"2000\"/>"
+         "<option timestep=\"%.17g\" gravity=\"0 0 0\"/>"
+         "<default><geom condim=\"1\" solref=\"%.17g %.17g\"/></default><asset>",
+         kSixDofPeriod, -stiffness, -2.0 * std::sqrt(stiffness));
+  text += assets + "</asset><worldbody><body pos=\"" + numbers(task.place.position) + "\" quat=\"" +
+          numbers(task.place.orientation) + "\">" + solid +
+          "</body><body name=\"tool\"><freejoint/><inertial pos=\"" + numbers(body.center);
+  const Mat3& i = body.inertia;
+  append(text, "\" mass=\"%.17g\" fullinertia=\"%.17g %.17g %.17g %.17g %.17g %.17g\"/>", body.mass,
+         i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2));
+  return text + parts + "</body></worldbody></mujoco>";
+}
+
+mjModel* compiled(const std::string& text) {
+  constexpr const char* kFile = "model.xml";
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  if (mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size())) != 0)
+    throw std::runtime_error("MuJoCo has no room for the model of a task");
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kFile)], text.data(), text.size());
+  std::array<char, 1000> error{};
+  mjModel* const model =
+      mj_loadXML(kFile, files.get(), error.data(), static_cast<int>(error.size()));
+  mj_deleteVFS(files.get());
+  if (model == nullptr) throw std::runtime_error(std::string("MuJoCo: ") + error.data());
+  return model;
+}
+
+constexpr int kTool = 2;  // the body's number: the world and the solid come before
+
+}  // namespace
+
+void MujocoTool::Deleter::operator()(mjModel_* model) const { mj_deleteModel(model); }
+void MujocoTool::Deleter::operator()(mjData_* data) const { mj_deleteData(data); }
+
+MujocoTool::MujocoTool(const SixDofTask& task, const SixDofTool& tool)
+    : tool_(tool.tool),
+      model_(compiled(model_text(task, tool_.inertia()))),
+      data_(mj_makeData(model_.get())) {
+  place(task.device(0.0));
+}
+
+void MujocoTool::place(const Pose& device) {
+  before_ = device;
+  device_velocity_.setZero();
+  mj_resetData(model_.get(), data_.get());
+  const Quaternion& q = device.orientation;
+  Eigen::Map<Eigen::Matrix<double, 7, 1>>(data_->qpos) << device.position, q.w(), q.x(), q.y(),
+      q.z();
+  mj_forward(model_.get(), data_.get());
+}
+
+Pose MujocoTool::pose() const {
+  const double* q = data_->qpos;
+  return {Vec3(q[0], q[1], q[2]), Quaternion(q[3], q[4], q[5], q[6])};
+}
+
+Vec6 MujocoTool::pull(const Pose& device) const {
+  const Pose at = pose();
+  const ToolCoupling& spring = tool_.coupling();
+  const ToolInertia& damper = tool_.inertia();
+  const double* v = data_->qvel;  // the turn in the tool's frame
+  Vec6 wrench;
+  wrench << spring.stiffness * (device.position - at.position) +
+                damper.damping * (device_velocity_.head<3>() - Vec3(v[0], v[1], v[2])),
+      spring.rotational_stiffness * rotation_between(at.orientation, device.orientation) +
+          damper.rotational_damping *
+              (device_velocity_.tail<3>() - at.orientation * Vec3(v[3], v[4], v[5]));
+  return wrench;
+}
+
+Vec6 MujocoTool::step(const Pose& device) {
+  device_velocity_ << (device.position - before_.position) / kSixDofPeriod,
+      rotation_between(before_.orientation, device.orientation) / kSixDofPeriod;
+  before_ = device;
+  Vec6 wrench = pull(device);
+  const Vec3 arm = pose().orientation * tool_.inertia().center, force = wrench.head<3>();
+  wrench.tail<3>() -= arm.cross(force);  // about the centre of mass
+  Eigen::Map<Vec6>(data_->xfrc_applied + 6 * kTool) = wrench;
+  mj_step(model_.get(), data_.get());
+  return -pull(device);
+}
+
+std::size_t MujocoTool::bytes() const {
+  return static_cast<std::size_t>(mj_sizeModel(model_.get()));
+}
+
+}  // namespace feltwire

@@ -1,0 +1,152 @@
+// A polyhedron that is cut by planes: it stays closed, and keeps the volume below them.
+
+#include "core/polyhedra/clipped_polyhedron.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/core/support.hpp"
+
+namespace feltwire::clipped_polyhedron_test {
+namespace {
+
+Polyhedron box(const Vec3& half) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
+                         (i & 4) != 0 ? half.z() : -half.z());
+  return polyhedron(corners);
+}
+
+Polyhedron random_solid(test::Random& random, double size, int corners) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < corners; ++i)
+    points.push_back(size * random.uniform(0.7, 1.0) * random.direction());
+  return polyhedron(points);
+}
+
+ClippedPolyhedron placed(const Polyhedron& solid) {
+  ClippedPolyhedron whole;
+  whole.assign(solid, Mat3::Identity(), Vec3::Zero());
+  return whole;
+}
+
+double volume(const ClippedPolyhedron& solid) {
+  double six = 0.0;
+  solid.for_each_face([&](ClippedPolyhedron::Tag, std::span<const std::uint16_t> face) {
+    for (std::size_t k = 2; k < face.size(); ++k)
+      six += solid.corner(face[0]).dot(solid.corner(face[k - 1]).cross(solid.corner(face[k])));
+  });
+  return six / 6.0;
+}
+
+/// Every directed edge of a face is the opposite one of another face.
+void expect_closed(const ClippedPolyhedron& solid) {
+  std::map<std::pair<int, int>, int> edges;
+  solid.for_each_face([&](ClippedPolyhedron::Tag, std::span<const std::uint16_t> face) {
+    for (std::size_t k = 0; k < face.size(); ++k) ++edges[{face[k], face[(k + 1) % face.size()]}];
+  });
+  for (const auto& [ends, count] : edges)
+    EXPECT_EQ(count, (edges[{ends.second, ends.first}])) << ends.first << ' ' << ends.second;
+}
+
+TEST(ClippedPolyhedron, IsTheWholeSolidAtFirst) {
+  test::Random random(3);
+  for (int corners = 4; corners < 40; ++corners) {
+    const Polyhedron solid = random_solid(random, 0.05, corners);
+    const ClippedPolyhedron whole = placed(solid);
+    expect_closed(whole);
+    double six = 0.0;
+    for (std::size_t f = 0; f < solid.planes.size(); ++f) {
+      const auto loop = solid.face(f);
+      for (std::size_t k = 2; k < loop.size(); ++k)
+        six +=
+            solid.vertices[loop[0]].dot(solid.vertices[loop[k - 1]].cross(solid.vertices[loop[k]]));
+    }
+    EXPECT_NEAR(volume(whole), six / 6.0, 1e-12 * six);
+  }
+}
+
+// A narrow face that is nearly in the plane of a wide one, tilted by more than what joins planes.
+TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
+  std::vector<Vec3> corners;
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), std::pair(1.0, 0.0), std::pair(1.0, 0.999),
+                               std::pair(0.999, 1.0), std::pair(0.0, 1.0)})
+      corners.emplace_back(x, y, z);
+  corners[8].z() += 5e-10;
+  const ClippedPolyhedron whole = placed(polyhedron(corners));
+  expect_closed(whole);
+  EXPECT_NEAR(volume(whole), 1.0 - 5e-7, 1e-9);
+}
+
+TEST(ClippedPolyhedron, ACutDividesTheVolume) {
+  test::Random random(4);
+  for (int i = 0; i < 50; ++i) {
+    const ClippedPolyhedron whole = placed(random_solid(random, 0.05, 20));
+    ClippedPolyhedron solid = whole;
+    for (ClippedPolyhedron::Tag tag = 0; tag < 12 && !solid.empty(); ++tag) {
+      const Vec3 normal = random.uniform(0.5, 2.0) * random.direction();
+      const double offset = normal.norm() * random.uniform(-0.01, 0.03);
+      ClippedPolyhedron above = solid;
+      const double before = volume(solid);
+      const bool below_left = solid.cut(normal, offset, tag);
+      const bool above_left = above.cut(-normal, -offset, tag);
+      expect_closed(solid);
+      EXPECT_NEAR(volume(solid) + volume(above), before, 1e-12 * volume(whole));
+      EXPECT_TRUE(below_left || above_left);
+      for (std::size_t c = 0; c < solid.corner_count(); ++c)
+        EXPECT_LT(normal.dot(solid.corner(c)) - offset, 1e-13);
+    }
+  }
+}
+
+TEST(ClippedPolyhedron, TheNewFaceHasTheTag) {
+  ClippedPolyhedron solid = placed(box(Vec3(1.0, 2.0, 3.0)));
+  ASSERT_TRUE(solid.cut(Vec3(2.0, 0.0, 0.0), 1.0, 7));  // x <= 0.5
+  EXPECT_NEAR(volume(solid), 1.5 * 4.0 * 6.0, 1e-12);
+  int faces = 0;
+  solid.for_each_face([&](ClippedPolyhedron::Tag tag, std::span<const std::uint16_t> face) {
+    bool on_plane = true;
+    for (const std::uint16_t c : face) on_plane &= std::abs(solid.corner(c).x() - 0.5) < 1e-12;
+    EXPECT_EQ(tag, on_plane ? 7 : ClippedPolyhedron::kOwn);
+    ++faces;
+  });
+  EXPECT_EQ(faces, 6);
+}
+
+// Planes through corners, along edges and on faces, where only rounding decides the side.
+TEST(ClippedPolyhedron, StaysClosedOnPlanesThatTouch) {
+  const Polyhedron cube = box(Vec3::Constant(0.01));
+  ClippedPolyhedron solid = placed(cube);
+  EXPECT_TRUE(solid.cut(Vec3::UnitX(), 0.01, 0));  // its own face
+  EXPECT_EQ(solid.corner_count(), 8u);
+  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 0.0), 0.0, 1));  // two edges
+  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 1.0), 0.01, 2));
+  EXPECT_TRUE(solid.cut(Vec3(1.0, -1.0, 0.0), 0.0, 3));
+  EXPECT_TRUE(solid.cut(Vec3(1.0, 0.0, 1.0), 0.0, 4));
+  expect_closed(solid);
+  EXPECT_GT(volume(solid), 0.0);
+  EXPECT_FALSE(solid.cut(-Vec3::UnitX(), -0.01, 5));
+  EXPECT_TRUE(solid.empty());
+}
+
+// A vertex in the middle of an edge, where only two edges meet.
+TEST(ClippedPolyhedron, TheGraphHasAVertexWithTwoEdges) {
+  const std::vector<Vec3> vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
+                                      Vec3(0.5, 0, 0)};
+  Polyhedron solid;
+  solid.vertices = vertices;
+  solid.first = {0, 4, 8, 11, 14};
+  solid.loop = {0, 2, 1, 4, 0, 4, 1, 3, 0, 3, 2, 1, 2, 3};
+  solid.graph = corner_graph(vertices.size(), solid.first, solid.loop);
+  ClippedPolyhedron whole = placed(solid);
+  expect_closed(whole);
+  EXPECT_NEAR(volume(whole), 1.0 / 6.0, 1e-12);
+  ASSERT_TRUE(whole.cut(Vec3::UnitX(), 0.5, 0));
+  EXPECT_NEAR(volume(whole), 1.0 / 6.0 - 1.0 / 48.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace feltwire::clipped_polyhedron_test
