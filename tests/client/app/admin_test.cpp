@@ -89,7 +89,8 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
 
   const test::Outcome recorded = admin({"record"});
   EXPECT_EQ(recorded.status, 0) << recorded.error;
-  ASSERT_THAT(recorded.out, StartsWith("scene floor: flight record: " + (folder_ / "flights")));
+  ASSERT_THAT(recorded.out,
+              StartsWith("scene floor: flight record: " + (folder_ / "flights").string()));
   EXPECT_TRUE(std::filesystem::exists(recorded.out.substr(
       std::string("scene floor: flight record: ").size(),
       recorded.out.find('\n') - std::string("scene floor: flight record: ").size())));

@@ -134,7 +134,7 @@ TEST_F(FlightRecorderTest, FaultsThatFollowEachOtherWaitForTheirFile) {
 }
 
 TEST_F(FlightRecorderTest, ChangesAreInIt) {
-  scene.exchange.sessions.change(MaterialChange{.object = "floor", .stiffness = 123.0},
+  scene.exchange.sessions.change(MaterialChange{.object = "desk", .stiffness = 123.0},
                                  scene.exchange.now);
   take();
   const auto file = flight.write_if_due(true, scene.exchange.now);
