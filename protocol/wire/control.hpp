@@ -205,12 +205,12 @@ struct Counters {
   std::vector<Counter> counters;
 };
 
-using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
-                             SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
-                             Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded,
-                             SetMaterial, SetGravity, SceneChanged, DescribeSessions,
-                             SessionDescriptions, GetCounters, Counters, SetLink, SetLead,
-                             WriteFlightRecord, FlightRecordWritten>;
+using Message =
+    std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
+                 SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
+                 ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
+                 SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
+                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten>;
 
 const char* name(RefusalCode code);
 

@@ -161,22 +161,19 @@ void ControlService::ask_scene(PendingRequest asked, const std::string& name,
                                             std::move(asked.answer));
 }
 
-void ControlService::write_flight(PendingRequest asked,
-                                  const control::WriteFlightRecord& request) {
+void ControlService::write_flight(PendingRequest asked, const control::WriteFlightRecord& request) {
   const auto scene = scene_of_admin(asked, request.scene);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   if (!write_flight_) return asked.answer(no_flight_recorder());
   if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
   spdlog::info("scene {}: client {} (token {}) asks for a flight record", visible(request.scene),
                visible(asked.token.client), asked.token.id);
-  write_flight_(std::get<std::size_t>(scene),
-                [name = request.scene, answer = std::move(asked.answer)](
-                    std::variant<std::string, Refused> outcome) {
-                  if (auto* refused = std::get_if<Refused>(&outcome))
-                    return answer(std::move(*refused));
-                  answer(
-                      control::FlightRecordWritten{name, std::move(std::get<std::string>(outcome))});
-                });
+  write_flight_(
+      std::get<std::size_t>(scene), [name = request.scene, answer = std::move(asked.answer)](
+                                        std::variant<std::string, Refused> outcome) {
+        if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
+        answer(control::FlightRecordWritten{name, std::move(std::get<std::string>(outcome))});
+      });
 }
 
 void ControlService::count(PendingRequest asked, const control::GetCounters& request) {

@@ -31,8 +31,8 @@ class FlightRecorder {
                  std::map<std::string, std::string> about, std::int64_t offset);
 
   void add(const SceneEvent& event);
-  /// Writes a file if one is due or `asked` for, logs its name, and returns it. A failure is logged,
-  /// too; then there is none.
+  /// Writes a file if one is due or `asked` for, logs its name, and returns it. A failure is
+  /// logged, too; then there is none.
   std::optional<std::filesystem::path> write_if_due(bool asked, Nanoseconds now) noexcept;
 
  private:
@@ -48,7 +48,7 @@ class FlightRecorder {
   EventQueue kept_{kRoom};
   std::size_t count_ = 0;  // of events in it
   Nanoseconds newest_{0};
-  std::string reason_;  // of the file that is due
+  std::string reason_;                        // of the file that is due
   std::optional<Nanoseconds> due_, written_;  // times: of the next file at the earliest; the last
   struct Debt {
     bool stands = false;    // an account is overdrawn, by the newest report

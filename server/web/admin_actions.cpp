@@ -161,8 +161,8 @@ void Audience::reload(Seat& seat) {
 /// A viewer that has left meanwhile hears nothing of it.
 void Audience::write_flight(Seat& seat) {
   if (!write_flight_)
-    return seat.viewer->send(refused(
-        "this server keeps no flight record; start it with --flight-recorder DIR"));
+    return seat.viewer->send(
+        refused("this server keeps no flight record; start it with --flight-recorder DIR"));
   const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
   spdlog::info("scene {}: {} asks for a flight record", visible(seat.stage->scene->name()),
                who(*admin_of(seat)));

@@ -7,7 +7,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -15,7 +14,6 @@
 #include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
-#include "tests/support/eventually.hpp"
 #include "tests/support/help.hpp"
 #include "tests/support/security.hpp"
 
@@ -103,39 +101,6 @@ TEST(Program, TheLogShowsControlCharacters) {
   const Outcome outcome = program.finish();
   EXPECT_THAT(outcome.error, HasSubstr("an\\x1b]0;owned\\x07na\\x9b2J\\xff"));
   EXPECT_EQ(outcome.error.find_first_of("\x1b\x07"), std::string::npos) << outcome.error;
-}
-
-/// A fault of a session and a signal; the log names each file.
-TEST(Program, TheLogNamesTheFlightRecords) {
-  const testing::TemporaryFolder folder;
-  const std::filesystem::path flights = folder / "flights";
-  Program program({"--scene", scene_file(), "--port", "0", "--silence-timeout", "0.2",
-                   "--flight-recorder", flights},
-                  folder / "state");
-  const std::string first = program.line(), listening = program.line();
-  unsigned port = 0;
-  ASSERT_EQ(std::sscanf(listening.c_str(), "listening: control tcp %u", &port), 1);
-  ServerAccess access{{"127.0.0.1", static_cast<std::uint16_t>(port)},
-                      {parse_fingerprint(first.substr(first.find(' ') + 1)),
-                       {},
-                       {},
-                       Secret(testing::text_of(folder / "state/local.token"))}};
-  join(access, {"anna", "wall", builtin_device("simulated"), {}, Role::operator_},
-       std::chrono::seconds(10));
-  const auto written = [&](std::size_t count) {
-    return test::becomes([&] { return test::files_in(flights).size() == count; });
-  };
-  ASSERT_TRUE(written(1)) << "it says nothing, so it ends";
-  program.signal(SIGUSR1);
-  ASSERT_TRUE(written(2));
-  program.signal(SIGTERM);
-  const std::string log = program.finish().error;
-  auto files = test::files_in(flights);
-  std::ranges::sort(files);
-  EXPECT_THAT(log, HasSubstr("scene wall: hand 1: nothing came from the client for the silence "
-                             "timeout; flight record: " +
-                             files[0].string()));
-  EXPECT_THAT(log, HasSubstr("scene wall: asked for; flight record: " + files[1].string()));
 }
 
 TEST(Program, CommandLineWinsOverTheFile) {
