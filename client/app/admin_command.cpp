@@ -28,6 +28,7 @@ Examples (with the credentials that the server's join: line names, and the token
   feltwire-client admin set --connect localhost:6720 --session 1 --delay 25 --loss 10
   feltwire-client admin set --connect localhost:6720 --session 1 --lead-share 0.5
   feltwire-client admin reload room --connect localhost:6720
+  feltwire-client admin record --connect localhost:6720
 A change is felt at once and lasts until it is changed again or the scene is reloaded; the scene's
 file stays as it is (docs/admin.md).)";
 
@@ -142,6 +143,16 @@ void set(const ServerAccess& server, const AdminWords& words) {
         "--object is required; give the name of the object that has this material");
   print("scene " + visible(scene) + ": " +
         visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
+}
+
+/// Of one scene, or of all that the token opens.
+void record(const ServerAccess& server, const AdminWords& words) {
+  for (const std::string& scene : scenes_named(server, words.scene))
+    print(
+        "scene " + visible(scene) + ": flight record: " +
+        visible(
+            ask_for<control::FlightRecordWritten>(server, control::WriteFlightRecord{scene}).file) +
+        "\n");
 }
 
 void print_counters(const ServerAccess& server, const AdminWords& words) {
@@ -261,13 +272,16 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
   add_parameters(*setting, words);
   add_link(*setting, words);
   add_lead(*setting, words);
+  CLI::App* recording = add_command(app, words, "record",
+                                    "Write the last ten seconds of a scene to a file of the server "
+                                    "(--flight-recorder), and print "
+                                    "its name");
+  recording->add_option("--scene", words.scene, "When not given: all scenes");
   CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
   counting->add_flag("--json", words.json, "Print JSON");
-  return {{sessions, &list_sessions},
-          {reloading, &reload},
-          {evicting, &evict},
-          {setting, &set},
-          {counting, &print_counters}};
+  return {{sessions, &list_sessions}, {reloading, &reload},
+          {evicting, &evict},         {setting, &set},
+          {recording, &record},       {counting, &print_counters}};
 }
 
 int fail(const std::string& why, int status) {

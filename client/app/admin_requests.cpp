@@ -92,9 +92,13 @@ std::string scene_named(const ServerAccess& server, const std::string& name) {
                                   : "--scene is required, the server has several scenes: " + all);
 }
 
+std::vector<std::string> scenes_named(const ServerAccess& server, const std::string& name) {
+  return name.empty() ? scene_names(server) : std::vector{name};
+}
+
 std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene) {
   std::vector<SeenSession> seen;
-  for (const std::string& name : scene.empty() ? scene_names(server) : std::vector{scene}) {
+  for (const std::string& name : scenes_named(server, scene)) {
     std::uint32_t after = 0;
     for (bool more = true; more;) {
       auto list =

@@ -42,6 +42,8 @@ const SeenSession& session_named(const std::vector<SeenSession>& sessions, const
 /// The scene with that name, or the only one if it is empty. Throws std::invalid_argument that
 /// lists the existing ones.
 std::string scene_named(const ServerAccess& server, const std::string& name);
+/// The scene with that name, or all that the token opens if it is empty.
+std::vector<std::string> scenes_named(const ServerAccess& server, const std::string& name);
 
 /// Counters of the control port (its scene is empty) and of each scene.
 struct SeenCounters {

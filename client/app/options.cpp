@@ -94,7 +94,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[s] Longest time in one file of an MCAP recording. Then the next file begins");
   app.add_option("--flight-recorder", words.flight_recorder,
                  "Folder for a recording of the last ten seconds. It is written when the run ends "
-                 "with an error, when its account was overdrawn, and at SIGUSR1");
+                 "with an error, when its session is lost, its device has a fault or its account "
+                 "was overdrawn, and at SIGUSR1. off: none. When not given: "
+                 "$XDG_STATE_HOME/feltwire/flights or ~/.local/state/feltwire/flights");
   app.add_option("--view", words.view, "FILE.csv for what an observer sees (docs/devices.md)");
   app.add_option("--link", words.link,
                  "Emulate a bad network: a profile such as wifi, or numbers such as "

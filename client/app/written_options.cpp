@@ -11,6 +11,7 @@
 #include "client/run/output_files.hpp"
 #include "core/base/units.hpp"
 #include "core/device/device_file.hpp"
+#include "core/recording/flight_files.hpp"
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/wire/control.hpp"
@@ -105,6 +106,14 @@ std::vector<NamedFile> read_files(const WrittenOptions& words) {
                 {"--certificate", c.certificate},
                 {"--key", c.key},
                 {"--token-file", c.token_file}});
+}
+
+/// A session that failed leaves something behind, also where nobody thought of it before.
+void choose_flight_recorder(const std::string& folder, RunOptions& options) {
+  if (folder == "off") return;
+  options.flight_recorder_required = !folder.empty();
+  options.flight_recorder =
+      folder.empty() ? state_flight_folder() : std::optional<std::filesystem::path>(folder);
 }
 
 /// Throws std::invalid_argument.
@@ -301,7 +310,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);
-  if (!words.flight_recorder.empty()) options.flight_recorder = words.flight_recorder;
+  choose_flight_recorder(words.flight_recorder, options);
   if (!words.view.empty()) options.view = words.view;
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <string>
 #include <system_error>
 
 #include "client/run/emergency_key.hpp"
@@ -18,6 +19,7 @@ namespace feltwire {
 namespace {
 
 constexpr int kHousekeeping = 50;  // [ms] between looks at the rings
+const std::string kLost = "the session was lost";
 
 /// Also where the system fails to wait, so that looks do not follow each other without end.
 void wait(std::array<pollfd, 3>& waiting) noexcept {
@@ -112,6 +114,7 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     if (came.record) records.tell_of_flight_record("asked for");
     tell_of(changes, line, records, reconnector);
     if (fresh) show(line, status, records);
+    if (fresh && connected && !status.connected) records.tell_of_flight_record(kLost);
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());
     if (!reconnector.refusal().empty()) thread.stop();

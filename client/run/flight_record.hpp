@@ -1,7 +1,10 @@
 #pragma once
 // The last seconds of a client's servo ticks in memory. They are written to the disk if the run
-// ended with an error or its account was overdrawn.
+// ended with an error, its account was overdrawn, its session was lost or its device had a fault.
 
+#include <array>
+#include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -16,6 +19,13 @@ namespace feltwire {
 struct FlightTarget {
   std::filesystem::path folder;
   std::map<std::string, std::string> about{};
+  bool required = true;  // false: if the folder cannot be made, the run goes on without the file
+};
+
+/// A written flight record, for the report.
+struct WrittenFlight {
+  std::filesystem::path file;
+  std::string cause;
 };
 
 class FlightRecord {
@@ -28,8 +38,11 @@ class FlightRecord {
 
   /// Never allocates.
   void add(const TickRecord& row) noexcept;
-  /// Whether an account was overdrawn, and not within kKept of the last file.
-  bool debt() const { return debt_; }
+  /// Keeps an event of this moment, as Recorder::note() would write it. May throw std::bad_alloc.
+  void note(std::map<std::string, std::string> values);
+  /// The cause of a file that is due: an overdrawn account, a lost session that goes on or a device
+  /// fault. It began now, and did not begin within kKept before. Empty: none is due.
+  std::string cause() const;
   /// Writes the kept ticks, and returns the file; empty: there was no tick. Throws FileError,
   /// std::runtime_error and std::filesystem::filesystem_error.
   std::optional<std::filesystem::path> write(const std::string& reason);
@@ -38,9 +51,18 @@ class FlightRecord {
   FlightTarget target_;
   std::vector<TickRecord> rows_;  // a ring
   std::size_t count_ = 0;         // number of ticks so far
-  bool in_debt_ = false;          // the account is overdrawn at the newest tick
-  bool debt_ = false;
-  std::optional<double> written_;  // [s] time of the newest tick in the last file
+  struct Note {
+    std::int64_t clock = 0;  // [ns] as TickRecord::clock
+    std::map<std::string, std::string> values;
+  };
+  static constexpr std::size_t kMostNotes = 64;
+  std::deque<Note> notes_;  // the newest ones
+  struct Cause {
+    bool stands = false, due = false;  // at the newest tick; and it is in no file yet
+    std::optional<double> began{};     // [s] when it was last due
+  };
+  static constexpr std::size_t kCauses = 3;
+  std::array<Cause, kCauses> causes_;
 };
 
 }  // namespace feltwire

@@ -68,7 +68,7 @@ void McapRecording::write(Ring<TickRecord>& rows) {
 
 void McapRecording::note(const std::map<std::string, std::string>& values) {
   auto noted = values;
-  noted["time"] = std::to_string(monotonic_now().count() + offset_);
+  noted.emplace("time", std::to_string(monotonic_now().count() + offset_));
   part_->writer.add(mcap::Metadata{"change", noted});
   part_->flush();
 }

@@ -24,7 +24,7 @@ class McapRecording final : public Recorder {
 
   void write(Ring<TickRecord>& rows) override;
   void see(double time, const ObservedScene& scene) override;
-  /// A metadata record, `change`, with the time in nanoseconds since 1970.
+  /// A metadata record, `change`. Its `time` [ns since 1970] is this moment, unless it is given.
   void note(const std::map<std::string, std::string>& values) override;
   void finish() override;
 

@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "core/base/file_error.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
@@ -20,7 +21,7 @@ void Records::attempt(bool& failed, Action action) noexcept {
 
 Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
   if (files.recording) recording_ = open_recording(*files.recording);
-  if (files.flight) flight_ = std::make_unique<FlightRecord>(*files.flight, files.servo_period);
+  if (files.flight) open_flight(files);
   if (recording_ && flight_) copied_ = std::make_unique<Ring<TickRecord>>(kRecordRoom);
   if (!files.observes) return;
   observer_ = std::make_unique<ObserverRecorder>(
@@ -28,6 +29,15 @@ Records::Records(const Files& files, std::FILE* errors) : errors_(errors) {
         if (recording_) attempt(recording_failed_, [&] { recording_->see(time, scene); });
         if (on_view) on_view(time, scene);
       });
+}
+
+void Records::open_flight(const Files& files) {
+  try {
+    flight_ = std::make_unique<FlightRecord>(*files.flight, files.servo_period);
+  } catch (const FileError& error) {
+    if (files.flight->required) throw;
+    tell((std::string("warning: no flight recorder: ") + error.what()).c_str());
+  }
 }
 
 /// A hand may hold a force meanwhile: that there is no memory to say it nicely ends nothing.
@@ -53,29 +63,45 @@ void Records::write_rows() noexcept {
 }
 
 std::optional<std::filesystem::path> Records::write_flight_record(
-    const std::string& reason) noexcept {
+    const std::string& cause) noexcept {
   if (!flight_) return std::nullopt;
   try {
-    return flight_->write(reason);
+    auto file = flight_->write(cause);
+    if (file) flight_records_.push_back({*file, cause});
+    return file;
   } catch (const std::exception& error) {
     tell(error.what());
     return std::nullopt;
   }
 }
 
-void Records::tell_of_flight_record(const char* reason) noexcept {
-  if (const auto file = write_flight_record(reason))
-    std::fprintf(errors_, "feltwire-client: %s; flight record: %s\n", reason, file->c_str());
+void Records::tell_of_flight_record(const std::string& cause) noexcept {
+  if (const auto file = write_flight_record(cause))
+    std::fprintf(errors_, "feltwire-client: %s; flight record: %s\n", cause.c_str(), file->c_str());
+}
+
+void Records::write_due_flight_record() noexcept {
+  std::string cause;
+  try {
+    cause = flight_->cause();
+  } catch (const std::bad_alloc&) {
+    return;  // it stays due, and the next look may have the memory
+  }
+  if (!cause.empty()) tell_of_flight_record(cause);
 }
 
 void Records::write() noexcept {
   if (recording_ || flight_) write_rows();
-  if (flight_ && flight_->debt()) tell_of_flight_record("the account was overdrawn");
+  if (flight_) write_due_flight_record();
   if (observer_) attempt(view_failed_, [&] { observer_->look(); });
 }
 
 void Records::note(const std::map<std::string, std::string>& values) noexcept {
   if (recording_) attempt(recording_failed_, [&] { recording_->note(values); });
+  if (flight_) try {
+      flight_->note(values);
+    } catch (const std::bad_alloc&) {  // no memory for it: the file is without it
+    }
 }
 
 void Records::finish() noexcept {

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"
@@ -36,19 +38,24 @@ class Records {
   }
 
   void write() noexcept;
-  /// Writes an event of this moment into the recording, if its format has events.
+  /// Writes an event of this moment into the recording, if its format has events, and into the next
+  /// flight record.
   void note(const std::map<std::string, std::string>& values) noexcept;
   /// Writes the rest, and waits until it is on the disk.
   void finish() noexcept;
   /// Writes the last seconds to a file of their own, and returns it; empty: there is none.
-  std::optional<std::filesystem::path> write_flight_record(const std::string& reason) noexcept;
+  std::optional<std::filesystem::path> write_flight_record(const std::string& cause) noexcept;
   /// The same, and tells the user the file.
-  void tell_of_flight_record(const char* reason) noexcept;
+  void tell_of_flight_record(const std::string& cause) noexcept;
+  /// All flight records so far.
+  const std::vector<WrittenFlight>& flight_records() const { return flight_records_; }
   /// Reports that a file is incomplete.
   bool failed() const { return recording_failed_ || view_failed_; }
 
  private:
   void write_rows() noexcept;
+  void open_flight(const Files& files);
+  void write_due_flight_record() noexcept;
   template <class Action>
   void attempt(bool& failed, Action action) noexcept;
   void tell(const char* what) const noexcept;
@@ -57,6 +64,7 @@ class Records {
   std::unique_ptr<Recorder> recording_;
   Ring<TickRecord> rows_{kRecordRoom};
   std::unique_ptr<FlightRecord> flight_;
+  std::vector<WrittenFlight> flight_records_;
   std::unique_ptr<Ring<TickRecord>> copied_;  // for the recording, if there are both
   std::unique_ptr<ObserverRecorder> observer_;
   std::FILE* errors_;

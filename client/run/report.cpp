@@ -192,6 +192,14 @@ Json clock(const ClockEstimate& c, Nanoseconds now) {
 }
 
 /// What admins changed, or wanted to, in its order.
+Json flight_records(const std::vector<WrittenFlight>* written) {
+  Json list = Json::array();
+  if (written != nullptr)
+    for (const WrittenFlight& flight : *written)
+      list.push_back({{"file", flight.file.string()}, {"cause", flight.cause}});
+  return list;
+}
+
 Json changes(const std::deque<Changes::Done>* done) {
   Json list = Json::array();
   if (done == nullptr) return list;
@@ -307,6 +315,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"role", run.sight ? name(Role::observer) : name(Role::operator_)},
       {"view", sight(run.sight, loop)},
       {"changes", changes(run.changes)},
+      {"flight_records", flight_records(run.flight_records)},
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye)

@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/run/changes.hpp"
+#include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/servo_loop.hpp"
@@ -26,6 +28,7 @@ struct RunDescription {
   std::string check = {};                           // JSON of --check; empty: none was made
   const std::deque<Changes::Done>* changes =
       nullptr;  // requested by admins; null: none were possible
+  const std::vector<WrittenFlight>* flight_records = nullptr;  // null: there is no flight recorder
 };
 
 /// The report's text. Every number in it is finite; a missing number is null. `link`:

@@ -119,7 +119,7 @@ std::optional<RecordingTarget> recording_target(const RunOptions& options) {
 
 std::optional<FlightTarget> flight_target(const RunOptions& options) {
   if (!options.flight_recorder) return std::nullopt;
-  return FlightTarget{*options.flight_recorder, about(options)};
+  return FlightTarget{*options.flight_recorder, about(options), options.flight_recorder_required};
 }
 
 /// The number of the robot's seat. Throws SessionError that names the existing ones.
@@ -297,7 +297,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
           *options.report,
           {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
            real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
-           joined.accepted.tool, joined.accepted.version, check, &all->changes->done()},
+           joined.accepted.tool, joined.accepted.version, check, &all->changes->done(),
+           &all->records->flight_records()},
           *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {

@@ -45,9 +45,11 @@ struct RunOptions {
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
-  /// Folder for the last ten seconds before an error that ends the run, an overdrawn account, or
-  /// SIGUSR1; empty: none, and SIGUSR1 ends the program.
+  /// Folder for the last ten seconds before an error that ends the run, a lost session, a device
+  /// fault, an overdrawn account, or SIGUSR1; empty: none, and SIGUSR1 ends the program.
   std::optional<std::filesystem::path> flight_recorder;
+  /// False: if the folder cannot be made, a warning is printed, and the run goes on without it.
+  bool flight_recorder_required = true;
   /// For an observer: called for each view, by the thread that called run_client(). If
   /// it throws, it is not called again; the run goes on, and returns 1.
   OnView on_view = {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <vector>
 
@@ -31,9 +32,21 @@ std::string stamp(std::uint64_t time) {
 
 }  // namespace
 
+std::optional<fs::path> state_flight_folder() {
+  const auto absolute = [](const char* name) -> std::optional<fs::path> {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value == '/' ? std::optional<fs::path>(value) : std::nullopt;
+  };
+  const fs::path below = fs::path("feltwire") / "flights";
+  if (const auto state = absolute("XDG_STATE_HOME")) return *state / below;
+  if (const auto home = absolute("HOME")) return *home / ".local" / "state" / below;
+  return std::nullopt;
+}
+
 void make_flight_folder(const fs::path& folder) {
   std::error_code error;
-  fs::create_directories(folder, error);
+  const bool made = fs::create_directories(folder, error);
+  if (made && !error) fs::permissions(folder, fs::perms::owner_all, error);
   if (error)
     throw FileError(folder.string() + ": cannot be made: " + error.message() +
                     "; check the path in " + kFlightOption);
@@ -42,14 +55,22 @@ void make_flight_folder(const fs::path& folder) {
 fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {
   const std::string end = '-' + name + ".mcap";
   std::vector<fs::path> files;
+  std::uintmax_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string other = entry.path().filename().string();
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
-        other.starts_with(kBegin) && other.ends_with(end))
+        other.starts_with(kBegin) && other.ends_with(end)) {
       files.push_back(entry.path());
+      bytes += entry.file_size();
+    }
   }
   std::ranges::sort(files);
-  for (std::size_t i = 0; i + kMostFlightFiles <= files.size(); ++i) fs::remove(files[i]);
+  for (std::size_t i = 0;
+       i < files.size() && (i + kMostFlightFiles <= files.size() || bytes > kMostFlightBytes);
+       ++i) {
+    bytes -= fs::file_size(files[i]);
+    fs::remove(files[i]);
+  }
   const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
   while (fs::exists(named())) time += kMillisecond;  // an earlier one stays
   return named();

@@ -3,14 +3,22 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace feltwire {
 
 inline constexpr const char* kFlightOption = "--flight-recorder";
-inline constexpr std::size_t kMostFlightFiles = 20;  // of one name; the oldest is removed
+// Of one name; the oldest files are removed.
+inline constexpr std::size_t kMostFlightFiles = 20;
+inline constexpr std::uintmax_t kMostFlightBytes = std::uintmax_t{256} << 20;  // before a new one
 
-/// Creates the folder if it is missing. Throws FileError that names it, the reason and the option.
+/// Returns $XDG_STATE_HOME/feltwire/flights or ~/.local/state/feltwire/flights; empty: neither
+/// variable is set.
+std::optional<std::filesystem::path> state_flight_folder();
+
+/// Creates the folder, for this user alone, if it is missing. Throws FileError that names it, the
+/// reason and the option.
 void make_flight_folder(const std::filesystem::path& folder);
 
 /// DIR/flight-TIME-NAME.mcap for a time [ns since 1970], and removes the oldest files of this name

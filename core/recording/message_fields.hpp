@@ -68,6 +68,31 @@ void put_entity(std::string& out, std::uint64_t time, std::string_view id, Fill 
   });
 }
 
+/// Reads numbers of fields 1 to N. False where the bytes are no message.
+template <int N>
+bool read_numbers(const Field& field, Eigen::Matrix<double, N, 1>& out) {
+  out.setZero();  // a zero is not written
+  Fields fields(field.bytes);
+  while (const auto part = fields.next())
+    if (part->is_fixed64 && part->number <= static_cast<std::uint32_t>(N))
+      out[static_cast<int>(part->number) - 1] = part->real();
+  return field.is_bytes && fields.ok();
+}
+
+inline bool read_quaternion(const Field& field, Quaternion& out) {
+  return read_numbers<4>(field, out.coeffs());  // x, y, z, w here and there
+}
+
+inline bool read_pose(const Field& field, Pose& out) {
+  Fields fields(field.bytes);
+  bool good = field.is_bytes;
+  while (const auto part = fields.next()) {
+    if (part->number == 1) good &= read_numbers<3>(*part, out.position);
+    if (part->number == 2) good &= read_quaternion(*part, out.orientation);
+  }
+  return good && fields.ok();
+}
+
 /// The schema of a message: its full name, and the FileDescriptorSet that contains it.
 template <std::size_t N>
 mcap::Schema schema(std::string name, const unsigned char (&descriptors)[N]) {

@@ -17,22 +17,9 @@ using protobuf::put_pose;
 using protobuf::put_quaternion;
 using protobuf::put_time;
 using protobuf::put_vector;
+using protobuf::read_numbers;
+using protobuf::read_quaternion;
 using protobuf::schema;
-
-/// Reads numbers of fields 1 to N. False where the bytes are no message.
-template <int N>
-bool read_numbers(const Field& field, Eigen::Matrix<double, N, 1>& out) {
-  out.setZero();  // a zero is not written
-  Fields fields(field.bytes);
-  while (const auto part = fields.next())
-    if (part->is_fixed64 && part->number <= static_cast<std::uint32_t>(N))
-      out[static_cast<int>(part->number) - 1] = part->real();
-  return field.is_bytes && fields.ok();
-}
-
-bool read_quaternion(const Field& field, Quaternion& out) {
-  return read_numbers<4>(field, out.coeffs());  // x, y, z, w here and there
-}
 
 }  // namespace
 
@@ -125,9 +112,9 @@ void append_pose(std::string& out, std::uint64_t time, const Pose& pose) {
 void append_hand(std::string& out, std::uint64_t time, std::string_view id, const Pose& pose,
                  const Vec3& force) {
   constexpr double kHand = 0.008, kThick = 0.003;  // [m]
-  constexpr double kMetresPerNewton = 0.01, kHead = 0.3;
+  constexpr double kHead = 0.3;
   put_entity(out, time, id, [&](std::string& entity) {
-    const double length = kMetresPerNewton * force.norm();
+    const double length = kArrowPerNewton * force.norm();
     if (length > 0.0)
       put_message(entity, 7, [&](std::string& arrow) {
         put_pose(arrow, 1, {pose.position, turn_to(Vec3::UnitX(), force)});

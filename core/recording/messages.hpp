@@ -37,6 +37,7 @@ std::optional<RecordedAccount> read_account(std::string_view bytes);
 
 /// foxglove.PoseInFrame: the hand. `time` [ns] since 1970.
 void append_pose(std::string& out, std::uint64_t time, const Pose& pose);
+inline constexpr double kArrowPerNewton = 0.01;  // [m/N] length of a force's arrow
 /// A foxglove.SceneUpdate is the concatenation of these: a hand as a sphere, the force on it [N] as
 /// an arrow of 1 cm a newton; a body as a cube, because its shape is not known; and the entities
 /// that no longer exist. `id` identifies them.

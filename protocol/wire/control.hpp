@@ -187,6 +187,13 @@ struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
   bool more = false;                         // there are sessions with greater numbers
 };
+struct WriteFlightRecord {
+  std::string scene;
+};
+struct FlightRecordWritten {
+  std::string scene;
+  std::string file;  // on the server's machine; encode() cuts one longer than kMaxReason
+};
 struct GetCounters {
   std::string scene;  // empty: of the control port
 };
@@ -198,11 +205,12 @@ struct Counters {
   std::vector<Counter> counters;
 };
 
-using Message = std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
-                             SetParameters, ParametersSet, Refused, Authenticate, Authenticated,
-                             Evict, Evicted, ListSessions, SessionList, ReloadScene, SceneReloaded,
-                             SetMaterial, SetGravity, SceneChanged, DescribeSessions,
-                             SessionDescriptions, GetCounters, Counters, SetLink, SetLead>;
+using Message =
+    std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
+                 SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
+                 ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
+                 SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
+                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten>;
 
 const char* name(RefusalCode code);
 

@@ -260,6 +260,12 @@ bool read(const wire::SetLead& from, SetLead& to) {
 bool read(const wire::SceneChanged& from, SceneChanged& to) {
   return read_name(from.scene(), to.scene) && read_name(from.what(), to.what, kMaxReason);
 }
+bool read(const wire::WriteFlightRecord& from, WriteFlightRecord& to) {
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::FlightRecordWritten& from, FlightRecordWritten& to) {
+  return read_name(from.scene(), to.scene) && read_name(from.file(), to.file, kMaxReason);
+}
 bool read(const wire::DescribeSessions& from, DescribeSessions& to) {
   to.after = from.after();
   return read_name(from.scene(), to.scene);
@@ -379,6 +385,10 @@ std::optional<Message> decode(Bytes body) {
       return message<SetLink>(*root->body_as_SetLink());
     case wire::Body::SetLead:
       return message<SetLead>(*root->body_as_SetLead());
+    case wire::Body::WriteFlightRecord:
+      return message<WriteFlightRecord>(*root->body_as_WriteFlightRecord());
+    case wire::Body::FlightRecordWritten:
+      return message<FlightRecordWritten>(*root->body_as_FlightRecordWritten());
     case wire::Body::NONE:
       break;
   }

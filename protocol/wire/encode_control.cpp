@@ -185,6 +185,14 @@ struct BodyBuilder {
   Offset<wire::SetLead> operator()(const SetLead& m) {
     return wire::CreateSetLead(builder, m.session, m.share);
   }
+  Offset<wire::WriteFlightRecord> operator()(const WriteFlightRecord& m) {
+    return wire::CreateWriteFlightRecord(builder, builder.CreateString(m.scene));
+  }
+  Offset<wire::FlightRecordWritten> operator()(const FlightRecordWritten& m) {
+    const auto scene = builder.CreateString(m.scene);
+    return wire::CreateFlightRecordWritten(builder, scene,
+                                           builder.CreateString(shortened(m.file, kMaxReason)));
+  }
   Offset<wire::SceneChanged> operator()(const SceneChanged& m) {
     const auto scene = builder.CreateString(m.scene);
     return wire::CreateSceneChanged(builder, scene,

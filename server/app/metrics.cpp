@@ -54,6 +54,12 @@ constexpr auto kSceneMetrics = std::to_array<SceneMetric>({
      [](const SceneSummary& s) { return s.counters.samples.gaps; }},
     {"feltwire_duplicates_total", "counter", "Datagrams that brought nothing new.",
      [](const SceneSummary& s) { return s.counters.samples.duplicates; }},
+    {"feltwire_client_late_ticks_total", "counter",
+     "Servo ticks of clients that came a whole period late, as they report.",
+     [](const SceneSummary& s) { return s.counters.samples.late_ticks; }},
+    {"feltwire_late_goodbyes_total", "counter",
+     "Datagrams under the number of a session that had just ended.",
+     [](const SceneSummary& s) { return s.counters.late_goodbyes; }},
     {"feltwire_replies_total", "counter", "Commands sent.",
      [](const SceneSummary& s) { return s.counters.samples.replies; }},
     {"feltwire_replies_withheld_total", "counter", "Commands that a deadband kept back.",
@@ -67,6 +73,11 @@ constexpr auto kSceneMetrics = std::to_array<SceneMetric>({
      [](const SceneSummary& s) { return s.counters.world.steps; }},
     {"feltwire_world_resets_total", "counter", "Steps that came to nothing sane.",
      [](const SceneSummary& s) { return s.counters.world.resets; }},
+    {"feltwire_world_bodies_returned_total", "counter",
+     "Moving objects that left the scene and were put back.",
+     [](const SceneSummary& s) { return s.counters.world.returned; }},
+    {"feltwire_world_warnings_total", "counter", "Warnings of the simulation of moving objects.",
+     [](const SceneSummary& s) { return s.counters.world.warnings; }},
     {"feltwire_world_ticks_dropped_total", "counter",
      "Steps of the moving objects that were left out, as the thread could not keep up.",
      [](const SceneSummary& s) { return s.counters.ticks_dropped; }},
@@ -135,6 +146,33 @@ void value(std::string& text, const std::string& name, const std::string& labels
   value(text, name + "_count", labels, below);
 }
 
+/// The counts that clients report have no sum of the times.
+void add_classes(std::string& text, const std::string& name, const std::string& labels,
+                 const HandTimesHeard::Totals& counts, const HandTimes::Limits& limits) {
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < HandTimes::kClasses; ++i) {
+    below += counts[i];
+    const std::string limit =
+        i < limits.size() ? in_seconds(static_cast<std::uint64_t>(limits[i].count())) : "+Inf";
+    value(text, name + "_bucket", labels + ",le=\"" + limit + "\"", below);
+  }
+  value(text, name + "_count", labels, below);
+}
+
+void add_client_times(std::string& text, const std::vector<SceneSummary>& scenes) {
+  const std::string wakeups = "feltwire_client_wakeup_late_seconds",
+                    round_trips = "feltwire_client_round_trip_seconds";
+  begin(text, wakeups, "histogram", "How late the servos of clients woke, as they report.");
+  for (const SceneSummary& scene : scenes)
+    add_classes(text, wakeups, scene_label(scene), scene.counters.client_wakeups,
+                hand_time_limits::kWakeups);
+  begin(text, round_trips, "histogram",
+        "From when a device was read to the answer at its client, as clients report.");
+  for (const SceneSummary& scene : scenes)
+    add_classes(text, round_trips, scene_label(scene), scene.counters.client_round_trips,
+                hand_time_limits::kRoundTrips);
+}
+
 void add_times(std::string& text, const std::vector<SceneSummary>& scenes) {
   const std::string answers = "feltwire_answer_seconds", late = "feltwire_world_late_seconds";
   begin(text, answers, "histogram",
@@ -157,6 +195,7 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   std::string text;
   add_scenes(text, scenes);
   add_times(text, scenes);
+  add_client_times(text, scenes);
   const auto& [connections, requests] = control;
   add(text, "feltwire_control_connections_total", "Control connections accepted.",
       connections.accepted);

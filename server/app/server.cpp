@@ -132,7 +132,7 @@ struct Server::Parts {
             [this](std::size_t host, ControlService::Reloaded done) {
               reload(host, std::move(done));
             },
-            [this] { return control->counters(); }),
+            [this] { return control->counters(); }, flight_writer(config)),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_names(scenes);
@@ -177,10 +177,26 @@ struct Server::Parts {
         reload(host, [](const std::optional<Refused>&) {});  // the page is told by itself
       });
     };
+    page.write_flight = flight_writer(config);
     std::vector<SceneInView*> scenes;
     for (const auto& host : hosts) scenes.push_back(host.get());
     web = std::make_unique<web::WebServer>(page, scenes, std::move(security.tokens),
                                            security.identity);
+  }
+
+  /// Empty: there is no flight recorder.
+  ControlService::WriteFlight flight_writer(const ServerConfig& config) {
+    if (config.flight_recorder.empty()) return {};
+    return [this](std::size_t scene, ControlService::FlightWritten done) {
+      recorder->ask_for_flight_record(
+          scene, [this, done = std::move(done)](std::optional<std::filesystem::path> file) {
+            post_patiently(io, [done, file = std::move(file)] {
+              if (file) return done(file->string());
+              done(Refused{RefusalCode::failed,
+                           "the flight record could not be written; the server's log says why"});
+            });
+          });
+    };
   }
 
   std::vector<SceneSummary> summary() {
@@ -354,43 +370,5 @@ bool Server::stop() { return parts_->stop(); }
 std::vector<SceneSummary> Server::summary() const { return parts_->summary(); }
 
 ControlSummary Server::control_summary() const { return parts_->control_summary(); }
-
-std::string text(const ControlSummary& summary) {
-  const auto& [connections, requests] = summary;
-  return fmt::format(
-      "control: connections {} (too often {}, crowded out {}, no TLS {}, too slow {}), "
-      "unauthenticated {}, "
-      "forbidden {}, too many {}\n",
-      connections.accepted, connections.too_often, connections.crowded_out, connections.failed,
-      connections.too_slow, requests.unauthenticated, requests.forbidden, requests.too_many);
-}
-
-std::string text(const std::vector<SceneSummary>& summary) {
-  std::string lines;
-  for (const SceneSummary& scene : summary) {
-    const SceneCounters& c = scene.counters;
-    lines += fmt::format(
-        "scene {}: sessions {} (left {}, silent {}, flooded {}, forged {}, disturbing {}, evicted "
-        "{}, "
-        "failed {}), "
-        "samples {}, "
-        "replies {} ({} withheld), gaps {} "
-        "({} samples missed), unsent {}\n",
-        scene.scene, c.sessions_served, c.left, c.silent, c.flooded, c.forged, c.disturbing,
-        c.evicted, c.failed, c.samples.samples, c.samples.replies, c.samples.withheld,
-        c.samples.gaps, c.samples.missed, scene.unsent);
-    std::string drops;
-    for (std::size_t i = 1; i < c.drops.size(); ++i)
-      if (c.drops[i] > 0)
-        drops += fmt::format(" {} {}", name(static_cast<DropReason>(i)), c.drops[i]);
-    if (c.world.steps > 0)
-      lines += fmt::format(
-          "  steps of what moves {} ({} dropped), resets {}, lost bodies {}, warnings {}\n",
-          c.world.steps, c.ticks_dropped, c.world.resets, c.world.returned, c.world.warnings);
-    lines +=
-        fmt::format("  datagrams {}, dropped:{}\n", c.datagrams, drops.empty() ? " none" : drops);
-  }
-  return lines;
-}
 
 }  // namespace feltwire

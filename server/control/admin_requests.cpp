@@ -10,6 +10,14 @@ namespace feltwire {
 
 using control::RefusalCode;
 using control::Refused;
+namespace {
+
+Refused no_flight_recorder() {
+  return {RefusalCode::not_supported,
+          "this server keeps no flight record; start it with --flight-recorder DIR"};
+}
+
+}  // namespace
 
 /// Answers what is for admins; false where it is no such request.
 bool ControlService::serve_admin(PendingRequest& asked, const control::Message& request) {
@@ -43,6 +51,10 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
   }
   if (const auto* sessions = std::get_if<control::DescribeSessions>(&request)) {
     ask_scene(std::move(asked), sessions->scene, request);
+    return true;
+  }
+  if (const auto* flight = std::get_if<control::WriteFlightRecord>(&request)) {
+    write_flight(std::move(asked), *flight);
     return true;
   }
   if (const auto* counters = std::get_if<control::GetCounters>(&request)) {
@@ -147,6 +159,21 @@ void ControlService::ask_scene(PendingRequest asked, const std::string& name,
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   hosts_[std::get<std::size_t>(scene)]->ask(std::move(request), 0, {}, io_,
                                             std::move(asked.answer));
+}
+
+void ControlService::write_flight(PendingRequest asked, const control::WriteFlightRecord& request) {
+  const auto scene = scene_of_admin(asked, request.scene);
+  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+  if (!write_flight_) return asked.answer(no_flight_recorder());
+  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  spdlog::info("scene {}: client {} (token {}) asks for a flight record", visible(request.scene),
+               visible(asked.token.client), asked.token.id);
+  write_flight_(
+      std::get<std::size_t>(scene), [name = request.scene, answer = std::move(asked.answer)](
+                                        std::variant<std::string, Refused> outcome) {
+        if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
+        answer(control::FlightRecordWritten{name, std::move(std::get<std::string>(outcome))});
+      });
 }
 
 void ControlService::count(PendingRequest asked, const control::GetCounters& request) {

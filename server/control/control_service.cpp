@@ -31,7 +31,8 @@ std::string holder(Role role) {
 
 ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens,
                                const ServiceLimits& limits, Reload reload,
-                               std::function<ControlCounters()> connections)
+                               std::function<ControlCounters()> connections,
+                               WriteFlight write_flight)
     : io_(io),
       hosts_(hosts),
       tokens_(std::move(tokens)),
@@ -40,7 +41,8 @@ ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tok
       joins_(limits.join_rate, limits.join_burst),
       changes_(limits.join_rate, limits.join_burst),
       reload_(std::move(reload)),
-      connections_(std::move(connections)) {}
+      connections_(std::move(connections)),
+      write_flight_(std::move(write_flight)) {}
 
 void ControlService::handle(ControlPeer& peer, control::Message request, Answer answer) {
   refresh_tokens();

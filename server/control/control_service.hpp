@@ -48,10 +48,17 @@ class ControlService {
   /// control thread.
   using Reload = std::function<void(std::size_t host, Reloaded done)>;
 
+  /// Writes the flight record of a host's scene; `done` is called with its name on the control
+  /// thread.
+  using FlightWritten = std::function<void(std::variant<std::string, control::Refused> outcome)>;
+  using WriteFlight = std::function<void(std::size_t host, FlightWritten done)>;
+
   /// `io` runs on the control thread; it and the hosts outlive this.
   /// `connections` counts those of the control port, on its thread; empty: all zero.
+  /// `write_flight`: empty: there is no flight recorder.
   ControlService(asio::io_context& io, Hosts& hosts, TokenFile tokens, const ServiceLimits& limits,
-                 Reload reload, std::function<ControlCounters()> connections = {});
+                 Reload reload, std::function<ControlCounters()> connections = {},
+                 WriteFlight write_flight = {});
 
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, Answer answer);
@@ -93,6 +100,7 @@ class ControlService {
   void change(PendingRequest asked, const std::string& name, LiveChange change);
   void change_session(PendingRequest asked, std::uint64_t session, LiveChange change);
   void ask_scene(PendingRequest asked, const std::string& name, control::Message request);
+  void write_flight(PendingRequest asked, const control::WriteFlightRecord& request);
   void count(PendingRequest asked, const control::GetCounters& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
   std::optional<control::Refused> refuse_below_admin(const PendingRequest& asked);
@@ -116,6 +124,7 @@ class ControlService {
                                         20.0};  // by client, for the log: joins refused at once
   Reload reload_;
   std::function<ControlCounters()> connections_;
+  WriteFlight write_flight_;
   Directory seated_;
   // Until when a client's hands may not enter a scene whose simulation they broke.
   std::map<std::pair<std::string, std::size_t>, Nanoseconds> disturbers_;

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "core/base/appended_file.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/recording/event_message.hpp"
@@ -116,20 +118,26 @@ void FlightRecorder::note_debt(const SceneEvent& event) {
 
 void FlightRecorder::want(const SceneEvent& event, const std::string& reason) {
   reason_ += (reason_.empty() ? "" : "; ") + reason;
-  if (!due_) due_ = event.time + kTogether;
+  if (due_) return;
+  due_ = event.time + kTogether;
+  if (written_) due_ = std::max(*due_, *written_ + kBetween);
 }
 
-void FlightRecorder::write_if_due(bool asked, Nanoseconds now) noexcept {
-  if (!asked && !(due_ && now >= *due_)) return;
+std::optional<fs::path> FlightRecorder::write_if_due(bool asked, Nanoseconds now) noexcept {
+  if (!asked && !(due_ && now >= *due_)) return std::nullopt;
+  std::optional<fs::path> written;
+  written_ = newest_;
   try {
     if (asked) reason_ += std::string(reason_.empty() ? "" : "; ") + "asked for";
-    const fs::path file = write(reason_);
+    fs::path file = write(reason_);
     spdlog::warn("scene {}: {}; flight record: {}", about_["scene"], reason_, file.string());
+    written = std::move(file);
   } catch (const std::exception& error) {
     spdlog::error("scene {}: no flight record: {}", about_["scene"], error.what());
   }
   reason_.clear();
   due_.reset();
+  return written;
 }
 
 fs::path FlightRecorder::write(const std::string& reason) {

@@ -23,14 +23,17 @@ class FlightRecorder {
   static constexpr std::size_t kRoom = std::size_t{32} << 20;  // [bytes] less time where it is full
   /// A file waits for this time, so that related events are in one file.
   static constexpr Nanoseconds kTogether = std::chrono::milliseconds(200);
+  /// Faults that follow each other fill no disk: so long between two files, unless asked for.
+  static constexpr Nanoseconds kBetween = std::chrono::seconds(5);
 
   /// Creates the folder if it is missing. Throws FileError that names it and the reason.
   FlightRecorder(std::filesystem::path folder, std::string name,
                  std::map<std::string, std::string> about, std::int64_t offset);
 
   void add(const SceneEvent& event);
-  /// Writes a file if one is due or `asked` for, and logs its name. A failure is logged, too.
-  void write_if_due(bool asked, Nanoseconds now) noexcept;
+  /// Writes a file if one is due or `asked` for, logs its name, and returns it. A failure is
+  /// logged, too; then there is none.
+  std::optional<std::filesystem::path> write_if_due(bool asked, Nanoseconds now) noexcept;
 
  private:
   std::filesystem::path write(const std::string& reason);
@@ -45,8 +48,8 @@ class FlightRecorder {
   EventQueue kept_{kRoom};
   std::size_t count_ = 0;  // of events in it
   Nanoseconds newest_{0};
-  std::string reason_;  // of the file that is due
-  std::optional<Nanoseconds> due_;
+  std::string reason_;                        // of the file that is due
+  std::optional<Nanoseconds> due_, written_;  // times: of the next file at the earliest; the last
   struct Debt {
     bool stands = false;    // an account is overdrawn, by the newest report
     Nanoseconds written{};  // in a file that became due then

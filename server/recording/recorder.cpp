@@ -102,6 +102,21 @@ void Recorder::write(OneScene& scene, Action action) {
   }
 }
 
+void Recorder::ask_for_flight_record(std::size_t scene, FlightWritten written) {
+  const std::lock_guard lock(mutex_);
+  scenes_[scene]->wanted.push_back(std::move(written));
+}
+
+void Recorder::look_after_flights(OneScene& scene, bool asked) {
+  std::vector<FlightWritten> wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted.swap(scene.wanted);
+  }
+  const auto file = scene.flight->write_if_due(asked || !wanted.empty(), monotonic_now());
+  for (const FlightWritten& written : wanted) written(file);
+}
+
 void Recorder::look() {
   const bool asked = asked_.exchange(false, std::memory_order_relaxed);
   for (const auto& scene : scenes_) look(*scene, asked);
@@ -117,7 +132,7 @@ void Recorder::look(OneScene& scene, bool asked) {
   if (scene.pictures != nullptr && scene.pictures->take(scene.picture))
     write(scene, [&](SceneRecording& recording) { recording.see(scene.picture); });
   write(scene, [](SceneRecording& recording) { recording.flush(); });
-  if (scene.flight != nullptr) scene.flight->write_if_due(asked, monotonic_now());
+  if (scene.flight != nullptr) look_after_flights(scene, asked);
   if (const std::uint64_t lost = scene.log.lost(); lost > scene.told_lost / 2 * 3) {
     scene.told_lost = lost;
     spdlog::warn(

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -53,6 +55,12 @@ class Recorder {
 
   /// Requests a flight record of each scene. From any thread.
   void ask_for_flight_records() noexcept { asked_.store(true, std::memory_order_relaxed); }
+  /// Called on the recorder's thread with the name of a flight record; empty: it could not be
+  /// written, and the log says why. It must not throw.
+  using FlightWritten = std::function<void(std::optional<std::filesystem::path> file)>;
+  /// Requests a flight record of one scene, and its name. From any thread. Precondition: there is a
+  /// folder for them.
+  void ask_for_flight_record(std::size_t scene, FlightWritten written);
 
  private:
   struct OneScene {
@@ -65,11 +73,13 @@ class Recorder {
     std::unique_ptr<SceneRecording> recording;  // null: none, or it failed
     std::unique_ptr<FlightRecorder> flight;     // null: none
     std::uint64_t told_lost = 0;
+    std::vector<FlightWritten> wanted;  // guarded
   };
 
   void run();
   void look();
   void look(OneScene& scene, bool asked);
+  void look_after_flights(OneScene& scene, bool asked);
   template <class Action>
   void write(OneScene& scene, Action action);
 

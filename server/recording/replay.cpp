@@ -1,60 +1,24 @@
 #include "server/recording/replay.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <memory>
 
 #include "core/base/file_error.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/recording/event_message.hpp"
 #include "core/recording/mcap_reader.hpp"
 #include "core/scene_file/load_scene.hpp"
+#include "server/recording/event_reader.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr const char* kRemedy = "give what feltwire-server --record wrote";
-constexpr std::uint64_t kLatest = std::uint64_t{1} << 62;  // [ns] differences do not overflow
-
-/// Bytes where FlatBuffers may read them.
-class AlignedBytes {
- public:
-  Bytes put(std::string_view bytes) {
-    words_.resize((bytes.size() + sizeof(std::uint64_t) - 1) / sizeof(std::uint64_t));
-    if (!bytes.empty()) std::memcpy(words_.data(), bytes.data(), bytes.size());
-    return {reinterpret_cast<const std::uint8_t*>(words_.data()), bytes.size()};
-  }
-
- private:
-  std::vector<std::uint64_t> words_;
-};
 
 /// Any other number than 0, and always the same.
 std::uint64_t id_of(std::uint32_t hand) { return std::uint64_t{hand} << 8; }
-
-SceneEvent event_of(const RecordedEvent& read, AlignedBytes& bytes) {
-  return {.kind = static_cast<EventKind>(read.kind),
-          .outcome = static_cast<EventOutcome>(read.outcome),
-          .hand = static_cast<std::uint32_t>(read.hand),
-          .time = Nanoseconds(static_cast<std::int64_t>(read.time)),
-          .digest = read.digest,
-          .payload = bytes.put(read.payload),
-          .number = read.number};
-}
-
-/// Whether the numbers are possible, so that event_of() may be asked.
-bool is_possible(const RecordedEvent& read) {
-  return read.kind > 0 && read.kind < static_cast<std::uint64_t>(EventKind::count_of_kinds) &&
-         read.outcome < static_cast<std::uint64_t>(EventOutcome::count_of_outcomes) &&
-         read.hand <= ~std::uint32_t{0} && read.time < kLatest &&
-         read.payload.size() <= EventQueue::kMostPayload &&
-         (read.kind != static_cast<std::uint64_t>(EventKind::end) ||
-          (read.payload.size() == 1 && static_cast<std::uint8_t>(read.payload[0]) <=
-                                           static_cast<std::uint8_t>(SessionEnd::shut_down)));
-}
 
 std::string value(const mcap::Metadata& metadata, const std::string& key) {
   const auto at = metadata.values.find(key);
@@ -74,6 +38,7 @@ class Replayer {
   /// What is different, or nothing. `mcap` has the attachments so far.
   std::optional<std::string> take(const SceneEvent& recorded, const mcap::Reader& mcap,
                                   const std::string& file) {
+    reply_ = {};
     std::optional<SceneEvent> computed = log_.take();
     if (!computed) {
       if (auto wrong = apply(recorded, mcap, file)) return wrong;
@@ -85,11 +50,11 @@ class Replayer {
           "refused");
     return difference(recorded, *computed);
   }
-  /// After the last one: whether there was one more to come.
-  bool has_more() { return log_.take().has_value(); }
+  /// The payload of the reply to the last event; empty if there was none.
+  Bytes reply() const { return reply_; }
 
  private:
-  static constexpr Nanoseconds kNever{kLatest};
+  static constexpr Nanoseconds kNever{std::int64_t{1} << 62};
   static constexpr std::size_t kMostSessions = 4096, kLogRoom = std::size_t{1} << 20;
 
   std::optional<std::string> apply(const SceneEvent& event, const mcap::Reader& mcap,
@@ -99,7 +64,7 @@ class Replayer {
       case EventKind::parameters:
         return ask(event);
       case EventKind::samples:
-        sessions_.replay_samples(id_of(event.hand), event.payload, event.time);
+        reply_ = sessions_.replay_samples(id_of(event.hand), event.payload, event.time);
         return std::nullopt;
       case EventKind::tick:
         sessions_.tick(event.time);
@@ -183,6 +148,7 @@ class Replayer {
   std::shared_ptr<const Scene> scene_;
   EventLog log_{kLogRoom};
   SceneSessions sessions_;
+  Bytes reply_;
 };
 
 /// The scene whose files the recording has under this number; null: it has none.
@@ -217,8 +183,9 @@ std::optional<std::string> Replayer::reload(const SceneEvent& event, const mcap:
 /// The files of a recording, one after the other.
 class Reading {
  public:
-  Reading(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given)
-      : given_(std::move(given)) {
+  Reading(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given,
+          OnReply on_reply)
+      : given_(std::move(given)), on_reply_(std::move(on_reply)) {
     result_.replayed_by = build_info("feltwire-server");
     for (const auto& file : files) {
       if (result_.difference || result_.lost > 0) break;
@@ -236,14 +203,11 @@ class Reading {
     if (!in) throw FileError(file + ": cannot be read; check the path");
     mcap::Reader mcap(in, file);
     while (const auto message = mcap.next()) {
-      const mcap::Channel& channel = mcap.channels().at(message->channel);
-      if (channel.schema == 0 || mcap.schemas().at(channel.schema).name != "feltwire.Event")
-        continue;
-      const auto read = read_event(message->data);
-      if (!read || !is_possible(*read))
-        throw FileError(file + ": event " + std::to_string(message->sequence) +
-                        " of it is no feltwire.Event; " + kRemedy);
-      if (!take(event_of(*read, bytes_), mcap, file)) return;
+      if (!EventReader::is_event(mcap, *message)) continue;
+      const SceneEvent event = events_.read(*message, file);
+      if (!take(event, mcap, file)) return;
+      if (on_reply_ && !replayer_->reply().empty())
+        on_reply_(event, message->log_time, replayer_->reply());
     }
     result_.cut_at = mcap.cut_at();
   }
@@ -306,7 +270,8 @@ class Reading {
 
   std::shared_ptr<const Scene> given_;
   std::unique_ptr<Replayer> replayer_;
-  AlignedBytes bytes_;
+  OnReply on_reply_;
+  EventReader events_;
   Replay result_;
   std::uint64_t next_ = 1;
   Nanoseconds first_{0};
@@ -314,8 +279,9 @@ class Reading {
 
 }  // namespace
 
-Replay replay(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given) {
-  return Reading(files, std::move(given)).result();
+Replay replay(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given,
+              OnReply on_reply) {
+  return Reading(files, std::move(given), std::move(on_reply)).result();
 }
 
 }  // namespace feltwire

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "server/scene/event_log.hpp"
 
 namespace feltwire {
 
@@ -33,10 +35,14 @@ struct Replay {
   bool bit_equal() const { return !difference && lost == 0 && events > 0; }
 };
 
+/// Called with an event, its log time [ns since 1970] and the payload of the reply to it, which is
+/// bit-equal to the recorded one.
+using OnReply = std::function<void(const SceneEvent&, std::uint64_t log_time, Bytes reply)>;
+
 /// Reads the files of one scene's recording, in their order from the first. The scene comes from
 /// the first file unless one is given. After the first difference, or where events are missing, it
 /// computes no more. Throws FileError that names the file, the place and the remedy.
 Replay replay(const std::vector<std::filesystem::path>& files,
-              std::shared_ptr<const Scene> given = nullptr);
+              std::shared_ptr<const Scene> given = nullptr, OnReply on_reply = {});
 
 }  // namespace feltwire

@@ -19,6 +19,7 @@ std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(const Sce
           {"gaps", c.samples.gaps},
           {"missed", c.samples.missed},
           {"duplicates", c.samples.duplicates},
+          {"late_ticks", c.samples.late_ticks},
           {"shed", c.shed}};
 }
 

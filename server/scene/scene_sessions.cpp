@@ -22,6 +22,11 @@ void add(SceneCounters& sum, const Session& session) {
   sum.samples.gaps += counters.gaps;
   sum.samples.missed += counters.missed;
   sum.samples.duplicates += counters.duplicates;
+  sum.samples.late_ticks += counters.late_ticks;
+  for (std::size_t i = 0; i < HandTimes::kClasses; ++i) {
+    sum.client_wakeups[i] += session.times().wakeups()[i];
+    sum.client_round_trips[i] += session.times().round_trips()[i];
+  }
 }
 
 void add(WorldCounters& sum, const WorldCounters& more) {

@@ -124,6 +124,9 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
 
 /// What the client left out is no gap; what travelled before this datagram and never came is one.
 void Session::hear(const HandReport& report) noexcept {
+  constexpr std::uint32_t kModulo = (1u << 24) - 1;
+  // A client that joined again has counted before, so its first report is the start.
+  if (report_) counters_.late_ticks += (report.late_ticks - report_->late_ticks) & kModulo;
   report_ = report;
   if (report.times) times_.take(*report.times);
 }

@@ -23,6 +23,7 @@ struct SessionCounters {
   std::uint64_t gaps = 0;        // places where samples that travelled were lost
   std::uint64_t missed = 0;      // in these, up to the last that travelled; left out ones included
   std::uint64_t duplicates = 0;  // datagrams without a new sample
+  std::uint64_t late_ticks = 0;  // servo ticks that came a whole period late, as its client reports
 };
 
 /// The limits of a hand with this device on moving objects: the force that the device can give to

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <asio/post.hpp>
 #include <charconv>
 #include <stdexcept>
 
@@ -50,7 +51,8 @@ const Token* Audience::admin_of(const Seat& seat) const {
 
 /// Does what is an admin's to ask; false where the message asks nothing of that kind.
 bool Audience::act(Seat& seat, const ViewerMessage& message) {
-  if (!message.admin && !message.set && !message.evict && !message.reload) return false;
+  if (!message.admin && !message.set && !message.evict && !message.reload && !message.record)
+    return false;
   if (only_shown(seat)) return true;
   if (message.admin) {
     become_admin(seat, *message.admin);
@@ -67,6 +69,8 @@ bool Audience::act(Seat& seat, const ViewerMessage& message) {
     set(seat, *message.set);
   } else if (message.evict) {
     evict(seat, *message.evict);
+  } else if (message.record) {
+    write_flight(seat);
   } else {
     reload(seat);
   }
@@ -152,6 +156,30 @@ void Audience::reload(Seat& seat) {
   spdlog::info("scene {} is reloaded by {}", visible(seat.stage->scene->name()),
                who(*admin_of(seat)));
   reload_(static_cast<std::size_t>(stage - stages_.begin()));
+}
+
+/// A viewer that has left meanwhile hears nothing of it.
+void Audience::write_flight(Seat& seat) {
+  if (!write_flight_)
+    return seat.viewer->send(
+        refused("this server keeps no flight record; start it with --flight-recorder DIR"));
+  const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
+  spdlog::info("scene {}: {} asks for a flight record", visible(seat.stage->scene->name()),
+               who(*admin_of(seat)));
+  write_flight_(
+      static_cast<std::size_t>(stage - stages_.begin()),
+      [this, id = seat.id,
+       alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
+        asio::post(io_, [this, id, alive, outcome = std::move(outcome)] {
+          if (alive.expired()) return;
+          const auto asker = seats_.find(id);
+          if (asker == seats_.end()) return;
+          const auto* no = std::get_if<control::Refused>(&outcome);
+          asker->second.viewer->send(
+              no != nullptr ? refused(no->reason)
+                            : changed_text("flight record: " + std::get<std::string>(outcome)));
+        });
+      });
 }
 
 void Audience::tell(std::size_t scene, const std::optional<std::string>& wrong) {

@@ -21,11 +21,12 @@ constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that
 }  // namespace
 
 Audience::Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands,
-                   Reload reload)
+                   Reload reload, WriteFlight write_flight)
     : io_(io),
       tokens_(std::move(tokens)),
       hands_(hands),
       reload_(std::move(reload)),
+      write_flight_(std::move(write_flight)),
       begin_(monotonic_now()) {
   for (SceneInView* scene : scenes) {
     stages_.push_back(std::make_unique<Stage>());

@@ -42,10 +42,15 @@ class Audience {
   /// Reloads a scene, by its index; told() reports the result later. Empty: there is no reload.
   using Reload = std::function<void(std::size_t scene)>;
 
+  /// Writes the flight record of a scene, by its index; `done` is called with its name, or with the
+  /// reason why there is none, from any thread. Empty: there is no flight recorder.
+  using WriteFlight = std::function<void(
+      std::size_t scene, std::function<void(std::variant<std::string, control::Refused>)> done)>;
+
   /// `io` runs on the thread that calls everything here; it, the scenes and `hands` outlive this.
   /// `hands`: the hands for viewers; null: none.
   Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands = nullptr,
-           Reload reload = {});
+           Reload reload = {}, WriteFlight write_flight = {});
   ~Audience();
 
   using Id = std::uint64_t;
@@ -103,6 +108,7 @@ class Audience {
   void change(Seat& seat, LiveChange change);
   void evict(Seat& seat, const std::string& session);
   void reload(Seat& seat);
+  void write_flight(Seat& seat);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
   void tell_of_sight(Stage& stage);
@@ -115,6 +121,7 @@ class Audience {
   TokenFile tokens_;
   PageHands* hands_;
   Reload reload_;
+  WriteFlight write_flight_;
   RateLimit<std::string> changes_{20.0, 60.0};  // of admins' clients
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;

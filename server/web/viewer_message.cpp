@@ -25,6 +25,7 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
   bool null() override { return value(); }
   bool boolean(bool given) override {
     if (depth_ == 1 && key_ == "reload") message.reload = given;
+    if (depth_ == 1 && key_ == "record") message.record = given;
     return value() && !in_set();
   }
   bool number_integer(number_integer_t given) override {

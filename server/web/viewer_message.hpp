@@ -34,6 +34,7 @@ struct ViewerMessage {
   std::optional<ViewerSet> set;
   std::optional<std::string> evict;  // a session's id
   bool reload = false;
+  bool record = false;  // the flight record of the scene
 };
 
 /// Empty if the text is no JSON object, if a member of `set` is of a wrong type or unknown, or if

@@ -31,7 +31,8 @@ WebServer::WebServer(const WebOptions& options, const Audience::Scenes& scenes, 
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      audience_(io_, scenes, std::move(tokens), options.hands, options.reload),
+      audience_(io_, scenes, std::move(tokens), options.hands, options.reload,
+                options.write_flight),
       places_(options.max_connections, options.max_connections_per_network) {
   port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
 }

@@ -34,6 +34,8 @@ struct WebOptions {
   std::function<std::string(const AudienceCounters& counters)> metrics = {};
   /// Reads a scene's file again (Audience::Reload), on the page's thread; empty: not possible here.
   Audience::Reload reload = {};
+  /// Writes a flight record (Audience::WriteFlight); empty: there is no flight recorder.
+  Audience::WriteFlight write_flight = {};
 };
 
 class WebServer {

@@ -153,34 +153,39 @@ void add_export(CLI::App& app) {
   struct Options {
     std::vector<std::filesystem::path> files;
     std::string csv, npz;
+    bool replies = false;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("export", "Turn MCAP recordings into CSV files or arrays of numpy");
   command->footer(
-      "The files of one recording, in their order, give one table a topic. docs/recording.md has "
-      "the columns. Examples:\n"
+      "The files of one recording, in their order, give tables: of a client's ticks, or of each "
+      "hand "
+      "of a server. docs/recording.md has the columns. Examples:\n"
       "  feltwire-lab export hand.mcap --csv hand\n"
+      "  feltwire-lab export room.mcap --replies --csv room\n"
       "  feltwire-lab export hand-0001.mcap hand-0002.mcap --npz hand.npz");
-  command->add_option("FILE", o->files, "MCAP files that feltwire-client --record wrote")
+  command->add_option("FILE", o->files, "MCAP files that --record or --flight-recorder wrote")
       ->required();
   CLI::Option* csv =
-      command->add_option("--csv", o->csv, "Folder for one CSV file a topic; created when missing");
+      command->add_option("--csv", o->csv, "Folder for one CSV file a table; created when missing");
   command->add_option("--npz", o->npz, "FILE.npz for one array a column")->excludes(csv);
+  command->add_flag("--replies", o->replies,
+                    "Compute the replies of a server's recording again, and export them, too");
   command->callback([o] {
     if (o->csv.empty() && o->npz.empty())
       throw std::invalid_argument("export needs --csv DIR or --npz FILE");
     std::vector<NamedFile> read;
     for (const auto& file : o->files) read.push_back({"FILE", file});
     if (!o->npz.empty()) require_different({{"--npz", o->npz}}, read);
-    RecordingTables tables;
-    for (const auto& file : o->files)
-      if (const auto cut = add_recording(file, tables))
-        std::cerr << "feltwire-lab: " << visible(file.string()) << " was cut at byte " << *cut
-                  << ": its last second may be missing\n";
+    const auto [tables, cuts] = read_recording_tables(o->files, o->replies);
+    for (const auto& [file, byte] : cuts)
+      std::cerr << "feltwire-lab: " << visible(file.string()) << " was cut at byte " << byte
+                << ": its last second may be missing\n";
     if (tables.empty())
-      throw std::runtime_error(
-          "there is no servo tick in it; give a file that feltwire-client --record wrote");
+      throw std::runtime_error(o->files.front().string() +
+                               ": has no tick of a client and no datagram of a hand; give a file "
+                               "that --record or --flight-recorder wrote");
     for (const auto& [topic, table] : tables)
       std::cout << visible(topic) << ": " << table.log_time.size() << " rows\n";
     if (!o->npz.empty()) return write_npz(tables, o->npz);

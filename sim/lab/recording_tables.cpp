@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "client/servo/no_force.hpp"
@@ -12,57 +13,51 @@
 #include "core/base/line_file.hpp"
 #include "core/recording/mcap_reader.hpp"
 #include "core/recording/messages.hpp"
+#include "core/recording/picture_message.hpp"
+#include "server/recording/event_reader.hpp"
+#include "server/recording/replay.hpp"
+#include "sim/lab/event_tables.hpp"
 #include "sim/lab/npz_file.hpp"
+#include "sim/replay/replay_report.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr const char* kSample = "feltwire.Sample";
-constexpr const char* kAccount = "feltwire.Account";
-constexpr const char* kReason = "no_force";  // in a CSV by its name
+constexpr const char* kRemedy = "give a file that --record or --flight-recorder wrote";
+
+std::string reason_text(double value) {
+  return value < static_cast<double>(kNoForceReasons)
+             ? std::string(name(static_cast<NoForce>(value)))
+             : std::to_string(static_cast<std::uint32_t>(value));
+}
 
 /// The columns of --record FILE.csv first, under its names.
-std::vector<RecordingTable::Column> columns_of(const std::string& schema) {
-  if (schema == kSample)
-    return {{"time", "t"},
-            {"position", "x,y,z", 3},
-            {"elastic", "ex,ey,ez", 3},
-            {"frictional", "fx,fy,fz", 3},
-            {"held", "rx,ry,rz", 3},
-            {"age", "age"},
-            {"orientation", "qw,qx,qy,qz", 4},
-            {"torque", "tx,ty,tz", 3}};
-  return {{"time", "t"}, {"balance", "balance"}, {"cut", "cut"}, {kReason, kReason}};
+std::vector<RecordingTable::Column> sample_columns() {
+  return {{"time", "t"},
+          {"position", "x,y,z", 3},
+          {"elastic", "ex,ey,ez", 3},
+          {"frictional", "fx,fy,fz", 3},
+          {"held", "rx,ry,rz", 3},
+          {"age", "age"},
+          {"orientation", "qw,qx,qy,qz", 4},
+          {"torque", "tx,ty,tz", 3}};
 }
 
-void add_row(RecordingTable& table, std::span<const double> row) {
-  std::size_t at = 0;
-  for (RecordingTable::Column& column : table.columns) {
-    const auto part = row.subspan(at, column.width);
-    column.values.insert(column.values.end(), part.begin(), part.end());
-    at += column.width;
-  }
+std::vector<RecordingTable::Column> account_columns() {
+  return {{"time", "t"},
+          {"balance", "balance"},
+          {"cut", "cut"},
+          {"no_force", "no_force", 1, &reason_text}};
 }
 
-bool add_sample(RecordingTable& table, std::string_view bytes) {
-  const auto s = read_sample(bytes);
-  if (!s) return false;
-  const Vec3 &p = s->pose.position, &e = s->elastic, &f = s->frictional, &r = s->held,
-             &t = s->torque;
-  const Quaternion& q = s->pose.orientation;
-  add_row(table,
-          std::array{s->time, p.x(), p.y(),  p.z(), e.x(), e.y(), e.z(), f.x(), f.y(), f.z(), r.x(),
-                     r.y(),   r.z(), s->age, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
-  return true;
+std::vector<RecordingTable::Column> body_columns() {
+  return {{"time", "t"}, {"position", "x,y,z", 3}, {"orientation", "qw,qx,qy,qz", 4}};
 }
 
-/// The balance is not a number where there is no account.
-bool add_account(RecordingTable& table, std::string_view bytes) {
-  const auto a = read_account(bytes);
-  if (!a) return false;
-  add_row(table, std::array{a->time, a->balance.value_or(std::numeric_limits<double>::quiet_NaN()),
-                            a->cut, static_cast<double>(a->no_force)});
-  return true;
+std::vector<RecordingTable::Column> hand_columns() {
+  std::vector<RecordingTable::Column> columns = body_columns();
+  columns.push_back({"held", "rx,ry,rz", 3});
+  return columns;
 }
 
 /// "/hand/sample" is hand_sample. No topic leads out of the folder.
@@ -84,8 +79,8 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
   for (const RecordingTable::Column& column : table.columns) {
     for (std::size_t i = 0; i < column.width; ++i) {
       const double value = column.values[row * column.width + i];
-      if (column.name == kReason && value < static_cast<double>(kNoForceReasons))
-        lines += name(static_cast<NoForce>(value));
+      if (column.text != nullptr)
+        lines += column.text(value);
       else
         append_exactly(lines, value);
       lines += ',';
@@ -94,30 +89,129 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
   lines += std::to_string(table.log_time[row]) + '\n';
 }
 
+/// One table for each topic of a client, each hand and body of a picture, and each hand of a
+/// server.
+class Reading {
+ public:
+  void read(const std::filesystem::path& path) {
+    file_ = path.string();
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw FileError(file_ + ": cannot be read; check the path");
+    mcap::Reader reader(in, file_);
+    while (const auto message = reader.next()) take(reader, *message);
+    if (reader.cut_at()) result_.cuts.emplace_back(path, *reader.cut_at());
+  }
+
+  void compute_replies(const std::vector<std::filesystem::path>& files) {
+    const auto add = [this](const SceneEvent& event, std::uint64_t time, Bytes reply) {
+      events_.add_reply(event, time, reply);
+    };
+    try {
+      const Replay done = replay(files, nullptr, add);
+      if (!done.bit_equal())
+        throw FileError(files.front().string() +
+                        ": its replies cannot be computed again: " + verdict(done));
+    } catch (const FileError& error) {
+      throw FileError(
+          std::string(error.what()) +
+          " (--replies needs all files of a server's recording, and its build; leave it "
+          "out for other files)");
+    }
+  }
+
+  ReadRecording result() && { return std::move(result_); }
+
+ private:
+  void take(const mcap::Reader& reader, const mcap::Message& message) {
+    const mcap::Channel& channel = reader.channels().at(message.channel);
+    if (channel.schema == 0) return;
+    const std::string& schema = reader.schemas().at(channel.schema).name;
+    bool good = true;
+    if (schema == "feltwire.Sample")
+      good = add_sample(table(channel.topic, &sample_columns), message);
+    else if (schema == "feltwire.Account")
+      good = add_account(table(channel.topic, &account_columns), message);
+    else if (schema == "feltwire.Event")
+      good = events_.add(event_reader_.read(message, file_), message.log_time);
+    else if (schema == "foxglove.SceneUpdate" && channel.topic != "/hand/picture")
+      good = add_picture(message);
+    if (!good)
+      throw FileError(file_ + ": topic " + channel.topic + ": message " +
+                      std::to_string(message.sequence) + " is no " + schema + "; " + kRemedy);
+  }
+
+  RecordingTable& table(const std::string& topic,
+                        std::vector<RecordingTable::Column> (*columns)()) {
+    RecordingTable& table = result_.tables[topic];
+    if (table.columns.empty()) table.columns = columns();
+    return table;
+  }
+
+  static bool add_sample(RecordingTable& table, const mcap::Message& message) {
+    const auto s = read_sample(message.data);
+    if (!s) return false;
+    const Vec3 &p = s->pose.position, &e = s->elastic, &f = s->frictional, &r = s->held,
+               &t = s->torque;
+    const Quaternion& q = s->pose.orientation;
+    table.add(message.log_time, std::array{s->time, p.x(), p.y(), p.z(), e.x(), e.y(), e.z(),
+                                           f.x(),   f.y(), f.z(), r.x(), r.y(), r.z(), s->age,
+                                           q.w(),   q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+    return true;
+  }
+
+  /// The balance is not a number where there is no account.
+  static bool add_account(RecordingTable& table, const mcap::Message& message) {
+    const auto a = read_account(message.data);
+    if (!a) return false;
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    table.add(message.log_time, std::array{a->time, a->balance.value_or(kNone), a->cut,
+                                           static_cast<double>(a->no_force)});
+    return true;
+  }
+
+  bool add_picture(const mcap::Message& message) {
+    const auto entities = read_picture(message.data);
+    if (!entities) return false;
+    if (!first_picture_) first_picture_ = message.log_time;
+    const double time = 1e-9 * static_cast<double>(message.log_time - *first_picture_);
+    for (const PictureEntity& entity : *entities) {
+      const Vec3 &p = entity.pose.position, &r = entity.force;
+      const Quaternion& q = entity.pose.orientation;
+      const std::array row{time,  p.x(), p.y(), p.z(), q.w(), q.x(),
+                           q.y(), q.z(), r.x(), r.y(), r.z()};
+      const std::string topic = "/scene/" + std::string(entity.id);
+      if (entity.is_hand)
+        table(topic, &hand_columns).add(message.log_time, row);
+      else
+        table(topic, &body_columns).add(message.log_time, std::span(row).first<8>());
+    }
+    return true;
+  }
+
+  ReadRecording result_;
+  EventTables events_{result_.tables};
+  EventReader event_reader_;
+  std::optional<std::uint64_t> first_picture_;
+  std::string file_;
+};
+
 }  // namespace
 
-std::optional<std::uint64_t> add_recording(const std::filesystem::path& file,
-                                           RecordingTables& tables) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(file.string() + ": cannot be read; check the path");
-  mcap::Reader reader(in, file.string());
-  while (const auto message = reader.next()) {
-    const mcap::Channel& channel = reader.channels().at(message->channel);
-    if (channel.schema == 0) continue;
-    const std::string& schema = reader.schemas().at(channel.schema).name;
-    if (schema != kSample && schema != kAccount) continue;
-    RecordingTable& table = tables[channel.topic];
-    if (table.columns.empty()) table.columns = columns_of(schema);
-    const bool good =
-        table.columns.size() == columns_of(schema).size() &&
-        (schema == kSample ? add_sample(table, message->data) : add_account(table, message->data));
-    if (!good)
-      throw FileError(file.string() + ": topic " + channel.topic + ": message " +
-                      std::to_string(message->sequence) + " is no " + schema +
-                      "; give a file that feltwire-client --record wrote");
-    table.log_time.push_back(static_cast<std::int64_t>(message->log_time));
+void RecordingTable::add(std::uint64_t time, std::span<const double> row) {
+  std::size_t at = 0;
+  for (Column& column : columns) {
+    const auto part = row.subspan(at, column.width);
+    column.values.insert(column.values.end(), part.begin(), part.end());
+    at += column.width;
   }
-  return reader.cut_at();
+  log_time.push_back(static_cast<std::int64_t>(time));
+}
+
+ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& files, bool replies) {
+  Reading reading;
+  for (const auto& file : files) reading.read(file);
+  if (replies) reading.compute_replies(files);
+  return std::move(reading).result();
 }
 
 std::vector<std::filesystem::path> write_csv_files(const RecordingTables& tables,

@@ -1,11 +1,12 @@
 #pragma once
-// The servo ticks of MCAP recordings as tables, and these as CSV files or arrays.
+// MCAP recordings and flight records as tables, and these as CSV files or arrays.
 
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace feltwire {
@@ -16,19 +17,31 @@ struct RecordingTable {
     std::string name;  // of the array: "position"
     std::string csv;   // names in a CSV: "x,y,z"
     std::size_t width = 1;
-    std::vector<double> values{};  // row by row
+    std::string (*text)(double) = nullptr;  // a value in a CSV; null: a number
+    std::vector<double> values{};           // row by row
   };
   std::vector<Column> columns;
   std::vector<std::int64_t> log_time;  // [ns] since 1970
+
+  /// Adds a row: the values of all columns.
+  void add(std::uint64_t time, std::span<const double> row);
 };
 
 /// By topic; the time is in the first column of a CSV.
 using RecordingTables = std::map<std::string, RecordingTable>;
 
-/// Adds the samples and accounts of a file. Returns the byte at which the file was cut, if it was.
-/// Throws FileError that names the file, the place and the remedy.
-std::optional<std::uint64_t> add_recording(const std::filesystem::path& file,
-                                           RecordingTables& tables);
+struct ReadRecording {
+  RecordingTables tables;
+  /// The files that were cut, and the byte of each.
+  std::vector<std::pair<std::filesystem::path, std::uint64_t>> cuts;
+};
+
+/// Reads the files of one recording, in their order: the samples and accounts of a client, the
+/// samples and reports of all hands of a server (event_tables.hpp), and the pictures of a scene.
+/// `replies`: computes a server's replies again and adds them, too. Throws FileError that names the
+/// file, the place and the remedy.
+ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& files,
+                                    bool replies = false);
 
 /// Writes one file for each topic into the folder, which is created: /hand/sample is
 /// hand_sample.csv. Numbers have enough digits to read back the same bits. Returns the files.

@@ -11,6 +11,8 @@ namespace {
 
 double speed(const Replay& replay, double took) { return took > 0.0 ? replay.time / took : 0.0; }
 
+}  // namespace
+
 std::string verdict(const Replay& replay) {
   if (replay.difference) {
     const ReplayDifference& at = *replay.difference;
@@ -24,8 +26,6 @@ std::string verdict(const Replay& replay) {
                        replay.lost, replay.events);
   return "bit-equal";
 }
-
-}  // namespace
 
 std::string replay_text(const Replay& replay, double took) {
   std::string text = fmt::format(

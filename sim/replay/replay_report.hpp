@@ -7,6 +7,8 @@
 
 namespace feltwire {
 
+/// "bit-equal", or the place of the first difference.
+std::string verdict(const Replay& replay);
 /// Whole lines. `took` [s]: the time of the replay.
 std::string replay_text(const Replay& replay, double took);
 /// One JSON object; docs/recording.md explains its fields.

@@ -38,6 +38,11 @@ struct Texts {
     add(m.scene);
     add(m.what);
   }
+  void operator()(const control::WriteFlightRecord& m) { add(m.scene); }
+  void operator()(const control::FlightRecordWritten& m) {
+    add(m.scene);
+    add(m.file);
+  }
   void operator()(const control::DescribeSessions& m) { add(m.scene); }
   void operator()(const control::SessionDescriptions& m) {
     for (const control::SessionDescription& session : m.sessions) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Exports recordings that a test wrote, and reads the CSV files and the arrays without numpy; with it, too, where it is.
 
-usage: check_export.py LAB_PROGRAM TEST_PROGRAM
+usage: check_export.py LAB_PROGRAM CLIENT_TEST_PROGRAM SERVER_TEST_PROGRAM
 """
 
 import csv
@@ -14,6 +14,7 @@ import sys
 import tempfile
 import zipfile
 
+SERVER_FILTER = "RecordingForExport.*:FlightRecorderTest.EvictionIsWritten*"
 FILTER = "McapRecording.HasAllOfEachTick:McapRecording.FilesAreNumberedByTime:McapRecording.IsReadable*"
 
 
@@ -82,6 +83,53 @@ def check_ticks(lab, folder):
     return folder / "ticks.npz", value
 
 
+def check_server(lab, folder):
+    """Two hands for a second, as tests/server/recording/replayed_scene_test.cpp makes them."""
+    file = str(folder / "server-TwoHandsAndABody.mcap")
+    run(lab, "export", file, "--csv", str(folder / "without"))
+    assert not (folder / "without/hand_1_reply.csv").exists()
+    run(lab, "export", file, "--replies", "--csv", str(folder / "room"))
+    run(lab, "export", file, "--replies", "--npz", str(folder / "room.npz"))
+    found = arrays(folder / "room.npz")
+    names = sorted(path.name for path in (folder / "room").iterdir())
+    assert names == ["hand_1_reply.csv", "hand_1_sample.csv", "hand_2_reply.csv", "hand_2_report.csv", "hand_2_sample.csv",
+                     "scene_body_3.csv", "scene_hand_1.csv", "scene_hand_2.csv"], names
+    for hand in (1, 2):
+        samples = rows(folder / f"room/hand_{hand}_sample.csv")
+        assert [int(row["index"]) for row in samples] == list(range(1, 1001))
+        for n, row in enumerate(samples, 1):
+            assert math.isclose(float(row["t"]), 0.001 * (n - 1), abs_tol=1e-12)
+            assert (float(row["x"]), float(row["y"]), float(row["z"])) == (1e-4 * n, 0.02, -1e-6 * n)
+            assert [float(row[name]) for name in ("rx", "ry", "rz", "rez", "rfx")] == [0.25, 0, 0.5, 0.5, 0.25]
+            # The second hand's samples came two by two.
+            came = n if hand == 1 else n + n % 2
+            assert int(row["log_time_ns"]) == 1_000_000_000 + 1_000_000 * came, row
+            assert found[f"hand_{hand}_sample_position"][2][3 * n - 1] == float(row["z"])
+    replies = rows(folder / "room/hand_1_reply.csv")
+    assert len(replies) == 1000 and len(rows(folder / "room/hand_2_reply.csv")) == 500
+    for n, row in enumerate(replies, 1):
+        assert int(row["index"]) == n and math.isclose(float(row["t"]), 0.001 * (n - 1), abs_tol=1e-12)
+        assert float(row["ez"]) >= 0 and row["active"] in "01" and row["recovering"] == "0", row
+    assert float(replies[999]["ez"]) > 0.01, replies[999]
+    reports = rows(folder / "room/hand_2_report.csv")
+    assert [row["reasons"] for row in reports] == ["late+account"] * 5
+    assert [int(float(row["late_ticks"])) for row in reports] == [1, 2, 3, 4, 5]
+    assert math.isnan(float(reports[0]["balance"])) and math.isclose(float(reports[4]["balance"]), 1e-3, rel_tol=1e-6)  # float32 on the wire
+    body = rows(folder / "room/scene_body_3.csv")
+    assert [float(row["z"]) for row in body] == [1e-3 * (100 * n) for n in range(1, 11)], body
+    assert all((float(row["qw"]), float(row["qx"])) == (0.6, 0.8) for row in body)
+    shown = rows(folder / "room/scene_hand_1.csv")
+    assert len(shown) == 10 and all(math.isclose(float(row["rz"]), 0.5) and math.isclose(float(row["rx"]), 0.25) for row in shown)
+
+    flight = str(folder / "server-EvictionIsWrittenWithTheLastTenSeconds.mcap")
+    run(lab, "export", flight, "--csv", str(folder / "flight"))
+    for hand in (1, 2):
+        times = [int(row["log_time_ns"]) for row in rows(folder / f"flight/hand_{hand}_sample.csv")]
+        assert len(times) == 10_001 and times[-1] - times[0] == 10_000_000_000, len(times)
+    refused = run(lab, "export", flight, "--replies", "--csv", str(folder / "none"), status=1)
+    assert "a replay needs all from the first" in refused and not (folder / "none").exists(), refused
+
+
 def check_numpy(file, value):
     try:
         import numpy
@@ -94,11 +142,14 @@ def check_numpy(file, value):
 
 
 def main():
-    lab, test = sys.argv[1:]
+    lab, test, server_test = sys.argv[1:]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subprocess.run([test, f"--gtest_filter={FILTER}", "--gtest_brief=1"], check=True,
                        env={**os.environ, "FELTWIRE_KEEP_RECORDINGS": name})
+        subprocess.run([server_test, f"--gtest_filter={SERVER_FILTER}", "--gtest_brief=1"], check=True,
+                       env={**os.environ, "FELTWIRE_KEEP_RECORDINGS": name})
+        check_server(lab, folder)
         said = check_numpy(*check_ticks(lab, folder))
 
         parts = [str(folder / f"hand-000{i}.mcap") for i in (1, 2, 3)]

@@ -39,10 +39,13 @@ function decoder(schema) {
   return protobuf.Root.fromDescriptor(schema.data).lookupType(schema.name);
 }
 
+const kSamples = 3;  // a kind of feltwire.Event
 const vector = (v) => v && [v.x, v.y, v.z].every(Number.isFinite);
 const checks = {
   "feltwire.Sample": (m) => vector(m.position) && vector(m.held) && m.age >= -1 && m.orientation.w !== undefined,
-  "feltwire.Account": (m) => m.cut >= 0 && m.cut <= 1 && m.noForce >= 0 && m.noForce < 22,
+  "feltwire.Account": (m, type) => m.cut >= 0 && m.cut <= 1 && m.noForce in type.lookupEnum("NoForce").valuesById,
+  "feltwire.Event": (m, type) => Number(m.number) > 0 && Number(m.time) > 0 && m.kind > 0 && m.kind in type.lookupEnum("Kind").valuesById &&
+    m.outcome in type.lookupEnum("Outcome").valuesById && (m.kind === kSamples) === (m.payload.length > 1 && m.outcome > 0),
   "foxglove.PoseInFrame": (m) => m.frameId === "world" && vector(m.pose.position) && m.timestamp.seconds > 0,
   "foxglove.SceneUpdate": (m) => m.entities.length + m.deletions.length > 0 && m.deletions.every((d) => d.id) &&
     m.entities.every((e) => e.triangles.length === 0 && e.arrows.length <= 1 &&
@@ -64,10 +67,11 @@ async function read(file) {
     const type = types.get(schema);
     if (!type) continue;
     const fields = type.decode(message.data);
-    require(checks[schemas.get(schema).name](fields), `${schemas.get(schema).name}: ${JSON.stringify(fields)}`);
-    if (fields.time !== undefined) {
-      require(!(fields.time <= times.get(schema)), "time does not rise");
-      times.set(schema, fields.time);
+    require(checks[schemas.get(schema).name](fields, type), `${schemas.get(schema).name}: ${JSON.stringify(fields)}`);
+    const rises = fields.number ?? fields.time;  // several events may have one time
+    if (rises !== undefined) {
+      require(!(Number(rises) <= times.get(schema)), "time or number does not rise");
+      times.set(schema, Number(rises));
     }
     ++decoded;
   }

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/pending_file.hpp"
+#include "core/recording/mcap_reader.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
@@ -23,8 +26,9 @@ class AdminProgram : public ::testing::Test {
   AdminProgram() {
     std::vector<Scene> scenes;
     scenes.push_back(testing::floor_scene());
-    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes),
-                                       test::security({anna_.token}));
+    ServerConfig config = testing::any_ports();
+    config.flight_recorder = folder_ / "flights";
+    server_ = std::make_unique<Server>(config, std::move(scenes), test::security({anna_.token}));
     access_ = test::access(server_->control_port());
   }
   test::Outcome admin(std::vector<std::string> words, const Secret& token) {
@@ -83,6 +87,14 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   EXPECT_EQ(stats["scenes"][0]["sessions_served"], 1);
   EXPECT_GE(stats["control"]["connections"], 5);
 
+  const test::Outcome recorded = admin({"record"});
+  EXPECT_EQ(recorded.status, 0) << recorded.error;
+  ASSERT_THAT(recorded.out,
+              StartsWith("scene floor: flight record: " + (folder_ / "flights").string()));
+  EXPECT_TRUE(std::filesystem::exists(recorded.out.substr(
+      std::string("scene floor: flight record: ").size(),
+      recorded.out.find('\n') - std::string("scene floor: flight record: ").size())));
+
   const test::Outcome evicted = admin({"evict", "1"});
   EXPECT_EQ(evicted.status, 0) << evicted.error;
   EXPECT_THAT(evicted.out, HasSubstr("is evicted"));
@@ -111,7 +123,8 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
     });
     return found;
   };
-  auto client = hand({"--link", "delay=0", "--report", report});
+  const std::string recording = folder_ / "hand.mcap";
+  auto client = hand({"--link", "delay=0", "--report", report, "--record", recording});
   EXPECT_EQ(session(1)["laws_taken"], "any");
   EXPECT_EQ(session(1)["link_taken"], true);
   const test::Outcome law =
@@ -139,6 +152,17 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   EXPECT_NEAR(said["link"]["up"]["delay_ms"], 12.5, 1e-5);  // float32 on the wire
   EXPECT_DOUBLE_EQ(said["link"]["down"]["loss_percent"], 25.0);
   EXPECT_GT(said["link"]["up"]["lost"], 0);
+  std::vector<std::map<std::string, std::string>> noted;
+  std::ifstream in(recording, std::ios::binary);
+  mcap::Reader reader(in, recording);
+  while (reader.next()) continue;
+  for (const mcap::Metadata& metadata : reader.metadata())
+    if (metadata.name == "change") noted.push_back(metadata.values);
+  ASSERT_EQ(noted.size(), 2u);
+  EXPECT_THAT(noted[0]["what"], StartsWith("mode shaped -> contact_frame"));
+  EXPECT_EQ(noted[0]["answer"], "taken");
+  EXPECT_THAT(noted[1]["what"], HasSubstr("12.5"));
+  EXPECT_LT(std::stoll(noted[0]["time"]), std::stoll(noted[1]["time"]));
 
   auto fixed = hand({"--link", "delay=0", "--fixed"});
   EXPECT_EQ(session(2)["laws_taken"], "none");
@@ -164,6 +188,7 @@ TEST_F(AdminProgram, SaysWhatIsWrongInOneLine) {
   fails(admin({"set", "--object", "floor", "--gravity", "0,0,1"}), 2, "give one of");
   fails(admin({"evict", "7"}), 2, "there is no session 7");
   fails(admin({"reload", "attic"}), 1, "there is no scene 'attic'");
+  fails(admin({"record", "--scene", "attic"}), 1, "there is no scene 'attic'");
   fails(admin({"sesions"}), 2, "see --help");
 }
 

@@ -14,6 +14,7 @@
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/server/raw_socket.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace feltwire::program_test {
@@ -217,6 +218,46 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
   EXPECT_THAT(outcome.error, AllOf(HasSubstr("refused: "), HasSubstr("token")));
   EXPECT_EQ(report()["end"], "refused");
   EXPECT_EQ(report()["disconnections"], 1);
+}
+
+/// Nobody asked for it before: the file is in the state folder, and the error and the report name
+/// it.
+TEST_F(ClientProgram, AnEvictedSessionLeavesAFlightRecord) {
+  const std::string report_file = folder_ / "report.json";
+  ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
+  for (const bool off : {false, true}) {
+    std::vector<std::string> more = {"--reconnect", "0", "--report", report_file};
+    if (off) more.insert(more.end(), {"--flight-recorder", "off"});
+    test::Program program(FELTWIRE_CLIENT_PROGRAM, words(anna_, more));
+    test::ControlClient admin(server_->control_port());
+    std::uint64_t session = 0;
+    test::eventually("samples", [&] {
+      for (const auto& one :
+           admin.ask<control::SessionDescriptions>(control::DescribeSessions{"floor", 0}).sessions)
+        if (one.samples > 10) session = one.session;
+      return session != 0;
+    });
+    admin.ask<control::Evicted>(control::Evict{session});
+    const test::Outcome outcome = program.finish();
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.error, HasSubstr("the server ended the session: it was evicted"));
+    const std::filesystem::path flights =
+        std::filesystem::path(folder_ / "state") / "feltwire/flights";
+    if (off) {
+      EXPECT_THAT(outcome.error, Not(HasSubstr("flight record")));
+      EXPECT_EQ(report()["flight_records"], nlohmann::json::array());
+      continue;
+    }
+    const auto files = test::files_in(flights);
+    ASSERT_EQ(files.size(), 1u) << outcome.error;
+    EXPECT_THAT(outcome.error, HasSubstr("; flight record: " + files[0].string()));
+    ASSERT_EQ(report()["flight_records"].size(), 1u);
+    EXPECT_EQ(report()["flight_records"][0]["file"], files[0].string());
+    EXPECT_THAT(report()["flight_records"][0]["cause"].get<std::string>(),
+                StartsWith("the server ended the session: it was evicted"));
+    std::filesystem::remove_all(flights);
+  }
+  ::unsetenv("XDG_STATE_HOME");
 }
 
 // Each of these once gave a hand 27 J at its device's full force.

@@ -11,10 +11,13 @@
 
 #include "client/run/attend.hpp"
 #include "client/run/records.hpp"
+#include "core/base/file_error.hpp"
 #include "core/recording/flight_files.hpp"
 #include "core/recording/mcap_reader.hpp"
 #include "core/recording/messages.hpp"
+#include "protocol/net/clock.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/core/recording/recordings.hpp"
 
 namespace feltwire::flight_record_test {
 namespace {
@@ -40,6 +43,7 @@ void push(Records& records, const TickRecord& row) {
 
 struct Read {
   std::map<std::string, std::string> about;
+  std::vector<std::map<std::string, std::string>> changes;
   std::vector<double> times;  // [s] of its samples
 };
 Read read(const std::filesystem::path& file) {
@@ -50,11 +54,16 @@ Read read(const std::filesystem::path& file) {
     if (reader.channels().at(message->channel).topic == "/hand/sample")
       result.times.push_back(read_sample(message->data)->time);
   result.about = reader.metadata().front().values;
+  for (const mcap::Metadata& metadata : reader.metadata())
+    if (metadata.name == "change") result.changes.push_back(metadata.values);
   return result;
 }
 
 class FlightRecordTest : public ::testing::Test {
  protected:
+  void TearDown() override {
+    if (std::filesystem::exists(target.folder)) test::keep_recordings("client", target.folder);
+  }
   testing::TemporaryFolder folder;
   FlightTarget target{folder / "flights", {{"scene", "plane"}}};
 };
@@ -80,15 +89,81 @@ TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
   flight.add(tick(0));
   flight.add(tick(1, 0.0));
   flight.add(tick(2, 1e-3));
-  EXPECT_FALSE(flight.debt());
+  EXPECT_EQ(flight.cause(), "");
   flight.add(tick(3, -1e-9));
-  EXPECT_TRUE(flight.debt());
+  EXPECT_EQ(flight.cause(), "the account was overdrawn");
   flight.write("debt");
   for (int n = 4; n < 9000; ++n) flight.add(tick(n, n % 2 == 0 ? -1.0 : 1.0));
-  EXPECT_FALSE(flight.debt());
+  EXPECT_EQ(flight.cause(), "");
   flight.add(tick(10'003, 1.0));
   flight.add(tick(10'004, -1.0));
-  EXPECT_TRUE(flight.debt());
+  EXPECT_EQ(flight.cause(), "the account was overdrawn");
+}
+
+/// Each cause has its own ten seconds: a file for one says nothing of another that comes later.
+TEST_F(FlightRecordTest, LostSessionAndDeviceFaultAreCauses) {
+  FlightRecord flight(target, kPeriod);
+  const auto add = [&](int n, NoForce reason) {
+    TickRecord row = tick(n);
+    row.no_force = reason;
+    flight.add(row);
+  };
+  add(0, NoForce::touches_nothing);
+  add(1, NoForce::silent);
+  EXPECT_EQ(flight.cause(), "");
+  add(2, NoForce::reconnecting);
+  add(3, NoForce::reconnecting);
+  EXPECT_EQ(flight.cause(), "a lost session goes on");
+  flight.write(flight.cause());
+  EXPECT_EQ(flight.cause(), "");
+  add(4, NoForce::device_fault);
+  EXPECT_EQ(flight.cause(), "the device had a fault");
+  flight.write(flight.cause());
+  add(5, NoForce::felt);
+  add(6, NoForce::reconnecting);
+  add(7, NoForce::device_fault);
+  EXPECT_EQ(flight.cause(), "");
+  add(8, NoForce::felt);
+  add(10'003, NoForce::reconnecting);
+  add(10'005, NoForce::device_fault);
+  EXPECT_EQ(flight.cause(), "a lost session goes on; the device had a fault");
+}
+
+TEST_F(FlightRecordTest, HasTheChangesOfItsTime) {
+  FlightRecord flight(target, kPeriod);
+  const std::int64_t now = monotonic_now().count();
+  TickRecord row;
+  row.clock = now + 1'000'000'000'000;  // later than the first change
+  flight.note({{"what", "mode shaped -> none"}});
+  flight.add(row);
+  EXPECT_THAT(read(*flight.write("asked for")).changes, IsEmpty());
+  row.clock = now;
+  FlightRecord later(target, kPeriod);
+  later.add(row);
+  later.note({{"what", "mode shaped -> none"}, {"answer", "taken"}});
+  const auto changes = read(*later.write("asked for")).changes;
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(changes[0].at("what"), "mode shaped -> none");
+  EXPECT_GE(std::stoll(changes[0].at("time")), now + clock_offset() - 1'000'000'000);
+}
+
+/// A default that cannot be is a warning; a folder that somebody named is an error.
+TEST_F(FlightRecordTest, FolderThatNobodyNamedMayBeMissing) {
+  target.folder = "/dev/null/flights";
+  EXPECT_THROW(Records({.flight = target, .servo_period = kPeriod}), FileError);
+  target.required = false;
+  std::FILE* said = std::tmpfile();
+  Records records({.flight = target, .servo_period = kPeriod}, said);
+  EXPECT_EQ(records.rows(), nullptr);
+  EXPECT_EQ(records.write_flight_record("asked for"), std::nullopt);
+  EXPECT_GT(std::ftell(said), 0);
+  std::fclose(said);
+}
+
+TEST_F(FlightRecordTest, FolderIsForItsUserAlone) {
+  const FlightRecord flight(target, kPeriod);
+  EXPECT_EQ(std::filesystem::status(target.folder).permissions(),
+            std::filesystem::perms::owner_all);
 }
 
 /// The program goes on: the signal ends nothing.
@@ -109,6 +184,9 @@ TEST_F(FlightRecordTest, ASignalAsksForIt) {
   records.tell_of_flight_record("asked for");
   ASSERT_THAT(files_in(target.folder), SizeIs(1));
   EXPECT_EQ(read(files_in(target.folder).front()).about.at("reason"), "asked for");
+  ASSERT_THAT(records.flight_records(), SizeIs(1));
+  EXPECT_EQ(records.flight_records()[0].file, files_in(target.folder).front());
+  EXPECT_EQ(records.flight_records()[0].cause, "asked for");
   EXPECT_GT(std::ftell(said), 0);
   std::fclose(said);
 }
@@ -154,6 +232,19 @@ TEST_F(FlightRecordTest, OldestFilesAreRemoved) {
     flight.write("asked");
   }
   EXPECT_THAT(files_in(target.folder), SizeIs(kMostFlightFiles));
+}
+
+TEST_F(FlightRecordTest, OldestFilesAreRemovedWhereTheyAreLarge) {
+  FlightRecord flight(target, kPeriod);
+  flight.add(tick(0));
+  std::vector<std::filesystem::path> files;
+  for (int n = 0; n < 3; ++n) {
+    files.push_back(*flight.write("asked"));
+    std::filesystem::resize_file(files.back(), kMostFlightBytes / 2);
+  }
+  files.push_back(*flight.write("asked"));
+  EXPECT_THAT(files_in(target.folder),
+              ::testing::UnorderedElementsAre(files[1], files[2], files[3]));
 }
 
 }  // namespace

@@ -53,6 +53,18 @@ json report(const Servo& servo, const LoopResult& result = {}, const std::string
                   transport, result));
 }
 
+TEST(Report, NamesTheFlightRecords) {
+  const auto servo = used_servo();
+  EXPECT_EQ(report(*servo)["flight_records"], json::array());
+  const std::vector<WrittenFlight> written = {{"flights/a.mcap", "the session was lost"},
+                                              {"flights/b.mcap", "asked for"}};
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
+  run.flight_records = &written;
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["flight_records"],
+            json::parse(R"([{"file": "flights/a.mcap", "cause": "the session was lost"},
+                            {"file": "flights/b.mcap", "cause": "asked for"}])"));
+}
+
 TEST(Report, SaysWhatTheHandHeld) {
   const auto servo = used_servo();
   EXPECT_TRUE(report(*servo)["tool"].is_null());

@@ -2,6 +2,9 @@
 // What the tests of recordings share: whole files in memory, and files that are kept for another
 // reader (tests/recording).
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -53,6 +56,20 @@ inline ReadFile read_mcap(const std::string& bytes, mcap::ReaderLimits limits = 
 inline void keep_recording(const std::string& name, const std::string& bytes) {
   if (const char* folder = std::getenv("FELTWIRE_KEEP_RECORDINGS"))
     std::ofstream(std::filesystem::path(folder) / name, std::ios::binary) << bytes;
+}
+
+/// Likewise a folder's newest file, as PROGRAM-TEST.mcap of the running test.
+inline void keep_recordings(const std::string& program, const std::filesystem::path& folder) {
+  const char* keep = std::getenv("FELTWIRE_KEEP_RECORDINGS");
+  if (keep == nullptr) return;
+  std::filesystem::path newest;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".mcap") newest = std::max(newest, entry.path());
+  if (newest.empty()) return;
+  std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::ranges::replace(name, '/', '_');
+  std::filesystem::copy_file(newest, std::filesystem::path(keep) / (program + '-' + name + ".mcap"),
+                             std::filesystem::copy_options::overwrite_existing);
 }
 
 }  // namespace feltwire::test

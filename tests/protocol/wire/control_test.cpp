@@ -255,6 +255,9 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_EQ(round_trip(SetMaterial{"a", {.object = "o"}}).change, MaterialChange{.object = "o"});
   EXPECT_EQ(round_trip(SetGravity{"a", {1, 2, 3}}).gravity, Vec3(1, 2, 3));
   EXPECT_EQ(round_trip(SceneChanged{"a", "what"}).what, "what");
+  EXPECT_EQ(round_trip(WriteFlightRecord{"a"}).scene, "a");
+  EXPECT_EQ(round_trip(FlightRecordWritten{"a", "b.mcap"}).scene, "a");
+  EXPECT_EQ(round_trip(FlightRecordWritten{"a", "b.mcap"}).file, "b.mcap");
   EXPECT_EQ(round_trip(DescribeSessions{"a", 7}).after, 7u);
   EXPECT_EQ(round_trip(GetCounters{}).scene, "");
   EXPECT_EQ(round_trip(GetCounters{"a"}).scene, "a");

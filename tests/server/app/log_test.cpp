@@ -20,6 +20,7 @@
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
+#include "tests/server/web/page_client.hpp"
 #include "tests/support/program.hpp"
 
 namespace feltwire::log_test {
@@ -166,6 +167,8 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     taker.parameters.mode = "shaped";
     admin.ask<control::ParametersSet>(control::SetParameters{other, taker.parameters});
     client.ask<control::Left>(control::LeaveRequest{other});
+    admin.ask<control::SceneChanged>(
+        control::SetMaterial{"room", {.object = "floor", .stiffness = 500.0}});
     admin.ask<control::SceneReloaded>(control::ReloadScene{"room"});
     client.ask<control::Left>(control::LeaveRequest{first});
     const std::uint64_t second = client.join(request).accepted.session;
@@ -188,12 +191,60 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
   logged("right hand .*: its client is asked by " + by + " for another law");
   EXPECT_FALSE(std::regex_search(outcome.error, std::regex("left hand .* for another law")));
   EXPECT_FALSE(std::regex_search(outcome.error, std::regex("right hand .*: parameters set by")));
+  logged("scene room: changed by " + by + ": object 'floor': stiffness 1000 -> 500 \\[N/m\\]");
   logged("scene room is reloaded by " + by);
   logged(who + ": ended by client anna");
   logged(who + " left scene room after [0-9.]+ s: a LeaveRequest ended it");
   logged("evicted by client boss");
   logged(who + " left scene room after [0-9.]+ s: it was evicted");
   logged(who + " left scene room after [0-9.]+ s: the server shut down");
+}
+
+/// As of the control port, with where it was asked.
+TEST(Log, SaysWhatAnAdminDidOnThePage) {
+  const TemporaryFolder folder;
+  const std::string scene = folder / "room.json", tokens = folder / "tokens.json";
+  std::ofstream(scene) << kScene;
+  const IssuedToken boss = issue_token("boss", "*", Role::admin, std::nullopt);
+  replace_file(tokens, json({boss.token}), kPrivate);
+  test::Program program(FELTWIRE_SERVER_PROGRAM,
+                        {"--scene", scene, "--port", "0", "--state", folder / "state", "--tokens",
+                         tokens, "--log-level", "info", "--web", "0"});
+  program.line();
+  unsigned port = 0, web = 0;
+  ASSERT_EQ(std::sscanf(program.line().c_str(), "listening: control tcp %u", &port), 1);
+  program.line();
+  const std::string live = program.line();
+  ASSERT_EQ(std::sscanf(live.c_str(), "live page: http://127.0.0.1:%u/", &web), 1) << live;
+  struct Site {
+    unsigned port;
+    std::string web_url() const { return "http://127.0.0.1:" + std::to_string(port) + "/"; }
+  };
+  std::string session;
+  {
+    ControlClient client(static_cast<std::uint16_t>(port), AF_INET, boss.text);
+    session = std::to_string(client.join(test::join_request()).accepted.session);
+    test::Page page(Site{web}, std::string(boss.text.text()));
+    nlohmann::json listed;
+    while (listed.empty()) {
+      const nlohmann::json told = page.text("sessions");
+      ASSERT_EQ(told["type"], "sessions");
+      listed = told["sessions"];
+    }
+    page.say({{"set", {{"object", "floor"}, {"stiffness", 250}}}});
+    page.text("changed");
+    page.say({{"evict", session}});
+    page.text("changed");
+    page.say({{"reload", true}});
+    page.text("log");
+  }
+  program.signal(SIGTERM);
+  const std::string log = program.finish().error;
+  const std::string by = "by client boss (token " + boss.token.id + ", live page)";
+  EXPECT_THAT(log, HasSubstr("scene room: changed " + by +
+                             ": object 'floor': stiffness 1000 -> 250 [N/m]\n"));
+  EXPECT_THAT(log, HasSubstr("scene room: session " + session + " was evicted " + by + "\n"));
+  EXPECT_THAT(log, HasSubstr("scene room is reloaded " + by + "\n"));
 }
 
 /// The line that is printed for other terminals works as it is typed.

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "server/app/server.hpp"
+#include "tests/client/temporary_folder.hpp"
 #include "tests/server/resting_hand.hpp"
 
 namespace feltwire::admin_request_test {
@@ -72,6 +75,7 @@ TEST_F(AdminRequest, NobodyElseMay) {
          {control::Message(kSofter), control::Message(control::SetGravity{"room", Vec3::Zero()}),
           control::Message(control::DescribeSessions{"room", 0}),
           control::Message(control::GetCounters{"room"}),
+          control::Message(control::WriteFlightRecord{"room"}),
           control::Message(control::GetCounters{})}) {
       const auto refused = client.ask<Refused>(request);
       EXPECT_EQ(refused.code, RefusalCode::forbidden) << request.index();
@@ -82,6 +86,7 @@ TEST_F(AdminRequest, NobodyElseMay) {
   ControlClient client(server_.control_port(), AF_INET, other_.text);
   for (const control::Message& request :
        {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
+        control::Message(control::WriteFlightRecord{"room"}),
         control::Message(control::GetCounters{"room"})})
     EXPECT_EQ(client.ask<Refused>(request).code, RefusalCode::unknown_scene);
 }
@@ -94,6 +99,25 @@ TEST_F(AdminRequest, WhatCannotBeIsRefusedInWords) {
   EXPECT_THAT(admin_.ask<Refused>(control::SetGravity{"room", Vec3::Zero()}).reason,
               HasSubstr("nothing moves"));
   EXPECT_EQ(admin_.ask<Refused>(control::GetCounters{"attic"}).code, RefusalCode::unknown_scene);
+}
+
+TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
+  const auto none = admin_.ask<Refused>(control::WriteFlightRecord{"room"});
+  EXPECT_EQ(none.code, RefusalCode::not_supported);
+  EXPECT_THAT(none.reason, HasSubstr("start it with --flight-recorder DIR"));
+
+  const testing::TemporaryFolder folder;
+  ServerConfig config = test::any_port();
+  config.flight_recorder = folder / "flights";
+  Server server(config, scenes(), test::security());
+  ControlClient admin(server.control_port());
+  const auto written = admin.ask<control::FlightRecordWritten>(control::WriteFlightRecord{"room"});
+  EXPECT_EQ(written.scene, "room");
+  EXPECT_TRUE(std::filesystem::exists(written.file)) << written.file;
+  std::filesystem::remove_all(config.flight_recorder);
+  const auto failed = admin.ask<Refused>(control::WriteFlightRecord{"room"});
+  EXPECT_EQ(failed.code, RefusalCode::failed);
+  EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));
 }
 
 }  // namespace

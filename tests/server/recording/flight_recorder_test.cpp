@@ -8,6 +8,7 @@
 #include "core/base/file_error.hpp"
 #include "core/recording/flight_files.hpp"
 #include "core/recording/mcap_reader.hpp"
+#include "tests/core/recording/recordings.hpp"
 #include "tests/server/recording/recorded_scene.hpp"
 
 namespace feltwire::flight_recorder_test {
@@ -60,6 +61,7 @@ class FlightRecorderTest : public ::testing::Test {
       take();
     }
   }
+  void TearDown() override { test::keep_recordings("server", folder); }
   void SetUp() override {
     scene.join(kA);
     scene.join(kB);
@@ -111,6 +113,33 @@ TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
   run(10'000);
   report(-1.0);
   EXPECT_THAT(files_in(folder), SizeIs(2));
+}
+
+/// A client that joins and vanishes again and again fills no disk.
+TEST_F(FlightRecorderTest, FaultsThatFollowEachOtherWaitForTheirFile) {
+  const auto written = [&](auto after) {
+    return flight.write_if_due(false, scene.exchange.now + after).has_value();
+  };
+  scene.exchange.sessions.evict(kA);
+  take();
+  EXPECT_TRUE(written(200ms));
+  run(1000);
+  scene.exchange.sessions.evict(kB);
+  take();
+  EXPECT_FALSE(written(3999ms));
+  EXPECT_TRUE(written(4000ms));
+  const auto files = files_in(folder);
+  ASSERT_THAT(files, SizeIs(2));
+  EXPECT_EQ(read(files[1]).reason, "hand 2: it was evicted");
+}
+
+TEST_F(FlightRecorderTest, ChangesAreInIt) {
+  scene.exchange.sessions.change(MaterialChange{.object = "desk", .stiffness = 123.0},
+                                 scene.exchange.now);
+  take();
+  const auto file = flight.write_if_due(true, scene.exchange.now);
+  ASSERT_TRUE(file.has_value());
+  EXPECT_EQ(read(*file).events.back().kind, static_cast<std::uint64_t>(EventKind::change));
 }
 
 TEST_F(FlightRecorderTest, GoodbyeIsNoFault) {

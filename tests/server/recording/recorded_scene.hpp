@@ -14,6 +14,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "server/recording/scene_recording.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/core/recording/recordings.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/sample_exchange.hpp"
 
@@ -66,6 +67,7 @@ struct RecordedScene {
   std::filesystem::path finish() {
     write();
     recording->finish();
+    keep_recordings("server", file.parent_path());
     return file;
   }
 

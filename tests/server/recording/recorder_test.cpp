@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <asio/io_context.hpp>
+#include <future>
 
 #include "core/scene_file/load_scene.hpp"
 #include "server/recording/replay.hpp"
@@ -113,6 +114,23 @@ TEST(Recorder, EvictionGivesAFlightRecord) {
   served.host->evict(kId);
   served.stop();  // which writes what is due
   EXPECT_EQ(flights(), 2);
+}
+
+TEST(Recorder, AFlightRecordThatIsAskedForIsNamed) {
+  const testing::TemporaryFolder folder;
+  Served served({.flight_folder = folder / "flights"});
+  served.exchange(kSamples);
+  const auto asked = [&] {
+    std::promise<std::optional<std::filesystem::path>> written;
+    served.recorder.ask_for_flight_record(
+        0, [&](std::optional<std::filesystem::path> file) { written.set_value(std::move(file)); });
+    return written.get_future().get();
+  };
+  const auto file = asked();
+  ASSERT_TRUE(file.has_value());
+  EXPECT_EQ(messages_of(*file, "/scene/events"), kSamples + 1) << "with the join";
+  std::filesystem::remove_all(folder / "flights");
+  EXPECT_EQ(asked(), std::nullopt);
 }
 
 TEST(Recorder, FileThatCannotBeWrittenIsNamed) {

@@ -85,6 +85,58 @@ TEST_F(ReplayOfMjcf, SaysWhichFileIsMissing) {
   }
 }
 
+/// For tests/recording/check_export.py, which knows these numbers: two hands, of which one sends
+/// each sample twice and reports now and then; and a body.
+TEST(RecordingForExport, TwoHandsAndABody) {
+  constexpr std::uint64_t kB = 0x200;
+  RecordedScene scene(repository_scene("plane.json"));
+  scene.join(kA);
+  scene.join(kB);
+  DatagramBuffer out;
+  const Nanoseconds begin = scene.exchange.now;
+  const auto sample = [&](std::uint64_t n) {
+    Sample made;
+    made.index = n;
+    made.client_time = begin + n * std::chrono::milliseconds(1);
+    made.pose.position = Vec3(1e-4 * static_cast<double>(n), 0.02, -1e-6 * static_cast<double>(n));
+    made.held.elastic = Vec3(0.0, 0.0, 0.5);
+    made.held.frictional = Vec3(0.25, 0.0, 0.0);
+    return made;
+  };
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    scene.exchange.now += std::chrono::milliseconds(1);
+    scene.exchange.send(kA, sample(n), false);
+    if (n % 2 == 0) {
+      SampleBatch batch;
+      batch.count = 2;
+      batch.previous = n - 2;
+      batch.samples[0] = sample(n);
+      batch.samples[1] = sample(n - 1);
+      if (n % 200 == 0)
+        batch.report = HandReport{.reasons = bit(HandReason::late) | bit(HandReason::account),
+                                  .has_account = n > 200,
+                                  .balance = 1e-6 * static_cast<double>(n),
+                                  .round_trip = 0.002,
+                                  .late_ticks = static_cast<std::uint32_t>(n / 200)};
+      scene.exchange.sessions.receive(scene.exchange.encoder.samples(kB, n, batch),
+                                      scene.exchange.peer, scene.exchange.now, out);
+    }
+    if (n % 100 != 0) continue;
+    scene.write();
+    Picture picture;
+    picture.time = scene.exchange.now;
+    scene.exchange.sessions.draw(picture, scene.exchange.now);
+    PictureBody body;
+    body.object = 3;
+    body.pose = {Vec3(0.0, 0.0, 1e-3 * static_cast<double>(n)), Quaternion(0.6, 0.8, 0.0, 0.0)};
+    picture.bodies.push_back(body);
+    scene.recording->see(picture);
+  }
+  const Replay result = replay({scene.finish()});
+  EXPECT_TRUE(result.bit_equal()) << (result.difference ? result.difference->what : "");
+  EXPECT_EQ(result.replies, 1500u);
+}
+
 /// A client is asked for another law and another link, and says what it makes of them.
 TEST(ReplayOfClientChanges, IsBitEqual) {
   RecordedScene scene(repository_scene("room.json"));

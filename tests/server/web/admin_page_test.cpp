@@ -71,9 +71,9 @@ TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
   RestingHand hand(client_);
   Page page(server_, token_text(eye_));
   EXPECT_EQ(page.text("hello")["role"], "observer");
-  for (const Json& asked :
-       {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
-        Json{{"evict", std::to_string(hand.session())}}, Json{{"reload", true}}}) {
+  for (const Json& asked : {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
+                            Json{{"evict", std::to_string(hand.session())}}, Json{{"reload", true}},
+                            Json{{"record", true}}}) {
     page.say(asked);
     EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("for admins"));
   }
@@ -89,6 +89,24 @@ TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
   page.say({{"set", {{"object", "floor"}, {"stiffness", 1000}}}});
   page.text("changed");
   EXPECT_NEAR(hand.force(), 1.0, 1e-9);
+}
+
+TEST_F(AdminPage, AsksForAFlightRecord) {
+  Page none(server_, admin_);
+  none.text("materials");
+  none.say({{"record", true}});
+  EXPECT_THAT(none.text("refused")["text"].get<std::string>(), HasSubstr("--flight-recorder DIR"));
+
+  const testing::TemporaryFolder folder;
+  ServerConfig config = test::with_page();
+  config.flight_recorder = folder / "flights";
+  Server server(config, scenes(), test::security());
+  Page page(server, admin_);
+  page.text("materials");
+  page.say({{"record", true}});
+  const std::string said = page.text("changed")["text"];
+  ASSERT_THAT(said, ::testing::StartsWith("flight record: "));
+  EXPECT_TRUE(std::filesystem::exists(said.substr(std::string("flight record: ").size()))) << said;
 }
 
 TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
@@ -138,6 +156,8 @@ TEST(ViewerMessage, ReadsWhatAnAdminWants) {
   EXPECT_EQ(mode->set->session, "7");
   EXPECT_EQ(mode->set->mode, "none");
   EXPECT_TRUE(mode->reload);
+  EXPECT_FALSE(mode->record);
+  EXPECT_TRUE(parse_viewer_message(R"({"record":true})")->record);
   EXPECT_EQ(parse_viewer_message(R"({"evict":"7"})")->evict, "7");
   EXPECT_EQ(parse_viewer_message(R"({"admin":"fw_1"})")->admin, "fw_1");
   for (const char* wrong :

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstring>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "server/app/server.hpp"
+#include "server/web/web_server.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/raw_socket.hpp"
@@ -196,6 +199,101 @@ TEST(LivePage, SaysThatTheServerEnds) {
   page.text("hello");
   server.reset();
   EXPECT_EQ(page.close().code(), 1001);
+}
+
+/// Page and WebSocket over TLS; without it there is nothing.
+TEST(LivePage, IsEncryptedBeyondThisMachine) {
+  ServerConfig config = with_page();
+  config.web = "0.0.0.0:0";
+  Server server(config, {test::room()}, test::security());
+  EXPECT_THAT(server.web_url(), StartsWith("https://"));
+  const std::string host = "127.0.0.1:" + std::to_string(page_port(server));
+  const test::TlsContext context = test::client_context();
+  test::RawSocket socket(SOCK_STREAM, page_port(server)), other(SOCK_STREAM, page_port(server)),
+      plain(SOCK_STREAM, page_port(server));
+  test::TlsConnection page(context.get(), socket.descriptor());
+  ASSERT_TRUE(page.connect());
+  page.write(bytes("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n"));
+  const auto answer = page.read(1000);
+  EXPECT_THAT(
+      std::string(answer.begin(), answer.end()),
+      ::testing::AllOf(StartsWith("HTTP/1.1 200 "), HasSubstr("Content-Security-Policy: ")));
+
+  test::TlsConnection live(context.get(), other.descriptor());
+  ASSERT_TRUE(live.connect());
+  live.write(bytes("GET /live HTTP/1.1\r\nHost: " + host + "\r\nOrigin: https://" + host +
+                   "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13"
+                   "\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                   "Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
+  std::vector<std::uint8_t> came;
+  const auto more = [&] {
+    const auto byte = live.read(1);
+    came.insert(came.end(), byte.begin(), byte.end());
+    return !byte.empty();
+  };
+  while (!std::string(came.begin(), came.end()).ends_with("\r\n\r\n")) ASSERT_TRUE(more());
+  EXPECT_THAT(std::string(came.begin(), came.end()), StartsWith("HTTP/1.1 101 "));
+  came.clear();
+  live.write(test::client_frame(1, Json{{"token", good_token()}}.dump()));
+  std::optional<test::Frame> first;
+  while (!(first = test::take_frame(came))) ASSERT_TRUE(more());
+  EXPECT_EQ(Json::parse(first->text())["type"], "hello");
+
+  plain.send(bytes("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n"));
+  EXPECT_THAT(rest(plain), ::testing::Not(HasSubstr("HTTP")));
+}
+
+TEST(LivePage, HasPlacesForSoManyViewers) {
+  Server server(with_page(), {test::room()}, test::security());
+  std::vector<std::unique_ptr<Page>> viewers;
+  for (std::size_t n = 0; n < web::Audience::kMostViewers; ++n) {
+    viewers.push_back(std::make_unique<Page>(server, good_token()));
+    ASSERT_EQ(viewers.back()->text("hello")["type"], "hello") << n;
+  }
+  const test::Frame refused = Page(server, good_token()).close();
+  EXPECT_EQ(refused.code(), 4429);
+  EXPECT_THAT(refused.reason(), HasSubstr("as many viewers as it may have; close another page"));
+  viewers.pop_back();
+  test::eventually("a free place",
+                   [&] { return Page(server, good_token()).text("hello")["type"] == "hello"; });
+}
+
+TEST(LivePage, EndsAViewerThatSaysTooMuch) {
+  Server server(with_page(), {test::room()}, test::security());
+  Page page(server, good_token());
+  page.text("hello");
+  for (int n = 0; n < 60; ++n) page.say({{"watch", "room"}});
+  const test::Frame ended = page.close();
+  EXPECT_EQ(ended.code(), 4400);
+  EXPECT_EQ(ended.reason(), "too many messages");
+}
+
+/// The oldest of a network gives way to its newest. Other networks keep their places.
+TEST(LivePage, ANetworkTakesPlacesFromItself) {
+  web::WebOptions options;
+  options.address = asio::ip::make_address("127.0.0.1");
+  options.patience = std::chrono::minutes(10);
+  options.max_connections_per_network = 2;
+  const Security security = test::security();
+  web::WebServer server(options, {}, security.tokens, security.identity);
+  server.start();
+  const auto closed = [](const test::RawSocket& socket) {
+    pollfd waiting{socket.descriptor(), POLLIN, 0};
+    char byte = 0;
+    return ::poll(&waiting, 1, test::kPatience) == 1 &&
+           ::recv(socket.descriptor(), &byte, 1, 0) == 0;
+  };
+  const auto answers = [](test::RawSocket& socket) {
+    socket.send(bytes("GET /health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+    return rest(socket).starts_with("HTTP/1.1 200 ");
+  };
+  test::RawSocket first(SOCK_STREAM, server.port()), second(SOCK_STREAM, server.port()),
+      elsewhere(SOCK_STREAM, server.port(), AF_INET, "127.0.1.1"),
+      third(SOCK_STREAM, server.port());
+  EXPECT_TRUE(closed(first));
+  EXPECT_TRUE(answers(second));
+  EXPECT_TRUE(answers(elsewhere));
+  EXPECT_TRUE(answers(third));
 }
 
 TEST(LivePage, ManyComeAndGo) {
