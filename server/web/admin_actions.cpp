@@ -32,6 +32,10 @@ SessionParameters with(SessionParameters parameters, const ViewerSet& wanted) {
   if (wanted.mode) parameters.mode = bounding_method(*wanted.mode).name;
   if (wanted.projection) parameters.projection = projection(*wanted.projection);
   if (wanted.storage) parameters.storage = storage(*wanted.storage);
+  if (wanted.reference) parameters.reference = passivity_reference(*wanted.reference);
+  for (std::size_t i = 0; i < kBoundNumbers.size(); ++i)
+    if (const auto& number = wanted.bound_numbers[i])
+      feltwire::set(kBoundNumbers[i], parameters, *number);
   return parameters;
 }
 
