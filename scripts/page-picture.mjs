@@ -1,9 +1,9 @@
 #!/usr/bin/env node
 // Makes a picture of the live page in headless Chromium, once hands are on it:
 //   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]
-// waits until HANDS (default 1) are shown, for half a minute at most, and SECONDS (default 3) more, for the plots. MORE
-// (default 0) pictures follow, FILE-1.png and so on, a quarter of a second apart. It prints how
-// long the page took from its request to the first picture that was drawn, in a browser that has just begun and once more. It speaks to
+// waits until HANDS (default 1) are shown, for a minute at most, and SECONDS (default 3) more, for the plots. MORE
+// (default 0) pictures follow, FILE-1.png and so on, each after the page has drawn again. It fails if a hand leaves before. It
+// prints how long the page took from its request to the first picture that was drawn, in a browser that has just begun and once more. It speaks to
 // Chromium by a pipe (the DevTools protocol) and needs no package of npm.
 
 import {spawn} from 'node:child_process';
@@ -12,7 +12,7 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {setTimeout as pause} from 'node:timers/promises';
 
-const PATIENCE = 30_000;  // [ms]
+const PATIENCE = 60_000;  // [ms]
 const [url, file, hands = '1', seconds = '3', more = '0'] = process.argv.slice(2);
 if (!file) {
   console.error('usage: scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]');
@@ -64,8 +64,21 @@ async function evaluate(expression, sessionId) {
   return answer?.result?.value;
 }
 
-/** Makes a picture of the page. @param {string} name of its file */
+/** What the page shows: hands, and the number of frames that it has drawn. */
+async function shown(sessionId) {
+  const [count, frames] = (await evaluate('window.feltwire ? [feltwire().hands.length, feltwire().frames].join() : "0,0"', sessionId) ?? '0,0').split(',').map(Number);
+  return {count, frames};
+}
+
+/** Makes a picture of the page, once it has drawn again. @param {string} name of its file */
 async function take(name, sessionId) {
+  const before = await shown(sessionId);
+  for (const latest = Date.now() + PATIENCE; ; await pause(20)) {
+    const {count, frames} = await shown(sessionId);
+    if (count < Number(hands)) throw new Error(`the page shows ${count} of ${hands} hands for ${name}: let the hands stay until it ends`);
+    if (frames > before.frames) break;
+    if (Date.now() > latest) throw new Error(`the page drew nothing new for ${name} in 60 s`);
+  }
   const {data} = await ask('Page.captureScreenshot', {format: 'png'}, sessionId);
   writeFileSync(name, Buffer.from(data, 'base64'));
 }
@@ -76,23 +89,24 @@ async function firstPicture(sessionId) {
     const time = await evaluate('window.feltwire?.().firstPicture ?? 0', sessionId);
     if (time > 0) return Math.round(time);
   }
-  throw new Error('no picture was drawn in 30 s');
+  throw new Error('no picture was drawn in 60 s');
 }
 
 try {
   const {targetId, sessionId} = await open();
   await ask('Emulation.setDeviceMetricsOverride', {width: 1360, height: 860, deviceScaleFactor: 1, mobile: false}, sessionId);
-  const expression = `window.feltwire ? window.feltwire().hands.length : 0`;
   const latest = Date.now() + PATIENCE;
-  for (let shown = 0; shown < Number(hands); await pause(100)) {
-    if (Date.now() > latest) throw new Error(`the page shows ${shown} of ${hands} hands after 30 s`);
-    shown = (await evaluate(expression, sessionId)) ?? 0;
+  for (let count = 0; count < Number(hands); await pause(100)) {
+    if (Date.now() > latest) {
+      const said = await evaluate('document.querySelector("#state span").textContent', sessionId);
+      throw new Error(`the page shows ${count} of ${hands} hands after 60 s, and says: ${said}`);
+    }
+    ({count} = await shown(sessionId));
   }
   await pause(1000 * Number(seconds));
   const first = await firstPicture(sessionId);
   await take(file, sessionId);
   for (let i = 1; i <= Number(more); ++i) {
-    await pause(250);
     await take(file.replace(/(\.png)?$/, `-${i}$1`), sessionId);
   }
   await ask('Target.closeTarget', {targetId});

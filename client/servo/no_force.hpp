@@ -66,9 +66,10 @@ struct ForceTrail {
   bool server_bound = false;  // the reply says that the server's bound reduced the force
   bool stage_waits = false;   // the safety stage allows no force yet
   bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;
-  Command asked{};     // the scene's command
-  Command actuated{};  // the part that the device can give
-  Command faded{};     // after the fade by age
+  bool in_debt = false;  // the bound says so
+  Command asked{};       // the scene's command
+  Command actuated{};    // the part that the device can give
+  Command faded{};       // after the fade by age
   Command bounded{}, safe{}, paid{}, held{};
 };
 

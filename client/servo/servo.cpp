@@ -256,10 +256,10 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     factor = fade_factor();
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
-    if (near_ && law_.shapes) step.command = rise_limited(step);
     trail_.asked = asked;
     trail_.actuated = wanted_;
     trail_.faded = step.command;
+    if (near_ && law_.shapes) step.command = rise_limited(step);
   } else {
     near_ = false;
   }
@@ -274,6 +274,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   statistics_.refused += bounded.refused ? 1 : 0;
 
   trail_.bounded = bounded.rendered;
+  trail_.in_debt = bounded.in_debt;
   trail_.refused = bounded.refused;
   const Command safe = safeguard(bounded.rendered, step, original);
   Command given = paid_for(safe, step, moved_known);
@@ -320,6 +321,8 @@ std::optional<Lead> Servo::lead() const noexcept {
 HandReport Servo::report() const noexcept {
   // A shaped force is never quite the one that was asked for: only what is felt is worth a word.
   constexpr double kMuchLess = 0.95;
+  // A tick that is nanoseconds late makes a debt that nobody feels.
+  constexpr double kSmallDebt = 1e-6;  // [J]
   const auto takes_off = [](const Command& before, const Command& after) {
     const double was = length(before.force());
     return was > kFeltForce && length(after.force()) < kMuchLess * was;
@@ -329,18 +332,32 @@ HandReport Servo::report() const noexcept {
     if (holds) report.reasons |= bit(reason);
   };
   const bool felt = length(trail_.asked.force()) > kFeltForce;
+  const bool bounds = takes_off(trail_.faded, trail_.bounded);
+  const bool limits = takes_off(trail_.bounded, trail_.safe);
   put(HandReason::near, felt && near_);
   put(HandReason::late, felt && !near_);
   put(HandReason::saturated, takes_off(trail_.asked, trail_.actuated));
   put(HandReason::faded, takes_off(trail_.actuated, trail_.faded) && !letting_go_);
-  put(HandReason::bound, takes_off(trail_.faded, trail_.bounded));
-  put(HandReason::limits, takes_off(trail_.bounded, trail_.safe));
+  put(HandReason::bound, bounds);
+  put(HandReason::shaping, bounds && law_.shapes);
+  put(HandReason::limits, limits);
+  put(HandReason::ramp, limits && trail_.ramped);
+  put(HandReason::slew, limits && trail_.slewed);
+  put(HandReason::velocity_limit, limits && trail_.too_fast);
+  put(HandReason::wait_for_small_force, limits && trail_.stage_waits);
   put(HandReason::account, takes_off(trail_.safe, trail_.paid));
-  put(HandReason::reconnecting, letting_go_ && next_law_ == nullptr);
+  put(HandReason::debt,
+      (bounds && trail_.in_debt) || (law_.account && law_.account->balance() < -kSmallDebt));
+  put(HandReason::ending, released_);
+  put(HandReason::reconnecting, letting_go_ && !released_ && next_law_ == nullptr);
   put(HandReason::law_change, next_law_ != nullptr);
   put(HandReason::scene_change, withholds_change());
   put(HandReason::device_fault,
       (!trail_.read && !without_fault(trail_)) || takes_off(trail_.paid, trail_.held));
+  put(HandReason::clutched, trail_.clutched);
+  put(HandReason::emergency, trail_.withheld == Withheld::emergency);
+  put(HandReason::not_ready,
+      trail_.withheld != Withheld::nothing && trail_.withheld != Withheld::emergency);
   report.has_account = law_.account.has_value();
   report.balance = law_.account ? law_.account->balance() : 0.0;
   report.round_trip = has_reply() ? seconds(newest_arrival_ - newest_sampled_) : 0.0;

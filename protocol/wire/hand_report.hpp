@@ -27,6 +27,17 @@ enum class HandReason : std::uint8_t {
   scene_change,  // the scene changed under the hand, and the force comes back gradually
   device_fault,  // the device gave no usable position, or did not hold its command
   law_change,    // an admin gave the session another law; the held force fades first
+  // Those from here on say more of one that is set too, or stand alone.
+  ramp,                  // of limits: the force still grows after the first contact
+  slew,                  // of limits: the force rises no faster
+  velocity_limit,        // of limits: the device is too fast
+  wait_for_small_force,  // of limits: the hand began in contact and has to move out first
+  shaping,               // of bound: the method shapes the force, and reduced it
+  debt,                  // the hand got more energy than the device had burned
+  clutched,              // the hand moves without the tool
+  not_ready,             // the device is not homed, in its inkwell, or has to be held still
+  emergency,             // the emergency stop was pressed
+  ending,                // the client ends; the held force fades first
   count_of_reasons
 };
 inline constexpr std::size_t kHandReasons = static_cast<std::size_t>(HandReason::count_of_reasons);
@@ -51,6 +62,22 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHand
         {"device_fault", "The device gave no usable position, or did not hold its force."},
         {"law_change",
          "An admin gave the session another law. The force fades, then the hand has to press on."},
+        {"ramp", "The force still grows after the first contact (--ramp-up)."},
+        {"slew", "The force may rise only slowly (--slew)."},
+        {"velocity_limit", "The hand is faster than --velocity-limit allows."},
+        {"wait_for_small_force",
+         "The hand began in contact. It has to move out first (--wait-for-small-force)."},
+        {"shaping",
+         "The client's shaping takes something off the force, so that it does not "
+         "oscillate."},
+        {"debt",
+         "The hand got more energy than the device had burned. The device has to burn it first."},
+        {"clutched", "The clutch is held: the hand moves without the tool."},
+        {"not_ready",
+         "The device gives no force yet: it must be homed, taken out of its inkwell or held "
+         "still."},
+        {"emergency", "The emergency stop was pressed."},
+        {"ending", "The client ends. The force fades out."},
     }};
 
 struct HandReport {

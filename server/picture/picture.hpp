@@ -82,6 +82,7 @@ struct HandDescription {
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to it
   HandTimesHeard times = {};                    // of the client; not heard: not known
   std::optional<double> lead_share = {};        // of its robot; nothing: it can lead none
+  std::optional<Nanoseconds> joined = {};       // of the pictures' clock; nothing: not known
 };
 
 /// Brings pictures from the scene's thread to one other thread, the viewer's. Neither waits for the

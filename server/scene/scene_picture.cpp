@@ -119,7 +119,8 @@ std::vector<HandDescription> SceneSessions::describe() const {
            session.parameters(), slot->takes, slot->asked ? slot->asked->what : std::string(),
            slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times(),
            !seats_.empty() && covers(slot->role, Role::operator_) ? std::optional(slot->lead_share)
-                                                                  : std::nullopt});
+                                                                  : std::nullopt,
+           slot->joined});
   return hands;
 }
 

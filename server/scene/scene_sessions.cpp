@@ -196,6 +196,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
                     request.role});
     if (!slot->session.observes()) slot->takes = request.takes;
     slot->lead_share = request.lead_share;
+    slot->joined = now;
     if (!by_id_.insert(id, slot.get()))
       return control::Refused{control::RefusalCode::full, "no session id is free; try again"};
     if (slots_.empty()) last_tick_ = now;

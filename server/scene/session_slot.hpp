@@ -58,6 +58,7 @@ struct SceneSessions::SessionSlot {
   std::uint8_t seat = 0;    // a robot's, or that of the robot that the hand leads
   bool leads = false;       // its samples have a lead
   std::uint8_t seen = 0;    // for an observer: the seat of the robot in its last view
+  Nanoseconds joined{0};
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };

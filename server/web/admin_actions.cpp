@@ -33,6 +33,10 @@ SessionParameters with(SessionParameters parameters, const ViewerSet& wanted) {
   if (wanted.mode) parameters.mode = bounding_method(*wanted.mode).name;
   if (wanted.projection) parameters.projection = projection(*wanted.projection);
   if (wanted.storage) parameters.storage = storage(*wanted.storage);
+  if (wanted.reference) parameters.reference = passivity_reference(*wanted.reference);
+  for (std::size_t i = 0; i < kBoundNumbers.size(); ++i)
+    if (const auto& number = wanted.bound_numbers[i])
+      feltwire::set(kBoundNumbers[i], parameters, *number);
   return parameters;
 }
 
@@ -122,15 +126,23 @@ void Audience::set(Seat& seat, const ViewerSet& wanted) {
 /// In the scene's thread. A viewer that has left meanwhile hears nothing of it.
 void Audience::change(Seat& seat, LiveChange change) {
   const std::string by = who(*admin_of(seat)), scene = seat.stage->scene->name();
+  const auto* law = std::get_if<ParameterChange>(&change);
+  // The next change begins from this one, also before the scene's thread describes the session.
+  std::optional<ParameterChange> made;
+  if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
   seat.stage->scene->controls()->change(
       std::move(change), io_,
-      [this, by, scene, id = seat.id,
+      [this, by, scene, id = seat.id, made = std::move(made),
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
         const auto* no = std::get_if<control::Refused>(&outcome);
         if (no == nullptr)
           spdlog::info("scene {}: changed by {}: {}", visible(scene), by,
                        visible(std::get<std::string>(outcome)));
         if (alive.expired()) return;
+        if (no == nullptr && made)
+          for (const auto& stage : stages_)
+            for (HandDescription& hand : stage->hands)
+              if (hand.session == made->session) hand.parameters = made->parameters;
         if (const auto asker = seats_.find(id); asker != seats_.end())
           asker->second.viewer->send(no != nullptr ? refused(no->reason)
                                                    : changed_text(std::get<std::string>(outcome)));

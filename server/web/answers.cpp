@@ -185,6 +185,16 @@ Answer metrics(const HttpRequest& request, const Site& site) {
       false};
 }
 
+/// Anyone may ask: the reason, which may name other machines, is for the page's viewers.
+Answer ready(const Site& site) {
+  const auto hidden = site.hidden_scene ? site.hidden_scene() : std::nullopt;
+  if (!hidden) return plain(kOk, "ok\n", kNoStore);
+  return plain(
+      kUnavailable,
+      "scene " + *hidden + " is not seen: its server is away; the page and the log say why\n",
+      kNoStore);
+}
+
 }  // namespace
 
 Answer answer(const HttpRequest* request, const Site& site) {
@@ -197,8 +207,9 @@ Answer answer(const HttpRequest* request, const Site& site) {
   if (request->path == kLivePath) return live(*request, *authority, site.secure);
   if (request->path == kFoxglovePath) return foxglove(*request, site);
   if (request->path == kTicketPath) return ticket(*request, *authority, site);
-  // Every port is open, and every scene is there, before this one answers.
-  if (request->path == "/health" || request->path == "/ready") return plain(kOk, "ok\n", kNoStore);
+  // Every port is open, and every scene is loaded, before this one answers.
+  if (request->path == "/health") return plain(kOk, "ok\n", kNoStore);
+  if (request->path == "/ready") return ready(site);
   if (request->path == "/metrics" && site.metrics) return metrics(*request, site);
   return asset(*request, site.page);
 }

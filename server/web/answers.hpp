@@ -29,6 +29,8 @@ struct Site {
   bool secure = false;  // by TLS; otherwise only requests from this machine are allowed
   /// Makes the answer to `/metrics`; empty: there is no such page.
   std::function<std::string()> metrics = {};
+  /// The name of a scene that cannot be seen now, which makes `/ready` fail; empty: all are seen.
+  std::function<std::optional<std::string>()> hidden_scene = {};
   /// Whether a text is a valid token. Used for `/ticket`, and for `/metrics` if the site is secure.
   std::function<bool(std::string_view token)> opens = {};
   /// Returns a ticket for a scene that the token opens; empty if it opens none of that name.

@@ -286,6 +286,12 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       });
 }
 
+std::optional<std::string> Audience::hidden_scene() const {
+  for (const auto& stage : stages_)
+    if (stage->scene->out_of_sight()) return stage->scene->name();
+  return std::nullopt;
+}
+
 /// A line for those who watch, when the scene is lost from sight and when it is there again.
 void Audience::tell_of_sight(Stage& stage) {
   std::optional<std::string> hidden = stage.scene->out_of_sight();

@@ -66,6 +66,9 @@ class Audience {
   /// file.
   void tell(std::size_t scene, const std::optional<std::string>& wrong);
 
+  /// The name of the first scene that cannot be seen now (SceneInView::out_of_sight).
+  std::optional<std::string> hidden_scene() const;
+
   /// Whether a text from this address is a valid token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);
 

@@ -13,22 +13,10 @@ namespace {
 
 std::string frame_of(std::size_t object) { return "body " + std::to_string(object); }
 
-/// The part of a plane that is worth looking at: a square about the point next to the start.
-TriangleSoup square() {
-  constexpr double kHalf = kPlaneView;
-  return {{{-kHalf, -kHalf, 0.0}, {kHalf, -kHalf, 0.0}, {kHalf, kHalf, 0.0}, {-kHalf, kHalf, 0.0}},
-          {{0, 1, 2}, {0, 2, 3}}};
-}
-
-Pose square_pose(const Pose& plane, const Vec3& start) {
-  const Vec3 normal = plane.orientation * Vec3::UnitZ();
-  return {start - normal * normal.dot(start - plane.position), plane.orientation};
-}
-
 void append_object(std::string& out, std::uint64_t time, const Scene& scene, std::size_t index) {
   const Object& object = scene.objects()[index];
   if (std::holds_alternative<Plane>(object.shape)) {
-    append_triangles(out, time, object.name, square(),
+    append_triangles(out, time, object.name, plane_square(),
                      square_pose(object.pose, scene.start().position));
     return;
   }

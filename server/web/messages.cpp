@@ -5,16 +5,16 @@
 #include <bit>
 #include <limits>
 #include <utility>
-#include <variant>
 
 #include "core/base/little_endian.hpp"
 #include "core/bounding/method.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/local_model/local_model.hpp"
-#include "core/tool/body_tool.hpp"
+#include "protocol/session/bound_numbers.hpp"
 #include "protocol/session/material_fields.hpp"
 #include "server/access/json_text.hpp"
 #include "server/web/object_triangles.hpp"
+#include "server/web/value_texts.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -30,10 +30,6 @@ enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::string text_or_null(const std::string& value) { return value.empty() ? "null" : text(value); }
-std::string flag(bool value) { return value ? "true" : "false"; }
-std::string vector(const Vec3& v) {
-  return "[" + number(v.x()) + "," + number(v.y()) + "," + number(v.z()) + "]";
-}
 
 /// [s]
 std::string limits(const HandTimes::Limits& times) {
@@ -92,76 +88,6 @@ void put(Writer& writer, const SeenRobot& robot) {
   for (const double value : {robot.gripper, robot.age}) writer.put(value);
 }
 
-/// Grows with the points that it is given.
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  void add(const Vec3& point) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-};
-
-Vec3 in_world(const Pose& pose, const Vec3& point) {
-  return pose.position + pose.orientation * point;
-}
-
-std::string object_text(const Object& object, std::size_t index, bool moves) {
-  std::vector<json_text::Member> members = {
-      {"index", number(std::uint64_t{index})},
-      {"name", text(object.name)},
-      {"moves", flag(moves)},
-      {"stiffness", number(object.material.stiffness)},
-      {"felt_from", text(object.felt_from == Side::outside ? "outside" : "inside")}};
-  if (std::holds_alternative<Plane>(object.shape))
-    members.emplace_back(
-        "plane", json_text::object({{"point", vector(object.pose.position)},
-                                    {"normal", vector(object.pose.orientation * Vec3::UnitZ())}}));
-  return json_text::object(members);
-}
-
-const char* kind_of(const GuideAction& action) {
-  constexpr std::array<const char*, 5> kKinds = {"attract", "keep_out", "magnet", "viscosity",
-                                                 "constant_force"};
-  return kKinds[action.index()];
-}
-
-/// A guide without a place is only named.
-std::string guide_text(const Guide& guide) {
-  std::vector<Vec3> points;
-  bool closed = false;
-  if (std::holds_alternative<GuidePoint>(guide.place)) {
-    points = {Vec3::Zero()};
-  } else if (const auto* line = std::get_if<GuideLine>(&guide.place)) {
-    constexpr double kFarthest = 1.0;  // [m] of a line without an end
-    const Vec3 end(0.0, 0.0, std::min(line->half_length, kFarthest));
-    points = {-end, end};
-  } else if (const auto* curve = std::get_if<GuideCurve>(&guide.place)) {
-    points = curve->points;
-    closed = curve->closed;
-  }
-  std::vector<std::string> places;
-  places.reserve(points.size());
-  for (const Vec3& point : points) places.push_back(vector(in_world(guide.pose, point)));
-  return json_text::object({{"name", text(guide.name)},
-                            {"kind", text(kind_of(guide.action))},
-                            {"closed", flag(closed)},
-                            {"points", json_text::list(places)}});
-}
-
-/// A tool with a body has points all over it; a part of them is enough to draw it.
-std::string tool_text(const HandTool& tool) {
-  constexpr std::size_t kMostPoints = 400;
-  std::vector<std::string> points;
-  if (tool.body) {
-    const std::vector<Vec3>& shell = tool.body->shell().points;
-    const std::size_t step = (shell.size() + kMostPoints - 1) / kMostPoints;
-    for (std::size_t i = 0; i < shell.size(); i += step) points.push_back(vector(shell[i]));
-  }
-  return json_text::object({{"name", text(tool.name)},
-                            {"radius", number(tool.radius)},
-                            {"points", json_text::list(points)}});
-}
-
 /// Whether it keeps something of the force from the hand.
 bool takes_off(HandReason reason) {
   return reason != HandReason::near && reason != HandReason::late;
@@ -180,7 +106,7 @@ std::string hello(std::span<const std::string> scenes, Role role) {
   for (const std::string& scene : scenes) names.push_back(text(scene));
   const auto add = [&](std::string_view reason, std::string_view sentence, bool cuts) {
     reasons.push_back(json_text::object(
-        {{"name", text(reason)}, {"text", text(sentence)}, {"cuts", flag(cuts)}}));
+        {{"name", text(reason)}, {"text", text(sentence)}, {"cuts", flag_text(cuts)}}));
   };
   for (std::size_t i = 0; i < kHandStates; ++i) {
     const auto state = static_cast<HandState>(i);
@@ -207,38 +133,6 @@ std::string ticket_text(std::string_view scene, std::string_view ticket,
                             {"seconds", json_text::number(std::int64_t{life.count()})}});
 }
 
-std::string scene_text(const Scene& scene, std::uint32_t version) {
-  const std::vector<Object>& objects = scene.objects();
-  const std::size_t still = scene.views().front().still();
-  std::vector<std::string> entries, guides, tools, seats;
-  Box box;
-  box.add(scene.start().position);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const Object& object = objects[i];
-    entries.push_back(object_text(object, i, i >= still));
-    const TriangleSoup soup = triangles_of(object.shape);
-    for (const Vec3& vertex : soup.vertices) box.add(in_world(object.pose, vertex));
-    if (std::holds_alternative<Plane>(object.shape)) {
-      const Vec3 normal = object.pose.orientation * Vec3::UnitZ();
-      const Vec3& start = scene.start().position;
-      const Vec3 near = start - normal * normal.dot(start - object.pose.position);
-      box.add(near + object.pose.orientation * Vec3(kPlaneView, kPlaneView, 0.0));
-      box.add(near - object.pose.orientation * Vec3(kPlaneView, kPlaneView, 0.0));
-    }
-  }
-  for (const Guide& guide : scene.guides()) guides.push_back(guide_text(guide));
-  for (const ToolView& view : scene.views()) tools.push_back(tool_text(view.tool()));
-  for (const RemoteSeat& seat : scene.seats()) seats.push_back(text(seat.name));
-  return json_text::object({{"type", text("scene")},
-                            {"name", text(scene.name())},
-                            {"version", number(std::uint64_t{version})},
-                            {"objects", json_text::list(entries)},
-                            {"guides", json_text::list(guides)},
-                            {"tools", json_text::list(tools)},
-                            {"seats", json_text::list(seats)},
-                            {"box", "[" + vector(box.low) + "," + vector(box.high) + "]"}});
-}
-
 std::string materials_text(const Scene& scene, std::uint32_t version,
                            const std::optional<Vec3>& gravity) {
   std::vector<std::string> entries;
@@ -251,7 +145,7 @@ std::string materials_text(const Scene& scene, std::uint32_t version,
   }
   return json_text::object({{"type", text("materials")},
                             {"version", number(std::uint64_t{version})},
-                            {"gravity", gravity ? vector(*gravity) : "null"},
+                            {"gravity", gravity ? vector_text(*gravity) : "null"},
                             {"objects", json_text::list(entries)}});
 }
 
@@ -286,7 +180,8 @@ std::vector<Bytes> geometry(const Scene& scene, std::uint32_t version) {
     writer.put(static_cast<std::uint32_t>(soup.vertices.size()));
     writer.put(static_cast<std::uint32_t>(soup.triangles.size()));
     for (const Vec3& vertex : soup.vertices)
-      writer.put(i < still ? in_world(objects[i].pose, vertex) : vertex);
+      writer.put(i < still ? objects[i].pose.position + objects[i].pose.orientation * vertex
+                           : vertex);
     for (const Triangle& triangle : soup.triangles)
       for (const std::uint32_t corner : triangle) writer.put(corner);
     messages.push_back(writer.take());
@@ -357,36 +252,48 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
     const bool known = seen != picture.hands.end();
     const auto& parameters = hand.parameters;
     const double period = parameters ? parameters->servo_period : kUnknown;
-    entries.push_back(json_text::object(
-        {{"number", number(std::uint64_t{hand.number})},
-         {"session", text(std::to_string(hand.session))},  // JavaScript's numbers are too short
-         {"client", text_or_null(hand.client)},
-         {"device", text_or_null(hand.device)},
-         {"tool", text(hand.tool)},
-         {"mode", parameters ? text(parameters->mode) : "null"},
-         {"side", parameters ? text(name(parameters->side)) : "null"},
-         {"projection", parameters ? text(name(parameters->projection)) : "null"},
-         {"storage", parameters ? text(name(parameters->storage)) : "null"},
-         {"laws_taken", text(name(hand.takes.laws))},
-         {"link_taken", flag(hand.takes.link)},
-         {"lead_share", hand.lead_share ? number(*hand.lead_share) : "null"},
-         {"asked", text_or_null(hand.asked)},
-         {"answer", hand.asked.empty() ? "null" : text(name(hand.answer))},
-         {"local_model", parameters ? flag(parameters->local_model) : "null"},
-         {"rate_hz", number(1.0 / period)},
-         {"packet_hz", parameters ? number(1.0 / (period * parameters->packet_interval)) : "null"},
-         {"samples_per_s", rate != nullptr ? number(rate->samples) : "null"},
-         {"loss", rate != nullptr ? number(rate->loss) : "null"},
-         {"round_trip_ms", known && seen->report && seen->report->round_trip > 0.0
-                               ? number(1e3 * seen->report->round_trip)
-                               : "null"},
-         {"late_ticks",
-          known && seen->report ? number(std::uint64_t{seen->report->late_ticks}) : "null"},
-         {"wakeups", counts(hand.times, hand.times.wakeups())},
-         {"round_trips", counts(hand.times, hand.times.round_trips())},
-         {"delivered_j", known ? number(seen->delivered) : "null"},
-         {"burned_j", known ? number(seen->burned) : "null"},
-         {"samples", known ? number(seen->samples) : "null"}}));
+    std::vector<json_text::Member> members = {
+        {"number", number(std::uint64_t{hand.number})},
+        {"session", text(std::to_string(hand.session))},  // JavaScript's numbers are too short
+        {"client", text_or_null(hand.client)},
+        {"device", text_or_null(hand.device)},
+        {"tool", text(hand.tool)},
+        {"mode", parameters ? text(parameters->mode) : "null"},
+        {"side", parameters ? text(name(parameters->side)) : "null"},
+        {"projection", parameters ? text(name(parameters->projection)) : "null"},
+        {"storage", parameters ? text(name(parameters->storage)) : "null"},
+        {"reference", parameters ? text(name(parameters->reference)) : "null"},
+        {"laws_taken", text(name(hand.takes.laws))},
+        {"link_taken", flag_text(hand.takes.link)},
+        {"lead_share", hand.lead_share ? number(*hand.lead_share) : "null"},
+        {"asked", text_or_null(hand.asked)},
+        {"answer", hand.asked.empty() ? "null" : text(name(hand.answer))},
+        {"local_model", parameters ? flag_text(parameters->local_model) : "null"},
+        {"rate_hz", number(1.0 / period)},
+        {"packet_hz", parameters ? number(1.0 / (period * parameters->packet_interval)) : "null"},
+        {"samples_per_s", rate != nullptr ? number(rate->samples) : "null"},
+        {"loss", rate != nullptr ? number(rate->loss) : "null"},
+        {"round_trip_ms", known && seen->report && seen->report->round_trip > 0.0
+                              ? number(1e3 * seen->report->round_trip)
+                              : "null"},
+        {"hand_damping", known && seen->report && seen->report->hand_damping > 0.0
+                             ? number(seen->report->hand_damping)
+                             : "null"},
+        {"late_ticks",
+         known && seen->report ? number(std::uint64_t{seen->report->late_ticks}) : "null"},
+        {"wakeups", counts(hand.times, hand.times.wakeups())},
+        {"round_trips", counts(hand.times, hand.times.round_trips())},
+        {"delivered_j", known ? number(seen->delivered) : "null"},
+        {"burned_j", known ? number(seen->burned) : "null"},
+        {"samples", known ? number(seen->samples) : "null"},
+        {"seconds", hand.joined && known
+                        ? number(std::max(seconds(picture.time - *hand.joined), 0.0))
+                        : "null"}};
+    for (const BoundNumber& entry : kBoundNumbers) {
+      const auto value = parameters ? value_of(entry, *parameters) : std::nullopt;
+      members.emplace_back(entry.name, value ? number(*value) : "null");
+    }
+    entries.push_back(json_text::object(members));
   }
   return json_text::object(
       {{"type", text("sessions")}, {"time", number(time)}, {"sessions", json_text::list(entries)}});
@@ -398,7 +305,7 @@ std::string hand_text(const PageHand::Status& status) {
   return json_text::object({{"type", text("hand")},
                             {"state", text("held")},
                             {"session", text(std::to_string(status.session))},
-                            {"start", vector(status.start)},
+                            {"start", vector_text(status.start)},
                             {"stiffness", number(status.stiffness)},
                             {"reach", number(status.reach)}});
 }

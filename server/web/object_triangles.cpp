@@ -8,10 +8,29 @@
 namespace feltwire::web {
 namespace {
 
-constexpr int kSegments = 32;   // of a round side
-constexpr int kGridSteps = 64;  // along a grid's longest side
+constexpr int kSegments = 32;       // of a round side
+constexpr int kPlaceSegments = 16;  // the same of a guide's place, which travels as text
+constexpr int kGridSteps = 64;      // along a grid's longest side
 
 }  // namespace
+
+TriangleSoup plane_square() {
+  constexpr double kHalf = kPlaneView;
+  return {{{-kHalf, -kHalf, 0.0}, {kHalf, -kHalf, 0.0}, {kHalf, kHalf, 0.0}, {-kHalf, kHalf, 0.0}},
+          {{0, 1, 2}, {0, 2, 3}}};
+}
+
+Pose square_pose(const Pose& plane, const Vec3& start) {
+  const Vec3 normal = plane.orientation * Vec3::UnitZ();
+  return {start - normal * normal.dot(start - plane.position), plane.orientation};
+}
+
+TriangleSoup triangles_of_place(const GuidePlace& place) {
+  if (std::holds_alternative<Plane>(place)) return plane_square();
+  return on_primitive(
+      place, [](const auto& solid) { return solid.triangles(kPlaceSegments); },
+      [] { return TriangleSoup{}; });
+}
 
 TriangleSoup triangles_of(const Shape& shape) {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) {

@@ -6,11 +6,17 @@
 
 namespace feltwire::web {
 
-/// [m] size of the drawn part of a plane, about its point.
+/// [m] half the side of the square that is drawn of a plane.
 inline constexpr double kPlaneView = 0.2;
+TriangleSoup plane_square();
+/// Where that square is seen: about the point of the plane that is nearest to the scene's start.
+Pose square_pose(const Pose& plane, const Vec3& start);
 
 /// The triangles of a shape in its own frame; empty if it is unbounded. Allocates, and may take
 /// some 10 ms.
 TriangleSoup triangles_of(const Shape& shape);
+/// Those of a guide whose place is a shape, in the place's frame, with fewer steps; of a plane its
+/// square. Empty for other places.
+TriangleSoup triangles_of_place(const GuidePlace& place);
 
 }  // namespace feltwire::web

@@ -96,6 +96,11 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
       message.set->lead_share = given;
       return true;
     }
+    for (std::size_t i = 0; i < kBoundNumbers.size(); ++i)
+      if (kBoundNumbers[i].name == member_) {
+        message.set->bound_numbers[i] = given;
+        return true;
+      }
     for (const auto& [name, field] : kLinkFields)
       if (name == member_) {
         if (!message.set->link) message.set->link.emplace();
@@ -127,6 +132,8 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
       set.projection = text;
     else if (member_ == "storage")
       set.storage = text;
+    else if (member_ == "reference")
+      set.reference = text;
     else
       return false;
     return true;

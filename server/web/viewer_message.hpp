@@ -1,11 +1,13 @@
 #pragma once
 // The messages of a viewer of the live page.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/base/types.hpp"
+#include "protocol/session/bound_numbers.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
 
@@ -15,9 +17,10 @@ namespace feltwire::web {
 /// a session. The given members decide which.
 struct ViewerSet {
   MaterialChange material;
-  std::optional<Vec3> gravity;                           // [m/s^2]
-  std::string session;                                   // its id, in decimal digits
-  std::optional<std::string> mode, projection, storage;  // of that session
+  std::optional<Vec3> gravity;                                      // [m/s^2]
+  std::string session;                                              // its id, in decimal digits
+  std::optional<std::string> mode, projection, storage, reference;  // of that session
+  std::array<std::optional<double>, kBoundNumbers.size()> bound_numbers{};  // likewise
   std::optional<LinkQuality> link;   // of its client's emulated link; missing numbers are 0
   std::optional<double> lead_share;  // of its hand
 };

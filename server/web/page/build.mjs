@@ -35,6 +35,11 @@ const assets = [
   return {path, type, gzip, sha256: createHash('sha256').update(content).digest('hex')};
 });
 
+// What a browser loads to show the page: what has two names is loaded once.
+const MOST = 700_000;  // [bytes]
+const whole = assets.filter(({path}) => path !== '/replay').reduce((sum, {gzip}) => sum + gzip.length, 0);
+if (whole > MOST) throw new Error(`the page has ${whole} bytes compressed, and may have ${MOST}`);
+
 const arrays = assets.map(({gzip}, i) => `constexpr unsigned char bytes_${i}[] = {${[...gzip].join(',')}};`);
 const rows = assets.map(({path, type, sha256}, i) => `    {"${path}", "${type}", "${sha256}", bytes_${i}},`);
 writeFileSync(join(out, 'page_assets.cpp'), `// Written by server/web/page/build.mjs.

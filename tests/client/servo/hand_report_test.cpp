@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "client/servo/servo.hpp"
@@ -46,6 +47,79 @@ TEST(HandReport, SaysWhatTakesForceOff) {
   EXPECT_TRUE(says(cut, HandReason::limits));
   EXPECT_FALSE(says(cut, HandReason::bound));
   EXPECT_TRUE(says(Told(kTwo, "midpoint"), HandReason::account));  // nothing was burned yet
+}
+
+/// `limits` too, which older viewers know.
+TEST(HandReport, NamesTheSafetyLimit) {
+  const auto limited = [](const ChannelLimits& force, double ramp_up = 0.0) {
+    ServoOptions options;
+    options.safety.force = force;
+    options.safety.ramp_up = ramp_up;
+    return options;
+  };
+  const auto reasons = [](const Bench& bench) { return bench.servo.report().reasons; };
+  const std::uint32_t limits = bit(HandReason::late) | bit(HandReason::limits);
+  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.max = 1.0}))), limits);
+  EXPECT_EQ(reasons(Told(kTwo, "none", limited({}, 1.0))), limits | bit(HandReason::ramp));
+  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.slew = 1.0}))), limits | bit(HandReason::slew));
+  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.small = 0.05}))),
+            limits | bit(HandReason::wait_for_small_force));
+  Told fast(kTwo, "none", limited({.speed = 0.1}));
+  for (int i = 1; i < 20; ++i) fast.tick(at(0.002 * i, 0, 0));
+  EXPECT_EQ(reasons(fast), limits | bit(HandReason::velocity_limit));
+}
+
+/// A floor far too stiff for a hand that is found deep in it: the force rises step by step.
+TEST(HandReport, NamesTheShaping) {
+  SessionParameters shaped = parameters("shaped");
+  shaped.local_model = true;
+  Bench bench(shaped);
+  for (int n = 0; n < 400; ++n) bench.tick(at(0, 0, 0.01 * std::cos(0.05 * n) - 0.03));
+  Reply floor = reply(bench.servo.sample().index, elastic(0, 0, 6));
+  floor.modelled = true;
+  floor.model.reach = 0.1;
+  floor.model.count = 1;
+  floor.model.patches[0].radius = 0.2;
+  floor.model.patches[0].material.stiffness = 200.0;
+  bench.servo.take(floor, bench.now);
+  bench.tick(at(0, 0, bench.servo.sample().pose.position.z()));
+  EXPECT_TRUE(says(bench, HandReason::near));
+  EXPECT_TRUE(says(bench, HandReason::bound));
+  EXPECT_TRUE(says(bench, HandReason::shaping));
+  EXPECT_FALSE(says(bench, HandReason::faded));
+  EXPECT_FALSE(says(Told(kTwo, "contact_frame"), HandReason::shaping));
+}
+
+TEST(HandReport, SaysThatTheAccountIsInDebt) {
+  Told told(kTwo, "midpoint");
+  for (int n = 1; n < 100; ++n) told.tick(at(0.01 * std::sin(0.05 * n), 0, 0));
+  told.servo.take(reply(told.servo.sample().index, kTwo), told.now);
+  told.tick(at(0, 0, 0));
+  ASSERT_GT(told.servo.held().force().z(), 0.1);
+  EXPECT_FALSE(says(told, HandReason::debt));
+  told.tick(at(0, 0, 0.05), from_seconds(0.09));  // taken along by the force, while no tick came
+  EXPECT_LT(told.servo.report().balance, 0.0);
+  EXPECT_TRUE(says(told, HandReason::debt));
+}
+
+TEST(HandReport, SaysWhyTheDeviceTakesNoForce) {
+  Told told(kTwo);
+  const auto reasons = [&](const DeviceReading& reading) {
+    told.tick(reading);
+    return told.servo.report().reasons;
+  };
+  EXPECT_EQ(reasons({.pose = {}, .clutched = true}), bit(HandReason::clutched));
+  EXPECT_EQ(reasons({.pose = {}, .withheld = Withheld::emergency}), bit(HandReason::emergency));
+  for (const Withheld withheld : {Withheld::not_homed, Withheld::in_inkwell, Withheld::starting})
+    EXPECT_EQ(reasons({.pose = {}, .withheld = withheld}), bit(HandReason::not_ready));
+}
+
+TEST(HandReport, SaysThatTheClientEnds) {
+  Told told(kTwo);
+  told.servo.release();
+  told.tick();
+  EXPECT_TRUE(says(told, HandReason::ending));
+  EXPECT_FALSE(says(told, HandReason::reconnecting));
 }
 
 TEST(HandReport, HasTheAccountsBalance) {

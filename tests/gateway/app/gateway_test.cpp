@@ -149,6 +149,15 @@ TEST(Gateway, GoesOnWithOthersWhereAViewerDoesNotRead) {
   }
 }
 
+std::string got(const Gateway& gateway, const std::string& path) {
+  test::RawSocket socket(SOCK_STREAM, test::page_port(gateway));
+  socket.send(test::bytes("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  std::string all;
+  for (auto more = socket.receive(); !more.empty(); more = socket.receive())
+    all.append(more.begin(), more.end());
+  return all;
+}
+
 TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   auto server = std::make_unique<Server>(server_at());
   const std::uint16_t port = server->control_port();
@@ -157,6 +166,7 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   const Gateway gateway = gateway_for(port);
   Page page = page_of(gateway);
   expect_hand(page, 0.003, 0.0);
+  EXPECT_THAT(got(gateway, "/ready"), StartsWith("HTTP/1.1 200 "));
   server.reset();
   const Json gone = page.text("log");
   EXPECT_EQ(gone["level"], "error");
@@ -165,6 +175,9 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
     const auto picture = page.picture();
     return !picture.empty() && at<std::uint32_t>(picture, 4) == 0;
   });
+  EXPECT_THAT(got(gateway, "/ready"),
+              ::testing::AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("scene room")));
+  EXPECT_THAT(got(gateway, "/health"), StartsWith("HTTP/1.1 200 "));
   // Who comes meanwhile hears it, too.
   Page other = page_of(gateway);
   EXPECT_THAT(other.text("log")["text"].get<std::string>(), HasSubstr("not seen"));
@@ -176,6 +189,7 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   while (back["level"] == "error") back = page.text("log");  // how looking for it went
   EXPECT_EQ(back["text"], "Scene room is seen.");
   expect_hand(page, 0.004, 0.0);
+  EXPECT_THAT(got(gateway, "/ready"), StartsWith("HTTP/1.1 200 "));
 }
 
 TEST(Gateway, BeginsBeforeItsServer) {
@@ -220,12 +234,7 @@ TEST(Gateway, HasViewersOfItsOwn) {
   page.say({{"ticket", "room"}});
   Page other(gateway, page.text("ticket")["path"].get<std::string>(), "foxglove.sdk.v1");
   EXPECT_EQ(Json::parse(other.next().text())["op"], "serverInfo");
-  test::RawSocket metrics(SOCK_STREAM, test::page_port(gateway));
-  metrics.send(test::bytes("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
-  std::string all;
-  for (auto more = metrics.receive(); !more.empty(); more = metrics.receive())
-    all.append(more.begin(), more.end());
-  EXPECT_THAT(all, HasSubstr("feltwire_viewers_total 2\n"));
+  EXPECT_THAT(got(gateway, "/metrics"), HasSubstr("feltwire_viewers_total 2\n"));
 }
 
 /// What starting it says.

@@ -140,6 +140,7 @@ TEST(Picture, ShowsWhatMoves) {
 TEST(Picture, DescribesHandsAndNoObservers) {
   Stage stage(test::room());
   stage.join(kEye, Role::observer);
+  stage.now += 250ms;
   stage.join(kAnna);
   const auto hands = stage.sessions.describe();
   ASSERT_EQ(hands.size(), 1u);
@@ -147,6 +148,7 @@ TEST(Picture, DescribesHandsAndNoObservers) {
   EXPECT_EQ(hands[0].session, kAnna);
   EXPECT_EQ(hands[0].client, "tester");
   EXPECT_EQ(hands[0].device, "test arm");
+  EXPECT_EQ(hands[0].joined, stage.now);
 }
 
 /// Once as many hands and bodies were drawn as there are, a picture takes no memory.

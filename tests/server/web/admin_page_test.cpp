@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
+#include <tuple>
 
 #include "core/scene_file/load_scene.hpp"
 #include "server/web/viewer_message.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/core/moving.hpp"
 #include "tests/server/resting_hand.hpp"
 #include "tests/server/web/page_client.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::admin_page_test {
 namespace {
@@ -125,6 +129,28 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   EXPECT_EQ(session["session"], std::to_string(hand.session()));
   page.say({{"set", {{"session", std::to_string(hand.session())}, {"mode", "per_axis"}}}});
   EXPECT_EQ(page.text("changed")["text"], "session 1 (tester): mode contact_frame -> per_axis");
+  const std::string id = std::to_string(hand.session());
+  const auto changed = [&](Json set) {
+    set["session"] = id;
+    page.say({{"set", std::move(set)}});
+    return page.text("changed")["text"].get<std::string>();
+  };
+  for (const auto& [name, value, says] :
+       {std::tuple{"operator_damping", 0.25, "0 -> 0.25"},
+        std::tuple{"velocity_cutoff", 80.0, "0 -> 80"}, std::tuple{"c1", 400.0, "400"},
+        std::tuple{"c2", 300.0, "300"}, std::tuple{"coupling_stiffness", 150.0, "150"},
+        std::tuple{"coupling_damping", 0.1, "0.1"},
+        std::tuple{"tool_mass", 0.125, "0.05 -> 0.125"}})
+    EXPECT_THAT(changed({{name, value}}), ::testing::AllOf(HasSubstr(name), HasSubstr(says)));
+  EXPECT_THAT(changed({{"reference", "following"}}), HasSubstr("zero -> following"));
+  do session = page.text("sessions")["sessions"][0];
+  while (session["reference"] != "following");
+  EXPECT_EQ(session["tool_mass"], 0.125);
+  EXPECT_EQ(session["c1"], 400.0);
+  page.say({{"set", {{"session", id}, {"reference", "no_such"}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no_such"));
+  page.say({{"set", {{"session", id}, {"tool_mass", -1}}}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("tool_mass"));
   page.say({{"set", {{"session", std::to_string(hand.session())}, {"mode", "no_such"}}}});
   EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("no_such"));
   page.say({{"set", {{"session", "12"}, {"mode", "none"}}}});
@@ -136,6 +162,34 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   page.text("changed");
   const std::vector<SceneSummary> summary = server_.summary();
   EXPECT_EQ(summary[0].counters.evicted, 1u);
+}
+
+/// A body that hangs in the air falls as the gravity says that an admin sets.
+TEST(AdminPageGravity, MovesTheBodies) {
+  const Vec3 place(0.2, 0, 0);
+  std::vector<Object> objects = {test::object("ball", Sphere{0.03}, {.stiffness = 1000}, place)};
+  const auto mechanism = compile(objects, {0}, {test::body("ball", 0.2, place)}, test::kWeightless);
+  std::vector<Scene> scenes;
+  scenes.emplace_back("room", objects).set_mechanism(mechanism);
+  Server server(test::with_page(), std::move(scenes), test::security({}));
+  ControlClient client(server.control_port());
+  RestingHand hand(client);  // a scene without hands stands still
+  hand.force();
+  Page page(server, std::string(test::admin_token().text.text()));
+  const auto height = [&] {  // of the ball, after the hand
+    constexpr std::size_t kZ = 24 + 112 + 4 + 8;
+    float z = 0.0f;
+    const auto picture = page.picture();
+    if (picture.size() >= kZ + sizeof z) std::memcpy(&z, picture.data() + kZ, sizeof z);
+    return z;
+  };
+  EXPECT_EQ(page.text("materials")["gravity"], Json({0.0, 0.0, 0.0}));
+  EXPECT_EQ(height(), 0.0f);
+  page.say({{"set", {{"gravity", {0, 0, 9.81}}}}});
+  EXPECT_THAT(page.text("changed")["text"].get<std::string>(),
+              HasSubstr("gravity (0, 0, 0) -> (0, 0, 9.81) [m/s^2]"));
+  EXPECT_EQ(page.text("materials")["gravity"], Json({0.0, 0.0, 9.81}));
+  test::eventually("the ball to rise", [&] { return height() > 0.01f; });
 }
 
 /// A message that asks for something else than there is ends the connection: it is of no page.

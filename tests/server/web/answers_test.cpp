@@ -57,6 +57,19 @@ TEST(Answers, TheFileAsItWasCompressed) {
   EXPECT_THAT(asked(get("/", "If-None-Match: \"123\"\r\n")), StartsWith("HTTP/1.1 200 "));
 }
 
+TEST(Answers, NotReadyWhileASceneIsNotSeen) {
+  Site site{kPage, {}, false};
+  const auto ready = [&](const std::string& path) {
+    const auto request = parse_http_head(get(path, "") + "\r\n");
+    return text(answer(&*request, site));
+  };
+  EXPECT_THAT(ready("/ready"), StartsWith("HTTP/1.1 200 "));
+  site.hidden_scene = [] { return std::optional<std::string>("room"); };
+  EXPECT_THAT(ready("/ready"), StartsWith("HTTP/1.1 503 "));
+  EXPECT_THAT(ready("/ready"), HasSubstr("scene room is not seen"));
+  EXPECT_THAT(ready("/health"), StartsWith("HTTP/1.1 200 "));
+}
+
 TEST(Answers, EveryAnswerHasThePolicy) {
   for (const std::string& answer :
        {asked(get("/", "")), asked(get("/none", "")), asked("nonsense"), asked(get("/live", "")),

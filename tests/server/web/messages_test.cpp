@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/tool/body_tool.hpp"
@@ -90,6 +91,92 @@ TEST(Messages, ASceneHasItsObjects) {
     EXPECT_NEAR((reader.vector() - Vec3(0.05, 0, 0.01)).norm(), 0.02, 1e-6);
   for (std::uint32_t i = 0; i < 3 * triangles; ++i) EXPECT_LT(reader.whole(), vertices);
   EXPECT_EQ(reader.at, shown[0].size());
+}
+
+TEST(Messages, AGuideOfAShapeHasItsTriangles) {
+  const auto guide = [](const char* name, GuidePlace place, const Pose& pose) {
+    return Guide{.name = name,
+                 .place = std::move(place),
+                 .pose = pose,
+                 .action = Viscosity{.damping = 1.0},
+                 .max_force = 1.0};
+  };
+  const Guide rail{.name = "line",
+                   .place = GuideLine{0.05},
+                   .pose = {},
+                   .action = Attract{.stiffness = 10.0},
+                   .max_force = 1.0};
+  const Vec3 middle(0.3, 0, 0.1);
+  const Scene scene("room", {test::room().objects()[1]}, {},
+                    {guide("ball", Sphere{0.012}, {middle, Quaternion::Identity()}), rail,
+                     guide("plane", Plane{}, {{0, 0, -0.3}, Quaternion::Identity()}),
+                     guide("all", Everywhere{}, {})});
+  const Json said = Json::parse(scene_text(scene, 1));
+  const Json& ball = said["guides"][0];
+  ASSERT_GT(ball["triangles"].size(), 50u);
+  EXPECT_TRUE(ball["points"].empty());
+  for (const Json& v : ball["vertices"])
+    EXPECT_NEAR((Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()) - middle).norm(),
+                0.012, 2e-6);
+  for (const Json& triangle : ball["triangles"])
+    for (const Json& corner : triangle)
+      EXPECT_LT(corner.get<std::size_t>(), ball["vertices"].size());
+  EXPECT_NEAR(said["box"][1][0].get<double>(), 0.312, 1e-6) << "the ball is in the box";
+  EXPECT_TRUE(said["guides"][1]["triangles"].empty());
+  EXPECT_EQ(said["guides"][2]["triangles"].size(), 2u);  // its square, under the start
+  EXPECT_NEAR(said["guides"][2]["vertices"][0][2].get<double>(), -0.3, 1e-9);
+  EXPECT_TRUE(said["guides"][3]["triangles"].empty());
+}
+
+/// "name" is there always, "name?" may be.
+void expect_members(const Json& said, const Json& members, bool all, const std::string& where) {
+  std::vector<std::string> wanted, there;
+  for (const Json& entry : members.at(where)) {
+    std::string name = entry;
+    const bool may = name.ends_with('?');
+    if (may) name.pop_back();
+    if (!may || all) wanted.push_back(name);
+  }
+  for (const auto& [name, value] : said.items()) there.push_back(name);
+  std::ranges::sort(wanted);
+  EXPECT_EQ(there, wanted) << where;
+}
+
+/// The server that node plays for the page's tests reads the same file, so that the page is tested
+/// with the members that it gets here.
+TEST(Messages, HaveTheMembersThatThePageIsTestedWith) {
+  std::ifstream file(FELTWIRE_SOURCE_DIR "/tests/web/page/members.json");
+  const Json agreed = Json::parse(file);
+  const Json& members = agreed["members"];
+  Scene scene("room", {test::room().objects()[1], test::room().objects()[0]}, {},
+              {Guide{.name = "g",
+                     .place = Sphere{0.01},
+                     .pose = {},
+                     .action = Viscosity{.damping = 1.0},
+                     .max_force = 1.0}});
+  HandDescription hand;
+  const Json greeting = Json::parse(hello({}, Role::observer));
+  const Json shown = Json::parse(scene_text(scene, 1));
+  const Json materials = Json::parse(materials_text(scene, 1, std::nullopt));
+  const Json table = Json::parse(sessions({&hand, 1}, {}, {}, 1.0));
+  expect_members(greeting, members, true, "hello");
+  expect_members(greeting["reasons"][0], members, true, "hello.reasons");
+  expect_members(shown, members, true, "scene");
+  expect_members(shown["objects"][0], members, false, "scene.objects");
+  expect_members(shown["objects"][1], members, true, "scene.objects");
+  expect_members(shown["guides"][0], members, true, "scene.guides");
+  expect_members(shown["tools"][0], members, true, "scene.tools");
+  expect_members(materials, members, true, "materials");
+  expect_members(materials["objects"][0], members, true, "materials.objects");
+  expect_members(table, members, true, "sessions");
+  expect_members(table["sessions"][0], members, true, "sessions.sessions");
+  expect_members(Json::parse(ticket_text("room", "fw_t", std::chrono::seconds(60))), members, true,
+                 "ticket");
+  expect_members(Json::parse(changed_text("a")), members, true, "changed");
+  expect_members(Json::parse(web::refused("a")), members, true, "refused");
+  expect_members(Json::parse(admin_text()), members, true, "admin");
+  expect_members(Json::parse(log_text("info", "a")), members, true, "log");
+  EXPECT_EQ(greeting["reasons"], agreed["reasons"]);
 }
 
 TEST(Messages, APictureHasHandsAndBodies) {
@@ -283,12 +370,20 @@ TEST(Messages, SessionsSayWhatIsNotKnown) {
   picture.hands.emplace_back();
   picture.hands[0].number = 2;
   picture.hands[0].report = HandReport{.late_ticks = 12};
+  picture.time = from_seconds(8.0);
   const Json said = Json::parse(sessions({&hand, 1}, picture, {}, 1.5));
   const Json& entry = said["sessions"][0];
   for (const char* unknown :
        {"client", "device", "mode", "side", "local_model", "rate_hz", "packet_hz"})
     EXPECT_TRUE(entry[unknown].is_null()) << unknown;
   EXPECT_EQ(entry["late_ticks"], 12);
+  EXPECT_TRUE(entry["seconds"].is_null());
+  EXPECT_TRUE(entry["hand_damping"].is_null());
+  hand.joined = from_seconds(5.5);
+  picture.hands[0].report->hand_damping = 1.5;
+  const Json known = Json::parse(sessions({&hand, 1}, picture, {}, 1.5))["sessions"][0];
+  EXPECT_EQ(known["seconds"], 2.5);
+  EXPECT_EQ(known["hand_damping"], 1.5);
 }
 
 }  // namespace

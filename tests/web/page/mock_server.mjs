@@ -5,6 +5,7 @@ import {createHash} from 'node:crypto';
 import {readFileSync} from 'node:fs';
 import {createServer} from 'node:http';
 import {join} from 'node:path';
+import {checkMembers, REASONS} from './members.mjs';
 import {geometryMessage, Play} from './play.mjs';
 
 export const TOKEN = 'an-open-secret';
@@ -15,12 +16,6 @@ const HEADERS = {
   'X-Content-Type-Options': 'nosniff', 'Referrer-Policy': 'no-referrer', 'Cross-Origin-Opener-Policy': 'same-origin',
   'Cross-Origin-Resource-Policy': 'same-origin', 'Cache-Control': 'no-store', 'Content-Encoding': 'gzip',
 };
-const REASONS = [
-  ['account', 'The energy account cut the force: more energy would have gone to the hand than the device burns.'],
-  ['saturated', 'The device gives no more force than this.'],
-  ['fading', 'The command is old, and the force fades.'],
-  ['gap', 'Samples are missing.'],
-].map(([name, text]) => ({name, text}));
 
 /** @param {Buffer} payload @param {number} opcode 1 text, 2 binary, 8 close @returns {Buffer} a frame as a server sends it */
 function frame(payload, opcode) {
@@ -57,6 +52,7 @@ class Viewer {
   }
 
   json(message) {
+    checkMembers(message);
     this.socket.write(frame(Buffer.from(JSON.stringify(message)), 1));
   }
 
@@ -101,7 +97,8 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   });
 
   const materials = play.scene('room').objects.map(() => ({stiffness: 1000, damping: 0, static_friction: 0.5, dynamic_friction: 0.4, viscous_friction: 0}));
-  const sendMaterials = (viewer) => viewer.json({type: 'materials', version: play.version, gravity: [0, 0, -9.81], objects: materials});
+  let gravity = [0, 0, -9.81];
+  const sendMaterials = (viewer) => viewer.json({type: 'materials', version: play.version, gravity, objects: materials});
   const sendScene = (viewer, name) => {
     viewer.json(play.scene(name));
     sendMaterials(viewer);
@@ -121,7 +118,9 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
     if (message.set?.stiffness > 1e9) {
       viewer.json({type: 'refused', text: 'stiffness: must be at most 1e+09 [N/m]'});
     } else if (message.set) {
-      Object.assign(materials[message.set.object === 'ball' ? 1 : 0], message.set);
+      const {object, gravity: wanted, ...fields} = message.set;
+      if (object) Object.assign(materials[play.scene('room').objects.findIndex(({name}) => name === object)], fields);
+      if (wanted) gravity = wanted;
       viewer.json({type: 'changed', text: 'changed'});
       sendMaterials(viewer);
     }
@@ -159,7 +158,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   return {
     url: `http://127.0.0.1:${taken}/`, port: taken, watched, asked, requests, play, drop,
     send: (bytes) => viewers.forEach((viewer) => viewer.binary(bytes)),
-    log: (level, text) => viewers.forEach((viewer) => viewer.json({type: 'log', level, time: play.time, text})),
+    log: (level, text) => viewers.forEach((viewer) => viewer.json({type: 'log', level, text})),
     stop: () => new Promise((resolve) => {
       clearInterval(pictures);
       clearInterval(tables);

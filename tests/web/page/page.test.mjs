@@ -1,87 +1,10 @@
-// The live page in a browser. Every wait is for a condition.
+// The live page in a browser: connection, words, tables and knobs. Every wait is for a condition.
 
 import assert from 'node:assert/strict';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {chromium} from 'playwright-core';
-import {ADMIN, startServer, TOKEN} from './mock_server.mjs';
-
-const folder = process.env.FELTWIRE_PAGE;
-const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
-let browser;
-let server;
-let page;
-let complaints;
-let foreign;
-
-before(async () => {
-  const executablePath = process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium';
-  browser = await chromium.launch({executablePath, args: ['--no-sandbox']});
-});
-after(() => browser.close());
-
-beforeEach(async () => {
-  server = await startServer({folder});
-  complaints = [];
-  foreign = [];
-  page = await newPage();
-});
-
-afterEach(async () => {
-  await page.context().close();
-  await server.stop();
-  assert.deepEqual(complaints, []);
-  assert.deepEqual(foreign, [], 'requests to other hosts');
-});
-
-async function newPage(options = {}) {
-  const context = await browser.newContext({viewport: {width: 900, height: 640}, ...options});
-  const made = await context.newPage();
-  made.setDefaultTimeout(PATIENCE);
-  made.on('pageerror', (error) => complaints.push(error.stack));
-  made.on('console', (message) => {
-    const text = message.text();
-    // Without a server a connection fails, and Chromium says so.
-    if (message.type() === 'error' && !/WebSocket connection to .* failed/.test(text)) complaints.push(text);
-  });
-  made.on('request', (request) => {
-    if (!request.url().startsWith(server.url) && !request.url().startsWith('data:')) foreign.push(request.url());
-  });
-  return made;
-}
-
-const open = async (token = TOKEN) => page.goto(`${server.url}#token=${token}`);
-const until = (condition, argument) => page.waitForFunction(condition, argument);
-const state = () => page.evaluate(() => window.feltwire());
-const press = (key) => page.keyboard.press(key);
-
-/** Holds the picture, and waits until the last that came before is drawn. */
-async function hold() {
-  await press(' ');
-  await until(() => window.feltwire().held);
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-}
-
-/** Pixels of the 3D view that have nearly this color of the theme. */
-async function pixels(name) {
-  const picture = await page.locator('#canvas').screenshot();
-  return page.evaluate(async ([base64, variable]) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${base64}`;
-    await image.decode();
-    const canvas = document.createElement('canvas');
-    [canvas.width, canvas.height] = [image.width, image.height];
-    const context = canvas.getContext('2d');
-    context.drawImage(image, 0, 0);
-    const {data} = context.getImageData(0, 0, image.width, image.height);
-    const wanted = getComputedStyle(document.documentElement).getPropertyValue(variable).trim();
-    const [r, g, b] = [1, 3, 5].map((at) => parseInt(wanted.slice(at, at + 2), 16));
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4) {
-      if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 24) count += 1;
-    }
-    return count;
-  }, [picture.toString('base64'), `--${name}`]);
-}
+import {test} from 'node:test';
+import {bits, REASONS} from './members.mjs';
+import {ADMIN, TOKEN} from './mock_server.mjs';
+import {hold, newPage, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
 
 test('the first picture comes, and the token leaves the address', async () => {
   await open();
@@ -95,133 +18,41 @@ test('the first picture comes, and the token leaves the address', async () => {
   await until(() => window.feltwire().pictures > 0);
 });
 
-test('nothing is drawn before there is a scene', async () => {
-  await page.goto(server.url);
-  await page.locator('#token-text').waitFor();
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
-  assert.equal((await state()).frames, 0);
-  await page.fill('#token-text', TOKEN);
-  await press('Enter');
-  await until(() => window.feltwire().firstPicture !== null);
-});
-
-test('a scene without pictures is drawn all the same', async () => {
-  server.play.silent = true;
-  await open();
-  await until(() => window.feltwire().frames > 0);
-  assert.equal((await state()).pictures, 0);
-});
-
-test('the view has the background of the theme', async () => {
-  await open();
-  await until(() => window.feltwire().firstPicture !== null);
-  const area = await page.evaluate(() => document.querySelector('#canvas').clientWidth * document.querySelector('#canvas').clientHeight);
-  for (let theme = 0; theme < 2; ++theme) {
-    const share = (await pixels('view')) / area;
-    assert.ok(share > 0.2, `${share} of the view`);
-    const frames = (await state()).frames;
-    await press('l');
-    await until((drawn) => window.feltwire().frames > drawn, frames);
-  }
-});
-
-test('arrows move and are seen', async () => {
-  server.play.still = true;
-  await open();
-  await until(() => window.feltwire().pictures > 5 && window.feltwire().frames > 2 && window.feltwire().longestArrow === 0);
-  const legend = await pixels('elastic');
-  server.play.still = false;
-  await until(() => window.feltwire().longestArrow > 0.03);
-  await hold();
-  const short = await pixels('elastic') - legend;
-  assert.ok(short > 30, `${short} pixels`);
-  const {frames} = await state();
-  await press('.');
-  await until((before) => window.feltwire().frames > before, frames);
-  assert.equal(await page.textContent('#arrow-scale'), '1 N = 5 cm');
-  const long = await pixels('elastic') - legend;
-  assert.ok(long > 1.3 * short, `${long} pixels after ${short}`);
-});
-
-test('tools and local models are drawn', async () => {
-  await open();
-  await until(() => window.feltwire().toolBalls === 1 && window.feltwire().toolPoints === 60 && window.feltwire().surfaces === 1);
-  await press('s');
-  await until(() => window.feltwire().surfaces === 0);
-  await press('s');
-  await until(() => window.feltwire().surfaces === 1);
-  server.play.modelled = false;
-  await until(() => window.feltwire().surfaces === 0);
-});
-
-test('robots are drawn and described', async () => {
-  await open();
-  await until(() => window.feltwire().pictures > 1);
-  const described = (lines) => until((lines) => lines === [...document.querySelectorAll('#robots p:not([hidden])')].map((line) => line.textContent).join('; '), lines.join('; '));
-  assert.deepEqual((await state()).robots, []);
-  await described([]);
-  server.play.robots = [{state: 2, hand: 1, flags: 1 | 2 | 8}];
-  await until(() => window.feltwire().robots[0]?.forces === 1);
-  await described(['robot: engaged led by hand 1, 5.00 N on its tool, touches']);
-  const near = (a, b) => a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
-  const {robots: [robot]} = await state();
-  assert.ok(near(robot.tool, [0.02, 0.03, 0.04]) && near(robot.target, [0.02, 0.03, 0.02]), JSON.stringify(robot));
-  server.play.robots = [{state: 5, hand: 0, flags: 4}];
-  await until(() => window.feltwire().robots[0]?.forces === 0);
-  await described(['robot: fault led by no hand, senses no force, protective stop']);
-
-  server.play.seats = ['left', 'right'];
-  server.play.robots = [{state: 1, hand: 0, flags: 2}, {state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];
-  await open();
-  await until(() => window.feltwire().robots.length === 2);
-  await described(['robot left: ready led by no hand, senses no force', 'robot right: engaged led by hand 3, 5.00 N on its tool']);
-  server.play.robots = [{state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];  // the left one has left
-  await until(() => window.feltwire().robots.length === 1);
-  await described(['robot right: engaged led by hand 3, 5.00 N on its tool']);
-  server.play.seats = [''];
-  server.play.robots = [];
-  await until(() => window.feltwire().robots.length === 0);
-  await described([]);
-});
-
-test('choosing a hand changes plots, strip and table', async () => {
-  await open();
-  await until(() => window.feltwire().plotted.points > 5 && document.querySelector('tbody tr'));
-  await until(() => document.querySelector('#chosen').textContent.includes('alice'));
-  await press('2');
-  await until(() => window.feltwire().chosen === 2 && document.querySelector('#chosen').textContent.includes('bob'));
-  await until(() => Math.abs(window.feltwire().plotted.last[3][1] - 1.3) < 1e-3);  // bob's loss
-  assert.equal(await page.textContent('tr[aria-selected="true"] td:nth-child(2)'), 'bob');
-  await page.locator('tbody tr').first().click();
-  await until(() => window.feltwire().chosen === 1 && Math.abs(window.feltwire().plotted.last[3][1]) < 1e-3);
-  await hold();  // Hands stand still for the click.
-  const {places} = await state();
-  const bob = places.find(({number}) => number === 2);
-  await page.locator('#canvas').click({position: {x: bob.x, y: bob.y}});
-  await until(() => window.feltwire().chosen === 2);
-});
-
-test('a click on a hand chooses it, also where a name lies over it', async () => {
-  await open();
-  await until(() => window.feltwire().pictures > 3 && document.querySelectorAll('#labels div:not(.axis)').length > 1);
-  await press('1');
-  await until(() => window.feltwire().chosen === 1);
-  await hold();
-  const {places} = await state();
-  const bob = places.find(({number}) => number === 2);
-  // The name of alice is made so large that it covers the view.
-  await page.locator('#labels div', {hasText: 'alice'}).evaluate((label) => label.style.cssText += 'left:-2000px;top:-2000px;width:4000px;height:4000px');
-  await page.locator('#canvas').click({position: {x: bob.x, y: bob.y}});
-  await until(() => window.feltwire().chosen === 2);
-  await page.locator('#canvas').click({position: {x: 3, y: 3}});
-  await until(() => window.feltwire().chosen === 1);
-});
-
 test('the strip says why', async () => {
   await open();
-  await until(() => [...document.querySelectorAll('#reasons li')].some((item) => !item.hidden && /no more force/.test(item.textContent)));
+  await until(() => [...document.querySelectorAll('#reasons li')].some((item) => !item.hidden && /cannot give so much force/.test(item.textContent)));
   await until(() => /The scene asks for .* N, and the device renders .* N/.test(document.querySelector('#sentence').textContent));
   await until(() => /touches nothing/.test(document.querySelector('#sentence').textContent));
+});
+
+test('the strip has every reason of the server, and no other', async () => {
+  const shown = (texts) => until((wanted) => {
+    const items = [...document.querySelectorAll('#reasons li')].filter((item) => !item.hidden);
+    return wanted === JSON.stringify(items.map((item) => item.querySelector('span').textContent));
+  }, JSON.stringify(texts));
+  server.play.reasons = 0;
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  for (const names of [['waiting'], ['account', 'debt'], ['bound', 'shaping'], ['limits', 'ramp'], ['limits', 'wait_for_small_force'], ['gap', 'recovering'],
+    ['faded', 'reconnecting'], ['clutched'], ['not_ready'], ['emergency'], ['ending']]) {
+    server.play.reasons = bits(...names);
+    await shown(names.map((name) => REASONS.findLast((reason) => reason.name === name).text));
+  }
+  await until(() => document.querySelector('tbody tr td:nth-child(5)').textContent === 'ending');
+  server.play.reasons = REASONS.reduce((all, _, bit) => all | 1 << bit, 0);
+  await shown(REASONS.map(({text}) => text));
+});
+
+test('the strip says what an account is short of, and what a shaping counts on', async () => {
+  server.play.balance = 0.004;
+  await open();
+  await press('1');
+  await until(() => /Its shaping counts on 1.50 N s\/m of the hand itself/.test(document.querySelector('#sentence').textContent));
+  await until(() => !/short of/.test(document.querySelector('#sentence').textContent));
+  server.play.balance = -0.0032;
+  await until(() => /Its account is short of 3.20 mJ/.test(document.querySelector('#sentence').textContent));
+  await press('2');
+  await until(() => document.querySelector('#chosen').textContent.includes('bob') && !/shaping counts on/.test(document.querySelector('#sentence').textContent));
 });
 
 test('a refused token is said in words, and another can be given', async () => {
@@ -317,8 +148,7 @@ test('an admin turns knobs, and is told what is refused', async () => {
 });
 
 test('an admin changes the law, the link and the lead of a client that takes them', async () => {
-  await server.stop();
-  server = await startServer({folder, hands: 3});
+  await newServer({hands: 3});
   await open();
   await until(() => window.feltwire().pictures > 3);
   const asked = async (count) => {
@@ -353,6 +183,47 @@ test('an admin changes the law, the link and the lead of a client that takes the
   if (process.env.FELTWIRE_SCREENSHOT) await page.screenshot({path: process.env.FELTWIRE_SCREENSHOT});
 });
 
+test('an admin changes friction, gravity and the numbers of a bound', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const asked = async (count) => {
+    for (let tries = 0; server.asked.length < count && tries < 600; ++tries) await page.evaluate(() => new Promise(requestAnimationFrame));
+    return server.asked.at(-1).set;
+  };
+  const give = async (label, value) => {
+    await page.getByLabel(label).fill(value);
+    await page.getByLabel(label).press('Enter');
+  };
+  await page.click('#admin-open');
+  await page.fill('#admin input[type=password]', ADMIN);
+  await page.click('#admin form button');
+  const object = await page.locator('#admin select').first().inputValue();
+  await give(/^Viscous friction/, '2');
+  assert.deepEqual(await asked(1), {object, viscous_friction: 2});
+  await give(/^Static friction/, '0.7');
+  assert.deepEqual(await asked(2), {object, static_friction: 0.7});
+  await until(() => document.querySelector('#admin-said').textContent === 'changed');
+  await give(/^Static friction/, '0.3');  // Below the dynamic one, which goes along.
+  assert.deepEqual(await asked(3), {object, static_friction: 0.3, dynamic_friction: 0.3});
+  await until(() => [...document.querySelectorAll('#admin input[type=number]')].filter((input) => input.value === '0.3').length === 2);
+  await give('Gravity z', '-1.62');
+  assert.deepEqual(await asked(4), {gravity: [0, 0, -1.62]});
+  await page.locator('tbody tr', {hasText: 'alice'}).click();  // Her client bounds.
+  await page.locator('#admin summary').click();
+  await page.getByLabel(/^Velocity/).waitFor({state: 'visible'});
+  await page.getByLabel(/^c1/).waitFor({state: 'hidden'});
+  await page.locator('tbody tr', {hasText: 'bob'}).click();
+  await page.getByLabel(/^c1/).waitFor({state: 'visible'});
+  await page.getByLabel('Reference of passivity_control').selectOption('following');
+  assert.deepEqual(await asked(5), {session: '4712', reference: 'following'});
+  const numbers = {operator_damping: /^Operator/, velocity_cutoff: /^Velocity/, c1: /^c1/, c2: /^c2/, coupling_stiffness: /^Coupling s/, coupling_damping: /^Coupling d/, tool_mass: /^Mass of/};
+  let count = 5;
+  for (const [field, label] of Object.entries(numbers)) {
+    await give(label, '0.5');
+    assert.deepEqual(await asked(count += 1), {session: '4712', [field]: 0.5});
+  }
+});
+
 test('hostile bytes are ignored', async () => {
   await open();
   await until(() => window.feltwire().pictures > 3);
@@ -379,47 +250,50 @@ test('keys are listed, the theme changes, and no panel leaves a phone', async ()
   assert.ok(light > 1000);
   await press('l');
   await until(() => document.documentElement.dataset.theme === 'dark');
-  await page.context().close();
-  page = await newPage({viewport: {width: 390, height: 800}, isMobile: true, hasTouch: true});
+  await newPage({viewport: {width: 390, height: 800}, isMobile: true, hasTouch: true});
   await open();
   await until(() => window.feltwire().frames > 2);
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
 });
 
-test('the camera turns by keys and by mouse, and panels can be resized', async () => {
+test('on a phone every button can be tapped', async () => {
+  await newPage({viewport: {width: 390, height: 800}, isMobile: true, hasTouch: true});
   await open();
-  await until(() => window.feltwire().places.length === 2 && window.feltwire().frames > 2);
-  await hold();
-  const first = (await state()).places[0];
-  const moved = ([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) > 5;
-  for (const key of ['ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowUp']) await press(key);  // A hand may be near the axis.
-  await until(moved, [first.x, first.y]);
-  const second = (await state()).places[0];
-  const name = await page.locator('#labels div', {hasText: 'bob'}).boundingBox();  // A label does not stop the drag. This one is beside the legend.
-  await page.mouse.move(name.x + 5, name.y + 5);
-  await page.mouse.down();
-  await page.mouse.move(name.x + 65, name.y + 25, {steps: 3});
-  await page.mouse.up();
-  await until(moved, [second.x, second.y]);
-  await press('f');
-  await until(([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) < 0.5, [first.x, first.y]);
-  const width = () => page.evaluate(() => document.querySelector('#side').getBoundingClientRect().width);
-  const before = await width();
-  await page.focus('#split-x');
-  await press('ArrowRight');
-  assert.equal(await width(), before - 20);
-  await page.reload();
-  assert.equal(await width(), before - 20);
-});
-
-test('16 hands and 1000 bodies are shown', async () => {
-  await server.stop();
-  server = await startServer({folder, hands: 16, bodies: 1000});
-  await open();
-  await until(() => window.feltwire().bodies === 1000 && window.feltwire().frames > 5 && window.feltwire().hands.length === 16);
-  await press('4');  // Its round trip is unknown.
-  await until(() => window.feltwire().chosen === 4 && window.feltwire().plotted.points > 5);
-  await until(() => /round trip –/.test(document.querySelector('#plots .plot:last-child .legend').textContent));
+  await until(() => window.feltwire().pictures > 3 && window.feltwire().trails.length === 2 && window.feltwire().surfaces > 0);
+  await page.tap('#trails');
+  await until(() => window.feltwire().trails.length === 0);
+  assert.equal(await page.getAttribute('#trails', 'aria-pressed'), 'false');
+  await page.tap('#surfaces');
+  await until(() => window.feltwire().surfaces === 0);
+  await page.tap('#next');
+  await until(() => window.feltwire().chosen === 2);
+  await page.tap('#hold');
+  await until(() => window.feltwire().held);
+  const {places: [, bob]} = await state();
+  await page.tap('#see-hand');  // It is in the middle of the view then.
+  await until(([x, y]) => Math.hypot(window.feltwire().places[1].x - x, window.feltwire().places[1].y - y) > 1, [bob.x, bob.y]);
+  await until(() => {
+    const {width, height} = document.querySelector('#canvas').getBoundingClientRect();
+    return Math.hypot(window.feltwire().places[1].x - width / 2, window.feltwire().places[1].y - height / 2) < 1;
+  });
+  await page.tap('#see-all');
+  await until(([x, y]) => Math.hypot(window.feltwire().places[1].x - x, window.feltwire().places[1].y - y) < 1, [bob.x, bob.y]);
+  await page.tap('#arrow-more');
+  await page.tap('#times-open');
+  await until(() => document.querySelectorAll('#times tr').length > 2);
+  await page.tap('#times button');
+  await page.tap('#help-open');
+  await page.locator('#help').waitFor({state: 'visible'});
+  await page.tap('#help form button');
+  await page.tap('#admin-open');
+  await page.locator('#admin').waitFor({state: 'visible'});
+  await page.tap('tbody tr:first-child');
+  await until(() => window.feltwire().chosen === 1);
+  const small = await page.evaluate(() => [...document.querySelectorAll('body > header button, #scales button, #side header button')].filter((button) => {
+    const {width, height, left, right} = button.getBoundingClientRect();
+    return width > 0 && (height < 24 || width < 24 || left < 0 || right > innerWidth);
+  }).map(({id}) => id));
+  assert.deepEqual(small, []);
 });
 
 test('gives an address for Foxglove, and forgets it', async () => {

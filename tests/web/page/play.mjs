@@ -1,5 +1,7 @@
 // What the mock server plays: a floor, a ramp, balls that move, and hands that press them.
 
+import {bits} from './members.mjs';
+
 const STIFFNESS = 1000;  // [N/m]
 const STRONGEST = 2.2;  // [N] of the device
 const RADIUS = 0.03;  // [m] of the first ball
@@ -49,6 +51,9 @@ export class Play {
     this.seats = [''];  // names of the seats for robots
     this.robots = [];  // {state, hand, flags} of those on the scene's seats
     this.modelled = true;  // whether clients have local models
+    this.guided = ['rail', 'honey', 'wind'];  // names of the scene's guides
+    this.reasons = null;  // of every hand; null: what it does
+    this.balance = null;  // [J] of every account; null: some
     this.began = process.hrtime.bigint();
     this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
     const ball = ballShape(RADIUS);
@@ -63,11 +68,11 @@ export class Play {
 
   scene(name) {
     const objects = [
-      {index: 0, name: 'floor', moves: false, stiffness: STIFFNESS, color: [0.6, 0.6, 0.7], plane: {point: [0, 0, 0], normal: [0, 0, 1]}},
-      {index: 1, name: 'block', moves: false, stiffness: STIFFNESS, color: [0.55, 0.62, 0.55]},
+      {index: 0, name: 'floor', moves: false, stiffness: STIFFNESS, felt_from: 'outside', plane: {point: [0, 0, 0], normal: [0, 0, 1]}},
+      {index: 1, name: 'block', moves: false, stiffness: STIFFNESS, felt_from: 'outside'},
     ];
     for (let i = 0; i < this.bodies; ++i) {
-      objects.push({index: 2 + i, name: `ball ${i}`, moves: true, stiffness: STIFFNESS, ...(i % 3 === 0 ? {color: [0.8, 0.62, 0.42]} : {})});
+      objects.push({index: 2 + i, name: `ball ${i}`, moves: true, stiffness: STIFFNESS, felt_from: 'outside'});
     }
     return {
       type: 'scene', name, version: this.version, objects, seats: this.seats, box: [[-0.1, -0.08, 0], [0.1, 0.08, 0.1]],
@@ -75,8 +80,18 @@ export class Play {
         {name: 'tip', radius: 0.004, points: []},
         {name: 'peg', radius: 0, points: Array.from({length: 60}, (_, i) => [0.004 * Math.cos(i), 0.004 * Math.sin(i), 0.0005 * i])},
       ],
-      guides: [{name: 'rail', kind: 'line', points: [[-0.09, -0.06, 0.03], [0.09, -0.06, 0.03]], radius: 0.004}],
+      guides: this.#guides().filter(({name}) => this.guided.includes(name)),
     };
+  }
+
+  #guides() {
+    const {positions, corners} = boxShape([0.03, 0.02, 0.02], [0.05, -0.05, 0.07]);
+    const triples = (values) => Array.from({length: values.length / 3}, (_, i) => values.slice(3 * i, 3 * i + 3));
+    return [
+      {name: 'rail', kind: 'attract', closed: false, points: [[-0.09, -0.06, 0.03], [0.09, -0.06, 0.03]], vertices: [], triangles: []},
+      {name: 'honey', kind: 'viscosity', closed: false, points: [], vertices: triples(positions), triangles: triples(corners)},
+      {name: 'wind', kind: 'constant_force', closed: false, points: [], vertices: [], triangles: []},
+    ];
   }
 
   sessions() {
@@ -86,7 +101,9 @@ export class Play {
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
       wakeups: i === 0 ? this.#counts(0) : null, round_trips: i === 0 ? this.#counts(2) : null,
       projection: 'cone', storage: 'minimal', laws_taken: i === 2 ? 'safe' : 'none', link_taken: i === 2,
-      lead_share: i === 2 ? 0.5 : null,
+      lead_share: i === 2 ? 0.5 : null, local_model: i !== 1, samples_per_s: 1000, late_ticks: i, burned_j: this.energy[i].burned,
+      hand_damping: i === 0 ? 1.5 : null, reference: 'zero', operator_damping: 0, velocity_cutoff: 0, c1: null, c2: null,
+      coupling_stiffness: null, coupling_damping: null, tool_mass: 0.05,
       asked: i === 2 ? 'mode shaped -> none' : null, answer: i === 2 ? 'refused' : null,
     }));
     return {type: 'sessions', time: this.time, sessions};
@@ -168,12 +185,12 @@ export class Play {
     own.delivered += -STIFFNESS * deep * (deep - own.depth) - 0.0002 * size;
     own.burned += 0.00012 * size;
     own.depth = deep;
-    const reasons = (cut < 1 ? 1 : 0) | (fit < 1 ? 2 : 0);
+    const reasons = this.reasons ?? ((cut < 1 ? bits('account') : 0) | (fit < 1 ? bits('saturated') : 0) | bits(deep > 0 ? 'touching' : 'free_space'));
     buffer.writeUInt32LE(i + 1, at);
-    buffer.writeUInt32LE(reasons, at + 4);
+    buffer.writeUInt32LE(reasons >>> 0, at + 4);
     const tilt = 0.35;
     [...position, Math.cos(tilt / 2), Math.sin(tilt / 2) * Math.sin(turn / 3), Math.sin(tilt / 2) * Math.cos(turn / 3), 0, ...proxy, ...elastic,
-      ...friction, ...rendered, deep, own.delivered, own.burned, 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
+      ...friction, ...rendered, deep, own.delivered, own.burned, this.balance ?? 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
       i === 3 ? NaN : 0.0031 + 0.001 * i + 0.0004 * Math.sin(7 * time)].forEach((value, k) => buffer.writeFloatLE(value, at + 8 + 4 * k));
   }
 }

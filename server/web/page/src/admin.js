@@ -19,6 +19,17 @@ const LINK = [
   ['link_loss', 'Loss', '%', 100],
 ];
 
+/** Numbers of a bound: name in messages and of a session, label, unit. The server judges them, and fills what is not given. */
+const BOUND = [
+  ['velocity_cutoff', 'Velocity cutoff', 'Hz'],  // First: it is the server's, whoever bounds.
+  ['operator_damping', 'Operator’s damping', 'N s/m'],
+  ['c1', 'c1', 'N/m'],
+  ['c2', 'c2', 'N/m'],
+  ['coupling_stiffness', 'Coupling stiffness', 'N/m'],
+  ['coupling_damping', 'Coupling damping', 'N s/m'],
+  ['tool_mass', 'Mass of its tool', 'kg'],
+];
+
 /** @param {string} tag @param {object} properties @param {...(Node | string)} children */
 export function make(tag, properties, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -42,6 +53,7 @@ export class Admin {
     this.waiting = null;  // the newest value of a knob that is dragged, until it is sent
     this.inputs = new Map();
     this.linkInputs = new Map();
+    this.boundInputs = new Map();
     this.#build();
     button.onclick = () => {
       panel.hidden = !panel.hidden;
@@ -86,6 +98,7 @@ export class Admin {
         this.#say('error', message.text);
         document.activeElement.blur();  // What it holds is not so.
         fill(this.leadShare, this.session?.lead_share ?? '');
+        for (const [field, input] of [...this.law, ...this.boundInputs]) fill(input, this.session?.[field] ?? '');
         this.#showMaterial();
         break;
     }
@@ -101,6 +114,11 @@ export class Admin {
     const fixed = session?.side !== 'server' && !atClient;
     for (const [field, input] of this.law) {
       input.disabled = !session || fixed;
+      if (session?.session !== old?.session || session?.[field] !== old?.[field]) fill(input, session?.[field] ?? '');
+    }
+    this.more.hidden = !session;
+    this.numbers.hidden = session?.side !== 'server';  // Those of a client's bound are its own.
+    for (const [field, input] of this.boundInputs) {
       if (session?.session !== old?.session || session?.[field] !== old?.[field]) fill(input, session?.[field] ?? '');
     }
     this.fixed.hidden = !session || !fixed;
@@ -144,6 +162,15 @@ export class Admin {
     this.storage = make('select', {ariaLabel: 'Storage of contact_frame', onchange: () => this.#setLaw('storage')}, new Option('minimal'), new Option('elastic'));
     this.law = new Map([['mode', this.mode], ['projection', this.projection], ['storage', this.storage]]);
     this.fixed = make('p', {}, 'Its client bounds and takes no other law: start it anew with other options.');
+    const boundRows = BOUND.map(([field, label, unit]) => {
+      const input = make('input', {type: 'number', step: 'any', min: 0, placeholder: 'default', onchange: () => this.#setBound(field)});
+      this.boundInputs.set(field, input);
+      return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
+    });
+    this.reference = make('select', {ariaLabel: 'Reference of passivity_control', onchange: () => this.#setLaw('reference')}, new Option('zero'), new Option('following'));
+    this.law.set('reference', this.reference);
+    this.more = make('details', {hidden: true}, make('summary', {}, 'Numbers'),
+      boundRows.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, 'Reference'), this.reference), ...boundRows));
     const linkRows = LINK.map(([field, label, unit]) => {
       const input = make('input', {type: 'number', step: 'any', min: 0, onchange: () => this.#setLink()});
       this.linkInputs.set(field, input);
@@ -158,7 +185,7 @@ export class Admin {
     this.reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
 
     this.knobs = make('div', {}, make('h3', {}, 'Object'), this.object, ...rows, this.gravity, this.who,
-      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.fixed, this.link, this.lead, this.answer,
+      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.more, this.fixed, this.link, this.lead, this.answer,
       make('p', {}, this.reload));
     this.said = make('output', {id: 'admin-said'});
     panel.append(this.lock, this.knobs, this.said);
@@ -196,6 +223,11 @@ export class Admin {
 
   #setLaw(field) {
     this.send({set: {session: this.session.session, [field]: this.law.get(field).value}});
+  }
+
+  #setBound(field) {
+    const value = this.boundInputs.get(field).valueAsNumber;
+    if (Number.isFinite(value)) this.send({set: {session: this.session.session, [field]: value}});
   }
 
   /** What is not given is none. */

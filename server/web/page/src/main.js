@@ -181,7 +181,7 @@ function writeTexts() {
   const name = page.chosen === null ? 'No hand' : sessions.name(page.chosen);
   const title = name === `hand ${page.chosen}` || page.chosen === null ? name : `${name}, hand ${page.chosen}`;
   for (const id of ['chosen', 'why-name']) if (element(id).textContent !== title) element(id).textContent = title;
-  why.show(hand, page.pictures > 0);
+  why.show(hand, page.pictures > 0, sessions.sessions.get(page.chosen));
   sessions.show(hands.all, page.chosen);
   admin.choose(sessions.sessions.get(page.chosen));
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
@@ -208,6 +208,19 @@ function scaleArrows(steps) {
 function scaleDepth(steps) {
   view.depthFactor = Math.min(Math.max(words.stepped(view.depthFactor, steps), 1), 50);
   showScales();
+}
+
+function showTrails() {
+  const shown = !view.hands.trailMaterial.visible;
+  view.hands.showTrails(shown);
+  element('trails').setAttribute('aria-pressed', String(shown));
+  view.stale = true;
+}
+
+function showSurfaces() {
+  view.surfaces.shown = !view.surfaces.shown;
+  element('surfaces').setAttribute('aria-pressed', String(view.surfaces.shown));
+  view.stale = true;
 }
 
 function hold() {
@@ -259,6 +272,14 @@ function step(now) {
   }
 }
 
+/** Length of a trail [m], as drawn. */
+function trailLength(trail) {
+  const {array} = trail.geometry.attributes.position;
+  let sum = 0;
+  for (let i = 3; i < array.length; i += 3) sum += Math.hypot(array[i] - array[i - 3], array[i + 1] - array[i - 2], array[i + 2] - array[i - 1]);
+  return sum;
+}
+
 let pressed = null;
 element('canvas').addEventListener('pointerdown', (event) => (pressed = {x: event.clientX, y: event.clientY}));
 element('canvas').addEventListener('pointerup', (event) => {
@@ -284,6 +305,11 @@ element('arrow-less').onclick = () => scaleArrows(-1);
 element('arrow-more').onclick = () => scaleArrows(1);
 element('depth-less').onclick = () => scaleDepth(-1);
 element('depth-more').onclick = () => scaleDepth(1);
+element('see-all').onclick = () => view.lookAtAll();
+element('see-hand').onclick = () => view.lookAtHand(page.chosen);
+element('trails').onclick = showTrails;
+element('surfaces').onclick = showSurfaces;
+element('times-open').onclick = () => times.open();
 element('log').querySelector('button').onclick = () => (element('log').hidden = true);
 element('token').addEventListener('cancel', (event) => event.preventDefault());
 element('token').querySelector('form').onsubmit = (event) => {
@@ -304,15 +330,9 @@ bindKeys(element('keys'), [
   {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => scaleArrows(key === '.' ? 1 : -1)},
   {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => scaleDepth(key === "'" ? 1 : -1)},
   {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
-  {keys: ['t'], text: 'trails on or off', act: () => {
-    view.hands.showTrails(!view.hands.trailMaterial.visible);
-    view.stale = true;
-  }},
+  {keys: ['t'], text: 'trails on or off', act: showTrails},
   {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
-  {keys: ['s'], text: 'surfaces of local models on or off', act: () => {
-    view.surfaces.shown = !view.surfaces.shown;
-    view.stale = true;
-  }},
+  {keys: ['s'], text: 'surfaces of local models on or off', act: showSurfaces},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
@@ -336,5 +356,7 @@ window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
+  guides: view.objects?.guides.length ?? 0, trails: view.hands.trailMaterial.visible ? [...view.hands.trails.values()].map(trailLength) : [],
+  solids: view.objects?.sizes() ?? [],
   toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
 });

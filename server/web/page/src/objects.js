@@ -8,7 +8,7 @@ import {withNormals} from './creases.js';
 import {makeFloor} from './floor.js';
 import {BODY_AT} from './messages.js';
 
-// Of objects without a color of their own, in turns: quiet, so that the arrows stand out.
+// Of objects, in turns: quiet, so that the arrows stand out.
 const TONES = [[0.62, 0.65, 0.7], [0.72, 0.63, 0.53], [0.58, 0.67, 0.6], [0.68, 0.6, 0.66], [0.56, 0.65, 0.72], [0.7, 0.67, 0.54]];
 const MANY = 4;  // objects of one shape from which they are drawn together
 
@@ -28,6 +28,7 @@ export class Objects {
     this.guides = (scene.guides ?? []).map((guide) => makeGuide(guide, frame)).filter(Boolean);
     if (this.planes.length > 0) this.group.add(...this.planes);
     if (this.guides.length > 0) this.group.add(...this.guides);
+    this.still = [];  // {index, geometry} of objects that do not move
     this.moving = new Map();  // object index -> BufferGeometry, shared by objects of one shape
     this.shapes = new Map();
     this.bodies = new Map();  // object index -> where it is drawn: an instance of a mesh
@@ -42,6 +43,7 @@ export class Objects {
     if (!object.moves) {
       const mesh = new Mesh(makeGeometry(geometry), makeMaterial(object));
       mesh.material.color.copy(colorOf(object));
+      this.still.push({index: geometry.index, geometry: mesh.geometry});
       this.group.add(mesh);
       return;
     }
@@ -74,6 +76,15 @@ export class Objects {
       plane.material.uniforms.line.value.set(colors.line);
     }
     for (const guide of this.guides) guide.material.color.set(colors.guide);
+  }
+
+  /** @returns {{index: number, triangles: number, low: number[], high: number[]}[]} of the objects that have triangles and do not move */
+  sizes() {
+    return this.still.map(({index, geometry}) => {
+      geometry.computeBoundingBox();
+      const {min, max} = geometry.boundingBox;
+      return {index, triangles: geometry.index.count / 3, low: min.toArray(), high: max.toArray()};
+    });
   }
 
   dispose() {
@@ -148,8 +159,7 @@ const nowhere = new Matrix4().makeScale(0, 0, 0);
 const makeMaterial = (object) => new MeshLambertMaterial({side: object?.felt_from === 'inside' ? BackSide : DoubleSide});
 
 function colorOf(object) {
-  const color = new Color();
-  return color.setRGB(...(object.color ?? TONES[object.index % TONES.length]), 'srgb');
+  return new Color().setRGB(...TONES[object.index % TONES.length], 'srgb');
 }
 
 function makeGeometry({positions, corners}) {
@@ -170,10 +180,14 @@ function shapeKey({positions, corners}) {
   return `${positions.length}/${corners.length}/${hash >>> 0}`;
 }
 
+/** One can be seen through. @returns {Mesh | null} null: it acts everywhere */
 function makeGuide(guide, frame) {
   const points = (guide.points ?? []).map((point) => new Vector3(...point));
-  const radius = Math.max(guide.radius ?? 0, 0.004 * frame.size);
-  const material = new MeshLambertMaterial({transparent: true, opacity: 0.35, depthWrite: false});
+  const radius = 0.004 * frame.size;
+  const material = new MeshLambertMaterial({transparent: true, opacity: 0.35, depthWrite: false, side: DoubleSide});
+  if (guide.triangles?.length > 0) {
+    return new Mesh(makeGeometry({positions: Float32Array.from(guide.vertices.flat()), corners: Uint32Array.from(guide.triangles.flat())}), material);
+  }
   if (points.length === 0) return null;
   if (points.length === 1) {
     const ball = new Mesh(new SphereGeometry(radius, 24, 16), material);
@@ -181,6 +195,7 @@ function makeGuide(guide, frame) {
     return ball;
   }
   const path = new CurvePath();
+  if (guide.closed) points.push(points[0]);
   for (let i = 1; i < points.length; ++i) path.add(new LineCurve3(points[i - 1], points[i]));
   return new Mesh(new TubeGeometry(path, 24 * (points.length - 1), radius, 12), material);
 }

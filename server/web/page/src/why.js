@@ -4,6 +4,7 @@ import {AT} from './messages.js';
 import * as words from './words.js';
 
 const TOUCH = 1e-3;  // [N]
+const SMALL_DEBT = 1e-6;  // [J] a tick that is a little late makes less, and nobody feels it
 
 /** @param {import('./hands.js').Hand} hand @returns {string} one sentence on what the hand does and feels */
 export function sentence(hand) {
@@ -14,6 +15,14 @@ export function sentence(hand) {
   const held = `The scene asks for ${words.force(hand.commanded)}, and the device renders ${words.force(hand.rendered)}`;
   if (share > 0.98 && share < 1.02) return `${where}${held}: all of it.`;
   return `${where}${held}: ${Math.round(100 * share)} %.`;
+}
+
+/** @param {import('./hands.js').Hand} hand @param {{hand_damping?: number | null} | undefined} session @returns {string} what its bound counts on */
+export function accounted(hand, session) {
+  const owed = -hand.floats[AT.room];
+  const debt = owed > SMALL_DEBT ? ` Its account is short of ${words.energy(owed)}.` : '';
+  const damping = session?.hand_damping > 0 ? ` Its shaping counts on ${words.number(session.hand_damping, 2, 'N s/m')} of the hand itself.` : '';
+  return debt + damping;
 }
 
 /** The strip below the scene. Elements are made once for each reason and then shown or hidden. */
@@ -40,9 +49,9 @@ export class Why {
     });
   }
 
-  /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came */
-  show(hand, seen) {
-    this.#write(this.text, hand ? sentence(hand) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+  /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came @param {object | undefined} session of the hand */
+  show(hand, seen, session) {
+    this.#write(this.text, hand ? sentence(hand) + accounted(hand, session) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
     const active = hand?.activeReasons() ?? [];
     this.items.forEach(({item, share}, bit) => {
       item.hidden = !active.includes(bit);

@@ -1,0 +1,52 @@
+// How much the page costs with 16 hands and 1000 bodies: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS]]]
+// PAGE_FOLDER is the folder page/out that run-page-tests has made. It prints the pictures that came, the frames that were drawn, and
+// the time in the page's own script for each frame: what a graphics card does not change.
+
+import {chromium} from 'playwright-core';
+import {startServer, TOKEN} from './mock_server.mjs';
+
+const PATIENCE = 120_000;  // [ms]
+const [folder, hands = '16', bodies = '1000', seconds = '10'] = process.argv.slice(2);
+if (!folder) {
+  console.error('usage: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS]]]');
+  process.exit(2);
+}
+
+const server = await startServer({folder, hands: Number(hands), bodies: Number(bodies)});
+const browser = await chromium.launch({executablePath: process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox']});
+try {
+  const page = await browser.newPage({viewport: {width: 1360, height: 860}});
+  page.setDefaultTimeout(PATIENCE);
+  await page.addInitScript(() => {
+    window.times = [];  // [ms] of each call for a frame
+    const request = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (call) => request((now) => {
+      const begin = performance.now();
+      call(now);
+      window.times.push(performance.now() - begin);
+    });
+  });
+  await page.goto(`${server.url}#token=${TOKEN}`);
+  await page.waitForFunction((count) => window.feltwire?.().bodies === count && window.feltwire().plotted.points > 5, Number(bodies));
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send('Performance.enable');
+  const read = async () => {
+    const {metrics} = await devtools.send('Performance.getMetrics');
+    const [state, count] = await page.evaluate(() => [window.feltwire(), window.times.length]);
+    return {script: metrics.find(({name}) => name === 'ScriptDuration').value, at: performance.now(), frames: state.frames, pictures: state.pictures, count};
+  };
+  const from = await read();
+  await page.waitForTimeout(1000 * Number(seconds));
+  const to = await read();
+  const elapsed = (to.at - from.at) / 1000;
+  const times = (await page.evaluate(() => window.times)).slice(from.count, to.count).sort((a, b) => a - b);
+  const quantile = (share) => times[Math.min(times.length - 1, Math.floor(share * times.length))].toFixed(1);
+  const frames = to.frames - from.frames;
+  console.log(`${hands} hands, ${bodies} bodies, ${elapsed.toFixed(1)} s: ${((to.pictures - from.pictures) / elapsed).toFixed(1)} pictures/s came, ` +
+    `${(frames / elapsed).toFixed(1)} frames/s were drawn`);
+  console.log(`call for a frame: p50 ${quantile(0.5)} ms, p90 ${quantile(0.9)} ms, p99 ${quantile(0.99)} ms; ` +
+    `all script: ${((1000 * (to.script - from.script)) / frames).toFixed(1)} ms a frame`);
+} finally {
+  await browser.close();
+  await server.stop();
+}

@@ -1,0 +1,217 @@
+// What the live page draws. Every wait is for a condition.
+
+import assert from 'node:assert/strict';
+import {test} from 'node:test';
+import {TOKEN} from './mock_server.mjs';
+import {hold, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
+
+test('nothing is drawn before there is a scene', async () => {
+  await page.goto(server.url);
+  await page.locator('#token-text').waitFor();
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+  assert.equal((await state()).frames, 0);
+  await page.fill('#token-text', TOKEN);
+  await press('Enter');
+  await until(() => window.feltwire().firstPicture !== null);
+});
+
+test('a scene without pictures is drawn all the same', async () => {
+  server.play.silent = true;
+  await open();
+  await until(() => window.feltwire().frames > 0);
+  assert.equal((await state()).pictures, 0);
+});
+
+test('the view has the background of the theme', async () => {
+  await open();
+  await until(() => window.feltwire().firstPicture !== null);
+  const area = await page.evaluate(() => document.querySelector('#canvas').clientWidth * document.querySelector('#canvas').clientHeight);
+  for (let theme = 0; theme < 2; ++theme) {
+    const share = (await pixels('view')) / area;
+    assert.ok(share > 0.2, `${share} of the view`);
+    const frames = (await state()).frames;
+    await press('l');
+    await until((drawn) => window.feltwire().frames > drawn, frames);
+  }
+});
+
+test('arrows move and are seen', async () => {
+  server.play.still = true;
+  await open();
+  await until(() => window.feltwire().pictures > 5 && window.feltwire().frames > 2 && window.feltwire().longestArrow === 0);
+  const legend = await pixels('elastic');
+  server.play.still = false;
+  await until(() => window.feltwire().longestArrow > 0.03);
+  await hold();
+  const short = await pixels('elastic') - legend;
+  assert.ok(short > 30, `${short} pixels`);
+  const {frames} = await state();
+  await press('.');
+  await until((before) => window.feltwire().frames > before, frames);
+  assert.equal(await page.textContent('#arrow-scale'), '1 N = 5 cm');
+  const long = await pixels('elastic') - legend;
+  assert.ok(long > 1.3 * short, `${long} pixels after ${short}`);
+});
+
+test('tools and local models are drawn', async () => {
+  await open();
+  await until(() => window.feltwire().toolBalls === 1 && window.feltwire().toolPoints === 60 && window.feltwire().surfaces === 1);
+  await press('s');
+  await until(() => window.feltwire().surfaces === 0);
+  await press('s');
+  await until(() => window.feltwire().surfaces === 1);
+  server.play.modelled = false;
+  await until(() => window.feltwire().surfaces === 0);
+});
+
+test('robots are drawn and described', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 1);
+  const described = (lines) => until((lines) => lines === [...document.querySelectorAll('#robots p:not([hidden])')].map((line) => line.textContent).join('; '), lines.join('; '));
+  assert.deepEqual((await state()).robots, []);
+  await described([]);
+  server.play.robots = [{state: 2, hand: 1, flags: 1 | 2 | 8}];
+  await until(() => window.feltwire().robots[0]?.forces === 1);
+  await described(['robot: engaged led by hand 1, 5.00 N on its tool, touches']);
+  const near = (a, b) => a.every((value, i) => Math.abs(value - b[i]) < 1e-6);
+  const {robots: [robot]} = await state();
+  assert.ok(near(robot.tool, [0.02, 0.03, 0.04]) && near(robot.target, [0.02, 0.03, 0.02]), JSON.stringify(robot));
+  server.play.robots = [{state: 5, hand: 0, flags: 4}];
+  await until(() => window.feltwire().robots[0]?.forces === 0);
+  await described(['robot: fault led by no hand, senses no force, protective stop']);
+
+  server.play.seats = ['left', 'right'];
+  server.play.robots = [{state: 1, hand: 0, flags: 2}, {state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];
+  await open();
+  await until(() => window.feltwire().robots.length === 2);
+  await described(['robot left: ready led by no hand, senses no force', 'robot right: engaged led by hand 3, 5.00 N on its tool']);
+  server.play.robots = [{state: 2, hand: 3, flags: 1 | 2 | 1 << 8}];  // the left one has left
+  await until(() => window.feltwire().robots.length === 1);
+  await described(['robot right: engaged led by hand 3, 5.00 N on its tool']);
+  server.play.seats = [''];
+  server.play.robots = [];
+  await until(() => window.feltwire().robots.length === 0);
+  await described([]);
+});
+
+test('choosing a hand changes plots, strip and table', async () => {
+  await open();
+  await until(() => window.feltwire().plotted.points > 5 && document.querySelector('tbody tr'));
+  await until(() => document.querySelector('#chosen').textContent.includes('alice'));
+  await press('2');
+  await until(() => window.feltwire().chosen === 2 && document.querySelector('#chosen').textContent.includes('bob'));
+  await until(() => Math.abs(window.feltwire().plotted.last[3][1] - 1.3) < 1e-3);  // bob's loss
+  assert.equal(await page.textContent('tr[aria-selected="true"] td:nth-child(2)'), 'bob');
+  await page.locator('tbody tr').first().click();
+  await until(() => window.feltwire().chosen === 1 && Math.abs(window.feltwire().plotted.last[3][1]) < 1e-3);
+  await hold();  // Hands stand still for the click.
+  const {places} = await state();
+  const bob = places.find(({number}) => number === 2);
+  await page.locator('#canvas').click({position: {x: bob.x, y: bob.y}});
+  await until(() => window.feltwire().chosen === 2);
+});
+
+test('a click on a hand chooses it, also where a name lies over it', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3 && document.querySelectorAll('#labels div:not(.axis)').length > 1);
+  await press('1');
+  await until(() => window.feltwire().chosen === 1);
+  await hold();
+  const {places} = await state();
+  const bob = places.find(({number}) => number === 2);
+  // The name of alice is made so large that it covers the view.
+  await page.locator('#labels div', {hasText: 'alice'}).evaluate((label) => label.style.cssText += 'left:-2000px;top:-2000px;width:4000px;height:4000px');
+  await page.locator('#canvas').click({position: {x: bob.x, y: bob.y}});
+  await until(() => window.feltwire().chosen === 2);
+  await page.locator('#canvas').click({position: {x: 3, y: 3}});
+  await until(() => window.feltwire().chosen === 1);
+});
+
+test('guides are seen: lines, and shapes that one can look through', async () => {
+  const green = async () => {
+    const picture = await page.locator('#canvas').screenshot();
+    return page.evaluate(async (base64) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${base64}`;
+      await image.decode();
+      const canvas = document.createElement('canvas');
+      [canvas.width, canvas.height] = [image.width, image.height];
+      const context = canvas.getContext('2d');
+      context.drawImage(image, 0, 0);
+      const {data} = context.getImageData(0, 0, image.width, image.height);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i + 1] > data[i] + 8 && data[i + 1] > data[i + 2] + 8) count += 1;
+      return count;
+    }, picture.toString('base64'));
+  };
+  await newServer({hands: 1, bodies: 0});  // Nothing else that is green moves.
+  Object.assign(server.play, {modelled: false, still: true});
+  await open();
+  await until(() => window.feltwire().pictures > 3 && window.feltwire().frames > 2);
+  assert.equal((await state()).guides, 2);  // The third acts everywhere.
+  const all = await green();
+  const withGuides = async (names, scene) => {
+    server.play.guided = names;
+    await page.selectOption('#scenes', scene);
+    await until(([wanted, count]) => window.feltwire().scene === wanted && window.feltwire().guides === count, [scene, names.length]);
+    await until((before) => window.feltwire().frames > before, (await state()).frames);
+    return green();
+  };
+  const rail = await withGuides(['rail'], 'other');
+  const none = await withGuides([], 'room');
+  assert.ok(all - rail > 1000, `${all - rail} pixels of a shape`);
+  assert.ok(rail - none > 100, `${rail - none} pixels of a line`);
+});
+
+test('the geometry of objects is drawn where the server says', async () => {
+  await open();
+  await until(() => window.feltwire().solids.length === 1);
+  const [{index, triangles, low, high}] = (await state()).solids;
+  assert.deepEqual([index, triangles], [1, 12]);
+  [-0.09, -0.02, 0].forEach((value, axis) => assert.ok(Math.abs(low[axis] - value) < 1e-6));
+  [-0.05, 0.08, 0.024].forEach((value, axis) => assert.ok(Math.abs(high[axis] - value) < 1e-6));
+});
+
+test('trails grow behind hands that move, and can be hidden', async () => {
+  await open();
+  await until(() => window.feltwire().trails.length === 2 && window.feltwire().trails.every((length) => length > 0.01));
+  await press('t');
+  await until(() => window.feltwire().trails.length === 0);
+  await press('t');
+  await until(() => window.feltwire().trails.length === 2);
+});
+
+test('the camera turns by keys and by mouse, and panels can be resized', async () => {
+  await open();
+  await until(() => window.feltwire().places.length === 2 && window.feltwire().frames > 2);
+  await hold();
+  const first = (await state()).places[0];
+  const moved = ([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) > 5;
+  for (const key of ['ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowUp']) await press(key);  // A hand may be near the axis.
+  await until(moved, [first.x, first.y]);
+  const second = (await state()).places[0];
+  const name = await page.locator('#labels div', {hasText: 'bob'}).boundingBox();  // A label does not stop the drag. This one is beside the legend.
+  await page.mouse.move(name.x + 5, name.y + 5);
+  await page.mouse.down();
+  await page.mouse.move(name.x + 65, name.y + 25, {steps: 3});
+  await page.mouse.up();
+  await until(moved, [second.x, second.y]);
+  await press('f');
+  await until(([x, y]) => Math.hypot(window.feltwire().places[0].x - x, window.feltwire().places[0].y - y) < 0.5, [first.x, first.y]);
+  const width = () => page.evaluate(() => document.querySelector('#side').getBoundingClientRect().width);
+  const before = await width();
+  await page.focus('#split-x');
+  await press('ArrowRight');
+  assert.equal(await width(), before - 20);
+  await page.reload();
+  assert.equal(await width(), before - 20);
+});
+
+test('16 hands and 1000 bodies are shown', async () => {
+  await newServer({hands: 16, bodies: 1000});
+  await open();
+  await until(() => window.feltwire().bodies === 1000 && window.feltwire().frames > 5 && window.feltwire().hands.length === 16);
+  await press('4');  // Its round trip is unknown.
+  await until(() => window.feltwire().chosen === 4 && window.feltwire().plotted.points > 5);
+  await until(() => /round trip –/.test(document.querySelector('#plots .plot:last-child .legend').textContent));
+});
