@@ -224,7 +224,8 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
     // Begun twice, or gone on with where none was begun.
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
-    if ((!control && !text) || odd) return gone_ = true, News::gone;
+    const bool masked = part.mask != 0;  // only a client's frames may be (RFC 6455, 5.1)
+    if ((!control && !text) || odd || masked) return gone_ = true, News::gone;
     if (control) {
       const std::size_t room = control_.size() - control_size_;
       std::copy_n(part.data, std::min(size, room), control_.data() + control_size_);

@@ -7,6 +7,9 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "core/convex/hull_triangles.hpp"
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -56,11 +59,11 @@ bool is_flat(std::span<const Vec3> points) {
   return !(height(farthest(height)) > kFlat * size);
 }
 
-}  // namespace
-
-std::optional<ConvexHull> convex_hull(std::span<const Vec3> points) {
+/// Calls read(qh) with Qhull's hull of the points, of triangles. False: the points are flat.
+template <class Read>
+bool with_hull(std::span<const Vec3> points, Read read) {
   constexpr std::size_t kLeast = 4;
-  if (points.size() < kLeast || is_flat(points)) return std::nullopt;
+  if (points.size() < kLeast || is_flat(points)) return false;
   // What Qhull says of flat points is of no use to anybody.
   const std::unique_ptr<std::FILE, CloseFile> messages(std::fopen("/dev/null", "w"));
   if (messages == nullptr) throw std::runtime_error("convex hull: cannot open /dev/null");
@@ -73,35 +76,95 @@ std::optional<ConvexHull> convex_hull(std::span<const Vec3> points) {
   const int failed = qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False,
                                   command.data(), nullptr, messages.get());
   if (failed == qh_ERRmem) throw std::bad_alloc();
-  if (failed == qh_ERRsingular || failed == qh_ERRprec) return std::nullopt;
+  if (failed == qh_ERRsingular || failed == qh_ERRprec) return false;
   if (failed != 0)
     throw std::runtime_error("convex hull: Qhull cannot compute it (error " +
                              std::to_string(failed) + ")");
+  read(*qh);
+  return true;
+}
 
-  ConvexHull hull;
+std::size_t index_of(const qhT& qh, const vertexT& vertex) {
+  return static_cast<std::size_t>(vertex.point - qh.first_point) / 3;
+}
+
+/// The indices of the corners among the given points, ascending.
+std::vector<std::size_t> corners_of(const qhT& qh) {
   std::vector<std::size_t> corners;
-  for (const vertexT* vertex = qh->vertex_list; vertex != nullptr && vertex->next != nullptr;
+  for (const vertexT* vertex = qh.vertex_list; vertex != nullptr && vertex->next != nullptr;
        vertex = vertex->next)
-    corners.push_back(static_cast<std::size_t>(vertex->point - qh->first_point) / 3);
+    corners.push_back(index_of(qh, *vertex));
   std::ranges::sort(corners);
-  hull.vertices.reserve(corners.size());
-  Vec3 middle = Vec3::Zero();
-  for (const std::size_t corner : corners) {
-    hull.vertices.push_back(points[corner]);
-    middle += points[corner];
-  }
-  middle /= static_cast<double>(corners.size());
-  for (const facetT* facet = qh->facet_list; facet != nullptr && facet->next != nullptr;
-       facet = facet->next) {
-    if (facet->normal == nullptr) continue;
-    hull.planes.push_back({{facet->normal[0], facet->normal[1], facet->normal[2]}, -facet->offset});
-    const auto corner = [&](int k) -> Vec3 {
-      const auto* vertex = static_cast<const vertexT*>(facet->vertices->e[k].p);
-      return Vec3(vertex->point[0], vertex->point[1], vertex->point[2]) - middle;
-    };
-    hull.volume += std::abs(corner(0).dot(corner(1).cross(corner(2)))) / 6.0;
-  }
-  return hull;
+  return corners;
+}
+
+/// Calls visit(facet, its plane) for each triangle.
+template <class Visit>
+void for_each_facet(const qhT& qh, Visit visit) {
+  for (const facetT* facet = qh.facet_list; facet != nullptr && facet->next != nullptr;
+       facet = facet->next)
+    if (facet->normal != nullptr)
+      visit(*facet,
+            HalfSpaceBelow{{facet->normal[0], facet->normal[1], facet->normal[2]}, -facet->offset});
+}
+
+const vertexT& corner_of(const facetT& facet, int k) {
+  return *static_cast<const vertexT*>(facet.vertices->e[k].p);
+}
+
+}  // namespace
+
+std::optional<ConvexHull> convex_hull(std::span<const Vec3> points) {
+  ConvexHull hull;
+  const bool solid = with_hull(points, [&](const qhT& qh) {
+    const std::vector<std::size_t> corners = corners_of(qh);
+    hull.vertices.reserve(corners.size());
+    Vec3 middle = Vec3::Zero();
+    for (const std::size_t corner : corners) {
+      hull.vertices.push_back(points[corner]);
+      middle += points[corner];
+    }
+    middle /= static_cast<double>(corners.size());
+    for_each_facet(qh, [&](const facetT& facet, const HalfSpaceBelow& plane) {
+      hull.planes.push_back(plane);
+      const auto corner = [&](int k) -> Vec3 {
+        const coordT* point = corner_of(facet, k).point;
+        return Vec3(point[0], point[1], point[2]) - middle;
+      };
+      hull.volume += std::abs(corner(0).dot(corner(1).cross(corner(2)))) / 6.0;
+    });
+  });
+  return solid ? std::optional(std::move(hull)) : std::nullopt;
+}
+
+HullTriangles hull_triangles(std::span<const Vec3> points) {
+  HullTriangles found;
+  with_hull(points, [&](const qhT& qh) {
+    const std::vector<std::size_t> corners = corners_of(qh);
+    double largest = 0.0;
+    bool clockwise = false;
+    for_each_facet(qh, [&](const facetT& facet, const HalfSpaceBelow& plane) {
+      std::array<std::uint32_t, 3> triangle{};
+      std::array<Vec3, 3> place;
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t corner = index_of(qh, corner_of(facet, facet.toporient ? k : 2 - k));
+        place[k] = points[corner];
+        triangle[k] =
+            static_cast<std::uint32_t>(std::ranges::lower_bound(corners, corner) - corners.begin());
+      }
+      // All turn the same way. The largest triangle shows it best.
+      const Vec3 turn = (place[1] - place[0]).cross(place[2] - place[0]);
+      if (turn.norm() > largest) {
+        largest = turn.norm();
+        clockwise = turn.dot(plane.normal) < 0.0;
+      }
+      found.corners.push_back(triangle);
+      found.planes.push_back(plane);
+    });
+    if (clockwise)
+      for (auto& triangle : found.corners) std::swap(triangle[1], triangle[2]);
+  });
+  return found;
 }
 
 }  // namespace feltwire

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/convex/hull_triangles.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -87,6 +89,54 @@ std::vector<Face> faces(const std::vector<Vec3>& vertices,
   return found;
 }
 
+/// The faces as Qhull joined them: triangles that have one plane and hang together. Empty: some of
+/// these are no rings.
+std::vector<Face> joined_faces(const HullTriangles& hull) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> triangle_of;
+  for (std::size_t t = 0; t < hull.corners.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle_of[{hull.corners[t][k], hull.corners[t][(k + 1) % 3]}] = t;
+  const auto same_face = [&](std::size_t a, std::size_t b) {
+    return hull.planes[a].normal == hull.planes[b].normal &&
+           hull.planes[a].offset == hull.planes[b].offset;
+  };
+  std::vector<Face> found;
+  std::vector<std::uint8_t> taken(hull.corners.size(), 0);
+  for (std::size_t first = 0; first < hull.corners.size(); ++first) {
+    if (taken[first] != 0) continue;
+    taken[first] = 1;
+    std::map<std::uint32_t, std::uint32_t> next;  // along the rim
+    std::vector<std::size_t> waiting = {first};
+    while (!waiting.empty()) {
+      const std::size_t t = waiting.back();
+      waiting.pop_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = hull.corners[t][k], b = hull.corners[t][(k + 1) % 3];
+        const auto beyond = triangle_of.find({b, a});
+        if (beyond == triangle_of.end()) return {};
+        if (!same_face(first, beyond->second)) {
+          if (!next.try_emplace(a, b).second) return {};
+        } else if (taken[beyond->second] == 0) {
+          taken[beyond->second] = 1;
+          waiting.push_back(beyond->second);
+        }
+      }
+    }
+    if (next.size() < 3) return {};
+    Face face{hull.planes[first], {}};
+    std::uint32_t at = next.begin()->first;
+    do {
+      face.corners.push_back(at);
+      const auto step = next.find(at);
+      if (step == next.end()) return {};
+      at = step->second;
+    } while (at != face.corners.front() && face.corners.size() <= next.size());
+    if (face.corners.size() != next.size()) return {};
+    found.push_back(std::move(face));
+  }
+  return found;
+}
+
 /// False: some edge has not exactly two faces.
 bool join_faces(Polyhedron& solid) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> face_of;
@@ -140,6 +190,29 @@ std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error) 
   return kept;
 }
 
+namespace {
+
+/// False: the faces do not close.
+bool take_faces(const std::vector<Face>& faces, Polyhedron& solid) {
+  solid.planes.clear();
+  solid.first = {0};
+  solid.loop.clear();
+  solid.edges.clear();
+  for (const auto& [plane, corners] : faces) {
+    solid.planes.push_back(plane);
+    solid.loop.insert(solid.loop.end(), corners.begin(), corners.end());
+    solid.first.push_back(static_cast<std::uint32_t>(solid.loop.size()));
+  }
+  if (faces.empty() || !join_faces(solid)) return false;
+  solid.graph = corner_graph(solid.vertices.size(), solid.first, solid.loop);
+  solid.centre = 0.5 * (solid.least + solid.most);
+  for (const Vec3& v : solid.vertices)
+    solid.radius = std::max(solid.radius, (v - solid.centre).norm());
+  return true;
+}
+
+}  // namespace
+
 Polyhedron polyhedron(std::span<const Vec3> points) {
   const auto hull = convex_hull(points);
   if (!hull)
@@ -156,23 +229,9 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
   solid.most = box.most;
   const double size = (box.most - box.least).maxCoeff();
   // Qhull joins what rounding bends, so a corner may be this far off its face.
-  for (const double on : {kCoplanar * size, 1e2 * kCoplanar * size, 1e4 * kCoplanar * size}) {
-    solid.planes.clear();
-    solid.first = {0};
-    solid.loop.clear();
-    solid.edges.clear();
-    for (const auto& [plane, corners] : faces(solid.vertices, distinct(hull->planes, size), on)) {
-      solid.planes.push_back(plane);
-      solid.loop.insert(solid.loop.end(), corners.begin(), corners.end());
-      solid.first.push_back(static_cast<std::uint32_t>(solid.loop.size()));
-    }
-    if (!join_faces(solid)) continue;
-    solid.graph = corner_graph(solid.vertices.size(), solid.first, solid.loop);
-    solid.centre = 0.5 * (box.least + box.most);
-    for (const Vec3& v : solid.vertices)
-      solid.radius = std::max(solid.radius, (v - solid.centre).norm());
-    return solid;
-  }
+  for (const double on : {kCoplanar * size, 1e2 * kCoplanar * size, 1e4 * kCoplanar * size})
+    if (take_faces(faces(solid.vertices, distinct(hull->planes, size), on), solid)) return solid;
+  if (take_faces(joined_faces(hull_triangles(points)), solid)) return solid;
   throw std::invalid_argument(
       "the faces of a convex part do not close, because its corners are nearly in one plane; "
       "simplify the mesh");

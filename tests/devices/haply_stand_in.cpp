@@ -243,14 +243,17 @@ void HaplyService::answer(std::string text) {
 void HaplyService::send_frame(unsigned head, std::string_view text) {
   std::string frame(1, static_cast<char>(head));
   const auto put = [&](std::size_t value) { frame.push_back(static_cast<char>(value & 0xFFU)); };
+  const bool masked = masks;
+  const unsigned mask = masked ? 0x80U : 0U;
   if (text.size() < 126) {
-    put(text.size());
+    put(mask | text.size());
   } else if (text.size() < 65536) {
-    put(126), put(text.size() >> 8U), put(text.size());
+    put(mask | 126U), put(text.size() >> 8U), put(text.size());
   } else {
-    put(127);
+    put(mask | 127U);
     for (unsigned n = 8; n-- > 0;) put(text.size() >> (8U * n));
   }
+  if (masked) frame.append(4, '\0');  // a key that changes nothing
   frame += text;
   ::send(peer_, frame.data(), frame.size(), MSG_NOSIGNAL);
 }

@@ -301,6 +301,7 @@ struct HaplyLoss : ::testing::Test {
 
 TEST_F(HaplyLoss, AServiceThatHangsUpIsAFaultForGood) { expect_let_go(service.hangs_up, true); }
 TEST_F(HaplyLoss, AServiceThatHangsNeverHoldsTheServoUp) { expect_let_go(service.blocks, true); }
+TEST_F(HaplyLoss, AServiceThatMasksItsFramesIsNoService) { expect_let_go(service.masks, true); }
 TEST_F(HaplyLoss, ADeviceThatLosesItsCalibrationIsAFault) {
   expect_let_go(service.calibrated, false);
 }

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,6 +22,9 @@ struct Outcome {
 class Program {
  public:
   Program(const std::string& program, std::vector<std::string> arguments) {
+    // What a program keeps by default, such as flight records, is not put beside the user's own.
+    ::setenv("XDG_STATE_HOME", (std::filesystem::temp_directory_path() / "feltwire-tests").c_str(),
+             0);
     int out[2], error[2];
     if (::pipe(out) != 0 || ::pipe(error) != 0) throw std::runtime_error("no pipe");
     arguments.insert(arguments.begin(), program);

@@ -81,6 +81,26 @@ TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
   EXPECT_NEAR(volume(whole), 1.0 - 5e-7, 1e-9);
 }
 
+// A dome of many corners that is flat but for less than what joins planes, as a fine mesh has it.
+TEST(ClippedPolyhedron, ADomeThatIsNearlyFlatCloses) {
+  for (const double bend : {1e-6, 1e-7, 1e-9, 1e-11, 1e-12}) {
+    SCOPED_TRACE(bend);
+    std::vector<Vec3> corners = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {1, 1, -1}};
+    constexpr int kEach = 10;
+    for (int i = 0; i <= kEach; ++i)
+      for (int j = 0; j <= kEach; ++j) {
+        const double x = 1.0 * i / kEach, y = 1.0 * j / kEach;
+        corners.emplace_back(x, y, -bend * ((x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5)));
+      }
+    ClippedPolyhedron dome = placed(polyhedron(corners));
+    expect_closed(dome);
+    EXPECT_NEAR(volume(dome), 1.0, bend);
+    ASSERT_TRUE(dome.cut(Vec3(1.0, 0.1, 0.0), 0.53, 1));
+    expect_closed(dome);
+    EXPECT_NEAR(volume(dome), 0.48, bend);
+  }
+}
+
 TEST(ClippedPolyhedron, ACutDividesTheVolume) {
   test::Random random(4);
   for (int i = 0; i < 50; ++i) {

@@ -16,7 +16,7 @@ export const REASONS = [
   ['too_little', 'The scene asks for less than 0.005 N.'],
   ['not_actuated', 'The device cannot give what the scene asks for.'],
   ['waiting', 'The hand began in contact: the force waits until it is moved out.'],
-  ['refused', 'The command or the movement was absurd.'],
+  ['refused', 'The command or the movement was beyond every limit.'],
   ['bound', 'The energy bound lets none through.'],
   ['velocity_limit', 'The hand is faster than --velocity-limit allows.'],
   ['ramp', '--ramp-up has just begun.'],
