@@ -68,10 +68,10 @@ inline bool measures() { return std::getenv("FELTWIRE_SESSION_SECONDS") != nullp
 /// no longer.
 inline void expect_in_time(const char* device, const std::string& fault,
                            const stand_in::ForceEdge& edge, double waited) {
-  constexpr double kTick = 1e-3;  // [s] of every stand-in
-  const double most = SessionParameters{}.hold_time + kTick;
+  constexpr double kStandInTick = 1e-3;  // [s] of every stand-in
+  const double most = SessionParameters{}.hold_time + kStandInTick;
   ASSERT_TRUE(edge.ended());
-  EXPECT_LE(kTick * static_cast<double>(edge.ticks()), most);
+  EXPECT_LE(kStandInTick * static_cast<double>(edge.ticks()), most);
   EXPECT_LE(waited, most);
   if (measures())
     std::printf("%-14s %-24s %3ld ticks, servo %4.0f ms, by the clock %6.1f ms\n", device,
