@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {bits, REASONS} from './members.mjs';
 import {ADMIN, TOKEN} from './mock_server.mjs';
-import {hold, newPage, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
+import {hold, newPage, newServer, open, page, pixels, press, server, startAnotherServer, state, until} from './page_fixture.mjs';
 
 test('the first picture comes, and the token leaves the address', async () => {
   await open();
@@ -78,7 +78,7 @@ test('the page connects again after a server stopped', async () => {
   await server.stop();
   await until(() => window.feltwire().connection === 'waiting');
   await until(() => /does not answer.*Next attempt in \d+ s/.test(document.querySelector('#state span').textContent));
-  server = await startServer({folder, port});
+  await startAnotherServer({port});
   const {pictures} = await state();
   await page.click('#retry', {timeout: 1000}).catch(() => {});  // It may have connected by itself.
   await until((before) => window.feltwire().connection === 'live' && window.feltwire().pictures > before + 3, pictures);

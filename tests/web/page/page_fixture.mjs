@@ -89,8 +89,13 @@ export async function newPage(options) {
   page = await makePage(options);
 }
 
+/** Starts a server where the last one was stopped. @param {object} options of startServer */
+export async function startAnotherServer(options) {
+  server = await startServer({folder, ...options});
+}
+
 /** Stops the server and starts another. @param {object} options of startServer */
 export async function newServer(options) {
   await server.stop();
-  server = await startServer({folder, ...options});
+  await startAnotherServer(options);
 }
