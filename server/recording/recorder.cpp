@@ -83,6 +83,7 @@ void Recorder::run() {
     look();
     lock.lock();
   }
+  lock.unlock();
   look();
   for (const auto& scene : scenes_) {
     write(*scene, [](SceneRecording& recording) { recording.finish(); });

@@ -144,7 +144,7 @@ Vec6 MujocoTool::step(const Pose& device) {
   Vec6 wrench = pull(device);
   const Vec3 arm = pose().orientation * tool_.inertia().center, force = wrench.head<3>();
   wrench.tail<3>() -= arm.cross(force);  // about the centre of mass
-  Eigen::Map<Vec6>(data_->xfrc_applied + 6 * kTool) = wrench;
+  Eigen::Map<Vec6>(data_->xfrc_applied + std::ptrdiff_t{6} * kTool) = wrench;
   mj_step(model_.get(), data_.get());
   return -pull(device);
 }
