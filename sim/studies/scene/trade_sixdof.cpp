@@ -199,7 +199,11 @@ std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const 
 }  // namespace
 
 std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
-  const std::vector<SixDofTask> tasks = sixdof_tasks(grid.bunny_tolerance);
+  std::vector<SixDofTask> tasks = sixdof_tasks(grid.bunny_tolerance);
+  if (!grid.tasks.empty())
+    std::erase_if(tasks, [&](const SixDofTask& task) {
+      return std::ranges::find(grid.tasks, task.name) == grid.tasks.end();
+    });
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
   std::vector<SixDofTool> tools;
   tools.reserve(cells.size());

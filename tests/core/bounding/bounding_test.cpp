@@ -166,7 +166,7 @@ TEST(Bounding, TheLargestConfigurationIsFiniteInFloat) {
     stays_finite<double>(c);
     stays_finite<float>(c);
     c.damping = 5.1e5;
-    EXPECT_THAT(reason(c), HasSubstr("too short")) << mode;
+    EXPECT_THAT(reason(c), HasSubstr("damping over period is too large")) << mode;
     c.damping = c.rotational_damping = 0.0;
     c.period = 0.9e-12;
     EXPECT_THAT(reason(c), HasSubstr("too short")) << mode;
