@@ -181,7 +181,7 @@ TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
   }
   stand_in->edge.strike();
   stand_in->blocks.store(true);
-  test::eventually("it is let go", [&] { return stand_in->blocked && !stand_in->pulls; });
+  test::eventually("it is let go", [&] { return stand_in->blocked && stand_in->edge.ended(); });
   testing::expect_in_time_by_clock("forcedimension", "a blocked call", stand_in->edge);
   stand_in->blocks.store(false);
   EXPECT_TRUE(thread.end());
