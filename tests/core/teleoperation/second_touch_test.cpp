@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/numeric.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 
 namespace feltwire::second_touch_test {
