@@ -73,7 +73,7 @@ char device_number(const std::string& name) {
   return static_cast<char>(number);
 }
 
-/// What switched the force off, with the remedy.
+/// The cause that switched the force off, with the remedy.
 const char* force_is_off(int cause) noexcept {
   switch (cause) {
     case 1:

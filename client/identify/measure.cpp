@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "client/devices/await_prepared.hpp"
 #include "client/devices/tick_pace.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -20,7 +21,7 @@ constexpr Nanoseconds kLongestFault = std::chrono::seconds(5);
 constexpr Nanoseconds kLongestWithheld = std::chrono::seconds(60);
 constexpr Nanoseconds kUsable = std::chrono::milliseconds(200);
 
-/// What a person must do so that the device takes forces.
+/// The text for a person: why the device takes no forces, and the remedy. Empty: it takes them.
 const char* remedy(const DeviceReading* reading) noexcept {
   if (reading == nullptr || !reading->ok || reading->ended)
     return "the device has a fault; see its cable, power and calibration";
@@ -51,16 +52,12 @@ Nanoseconds lasted(bool so, Nanoseconds now, std::optional<Nanoseconds>& since) 
 void await_prepared(Device& device, Nanoseconds patience,
                     const std::function<void(std::string_view)>& tell) {
   const Nanoseconds latest = monotonic_now() + patience;
-  std::string told;
-  while (true) {
-    const std::string wanted(device.prepare());
-    if (wanted.empty()) return;
-    if (wanted != told) tell(wanted);
-    told = wanted;
+  await_prepared(device, tell, [&](const std::string& wanted) {
     if (monotonic_now() > latest)
       throw std::runtime_error("the device was not made ready in time: " + wanted);
     std::this_thread::sleep_for(kBetween);
-  }
+    return true;
+  });
 }
 
 /// `reading`: null if none came.

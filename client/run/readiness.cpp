@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "client/devices/await_prepared.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
@@ -12,16 +13,13 @@ namespace feltwire {
 bool get_ready(Device& device, const Signals& signals) {
   constexpr int kBetween = 10;  // [ms]
   pollfd waiting{signals.descriptor(), POLLIN, 0};
-  std::string said;
-  while (true) {
-    const std::string wanted(device.prepare());
-    if (wanted.empty()) return true;
-    if (wanted != said)
-      std::fprintf(stderr, "feltwire-client: no force yet: %s\n", visible(wanted).c_str());
-    said = wanted;
+  const auto tell = [](const std::string& wanted) {
+    std::fprintf(stderr, "feltwire-client: no force yet: %s\n", visible(wanted).c_str());
+  };
+  return await_prepared(device, tell, [&](const std::string&) {
     ::poll(&waiting, 1, kBetween);
-    if (signals.take().end) return false;
-  }
+    return !signals.take().end;
+  });
 }
 
 }  // namespace feltwire

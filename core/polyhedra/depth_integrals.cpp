@@ -48,7 +48,7 @@ struct Cell {
   }
 };
 
-/// The same number of two triangles.
+/// One quantity of two triangles, computed together.
 using Two = Eigen::Array2d;
 
 /// Corners of two triangles, as a cell sees them.

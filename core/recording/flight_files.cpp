@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <vector>
 
 #include "core/base/file_error.hpp"
+#include "core/base/state_folder.hpp"
 
 namespace feltwire {
 namespace {
@@ -33,14 +33,9 @@ std::string stamp(std::uint64_t time) {
 }  // namespace
 
 std::optional<fs::path> state_flight_folder() {
-  const auto absolute = [](const char* name) -> std::optional<fs::path> {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value == '/' ? std::optional<fs::path>(value) : std::nullopt;
-  };
-  const fs::path below = fs::path("feltwire") / "flights";
-  if (const auto state = absolute("XDG_STATE_HOME")) return *state / below;
-  if (const auto home = absolute("HOME")) return *home / ".local" / "state" / below;
-  return std::nullopt;
+  auto folder = user_state_folder();
+  if (folder) *folder /= "flights";
+  return folder;
 }
 
 void make_flight_folder(const fs::path& folder) {

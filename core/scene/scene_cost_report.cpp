@@ -61,7 +61,7 @@ std::string polygons_text(const PolygonBody& polygons) {
          std::to_string(faces) + " faces";
 }
 
-/// What the bodies in the hand touch with, and what else they need.
+/// The cost of the bodies in the hand: points or polygons that touch, orientation and torque.
 std::string body_cost(const Scene& scene) {
   std::string text;
   for (const ToolView& view : scene.views()) {

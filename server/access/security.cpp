@@ -6,12 +6,13 @@
 #include <array>
 #include <asio/ip/address.hpp>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
+#include "core/base/state_folder.hpp"
 #include "protocol/crypto/private_file.hpp"
 #include "server/access/file_lock.hpp"
 
@@ -102,10 +103,7 @@ void tidy(const SecurityOptions& config, const fs::path& folder) {
 }  // namespace
 
 std::filesystem::path default_state_folder() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state == '/')
-    return fs::path(state) / "feltwire";
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
-    return fs::path(home) / ".local/state/feltwire";
+  if (auto folder = user_state_folder()) return *std::move(folder);
   throw std::invalid_argument(
       "no folder for certificate and tokens: neither XDG_STATE_HOME nor HOME is set; name one with "
       "--state");

@@ -1,5 +1,6 @@
 #pragma once
-// What the tests of Force Dimension's driver share: its library's stand-in, as new.
+// The bench of the tests of Force Dimension's driver: a new stand-in of the maker's library for
+// each.
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>

@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::WallSession;
 
-/// What the motors cannot give is not accounted as given.
+/// The account does not count a force that the motors cannot give.
 TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   const OpenedDevice opened = open();
   stand_in->saturates_at = 2.0;

@@ -154,7 +154,7 @@ TEST_F(Hapi, IdentifyMeasuresAFreeHandle) {
   identified.expect_below(board.mass);
 }
 
-/// What the board's unit of torque does not reach is scaled, and accounted as that.
+/// A force beyond the board's torque is scaled, and the account counts the scaled force.
 TEST_F(Hapi, AForceBeyondTheMotorsKeepsItsDirection) {
   const OpenedDevice opened = open();
   Device& device = *opened.device;

@@ -43,7 +43,7 @@ struct Identified {
     run(device, time, [] { return false; });
   }
 
-  /// What is reported is never more than the truth, and not nothing.
+  /// The reported numbers are above zero, and at most the true ones.
   void expect_below(const stand_in::SimulatedMass& truth) const {
     ASSERT_EQ(identification.state(), Identification::State::done) << identification.why();
     const DeviceEstimate found = identification.estimate();

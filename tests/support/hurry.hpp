@@ -1,6 +1,6 @@
 #pragma once
-// While one of these lives, the threads of the program sleep a tenth of the time: sleep_for(). For
-// stand-ins whose own time is virtual, and drivers that wait for them by the clock.
+// While a Hurry lives, sleep_for() takes a tenth of the time in all threads of the program. It is
+// for drivers that wait by the clock for stand-ins whose own time is virtual.
 
 namespace feltwire::test {
 

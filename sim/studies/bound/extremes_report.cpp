@@ -69,7 +69,7 @@ std::string others(const std::vector<ExtremeRow>& rows) {
   return choices(methods, ", ");
 }
 
-/// What the table says of a method under a stress.
+/// The table's entry for a method under a stress.
 std::string cell(const ExtremeRow& row, const ExtremeOutcome& o) {
   std::string text;
   if (!o.passed()) return "FAILED";

@@ -58,7 +58,7 @@ inline void keep_recording(const std::string& name, const std::string& bytes) {
     std::ofstream(std::filesystem::path(folder) / name, std::ios::binary) << bytes;
 }
 
-/// Likewise a folder's newest file, as PROGRAM-TEST.mcap of the running test.
+/// Keeps a folder's newest file in the same way, as PROGRAM-TEST.mcap of the running test.
 inline void keep_recordings(const std::string& program, const std::filesystem::path& folder) {
   const char* keep = std::getenv("FELTWIRE_KEEP_RECORDINGS");
   if (keep == nullptr) return;
