@@ -183,8 +183,8 @@ class ForceDimensionDevice final : public Device {
     }
     if (lost_) return {};
     if (status[kForce] == 0) {  // switched off: by the button, the speed guard
-      // A pause of this program did it, which is over.
-      if (status[kOffCause] == kByWatchdog) call_.enable_force(1, id_);
+      // A pause of this program did it, which is over. No force before the amplifiers are on.
+      if (status[kOffCause] == kByWatchdog && give({}) >= 0) call_.enable_force(1, id_);
       return {};
     }
     on_hand_ = on_hand;

@@ -44,17 +44,17 @@ int set(double x, double y, double z, double about_x, double about_y, double abo
   const double part = turns > device->turns_at_most ? device->turns_at_most / turns : 1.0;
   force = {share * x, share * y, share * z};
   torque = {part * about_x, part * about_y, part * about_z};
-  device->pulls.store(size > 0.0 || turns > 0.0);
-  device->edge.command(size > 0.0 || turns > 0.0);
   quiet = 0.0;
   if (size == 0.0 && turns == 0.0) ++device->zeros;
+  device->edge.command(size > 0.0 || turns > 0.0);
+  device->pulls.store(size > 0.0 || turns > 0.0);  // last: a test that sees it may look at the rest
   return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
 }
 
 void let_go() {
   force = torque = {};
-  device->pulls.store(false);
   device->edge.command(false);
+  device->pulls.store(false);
 }
 
 /// A period of the real motion, and what the encoders say then.

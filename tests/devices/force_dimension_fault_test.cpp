@@ -52,6 +52,7 @@ TEST_F(ForceDimension, WhatSwitchedTheForceOffIsTold) {
   for (int n = 0; n < 20; ++n) opened.device->read({});
   ASSERT_TRUE(stand_in->watched_off);
   EXPECT_EQ(opened.device->write(pull(0, 0, 1)), Command{});
+  EXPECT_FALSE(stand_in->force_before_on);
   EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
   stand_in->off_from = 0;
   stand_in->off_until = 1000;

@@ -164,9 +164,10 @@ void HapiBoard::answer_torques() {
     append(bytes, th2 * kToDegrees);
   }
   ++frames;
-  force.store(std::hypot(f.x, f.y));
+  const double size = std::hypot(f.x, f.y);
   edge.tick();
-  edge.command(force > 0.0);
+  edge.command(size > 0.0);
+  force.store(size);  // last: a test that sees it may look at the rest
   if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
   if (!takes_one(drops)) reply(bytes);
   mass.advance(kFrameTick, {f.x, 0.0, f.y});

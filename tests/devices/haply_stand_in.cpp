@@ -70,8 +70,8 @@ void HaplyService::run() {
     const int on = 1;
     ::setsockopt(peer_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (peer_ >= 0 && shake_hands()) serve();
-    force.store(0.0);  // nobody sends any more: it goes idle
-    edge.command(false);
+    edge.command(false);  // nobody sends any more: it goes idle
+    force.store(0.0);
     ::close(peer_);
   }
 }
@@ -157,9 +157,10 @@ void HaplyService::understand(std::string_view text) {
   ++commands;
   for (std::size_t i = 0; i < 3; ++i) applied_[i] = gate.load() * wanted[i];
   applied_[2] += pushes.load();
-  force.store(std::hypot(applied_[0], applied_[1], applied_[2]));
   edge.tick();
   edge.command(wanted != Three{});
+  // Last: a test that sees it may look at the rest.
+  force.store(std::hypot(applied_[0], applied_[1], applied_[2]));
   answer(told(false));
   mass.advance(kCommandTick, {-applied_[1], applied_[0], applied_[2]});
 }

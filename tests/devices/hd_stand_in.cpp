@@ -132,10 +132,10 @@ void hdEndFrame(unsigned) {
     device->largest_torque.store(turns);
     device->about_near.store(device->torque[0]);
   }
-  device->force.store(share * size);
   device->edge.tick();
   device->edge.command(size > 0.0);
   ++device->frames;
+  device->force.store(share * size);  // last: a test that sees it may look at the rest
 }
 ErrorInfo hdGetError() {
   if (error_count == 0) return {0, 0, 0};

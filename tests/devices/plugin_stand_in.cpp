@@ -98,16 +98,16 @@ int write_device(void*, const double* asked, const double* twist, double* held, 
   const double turn = std::hypot(twist[0], twist[1], twist[2]);
   const double part = turn > device->turns_at_most ? device->turns_at_most / turn : 1.0;
   for (std::size_t i = 0; i < 3; ++i) turned[i] = device->torque[i] = part * twist[i];
-  device->pulls.store(size > 0.0);
   device->edge.command(size > 0.0);
+  device->pulls.store(size > 0.0);  // last: a test that sees it may look at the rest
   return 0;
 }
 
 void release_device(void*) {
   released = true;
-  device->pulls.store(false);
   device->edge.command(false);
   ++device->releases;
+  device->pulls.store(false);
 }
 
 void close_device(void*) { ++device->closes; }
