@@ -45,7 +45,7 @@ int show_rate(const std::string& words, const std::string& firmware, double span
     const DriverChoice choice = chosen_driver(words);
     DeviceRequest request;
     request.name = choice.name;
-    request.firmware = firmware;
+    request.firmware = firmware_for(*choice.driver, firmware);
     const OpenedDevice opened = choice.driver->open(request);
     const std::vector<Finding> findings = judge(watch_ticks(*opened.device, span, rate));
     std::printf("%s for %.1f s, without a force\n%s", visible(opened.device->spec().name).c_str(),

@@ -144,9 +144,7 @@ void identify(const IdentifyWords& words) {
   request.name = choice.name;
   request.spec.name_or_file = words.spec;
   request.held = false;
-  request.firmware = words.firmware;
-  if (!words.firmware.empty() && !choice.driver->takes_firmware)
-    throw std::invalid_argument("--firmware is for --device falcon; leave it out");
+  request.firmware = firmware_for(*choice.driver, words.firmware);
   if (is_special(words.out))
     throw std::invalid_argument("--out " + words.out +
                                 ": it is not a regular file; give the path of a regular file");

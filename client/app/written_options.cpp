@@ -156,9 +156,7 @@ void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& op
                     .presses_at = words.press,
                     .firmware = {},
                     .steering = options.device.steering};
-  options.device.firmware = words.firmware;
-  require(words.firmware.empty() || chosen.driver->takes_firmware,
-          "--firmware is for --device falcon; leave it out");
+  options.device.firmware = firmware_for(*chosen.driver, words.firmware);
   require(!words.press || (chosen.driver->kind == "simulated" && *words.press >= 0.0 &&
                            std::isfinite(*words.press)),
           "--press-button is a time of 0 or more [s], for --device simulated");

@@ -180,4 +180,10 @@ DriverChoice chosen_driver(std::string_view words) {
   return {driver, named ? std::string(words.substr(colon + 1)) : std::string()};
 }
 
+std::string firmware_for(const Driver& driver, const std::string& file) {
+  if (!file.empty() && !driver.takes_firmware)
+    throw std::invalid_argument("--firmware is for --device falcon; leave it out");
+  return file;
+}
+
 }  // namespace feltwire
