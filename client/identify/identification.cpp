@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/base/shortened.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -28,11 +30,6 @@ constexpr double kUsualAmplitude = 0.02, kLargestAmplitude = 0.025, kTopSpeed = 
 
 double sweep_time(const Sweep& sweep, double amplitude) {
   return (sweep.cycles + 1) * cycle_time(sweep, amplitude);
-}
-
-Vec3 cut(const Vec3& v, double most) {
-  const double size = v.norm();
-  return size > most ? Vec3(most / size * v) : v;
 }
 
 }  // namespace
@@ -204,8 +201,8 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;  // a heavy handle swings
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
-  wanted = strength * cut(wanted, limits_.force);
-  return cut(force_ + cut(wanted - force_, kSlew * (time - last_)), limits_.force);
+  wanted = strength * shortened(wanted, limits_.force);
+  return shortened(force_ + shortened(wanted - force_, kSlew * (time - last_)), limits_.force);
 }
 
 void Identification::begin(Phase phase, double time) noexcept {

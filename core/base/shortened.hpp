@@ -1,13 +1,13 @@
 #pragma once
 
-#include "core/base/types.hpp"
+#include "core/base/numeric.hpp"
 
 namespace feltwire {
 
 /// Returns the vector, shortened to the length `most` if it is longer.
 inline Vec3 shortened(const Vec3& v, double most) noexcept {
-  const double length = v.norm();
-  return length > most ? Vec3(v * (most / length)) : v;
+  const double size = length(v);
+  return size > most ? Vec3(v * (most / size)) : v;
 }
 
 }  // namespace feltwire

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/numeric.hpp"
+#include "core/base/shortened.hpp"
 
 namespace feltwire::arm {
 namespace {
@@ -24,10 +25,7 @@ constexpr double kBefore = 0.1;          // [rad] that it begins before the limi
 constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
 constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
 
-Vec3 shortened(const Vec3& v, double most) {
-  const double size = length(v);
-  return size > most ? Vec3(most / size * v) : v;
-}
+using feltwire::shortened;
 
 /// Linear and angular part, each shortened.
 Vec6 shortened(const Vec6& v, double linear, double angular) {
