@@ -179,7 +179,6 @@ class Credited {
       translation_.credit *= kHalf;
       rotation_.credit *= kHalf;
       ++steps_down_;
-      set_limits();
     }
     if (!(translation_.credit < full_credit_)) return;
     const double growth = std::min(full_credit_ / translation_.credit, std::exp(kGrowth * time));
