@@ -111,12 +111,19 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     bool fresh = false;
     while (statuses.pop(status)) fresh = true;
     records.write();
-    if (came.record) records.tell_of_flight_record("asked for");
+    if (came.record) {
+      line.end();
+      records.tell_of_flight_record("asked for");
+    }
     tell_of(changes, line, records, reconnector);
     if (fresh) show(line, status, records);
-    if (fresh && connected && !status.connected) records.tell_of_flight_record(kLost);
+    const bool lost = fresh && connected && !status.connected;
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());
+    if (lost) {
+      line.end();
+      records.tell_of_flight_record(kLost);
+    }
     if (!reconnector.refusal().empty()) thread.stop();
   }
   line.end();

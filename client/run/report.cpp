@@ -191,7 +191,6 @@ Json clock(const ClockEstimate& c, Nanoseconds now) {
           {"impossible", c.impossible()}};
 }
 
-/// What admins changed, or wanted to, in its order.
 Json flight_records(const std::vector<WrittenFlight>* written) {
   Json list = Json::array();
   if (written != nullptr)
@@ -200,6 +199,7 @@ Json flight_records(const std::vector<WrittenFlight>* written) {
   return list;
 }
 
+/// What admins changed, or wanted to, in its order.
 Json changes(const std::deque<Changes::Done>* done) {
   Json list = Json::array();
   if (done == nullptr) return list;
