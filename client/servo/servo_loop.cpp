@@ -248,11 +248,10 @@ class Loop {
   }
 
   HandReport told() const noexcept {
-    constexpr std::uint64_t kCounted = (1u << 24) - 1u;
     HandReport report = servo_.report();
     if (seconds(servo_.sample().client_time - times_told_) >= kBetweenTimes)
       report.times = {wakeups_, servo_.round_trips()};
-    report.late_ticks = static_cast<std::uint32_t>(result_.overruns & kCounted);
+    report.late_ticks = static_cast<std::uint32_t>(result_.overruns) & HandReport::kLateTicksMask;
     report.change = dealt_with_;
     report.change_refused = refused_;
     return report;

@@ -17,7 +17,7 @@ bool read_arrow(const Field& field, Vec3& force) {
   bool good = field.is_bytes;
   while (const auto part = fields.next()) {
     if (part->number == 1) good &= protobuf::read_pose(*part, pose);
-    if (part->number == 2 || part->number == 4) length += part->real();
+    if (part->is_fixed64 && (part->number == 2 || part->number == 4)) length += part->real();
   }
   force = length / kArrowPerNewton * (pose.orientation * Vec3::UnitX());
   return good && fields.ok();

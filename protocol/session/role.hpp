@@ -19,6 +19,8 @@ inline constexpr std::array<std::string_view, 5> kRoleNames = {"observer", "oper
                                                                "pointer", "follower"};
 
 std::string_view name(Role role);
+/// Whether the role has a hand that feels the scene.
+constexpr bool feels(Role role) { return role != Role::observer && role != Role::follower; }
 /// Throws std::invalid_argument that lists the choices if there is no such role.
 Role role(std::string_view name);
 

@@ -80,6 +80,13 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHand
         {"ending", "The client ends. The force fades out."},
     }};
 
+/// Calls visit(name) for each reason of a report.
+template <class Visit>
+void for_each_reason(std::uint32_t reasons, Visit visit) {
+  for (std::size_t i = 0; i < kHandReasons; ++i)
+    if ((reasons >> i & 1u) != 0) visit(std::string_view(kHandReasonTexts[i].first));
+}
+
 struct HandReport {
   std::uint32_t reasons = 0;  // bits of HandReason
   bool has_account = false;
@@ -89,6 +96,7 @@ struct HandReport {
   double hand_damping = 0.0;  // [N s/m] of the hand that its shaping assumes now
   /// Servo ticks so far that came a whole period late or more, modulo 2^24.
   std::uint32_t late_ticks = 0;
+  static constexpr std::uint32_t kLateTicksMask = (1u << 24) - 1;
   /// The number of the newest change that the client has handled (ClientChange), and whether it
   /// refused it; 0: none.
   std::uint8_t change = 0;

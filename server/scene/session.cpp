@@ -67,7 +67,7 @@ Session::Session(const control::JoinRequest& request, const ToolView& view, Worl
     : client_(checked(request).client),
       device_(request.device),
       parameters_(request.parameters),
-      observes_(request.role == Role::observer || request.role == Role::follower),
+      observes_(!feels(request.role)),
       sends_normals_(shapes_at_client(parameters_)),
       view_(&view),
       world_(world),
@@ -124,9 +124,9 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
 
 /// What the client left out is no gap; what travelled before this datagram and never came is one.
 void Session::hear(const HandReport& report) noexcept {
-  constexpr std::uint32_t kModulo = (1u << 24) - 1;
   // A client that joined again has counted before, so its first report is the start.
-  if (report_) counters_.late_ticks += (report.late_ticks - report_->late_ticks) & kModulo;
+  if (report_)
+    counters_.late_ticks += (report.late_ticks - report_->late_ticks) & HandReport::kLateTicksMask;
   report_ = report;
   if (report.times) times_.take(*report.times);
 }

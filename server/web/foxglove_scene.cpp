@@ -33,8 +33,9 @@ std::vector<std::string_view> reasons_of(const PictureHand& hand) {
   for (std::size_t i = 0; i < kHandStates; ++i)
     if (const auto state = static_cast<HandState>(i); (hand.states & bit(state)) != 0)
       reasons.emplace_back(name(state));
-  for (std::size_t i = 0; hand.report && i < kHandReasons; ++i)
-    if ((hand.report->reasons >> i & 1u) != 0) reasons.push_back(kHandReasonTexts[i].first);
+  if (hand.report)
+    for_each_reason(hand.report->reasons,
+                    [&](std::string_view reason) { reasons.push_back(reason); });
   return reasons;
 }
 

@@ -16,11 +16,10 @@ namespace {
 std::string reasons_text(double value) {
   const auto reasons = static_cast<std::uint32_t>(value);
   std::string text;
-  for (std::size_t i = 0; i < kHandReasons; ++i) {
-    if ((reasons >> i & 1u) == 0) continue;
+  for_each_reason(reasons, [&](std::string_view reason) {
     if (!text.empty()) text += '+';
-    text += kHandReasonTexts[i].first;
-  }
+    text += reason;
+  });
   return text;
 }
 
@@ -62,16 +61,14 @@ std::vector<RecordingTable::Column> reply_columns() {
 
 RecordingTable& table_of(RecordingTables& tables, std::uint32_t hand, const char* what,
                          std::vector<RecordingTable::Column> (*columns)()) {
-  RecordingTable& table = tables["/hand_" + std::to_string(hand) + '/' + what];
-  if (table.columns.empty()) table.columns = columns();
-  return table;
+  return table_of(tables, "/hand_" + std::to_string(hand) + '/' + what, columns);
 }
 
 bool feels(Bytes join) {
   const auto request = control::decode(join);
   if (!request) return true;
   const auto* asked = std::get_if<control::JoinRequest>(&*request);
-  return asked == nullptr || (asked->role != Role::observer && asked->role != Role::follower);
+  return asked == nullptr || feels(asked->role);
 }
 
 }  // namespace

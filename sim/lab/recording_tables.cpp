@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "client/servo/no_force.hpp"
 #include "core/base/file_error.hpp"
@@ -127,24 +128,26 @@ class Reading {
     if (channel.schema == 0) return;
     const std::string& schema = reader.schemas().at(channel.schema).name;
     bool good = true;
-    if (schema == "feltwire.Sample")
-      good = add_sample(table(channel.topic, &sample_columns), message);
-    else if (schema == "feltwire.Account")
-      good = add_account(table(channel.topic, &account_columns), message);
-    else if (schema == "feltwire.Event")
-      good = events_.add(event_reader_.read(message, file_), message.log_time);
-    else if (schema == "foxglove.SceneUpdate" && channel.topic != "/hand/picture")
-      good = add_picture(message);
+    try {
+      good = add(channel.topic, schema, message);
+    } catch (const std::domain_error&) {
+      good = false;
+    }
     if (!good)
       throw FileError(file_ + ": topic " + channel.topic + ": message " +
                       std::to_string(message.sequence) + " is no " + schema + "; " + kRemedy);
   }
 
-  RecordingTable& table(const std::string& topic,
-                        std::vector<RecordingTable::Column> (*columns)()) {
-    RecordingTable& table = result_.tables[topic];
-    if (table.columns.empty()) table.columns = columns();
-    return table;
+  /// False: the message is not of this schema.
+  bool add(const std::string& topic, const std::string& schema, const mcap::Message& message) {
+    if (schema == "feltwire.Sample")
+      return add_sample(table_of(result_.tables, topic, &sample_columns), message);
+    if (schema == "feltwire.Account")
+      return add_account(table_of(result_.tables, topic, &account_columns), message);
+    if (schema == "feltwire.Event")
+      return events_.add(event_reader_.read(message, file_), message.log_time);
+    if (schema == "foxglove.SceneUpdate" && topic != "/hand/picture") return add_picture(message);
+    return true;
   }
 
   static bool add_sample(RecordingTable& table, const mcap::Message& message) {
@@ -173,7 +176,9 @@ class Reading {
     const auto entities = read_picture(message.data);
     if (!entities) return false;
     if (!first_picture_) first_picture_ = message.log_time;
-    const double time = 1e-9 * static_cast<double>(message.log_time - *first_picture_);
+    // Signed: the clock may have been set back.
+    const double time =
+        1e-9 * static_cast<double>(static_cast<std::int64_t>(message.log_time - *first_picture_));
     for (const PictureEntity& entity : *entities) {
       const Vec3 &p = entity.pose.position, &r = entity.force;
       const Quaternion& q = entity.pose.orientation;
@@ -181,9 +186,10 @@ class Reading {
                            q.y(), q.z(), r.x(), r.y(), r.z()};
       const std::string topic = "/scene/" + std::string(entity.id);
       if (entity.is_hand)
-        table(topic, &hand_columns).add(message.log_time, row);
+        table_of(result_.tables, topic, &hand_columns).add(message.log_time, row);
       else
-        table(topic, &body_columns).add(message.log_time, std::span(row).first<8>());
+        table_of(result_.tables, topic, &body_columns)
+            .add(message.log_time, std::span(row).first<8>());
     }
     return true;
   }
@@ -197,8 +203,18 @@ class Reading {
 
 }  // namespace
 
+RecordingTable& table_of(RecordingTables& tables, const std::string& topic,
+                         std::vector<RecordingTable::Column> (*columns)()) {
+  RecordingTable& table = tables[topic];
+  if (table.columns.empty()) table.columns = columns();
+  return table;
+}
+
 void RecordingTable::add(std::uint64_t time, std::span<const double> row) {
   std::size_t at = 0;
+  for (const Column& column : columns) at += column.width;
+  if (at != row.size()) throw std::domain_error("a table has rows of two kinds");
+  at = 0;
   for (Column& column : columns) {
     const auto part = row.subspan(at, column.width);
     column.values.insert(column.values.end(), part.begin(), part.end());

@@ -23,12 +23,16 @@ struct RecordingTable {
   std::vector<Column> columns;
   std::vector<std::int64_t> log_time;  // [ns] since 1970
 
-  /// Adds a row: the values of all columns.
+  /// Adds a row: the values of all columns. Throws std::domain_error if there are more or fewer.
   void add(std::uint64_t time, std::span<const double> row);
 };
 
 /// By topic; the time is in the first column of a CSV.
 using RecordingTables = std::map<std::string, RecordingTable>;
+
+/// The table of a topic, which gets these columns if it is new.
+RecordingTable& table_of(RecordingTables& tables, const std::string& topic,
+                         std::vector<RecordingTable::Column> (*columns)());
 
 struct ReadRecording {
   RecordingTables tables;
