@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <ctime>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/base/file_error.hpp"
@@ -49,22 +51,25 @@ void make_flight_folder(const fs::path& folder) {
 
 fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {
   const std::string end = '-' + name + ".mcap";
-  std::vector<fs::path> files;
+  std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with their sizes
   std::uintmax_t bytes = 0;
+  std::error_code gone;  // another program removes old files of this folder, too
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string other = entry.path().filename().string();
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
         other.starts_with(kBegin) && other.ends_with(end)) {
-      files.push_back(entry.path());
-      bytes += entry.file_size();
+      const std::uintmax_t size = entry.file_size(gone);
+      if (gone) continue;
+      files.emplace_back(entry.path(), size);
+      bytes += size;
     }
   }
   std::ranges::sort(files);
   for (std::size_t i = 0;
        i < files.size() && (i + kMostFlightFiles <= files.size() || bytes > kMostFlightBytes);
        ++i) {
-    bytes -= fs::file_size(files[i]);
-    fs::remove(files[i]);
+    bytes -= files[i].second;
+    fs::remove(files[i].first, gone);
   }
   const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
   while (fs::exists(named())) time += kMillisecond;  // an earlier one stays

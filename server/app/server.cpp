@@ -188,11 +188,14 @@ struct Server::Parts {
   ControlService::WriteFlight flight_writer(const ServerConfig& config) {
     if (config.flight_recorder.empty()) return {};
     return [this](std::size_t scene, ControlService::FlightWritten done) {
+      // It may hold a connection, which has to end on the control thread.
+      auto asked = std::make_shared<ControlService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
-          scene, [this, done = std::move(done)](std::optional<std::filesystem::path> file) {
-            post_patiently(io, [done, file = std::move(file)] {
-              if (file) return done(file->string());
-              done(Refused{RefusalCode::failed,
+          scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
+            post_patiently(io, [asked, file = std::move(file)] {
+              const auto tell = std::exchange(*asked, {});
+              if (file) return tell(file->string());
+              tell(Refused{RefusalCode::failed,
                            "the flight record could not be written; the server's log says why"});
             });
           });

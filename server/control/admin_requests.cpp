@@ -168,6 +168,7 @@ void ControlService::write_flight(PendingRequest asked, const control::WriteFlig
   if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
   spdlog::info("scene {}: client {} (token {}) asks for a flight record", visible(request.scene),
                visible(asked.token.client), asked.token.id);
+  asked.peer.waits = true;
   write_flight_(
       std::get<std::size_t>(scene), [name = request.scene, answer = std::move(asked.answer)](
                                         std::variant<std::string, Refused> outcome) {

@@ -132,17 +132,18 @@ void Audience::change(Seat& seat, LiveChange change) {
   if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
   seat.stage->scene->controls()->change(
       std::move(change), io_,
-      [this, by, scene, id = seat.id, made = std::move(made),
+      [this, by, scene, id = seat.id, stage = seat.stage, made = std::move(made),
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
         const auto* no = std::get_if<control::Refused>(&outcome);
         if (no == nullptr)
           spdlog::info("scene {}: changed by {}: {}", visible(scene), by,
                        visible(std::get<std::string>(outcome)));
         if (alive.expired()) return;
-        if (no == nullptr && made)
-          for (const auto& stage : stages_)
-            for (HandDescription& hand : stage->hands)
-              if (hand.session == made->session) hand.parameters = made->parameters;
+        if (no == nullptr && made) {
+          const auto hand =
+              std::ranges::find(stage->hands, made->session, &HandDescription::session);
+          if (hand != stage->hands.end()) hand->parameters = made->parameters;
+        }
         if (const auto asker = seats_.find(id); asker != seats_.end())
           asker->second.viewer->send(no != nullptr ? refused(no->reason)
                                                    : changed_text(std::get<std::string>(outcome)));
