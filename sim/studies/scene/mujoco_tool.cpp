@@ -1,12 +1,9 @@
 #include "sim/studies/scene/mujoco_tool.hpp"
 
-#include <mujoco/mujoco.h>
-
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/base/text.hpp"
 
@@ -79,48 +76,44 @@ std::string model_text(const SixDofTask& task, const ToolInertia& body) {
   return text + parts + "</body></worldbody></mujoco>";
 }
 
-mjModel* compiled(const std::string& text) {
-  constexpr const char* kFile = "model.xml";
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  if (mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size())) != 0)
-    throw std::runtime_error("MuJoCo has no room for the model of a task");
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), kFile)], text.data(), text.size());
-  std::array<char, 1000> error{};
-  mjModel* const model =
-      mj_loadXML(kFile, files.get(), error.data(), static_cast<int>(error.size()));
-  mj_deleteVFS(files.get());
-  if (model == nullptr) throw std::runtime_error(std::string("MuJoCo: ") + error.data());
-  return model;
+mujoco::Model compiled(const std::string& text) {
+  mujoco::Loaded loaded = mujoco::load_text(text);
+  if (!loaded.model) throw std::runtime_error("MuJoCo: " + loaded.error);
+  return std::move(loaded.model);
+}
+
+/// Throws std::runtime_error if MuJoCo fails.
+template <class Call>
+void require(Call call) {
+  if (!mujoco::guarded(call)) throw std::runtime_error("MuJoCo cannot compute a task");
 }
 
 constexpr int kTool = 2;  // the body's number: the world and the solid come before
 
 }  // namespace
 
-void MujocoTool::Deleter::operator()(mjModel_* model) const { mj_deleteModel(model); }
-void MujocoTool::Deleter::operator()(mjData_* data) const { mj_deleteData(data); }
-
 MujocoTool::MujocoTool(const SixDofTask& task, const SixDofTool& tool)
     : tool_(tool.tool),
       model_(compiled(model_text(task, tool_.inertia()))),
-      data_(mj_makeData(model_.get())) {
+      data_(mujoco::make_data(*model_)) {
+  if (!data_) throw std::runtime_error("MuJoCo has no room for a task");
   place(task.device(0.0));
 }
 
 void MujocoTool::place(const Pose& device) {
   before_ = device;
   device_velocity_.setZero();
-  mj_resetData(model_.get(), data_.get());
+  mjModel* const model = model_.get();
+  mjData* const data = data_.get();
+  require([&] { mj_resetData(model, data); });
   const Quaternion& q = device.orientation;
   Eigen::Map<Eigen::Matrix<double, 7, 1>>(data_->qpos) << device.position, q.w(), q.x(), q.y(),
       q.z();
-  mj_forward(model_.get(), data_.get());
+  require([&] { mj_forward(model, data); });
 }
 
 Pose MujocoTool::pose() const {
-  const double* q = data_->qpos;
-  return {Vec3(q[0], q[1], q[2]), Quaternion(q[3], q[4], q[5], q[6])};
+  return {mujoco::vector(data_->qpos), mujoco::quaternion(data_->qpos + 3)};
 }
 
 Vec6 MujocoTool::pull(const Pose& device) const {
@@ -130,10 +123,10 @@ Vec6 MujocoTool::pull(const Pose& device) const {
   const double* v = data_->qvel;  // the turn in the tool's frame
   Vec6 wrench;
   wrench << spring.stiffness * (device.position - at.position) +
-                damper.damping * (device_velocity_.head<3>() - Vec3(v[0], v[1], v[2])),
+                damper.damping * (device_velocity_.head<3>() - mujoco::vector(v)),
       spring.rotational_stiffness * rotation_between(at.orientation, device.orientation) +
           damper.rotational_damping *
-              (device_velocity_.tail<3>() - at.orientation * Vec3(v[3], v[4], v[5]));
+              (device_velocity_.tail<3>() - at.orientation * mujoco::vector(v + 3));
   return wrench;
 }
 
@@ -145,7 +138,9 @@ Vec6 MujocoTool::step(const Pose& device) {
   const Vec3 arm = pose().orientation * tool_.inertia().center, force = wrench.head<3>();
   wrench.tail<3>() -= arm.cross(force);  // about the centre of mass
   Eigen::Map<Vec6>(data_->xfrc_applied + std::ptrdiff_t{6} * kTool) = wrench;
-  mj_step(model_.get(), data_.get());
+  mjModel* const model = model_.get();
+  mjData* const data = data_.get();
+  require([&] { mj_step(model, data); });
   return -pull(device);
 }
 

@@ -1,14 +1,9 @@
 #pragma once
 // Internal to the study of tools in six degrees of freedom: the same tool and solid in MuJoCo.
 
-#include <memory>
-#include <vector>
-
 #include "core/coupled_tool/tool_contact.hpp"
+#include "core/dynamics/mujoco_error_trap.hpp"
 #include "sim/studies/scene/sixdof_tool.hpp"
-
-struct mjModel_;
-struct mjData_;
 
 namespace feltwire {
 
@@ -30,16 +25,12 @@ class MujocoTool {
   std::size_t bytes() const;  // of the model
 
  private:
-  struct Deleter {
-    void operator()(mjModel_* model) const;
-    void operator()(mjData_* data) const;
-  };
   Pose pose() const;
   Vec6 pull(const Pose& device) const;
 
   BodyTool tool_;
-  std::unique_ptr<mjModel_, Deleter> model_;
-  std::unique_ptr<mjData_, Deleter> data_;
+  mujoco::Model model_;
+  mujoco::Data data_;
   Pose before_;           // of the device
   Vec6 device_velocity_;  // [m/s], [rad/s]
 };

@@ -162,7 +162,6 @@ void measure_cost(const SixDofTool& tool, const SixDofTask& task, const SixDofGr
   cell.bytes = contact_bytes(tool);
 }
 
-/// MuJoCo's loader keeps global state: one at a time.
 SixDofCell measure_mujoco(const SixDofTask& task, const SixDofGrid& grid) {
   constexpr SixDofMethod kImplicit{.polygons = true, .mass = true};
   const SixDofTool tool = sixdof_tool(task, kImplicit, grid.points, grid.grid_steps);
