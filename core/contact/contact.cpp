@@ -6,7 +6,11 @@ namespace feltwire {
 
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept {
-  const Material& material = object.material;
+  return touch(object, object.material, tool, memory, radius, elastic, frictional);
+}
+
+bool touch(const Object& object, const Material& material, const Tool& tool, ContactMemory& memory,
+           double radius, Vec3& elastic, Vec3& frictional) noexcept {
   const Quaternion& to_world = object.pose.orientation;
   const bool rubs = material.static_friction > 0.0;
   const auto* mesh = rubs && memory.touching ? std::get_if<Mesh>(&object.shape) : nullptr;

@@ -37,6 +37,9 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
 /// neither.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
+/// The same with another material than the object's.
+bool touch(const Object& object, const Material& material, const Tool& tool, ContactMemory& memory,
+           double radius, Vec3& elastic, Vec3& frictional) noexcept;
 
 /// Adds touch() to `sum`. It is called for every object of a scene with every sample. Most objects
 /// are plain springs that are not touched; these cost only a test of their surface.

@@ -25,12 +25,34 @@ Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p)
 ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexcept {
   ContactNormals normals;
   for (const SurfacePatch& patch : model.view()) {
+    if (patch.whole) {
+      if (patch.touching) normals.add(patch.normal);
+      continue;
+    }
     const Height above = height_above(patch, Vec3::Zero(), point);
     if (!(above.height < patch.offset)) continue;
     if (patch.joined) return {};
     if (above.normal.squaredNorm() > 0.0) normals.add(above.normal);
   }
   return normals;
+}
+
+void LocalContact::use(const WholeSurfaces* surfaces) noexcept {
+  if (surfaces == surfaces_) return;
+  surfaces_ = surfaces;
+  // A memory of the old surfaces means nothing on the new ones.
+  for (Contact& contact : contacts_)
+    if (contact.whole) contact.adopted = true;
+}
+
+bool LocalContact::has_whole(const SurfacePatch& patch) const noexcept {
+  return surfaces_ != nullptr && surfaces_->version() == model_.surfaces &&
+         surfaces_->has(patch.object);
+}
+
+bool LocalContact::has_whole() const noexcept {
+  const auto here = [&](const SurfacePatch& patch) { return patch.whole && has_whole(patch); };
+  return std::ranges::any_of(model_.view(), here);
 }
 
 const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) const noexcept {
@@ -47,10 +69,14 @@ LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
   const bool same_scene = model.scene == model_.scene;
   const Contact* own = last_weight_ > 0.0 && same_scene ? contact_of(object) : nullptr;
+  const bool same_surfaces = model.surfaces == model_.surfaces;
   Contact others{.object = object, .memory = {}, .adopted = true};
   bool described = false;
   for (const SurfacePatch& patch : model.view()) {
     if (patch.object != object) continue;
+    others.whole = patch.whole;
+    if (own != nullptr && (own->whole != patch.whole || (own->whole && !same_surfaces)))
+      own = nullptr;
     described |= own != nullptr && (!patch.joined || !own->memory.touching ||
                                     own->memory.feature.feature == patch.feature);
     if (patch.touching)
@@ -81,8 +107,11 @@ void LocalContact::take(const LocalModel& model, const Command* answered) noexce
 /// What an answer has beside the patches, where the tool was that it answers.
 LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
   Texture texture{.force = answered.elastic, .depth = 0.0};
+  for (const SurfacePatch& patch : model_.view())
+    if (patch.whole && patch.touching) return {};  // its force cannot be told from the texture's
   for (int i = 0; i < count_; ++i) {
     FeatureMemory entered;
+    if (contacts_[static_cast<std::size_t>(i)].whole) continue;
     const std::uint16_t object = contacts_[static_cast<std::size_t>(i)].object;
     for (const SurfacePatch& patch : model_.view())
       if (patch.object == object && patch.touching) entered = {patch.feature, patch.normal};
@@ -122,9 +151,23 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
   contact.adopted = false;
 }
 
+/// By the scene's own contact; the object does not move.
+Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch,
+                                  const Tool& tool) const noexcept {
+  if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center);
+  contact.adopted = false;
+  return surfaces_->touch(patch.object, patch.material, tool, contact.memory);
+}
+
 Command LocalContact::touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
                                    double& weight) const noexcept {
   ContactMemory& memory = contact.memory;
+  if (contact.whole) {
+    const SurfacePatch& patch = patch_of(contact);
+    if (has_whole(patch)) return touch_whole(contact, patch, tool);
+    weight = 0.0;  // the server counts on a surface that is not here
+    return {};
+  }
   // A memory that is the model's is of its centre.
   CameFrom from = from_;
   if (memory.touching && contact.adopted) from = {true, model_.center, age};

@@ -9,6 +9,7 @@
 #include "core/local_model/local_model.hpp"
 #include "core/local_model/patch_proxy.hpp"
 #include "core/local_model/share_within.hpp"
+#include "core/local_model/whole_surfaces.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
@@ -41,8 +42,16 @@ class LocalContact {
   /// The outer share of a reach or a radius, in which the weight falls linearly to zero.
   static constexpr double kHandOver = feltwire::kHandOver;
 
-  /// Forgets model and contacts.
-  void clear() noexcept { *this = {}; }
+  /// Forgets model and contacts, not the whole surfaces.
+  void clear() noexcept {
+    const WholeSurfaces* surfaces = surfaces_;
+    *this = {};
+    surfaces_ = surfaces;
+  }
+
+  /// The surfaces that are here in full, until the next call; null: none. They outlive that time.
+  void use(const WholeSurfaces* surfaces) noexcept;
+  const WholeSurfaces* surfaces() const noexcept { return surfaces_; }
 
   /// Takes a new model. A contact continues if the model still describes its surface; for other
   /// surfaces the state comes from the model. Every force of touch() is finite for all numbers in
@@ -56,6 +65,8 @@ class LocalContact {
   LocalForce touch(const Tool& tool, double age, double elapsed) noexcept;
 
   const LocalModel& model() const { return model_; }
+  /// Whether the model means a whole surface that is here.
+  bool has_whole() const noexcept;
 
  private:
   /// The memory of one object; world frame.
@@ -64,6 +75,7 @@ class LocalContact {
     ContactMemory memory;
     bool adopted = false;      // the memory is the model's, of the time of its state
     double rough_depth = 0.0;  // [m] where it touched a patch with a texture; else 0
+    bool whole = false;        // the memory is of the whole surface, in the object's frame
   };
   /// A force that the patches do not contain.
   struct Texture {
@@ -72,6 +84,8 @@ class LocalContact {
   };
   Texture texture_of(const Command& answered) const noexcept;
   const SurfacePatch& patch_of(const Contact& contact) const noexcept;
+  bool has_whole(const SurfacePatch& patch) const noexcept;
+  Command touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool) const noexcept;
   void bring_up(Contact& contact, double age, double elapsed) const noexcept;
   const Contact* contact_of(std::uint16_t object) const noexcept;
   Contact continued(const LocalModel& model, std::uint16_t object) const noexcept;
@@ -79,6 +93,7 @@ class LocalContact {
   Command touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
                        double& weight) const noexcept;
 
+  const WholeSurfaces* surfaces_ = nullptr;
   LocalModel model_;  // normals and axes exactly unit
   std::array<Contact, kMaxPatches> contacts_{};
   int count_ = 0;

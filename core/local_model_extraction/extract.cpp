@@ -62,6 +62,7 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_
 /// The patches that were fitted last to meshes and grids: those that are chosen are used again.
 class Fitted {
  public:
+  explicit Fitted(const KnownSurfaces& known) : known_(known) {}
   const FittedPatches& of(const std::vector<Object>& objects, std::size_t object,
                           const Vec3& position, const TouchMemory& memory) noexcept {
     for (const Slot& slot : slots_)
@@ -70,7 +71,7 @@ class Fitted {
     const Pose& pose = objects[object].pose;
     slot = {
         fitted_patches(objects[object], pose.orientation.conjugate() * (position - pose.position),
-                       memory[object].feature),
+                       memory[object].feature, object < known_.size() && known_[object]),
         object, true};
     return slot.patches;
   }
@@ -81,6 +82,7 @@ class Fitted {
     std::size_t object = 0;
     bool used = false;
   };
+  const KnownSurfaces& known_;
   std::array<Slot, kMaxPatches> slots_{};
   std::size_t next_ = 0;
 };
@@ -115,7 +117,7 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
 
 /// The view's objects where they now are.
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
-                    const TouchMemory& memory) noexcept {
+                    const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
   if (view.tool().body || view.tool().radius > 0.0) return model;  // its patches are for a point
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
@@ -126,7 +128,7 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
   for (const Guide& guide : view.guides())  // a model has no word for them
     reach = std::min(reach, begins(guide, position));
   Nearest nearest(reach);
-  Fitted fits;
+  Fitted fits(known);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (is_fitted(objects[i].shape)) {
       const FittedPatches& fitted = fits.of(objects, i, position, memory);
@@ -161,14 +163,14 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
 
 }  // namespace
 
-LocalModel local_model(const ToolView& view, const Vec3& position,
-                       const TouchMemory& memory) noexcept {
-  return model_of(view, view.objects(), position, memory);
+LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
+                       const KnownSurfaces& known) noexcept {
+  return model_of(view, view.objects(), position, memory, known);
 }
 
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
-                       std::size_t held) noexcept {
-  LocalModel model = model_of(world.view(held), world.objects(held), position, memory);
+                       std::size_t held, const KnownSurfaces& known) noexcept {
+  LocalModel model = model_of(world.view(held), world.objects(held), position, memory, known);
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/dynamics/world.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/scene/scene.hpp"
@@ -10,16 +12,21 @@ namespace feltwire {
 /// usual hold time has faded.
 inline constexpr double kModelReach = 0.1;
 
+/// By object of the scene: the receiver has its whole surface (whole_surfaces.hpp). Of objects
+/// beyond the end it has none. Only still objects for which can_travel() holds may be in it.
+using KnownSurfaces = std::vector<bool>;
+
 /// The surfaces of the scene near a tool position [m, world]: first those that the tool touches,
 /// then those that it would meet first. `memory`: the result of touch() at that position. All other
 /// surfaces are farther away than the model's reach. If the tool touches more than kMaxPatches
 /// surfaces at once, the reach is zero. The model is empty if the position is not finite, the
-/// memory is of another view, or the view's tool is not a point. It never allocates.
-LocalModel local_model(const ToolView& view, const Vec3& position,
-                       const TouchMemory& memory) noexcept;
+/// memory is of another view, or the view's tool is not a point. Objects of `known` have one patch,
+/// a mark, and do not end the reach. It never allocates.
+LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
+                       const KnownSurfaces& known = {}) noexcept;
 /// The same, with the moving objects at their present poses. Their patches have the velocity of the
 /// surface. `held`: as in BodyContactState.
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
-                       std::size_t held = 0) noexcept;
+                       std::size_t held = 0, const KnownSurfaces& known = {}) noexcept;
 
 }  // namespace feltwire

@@ -3,9 +3,9 @@
 namespace feltwire {
 
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
-                             const FeatureMemory& memory) noexcept {
+                             const FeatureMemory& memory, bool whole) noexcept {
   if (const auto* mesh = std::get_if<Mesh>(&object.shape))
-    return mesh_patches(*mesh->surface, object.felt_from, position, memory);
+    return (whole ? mesh_mark : mesh_patches)(*mesh->surface, object.felt_from, position, memory);
   if (const auto* grid = std::get_if<Grid>(&object.shape))
     return grid_patches(*grid, object.felt_from, position);
   return {};
@@ -13,6 +13,7 @@ FittedPatches fitted_patches(const Object& object, const Vec3& position,
 
 double fitted_radius(const Object& object, const FittedPatches& fitted, int count,
                      int index) noexcept {
+  if (fitted.whole) return 0.0;
   if (const auto* mesh = std::get_if<Mesh>(&object.shape))
     return mesh_patch_radius(*mesh->surface, fitted, count, index);
   return fitted.extent;

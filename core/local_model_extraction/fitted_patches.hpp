@@ -35,6 +35,7 @@ struct FittedPatches {
   bool alone = false;   // within that extent there is only this patch
   double offset = 0.0;  // [m] as in SurfacePatch, and so the next two
   bool faceted = false, rough = false;
+  bool whole = false;  // as in SurfacePatch: the one patch is a mark on the whole surface
 };
 
 inline bool is_fitted(const Shape& shape) noexcept {
@@ -42,9 +43,9 @@ inline bool is_fitted(const Shape& shape) noexcept {
 }
 
 /// The patches of a mesh or a grid near a position [m, object frame]. `memory` is that of the
-/// contact at this position.
+/// contact at this position. `whole`: the receiver has the whole surface, which is a mesh.
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
-                             const FeatureMemory& memory) noexcept;
+                             const FeatureMemory& memory, bool whole) noexcept;
 
 /// [m] about the point of patch `index`. A surface that the first `count` patches do not describe
 /// may begin only beyond this radius.
@@ -53,6 +54,10 @@ double fitted_radius(const Object& object, const FittedPatches& fitted, int coun
 
 FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec3& position,
                            const FeatureMemory& memory) noexcept;
+/// The mark on a mesh that the receiver has in full. None if the tool is farther away than
+/// kMostFitted.
+FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& position,
+                        const FeatureMemory& memory) noexcept;
 double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted, int count,
                          int index) noexcept;
 FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position) noexcept;

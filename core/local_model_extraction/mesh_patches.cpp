@@ -251,6 +251,26 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   return found(surface, planes, other.distance, extent);
 }
 
+FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& position,
+                        const FeatureMemory& memory) noexcept {
+  FittedPatches mark;
+  mark.whole = true;
+  const Vec3 goal = position - surface.mesh().origin();
+  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory);
+  if (!(nearest.distance <= kMostFitted)) return mark;
+  // Behind a surface that is felt from one side it looks that way, too.
+  const double side = nearest.side != 0.0 ? nearest.side : felt_from == Side::outside ? 1.0 : -1.0;
+  FittedPatch& patch = mark.patches[0];
+  patch.point = surface.mesh().origin() + nearest.point;
+  patch.normal = memory.side != 0 && memory.feature != 0
+                     ? memory.normal
+                     : Vec3(side * triangle_normal(surface.mesh().corners(nearest.triangle)));
+  patch.distance = std::max(0.0, nearest.distance - surface.options().radius);
+  patch.feature = 1;
+  mark.count = 1;
+  return mark;
+}
+
 double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted, int count,
                          int index) noexcept {
   const auto at = [&](int i) -> const FittedPatch& {

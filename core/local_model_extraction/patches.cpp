@@ -63,6 +63,7 @@ SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, in
   patch.offset = fitted.offset;
   patch.faceted = fitted.faceted;
   patch.rough = fitted.rough;
+  patch.whole = fitted.whole;
   return patch;
 }
 

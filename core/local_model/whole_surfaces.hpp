@@ -1,0 +1,54 @@
+#pragma once
+// Surfaces of a scene that a client has in full. With them its local model is the scene's own
+// contact, at every place and over every delay.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/base/types.hpp"
+#include "core/geometry/triangle_soup.hpp"
+#include "core/local_model/local_model.hpp"
+#include "core/material/contact_law.hpp"
+
+namespace feltwire {
+
+/// Immutable. No function allocates, throws or reads a clock, except for the destructor.
+class WholeSurfaces {
+ public:
+  virtual ~WholeSurfaces() = default;
+  /// Counts the scenes that the server had; never 0.
+  virtual std::uint32_t version() const noexcept = 0;
+  /// Whether this object of the scene is here.
+  virtual bool has(std::uint16_t object) const noexcept = 0;
+  /// The force of an object with this material on a point [m, world]. `memory` is in the object's
+  /// frame; a new one knows nothing of the tool. Precondition: has(object).
+  virtual Command touch(std::uint16_t object, const Material& material, const Tool& tool,
+                        ContactMemory& memory) const noexcept = 0;
+  /// The memory of the server's contact, which a patch tells [world], of a tool at `tool` [m,
+  /// world]. Precondition: has(patch.object).
+  virtual ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool) const noexcept = 0;
+};
+
+/// An object's surface of triangles, as it travels. Corners from `origin`, and that in the frame of
+/// the object.
+struct SurfaceData {
+  std::uint16_t object = 0;
+  Pose pose;                   // of the object [m, world]
+  Vec3 origin = Vec3::Zero();  // [m]
+  bool from_inside = false;    // felt from behind the triangles' normals
+  bool double_sided = false, smooth = false;
+  double radius = 0.0;            // [m] of the ball that touches it; 0: a point
+  double grain = 0.0;             // [m] amplitude of its roughness; 0: none
+  double grain_wavelength = 1.0;  // [m]
+  std::vector<Vec3> vertices;     // [m]
+  std::vector<Triangle> triangles;
+};
+
+/// Makes the surfaces ready for touch(). Throws std::invalid_argument if one cannot be made, and
+/// std::bad_alloc.
+using BuildSurfaces = std::function<std::shared_ptr<const WholeSurfaces>(
+    std::uint32_t version, const std::vector<SurfaceData>& surfaces)>;
+
+}  // namespace feltwire

@@ -1,0 +1,27 @@
+#pragma once
+// Meshes that a client has in full: what the server sends of them, and the contact with them.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+#include "core/local_model/whole_surfaces.hpp"
+
+namespace feltwire {
+
+/// Whether surface_data() gives something: a mesh without a height map.
+bool can_travel(const Object& object) noexcept;
+
+/// An object as it travels, without its vertices and triangles; empty: it cannot. Precondition:
+/// `index` is that of the object in its scene.
+std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index);
+/// With vertices and triangles. Precondition: can_travel(object).
+SurfaceData whole_surface_data(const Object& object, std::uint16_t index);
+
+/// A BuildSurfaces for meshes. Their triangles keep their numbers: it throws std::invalid_argument
+/// if a surface has triangles that a mesh of a scene cannot have.
+std::shared_ptr<const WholeSurfaces> mesh_surfaces(std::uint32_t version,
+                                                   const std::vector<SurfaceData>& surfaces);
+
+}  // namespace feltwire
