@@ -17,12 +17,12 @@ constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRe
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
 constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
 constexpr std::uint8_t kFlagTouching = 1u << 0, kFlagSlipping = 1u << 1, kFlagJoined = 1u << 2,
-                       kFlagFaceted = 1u << 3, kFlagRough = 1u << 4;
+                       kFlagFaceted = 1u << 3, kFlagRough = 1u << 4, kFlagWhole = 1u << 5;
 
 wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
   const auto flags = (p.touching ? kFlagTouching : 0) | (p.slipping ? kFlagSlipping : 0) |
                      (p.joined ? kFlagJoined : 0) | (p.faceted ? kFlagFaceted : 0) |
-                     (p.rough ? kFlagRough : 0);
+                     (p.rough ? kFlagRough : 0) | (p.whole ? kFlagWhole : 0);
   const Material& m = p.material;
   return {wire_float(p.point - center),
           wire_float(p.normal),
@@ -58,6 +58,7 @@ void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
   to.joined = (from.flags() & kFlagJoined) != 0;
   to.faceted = (from.flags() & kFlagFaceted) != 0;
   to.rough = (from.flags() & kFlagRough) != 0;
+  to.whole = (from.flags() & kFlagWhole) != 0;
 }
 
 bool plausible(const Sample& sample, bool rotation) {
@@ -88,7 +89,8 @@ bool plausible(const LocalModel& model) {
          std::ranges::all_of(model.view(), [](const SurfacePatch& p) { return plausible(p); });
 }
 
-/// False when it has more patches than a model may have, or offsets for others.
+/// False when it has more patches than a model may have, offsets for others, or marks on surfaces
+/// of no version.
 bool read(const wire::LocalModel& from, LocalModel& to) {
   to.center = value(*from.center());
   to.reach = from.reach();
@@ -100,9 +102,11 @@ bool read(const wire::LocalModel& from, LocalModel& to) {
   for (flatbuffers::uoffset_t i = 0; i < count; ++i) {
     read(*patches->Get(i), to.center, to.patches[i]);
     to.patches[i].offset = offsets != nullptr ? offsets->Get(i) : 0.0F;
+    if (to.patches[i].whole && from.surfaces() == 0) return false;
   }
   to.count = static_cast<int>(count);
   to.scene = from.scene();
+  to.surfaces = from.surfaces();
   return true;
 }
 
@@ -171,7 +175,7 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
   const auto offset_vector = any ? builder.CreateVector(offsets.data(), count)
                                  : flatbuffers::Offset<flatbuffers::Vector<float>>{};
   return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector,
-                                offset_vector, model.scene);
+                                offset_vector, model.scene, model.surfaces);
 }
 
 flatbuffers::Offset<wire::ClientChange> build(flatbuffers::FlatBufferBuilder& builder,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/device/device_spec.hpp"
+#include "core/local_model/whole_surfaces.hpp"
 #include "core/teleoperation/workspace.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
@@ -30,8 +31,10 @@ inline constexpr std::size_t kMaxScenes = 256;  // of one server
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescriptions
-inline constexpr double kShortestSilence = 0.1;         // [s] of a silence timeout
-inline constexpr double kLongestSilence = 3600.0;       // [s] of a silence timeout
+inline constexpr std::size_t kMaxSurfaces = 200;        // of one SurfaceList
+inline constexpr std::size_t kMaxPart = 1200;      // vertices, and triangles, of one SurfacePart
+inline constexpr double kShortestSilence = 0.1;    // [s] of a silence timeout
+inline constexpr double kLongestSilence = 3600.0;  // [s] of a silence timeout
 
 struct JoinRequest {
   std::string client;
@@ -63,6 +66,7 @@ struct JoinAccepted {
   std::string version;  // of the server (core/build_info), for the report; empty: not said
   Workspace workspace;  // for a follower: that of its seat
   std::vector<std::string> seats = {};  // names of the scene's seats for robots, at most kMostSeats
+  bool lists_surfaces = false;          // the server knows ListSurfaces
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -205,12 +209,46 @@ struct Counters {
   std::vector<Counter> counters;
 };
 
+/// Asks which surfaces the client of a session may have in full.
+struct ListSurfaces {
+  std::uint64_t session = 0;
+};
+struct SurfaceEntry {
+  SurfaceData surface;  // without vertices and triangles
+  std::uint32_t vertices = 0, triangles = 0;
+};
+struct SurfaceList {
+  std::uint32_t version = 0;           // WholeSurfaces::version()
+  std::vector<SurfaceEntry> surfaces;  // at most kMaxSurfaces
+};
+/// Asks for the part of a surface after so many vertices and triangles.
+struct GetSurface {
+  std::uint64_t session = 0;
+  std::uint32_t version = 0;
+  std::uint16_t object = 0;
+  std::uint32_t vertices = 0, triangles = 0;
+};
+struct SurfacePart {
+  std::vector<Vec3> vertices;  // [m] at most kMaxPart
+  std::vector<Triangle> triangles;
+};
+/// The session's client has these surfaces in full now, and no others.
+struct TakeSurfaces {
+  std::uint64_t session = 0;
+  std::uint32_t version = 0;
+  std::vector<std::uint16_t> objects;  // at most kMaxSurfaces
+};
+struct SurfacesTaken {
+  std::uint64_t session = 0;
+};
+
 using Message =
     std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
                  SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
                  ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
                  SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
-                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten>;
+                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, ListSurfaces,
+                 SurfaceList, GetSurface, SurfacePart, TakeSurfaces, SurfacesTaken>;
 
 const char* name(RefusalCode code);
 

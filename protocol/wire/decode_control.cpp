@@ -152,6 +152,7 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   if (const auto* n = from.start_normal()) to.start_normal = vector(*n);
   to.stiffness = from.stiffness();
   to.suite = static_cast<CipherSuite>(from.suite());
+  to.lists_surfaces = from.lists_surfaces();
   if (const auto* seats = from.seats()) {
     if (seats->size() > kMostSeats) return false;
     for (const auto* seat : *seats)
@@ -265,6 +266,54 @@ bool read(const wire::WriteFlightRecord& from, WriteFlightRecord& to) {
 }
 bool read(const wire::FlightRecordWritten& from, FlightRecordWritten& to) {
   return read_name(from.scene(), to.scene) && read_name(from.file(), to.file, kMaxReason);
+}
+bool read(const wire::ListSurfaces& from, ListSurfaces& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::SurfaceList& from, SurfaceList& to) {
+  to.version = from.version();
+  if (from.surfaces()->size() > kMaxSurfaces) return false;
+  for (const wire::SurfaceEntry* entry : *from.surfaces()) {
+    const wire::Turn& q = *entry->orientation();
+    to.surfaces.push_back(
+        {.surface = {.object = entry->object(),
+                     .pose = {vector(*entry->position()), Quaternion(q.w(), q.x(), q.y(), q.z())},
+                     .origin = vector(*entry->origin()),
+                     .from_inside = entry->from_inside(),
+                     .double_sided = entry->double_sided(),
+                     .smooth = entry->smooth(),
+                     .radius = entry->radius(),
+                     .grain = entry->grain(),
+                     .grain_wavelength = entry->grain_wavelength(),
+                     .vertices = {},
+                     .triangles = {}},
+         .vertices = entry->vertices(),
+         .triangles = entry->triangles()});
+  }
+  return true;
+}
+bool read(const wire::GetSurface& from, GetSurface& to) {
+  to = {from.session(), from.version(), from.object(), from.vertices(), from.triangles()};
+  return true;
+}
+bool read(const wire::SurfacePart& from, SurfacePart& to) {
+  if (from.vertices()->size() > kMaxPart || from.triangles()->size() > kMaxPart) return false;
+  if (!aligned(*from.vertices(), alignof(double))) return false;
+  for (const wire::Vector* v : *from.vertices()) to.vertices.push_back(vector(*v));
+  for (const wire::Corners* t : *from.triangles()) to.triangles.push_back({t->a(), t->b(), t->c()});
+  return true;
+}
+bool read(const wire::TakeSurfaces& from, TakeSurfaces& to) {
+  if (from.objects()->size() > kMaxSurfaces) return false;
+  to.session = from.session();
+  to.version = from.version();
+  to.objects.assign(from.objects()->begin(), from.objects()->end());
+  return true;
+}
+bool read(const wire::SurfacesTaken& from, SurfacesTaken& to) {
+  to.session = from.session();
+  return true;
 }
 bool read(const wire::DescribeSessions& from, DescribeSessions& to) {
   to.after = from.after();
@@ -389,6 +438,18 @@ std::optional<Message> decode(Bytes body) {
       return message<WriteFlightRecord>(*root->body_as_WriteFlightRecord());
     case wire::Body::FlightRecordWritten:
       return message<FlightRecordWritten>(*root->body_as_FlightRecordWritten());
+    case wire::Body::ListSurfaces:
+      return message<ListSurfaces>(*root->body_as_ListSurfaces());
+    case wire::Body::SurfaceList:
+      return message<SurfaceList>(*root->body_as_SurfaceList());
+    case wire::Body::GetSurface:
+      return message<GetSurface>(*root->body_as_GetSurface());
+    case wire::Body::SurfacePart:
+      return message<SurfacePart>(*root->body_as_SurfacePart());
+    case wire::Body::TakeSurfaces:
+      return message<TakeSurfaces>(*root->body_as_TakeSurfaces());
+    case wire::Body::SurfacesTaken:
+      return message<SurfacesTaken>(*root->body_as_SurfacesTaken());
     case wire::Body::NONE:
       break;
   }

@@ -114,7 +114,7 @@ struct BodyBuilder {
     return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
                                     m.silence_timeout, m.friction, m.rotation, &position, &normal,
                                     m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
-                                    version, workspace, seats);
+                                    version, workspace, seats, m.lists_surfaces);
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -197,6 +197,40 @@ struct BodyBuilder {
     const auto scene = builder.CreateString(m.scene);
     return wire::CreateSceneChanged(builder, scene,
                                     builder.CreateString(shortened(m.what, kMaxReason)));
+  }
+  Offset<wire::ListSurfaces> operator()(const ListSurfaces& m) {
+    return wire::CreateListSurfaces(builder, m.session);
+  }
+  Offset<wire::SurfaceList> operator()(const SurfaceList& m) {
+    std::vector<Offset<wire::SurfaceEntry>> entries;
+    for (const SurfaceEntry& entry : m.surfaces) {
+      const SurfaceData& s = entry.surface;
+      const Quaternion& q = s.pose.orientation;
+      const wire::Vector position = vector(s.pose.position), origin = vector(s.origin);
+      const wire::Turn orientation(q.w(), q.x(), q.y(), q.z());
+      entries.push_back(wire::CreateSurfaceEntry(
+          builder, s.object, &position, &orientation, &origin, s.from_inside, s.double_sided,
+          s.smooth, s.radius, s.grain, s.grain_wavelength, entry.vertices, entry.triangles));
+    }
+    return wire::CreateSurfaceList(builder, m.version, builder.CreateVector(entries));
+  }
+  Offset<wire::GetSurface> operator()(const GetSurface& m) {
+    return wire::CreateGetSurface(builder, m.session, m.version, m.object, m.vertices, m.triangles);
+  }
+  Offset<wire::SurfacePart> operator()(const SurfacePart& m) {
+    std::vector<wire::Vector> vertices;
+    for (const Vec3& v : m.vertices) vertices.push_back(vector(v));
+    std::vector<wire::Corners> triangles;
+    for (const Triangle& t : m.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+    const auto wire_vertices = builder.CreateVectorOfStructs(vertices);
+    return wire::CreateSurfacePart(builder, wire_vertices,
+                                   builder.CreateVectorOfStructs(triangles));
+  }
+  Offset<wire::TakeSurfaces> operator()(const TakeSurfaces& m) {
+    return wire::CreateTakeSurfaces(builder, m.session, m.version, builder.CreateVector(m.objects));
+  }
+  Offset<wire::SurfacesTaken> operator()(const SurfacesTaken& m) {
+    return wire::CreateSurfacesTaken(builder, m.session);
   }
   Offset<wire::DescribeSessions> operator()(const DescribeSessions& m) {
     return wire::CreateDescribeSessions(builder, builder.CreateString(m.scene), m.after);

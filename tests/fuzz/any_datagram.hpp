@@ -115,6 +115,7 @@ inline SurfacePatch patch(Input& in, const Vec3& center) {
   p.touching = in.coin();
   p.slipping = in.coin();
   p.joined = in.coin();
+  p.whole = in.coin();
   return p;
 }
 
@@ -123,6 +124,7 @@ inline LocalModel model(Input& in) {
   m.center = in.vector(kMaxPosition);
   m.reach = at_least_zero(in, 1.0);
   m.scene = in.whole<std::uint32_t>();
+  m.surfaces = 1u + in.byte();
   m.count = in.byte() % (kMaxPatches + 1);
   for (int i = 0; i < m.count; ++i) m.patches[static_cast<std::size_t>(i)] = patch(in, m.center);
   return m;

@@ -42,6 +42,7 @@ SurfacePatch random_patch(Generator& random, const Vec3& center) {
   p.joined = random() % 2 == 0;
   p.faceted = random() % 2 == 0;
   p.rough = random() % 2 == 0;
+  p.whole = random() % 2 == 0;
   return p;
 }
 
@@ -56,6 +57,7 @@ Reply random_reply(Generator& random, int patches) {
   reply.model.center = Vec3(0.25, -0.5, 0.125);
   reply.model.reach = single(random, 0.1);
   reply.model.scene = static_cast<std::uint32_t>(random());
+  reply.model.surfaces = 1 + static_cast<std::uint32_t>(random() % 1000);
   reply.model.count = patches;
   for (SurfacePatch& p : reply.model.patches) p = random_patch(random, reply.model.center);
   if (random() % 2 == 0) reply.model.patches[1].offset = single(random, 0.01);
@@ -83,6 +85,7 @@ void expect_same(const SurfacePatch& a, const SurfacePatch& b) {
   EXPECT_EQ(a.joined, b.joined);
   EXPECT_EQ(a.faceted, b.faceted);
   EXPECT_EQ(a.rough, b.rough);
+  EXPECT_EQ(a.whole, b.whole);
   EXPECT_EQ(a.offset, b.offset);
 }
 
@@ -219,6 +222,19 @@ TEST(ModelCodec, OneNormalOrFourAreACountThatIsWrong) {
   }
 }
 
+TEST(ModelCodec, AWholePatchNeedsAVersion) {
+  Generator random(3);
+  Reply sent = random_reply(random, 2), received;
+  sent.model.patches[0].whole = false;
+  sent.model.patches[1].whole = true;
+  ASSERT_EQ(verdict(sent, received), DropReason::none);
+  EXPECT_EQ(received.model.surfaces, sent.model.surfaces);
+  sent.model.surfaces = 0;
+  EXPECT_EQ(verdict(sent, received), DropReason::count);
+  sent.model.patches[1].whole = false;
+  EXPECT_EQ(verdict(sent, received), DropReason::none);
+}
+
 TEST(ModelCodec, MorePatchesThanAModelMayHave) {
   flatbuffers::FlatBufferBuilder builder;
   const std::vector<wire::Patch> patches(kMaxPatches + 1);
@@ -257,7 +273,11 @@ TEST(ModelCodec, WithoutOffsetsAModelIsShorter) {
   Encoder encoder;
   Reply sent = random_reply(random, 3);
   sent.predicted = false;
-  for (SurfacePatch& p : sent.model.patches) p.offset = 0.0;
+  sent.model.surfaces = 0;
+  for (SurfacePatch& p : sent.model.patches) {
+    p.offset = 0.0;
+    p.whole = false;
+  }
   const std::size_t plain = encoder.reply(sent).size();
   sent.model.patches[2].offset = 1e-3;
   EXPECT_EQ(encoder.reply(sent).size(), plain + 16 + 8);
