@@ -64,7 +64,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
   }
   if (std::holds_alternative<control::ListScenes>(request))
     return asked.answer(list_scenes(*token));
-  if (serve_admin(asked, request)) return;
+  if (serve_surfaces(asked, request) || serve_admin(asked, request)) return;
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
 
@@ -185,16 +185,12 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
 /// To the scene of a session that is the asker's own, or an admin asks.
 void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
                              control::Message request) {
-  const auto found = seated_.find(session);
-  const bool may =
-      found != seated_.end() &&
-      (found->second.token == asked.token.id ||
-       (covers(asked.token.role, Role::admin) && opens(asked.token, scene_name(found->second))));
-  if (!may) return asked.answer(unknown_session(session));
+  const ListedSession* seated = own_session(asked, session);
+  if (seated == nullptr) return asked.answer(unknown_session(session));
   const std::string by = "client " + asked.token.client + " (token " + asked.token.id + ")";
   SessionParameters wanted;
   if (const auto* set = std::get_if<control::SetParameters>(&request)) wanted = set->parameters;
-  const auto finish = [this, session, by, wanted = std::move(wanted), who = found->second.who,
+  const auto finish = [this, session, by, wanted = std::move(wanted), who = seated->who,
                        answer = std::move(asked.answer)](control::Message said) {
     if (std::holds_alternative<control::Left>(said)) {
       spdlog::info("{}: ended by {}", who, visible(by));
@@ -204,7 +200,18 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
     if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, wanted, by);
     answer(std::move(said));
   };
-  hosts_[found->second.scene]->ask(std::move(request), session, {}, io_, finish);
+  hosts_[seated->scene]->ask(std::move(request), session, {}, io_, finish);
+}
+
+/// The session if it is the asker's, or the asker is an admin of its scene; else null.
+const ControlService::ListedSession* ControlService::own_session(const PendingRequest& asked,
+                                                                 std::uint64_t id) const {
+  const auto found = seated_.find(id);
+  if (found == seated_.end()) return nullptr;
+  const bool may =
+      found->second.token == asked.token.id ||
+      (covers(asked.token.role, Role::admin) && opens(asked.token, scene_name(found->second)));
+  return may ? &found->second : nullptr;
 }
 
 /// Which parameters of a session were changed, and by whom.

@@ -92,6 +92,8 @@ class ControlService {
                const std::string& by);
   control::Message evict(const PendingRequest& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
+  bool serve_surfaces(PendingRequest& asked, control::Message& request);
+  const ListedSession* own_session(const PendingRequest& asked, std::uint64_t id) const;
   control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);
   void reload(PendingRequest asked, const control::ReloadScene& request);
   bool serve_admin(PendingRequest& asked, const control::Message& request);

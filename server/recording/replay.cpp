@@ -92,6 +92,8 @@ class Replayer {
     const bool join = std::holds_alternative<control::JoinRequest>(*request);
     if (auto* set = std::get_if<control::SetParameters>(&*request)) {
       set->session = id_of(event.hand);
+    } else if (auto* take = std::get_if<control::TakeSurfaces>(&*request)) {
+      take->session = id_of(event.hand);
     } else if (!join || event.kind != EventKind::join) {
       return std::string("its request is another one");
     }

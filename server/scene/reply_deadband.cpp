@@ -25,6 +25,7 @@ bool describes(const LocalModel& sent, const LocalModel& now, double since, doub
       if (length(patch.point - sent.center) < sent.reach) return false;
       continue;
     }
+    if (patch.whole && known->whole && now.surfaces == sent.surfaces) continue;
     const Vec3 moved = since * known->velocity;
     const double along = length(patch.point - known->point - moved);
     if (known->joined != patch.joined || known->offset != patch.offset ||

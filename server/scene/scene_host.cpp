@@ -138,7 +138,6 @@ void SceneHost::reload(Scene scene) {
       spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
                    goodbyes.size());
     scene_ = std::move(next);
-    ++version_;
     publish_scene();
     objects_ = static_cast<std::uint32_t>(scene_->objects().size());
     publish();  // a session may have lost its tool
@@ -187,7 +186,7 @@ std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& ch
 
 void SceneHost::publish_scene() noexcept {
   const std::lock_guard lock(published_);
-  current_ = {scene_, version_, changes_, sessions_.gravity()};
+  current_ = {scene_, sessions_.scene_version(), changes_, sessions_.gravity()};
 }
 
 void SceneHost::evict(std::uint64_t session) {
@@ -218,7 +217,7 @@ void SceneHost::draw(PictureExchange& pictures, Nanoseconds now) noexcept {
   if (!pictures.wanted()) return;
   try {
     Picture& picture = pictures.picture();
-    picture.version = version_;
+    picture.version = sessions_.scene_version();
     sessions_.draw(picture, now);
     pictures.give();
   } catch (const std::exception&) {

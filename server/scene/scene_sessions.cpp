@@ -59,6 +59,11 @@ control::Refused unknown_session(std::uint64_t id) {
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
 
+control::Refused other_version(std::uint32_t version) {
+  return {control::RefusalCode::bad_scene, "the scene has no version " + std::to_string(version) +
+                                               " any more; list its surfaces again"};
+}
+
 /// Why a session ends that nobody ended, and where that is counted.
 struct SceneSessions::Ending {
   GoodbyeReason reason;
@@ -115,6 +120,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
   take_over(scene, std::move(world), std::move(seats));
   last_tick_ = now;
+  ++version_;
   log({.kind = EventKind::reload, .time = now});
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].view != nullptr) {
@@ -146,12 +152,29 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
     if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
     return control::ParametersSet{wanted->session, find(wanted->session)->parameters()};
   }
+  if (const auto* wanted = std::get_if<control::TakeSurfaces>(&request))
+    return take_surfaces(*wanted, now);
   if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
     return describe_after(wanted->after);
   if (std::holds_alternative<control::GetCounters>(request)) return named_counters();
   return control::Refused{control::RefusalCode::malformed,
-                          "a scene answers join, leave, set parameters, and lists of its sessions "
-                          "and counters only"};
+                          "a scene answers join, leave, set parameters, take surfaces, and lists "
+                          "of its sessions and counters only"};
+}
+
+control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& request,
+                                              Nanoseconds now) {
+  SessionSlot** slot = by_id_.find(request.session);
+  if (slot == nullptr) return unknown_session(request.session);
+  if (request.version != version_) return other_version(request.version);
+  control::TakeSurfaces logged = request;
+  logged.session = (*slot)->number;
+  const std::vector<std::uint8_t> event =
+      log_ == nullptr ? std::vector<std::uint8_t>{} : body(logged);
+  if (auto wrong = (*slot)->session.take_surfaces(request.version, request.objects))
+    return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
+  log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = event});
+  return control::SurfacesTaken{request.session};
 }
 
 /// Throws std::invalid_argument when they are not possible.
@@ -177,6 +200,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   // With the text first: once the session is there nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
+  accepted.lists_surfaces = true;
   for (const RemoteSeat& seat : scene_->seats()) accepted.seats.push_back(seat.name);
   accepted.version = version();
   std::vector<std::uint8_t> logged;

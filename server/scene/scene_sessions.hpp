@@ -69,6 +69,8 @@ struct SceneCounters {
 
 /// A session that does not exist, or no longer.
 control::Refused unknown_session(std::uint64_t id);
+/// The scene was loaded again since.
+control::Refused other_version(std::uint32_t version);
 
 class SceneSessions {
  public:
@@ -186,6 +188,9 @@ class SceneSessions {
   /// Ends a session, if it exists, without a goodbye.
   void replay_end(std::uint64_t id, SessionEnd how) noexcept;
 
+  /// Counts the scenes, from 1: one more with each enter().
+  std::uint32_t scene_version() const noexcept { return version_; }
+
   std::size_t size() const { return slots_.size(); }
   /// Running sessions included.
   SceneCounters counters() const;
@@ -212,6 +217,7 @@ class SceneSessions {
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
                         Nanoseconds now);
   control::Counters named_counters() const;
+  control::Message take_surfaces(const control::TakeSurfaces& request, Nanoseconds now);
   SessionParameters granted(const SessionParameters& asked) const;
   Bytes receive_samples(SessionSlot& slot, Bytes payload, const Origin& origin,
                         DatagramBuffer& out) noexcept;
@@ -240,6 +246,7 @@ class SceneSessions {
   GoodbyeDatagram goodbye(SessionSlot& slot, GoodbyeReason reason);
 
   const Scene* scene_;
+  std::uint32_t version_ = 1;
   Nanoseconds silence_timeout_;
   std::size_t max_sessions_;
   const NetworkProfile* line_;

@@ -8,6 +8,7 @@
 #include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/extract.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -217,6 +218,7 @@ void Session::enter(Place place) noexcept {
   contacts_ = std::move(place.contacts);
   body_contacts_ = std::move(place.body_contacts);
   body_ = {};
+  forget_surfaces();
   ++scenes_;
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
@@ -234,10 +236,34 @@ void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   deadband_ = ReplyDeadband(parameters_);
 }
 
+std::optional<std::string> Session::take_surfaces(std::uint32_t version,
+                                                  const std::vector<std::uint16_t>& objects) {
+  const auto& all = view_->objects();
+  KnownSurfaces known(all.size(), false);
+  for (const std::uint16_t object : objects) {
+    if (object >= view_->still() || !can_travel(all[object]))
+      return "object " + std::to_string(object) +
+             " has no surface to have in full; list the surfaces to see which there are";
+    known[object] = true;
+  }
+  known_ = std::move(known);
+  surfaces_ = objects.empty() ? 0 : version;
+  deadband_ = ReplyDeadband(parameters_);  // the next model is another one
+  return std::nullopt;
+}
+
+void Session::forget_surfaces() noexcept {
+  known_.clear();
+  surfaces_ = 0;
+}
+
 LocalModel Session::model() const noexcept {
-  return world_ != nullptr
-             ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held)
-             : local_model(*view_, last_.pose.position, contacts_);
+  LocalModel model =
+      world_ != nullptr
+          ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held, known_)
+          : local_model(*view_, last_.pose.position, contacts_, known_);
+  model.surfaces = surfaces_;
+  return model;
 }
 
 BodyModel Session::body_model() const noexcept {

@@ -7,6 +7,7 @@
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
 #include "core/dynamics/world.hpp"
+#include "core/local_model_extraction/extract.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
 #include "protocol/wire/codec.hpp"
@@ -92,6 +93,10 @@ class Session {
   /// reload, because the surface under its hand has changed. A stick point begins anew if a surface
   /// without friction gets friction. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
+  /// From the next sample on the client has these objects' surfaces in full, of this version, and
+  /// no others. Returns the error of a false object, and then changes nothing. Allocates.
+  std::optional<std::string> take_surfaces(std::uint32_t version,
+                                           const std::vector<std::uint16_t>& objects);
   /// The limits of this hand on moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 
@@ -142,6 +147,7 @@ class Session {
  private:
   struct Movement;
   LocalModel model() const noexcept;
+  void forget_surfaces() noexcept;
   BodyModel body_model() const noexcept;
   Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
@@ -159,6 +165,8 @@ class Session {
   World* world_;              // null: nothing moves
   std::uint32_t scenes_ = 1;  // number of scenes so far, with this one
   TouchMemory contacts_;
+  KnownSurfaces known_;         // by the client
+  std::uint32_t surfaces_ = 0;  // their version; 0: it has none
   BodyContactState body_contacts_;
   BodyMemory body_;
   Bounding bounding_;

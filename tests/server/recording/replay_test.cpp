@@ -84,6 +84,24 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
                          ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
                                            "workshop.json"));
 
+/// Which surfaces a client has decides its models.
+TEST(ReplayOfWholeSurfaces, IsBitEqual) {
+  RecordedScene scene(repository_scene("bunny.json"));
+  control::JoinRequest request = test::join_request({});
+  request.parameters.side = BoundingSide::client;
+  request.parameters.local_model = true;
+  scene.join(kA, request);
+  scene.join(kB, request);
+  scene.run(100);
+  ASSERT_TRUE(std::holds_alternative<control::SurfacesTaken>(scene.exchange.sessions.answer(
+      control::TakeSurfaces{kB, 1, {1}}, 0, {}, scene.exchange.now)));
+  scene.run(100);
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_EQ(result.replies, 400u);
+}
+
 /// What a robot says decides what its hand is told.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
