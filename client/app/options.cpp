@@ -198,6 +198,13 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
          "with the modes that shape")
       ->group(session);
 
+  app.add_flag_function(
+         "--whole-surfaces,!--no-whole-surfaces",
+         [&words](std::int64_t times) { words.whole_surfaces = times > 0; },
+         "For the local model, fetch the meshes of the scene, and feel them as the scene does "
+         "(docs/network.md). With --no-whole-surfaces replies have patches of them only")
+      ->group(session);
+
   const auto traffic = "Traffic (docs/network.md)";
   app.add_option("--profile", words.profile,
                  "Kind of line to the server, " + network_profile_names() +

@@ -312,6 +312,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   if (!words.view.empty()) options.view = words.view;
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);
+  options.whole_surfaces = words.whole_surfaces;
   if (!words.link.empty()) options.link = parse_link(words.link);
   if (words.fixed) return;
   options.takes = {.laws = options.driver->held_by_person ? LawsTaken::safe : LawsTaken::any,

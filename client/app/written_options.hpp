@@ -22,6 +22,7 @@ struct WrittenOptions {
   std::optional<std::vector<double>> damping;
   std::optional<double> mass;
   std::optional<bool> local_model;
+  bool whole_surfaces = true;
   bool fixed = false;
   double rate = 1000.0;
   std::optional<double> packet_rate;  // [Hz]

@@ -90,8 +90,8 @@ Signals::Taken Signals::take() const noexcept {
 }
 
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector,
-            EmergencyKey& keys) noexcept {
+            Records& records, Changes& changes, Reconnector& reconnector, SurfaceFetch& surfaces,
+            std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
   bool connected = true;
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
@@ -120,6 +120,10 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     const bool lost = fresh && connected && !status.connected;
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());
+    if (fresh) surfaces.in_use(status.surfaces);
+    if (session != 0 && reconnector.session() != 0) session = reconnector.session();
+    if (running && fresh && connected)
+      surfaces.look({session, status.reloads}, SurfaceFetch::Clock::now());
     if (lost) {
       line.end();
       records.tell_of_flight_record(kLost);

@@ -145,6 +145,7 @@ Json local_model(const Servo& servo) {
           {"mean_patches",
            s.models > 0 ? number(static_cast<double>(s.patches) / static_cast<double>(s.models))
                         : Json(nullptr)},
+          {"with_whole_surfaces", s.whole_models},
           {"samples_from_model", s.modelled},
           {"samples_from_both", s.half_modelled},
           {"samples_beyond_reach", s.beyond_model},

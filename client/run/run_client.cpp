@@ -99,6 +99,7 @@ struct Run : ServoTask {
   std::optional<Changes> changes;  // that an admin wants
   Ring<SessionAddress> sessions{kSessionRoom};
   Ring<LiveStatus> statuses{kStatusRoom};
+  Ring<const WholeSurfaces*> surfaces{kSessionRoom};
 };
 
 /// For the metadata of MCAP files.
@@ -156,6 +157,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                   .patience = from_seconds(options.patience),
                   .rejoined = &run->sessions,
                   .changes = &run->changes->ready(),
+                  .surfaces = &run->surfaces,
                   .busy_poll = busy_poll_time(options.busy_poll)};
   run->outputs = {.status = &run->statuses,
                   .record = run->records->rows(),
@@ -164,6 +166,13 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   const Nanoseconds period = from_seconds(accepted.parameters.servo_period);
   run->priority = never_sleeps(run->options.busy_poll, period) ? 0 : kServoPriority;
   return run;
+}
+
+/// The session for which whole surfaces may be fetched; 0: it has no use for them.
+std::uint64_t fetching_session(const control::JoinAccepted& accepted, Role role) {
+  return accepted.lists_surfaces && accepted.parameters.local_model && feels(role)
+             ? accepted.session
+             : 0;
 }
 
 /// Precondition: the run's servo thread has ended.
@@ -252,6 +261,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   // From here on the server knows of us: whatever fails, it is told.
   std::shared_ptr<Run> all;
   std::optional<Reconnector> reconnector;
+  std::optional<SurfaceFetch> surfaces;
   std::optional<CrashRelease> crash_release;
   std::optional<ServoThread> thread;
   try {
@@ -263,6 +273,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     RejoinOptions rejoin;
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
+    surfaces.emplace(options.server, options.build_surfaces, all->surfaces);
     crash_release.emplace(all->guard);
     thread.emplace(all);
   } catch (...) {
@@ -276,7 +287,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0)
       std::fputs("feltwire-client: the space bar takes all force off at once\n", stderr);
-    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, keys);
+    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, *surfaces,
+           fetching_session(joined.accepted, options.role), keys);
   }
   const bool ended = thread->end();
   LoopResult& result = all->result;
@@ -308,7 +320,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   }
   const int ending = conclude(options, all->servo, result, fault, reported);
   const int code = failed ? 1 : ending;
-  if (!ended || reconnector->asking()) end_at_once(code);
+  if (!ended || reconnector->asking() || surfaces->asking()) end_at_once(code);
   return code;
 }
 

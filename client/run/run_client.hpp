@@ -56,6 +56,9 @@ struct RunOptions {
   /// Called with the measurements of the run, after the servo thread has ended. The text that it
   /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};
+  /// Makes whole surfaces for the local model of those that the server sends; empty: none are
+  /// fetched, and the model has patches only. core/whole_surfaces has one for meshes.
+  BuildSurfaces build_surfaces = {};
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

@@ -44,6 +44,8 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .withholds_change = servo.withholds_change(),
           .shapes = servo.shapes(),
           .near = servo.near(),
+          .reloads = servo.newest_reply().reloads,
+          .surfaces = servo.surfaces(),
           .hand_damping = hand_damping_of(servo),
           .balance = balance_of(servo),
           .account_cuts = s.account_cut,

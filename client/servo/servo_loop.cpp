@@ -118,6 +118,7 @@ class Loop {
     // Before the tick: a hand that has just been found again must not feel what waited for it.
     if (options_.rejoined != nullptr) regain(now);
     if (options_.changes != nullptr) change(now);
+    if (options_.surfaces != nullptr) take_surfaces();
     tick(now);
     if (servo_.device_ended()) return end(EndReason::device_ended);
     if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
@@ -209,6 +210,11 @@ class Loop {
       refused_ = next->refused;
       reported_ = Nanoseconds{0};  // the server is told with the next sample
     }
+  }
+
+  void take_surfaces() noexcept {
+    const WholeSurfaces* surfaces = nullptr;
+    while (options_.surfaces->pop(surfaces)) servo_.use_surfaces(surfaces);
   }
 
   /// Replies bring a change until the server has heard of it.

@@ -58,7 +58,10 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     if (!connected) refusal_ = std::move(done.refusal);
     // Also when the old session answers again meanwhile: two would stand at the server else.
     handed_over_ = done.session && out_.push(*done.session);
-    if (handed_over_) ++sessions_;
+    if (handed_over_) {
+      ++sessions_;
+      session_ = done.session->session;
+    }
     handed_over_at_ = now;
     put_off(now);
     return;

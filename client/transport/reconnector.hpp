@@ -50,6 +50,8 @@ class Reconnector {
   /// reconnector has stopped. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
+  /// The number of the newest session that went to `out`; 0: none did.
+  std::uint64_t session() const { return session_; }
   /// How many sessions went to `out`.
   std::uint32_t sessions() const { return sessions_; }
   /// Whether an attempt has begun whose outcome look() has not taken yet.
@@ -79,6 +81,7 @@ class Reconnector {
   std::chrono::milliseconds wait_;
   std::uint64_t attempts_ = 0;
   std::uint32_t sessions_ = 0;
+  std::uint64_t session_ = 0;
 };
 
 }  // namespace feltwire

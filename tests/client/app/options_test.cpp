@@ -70,6 +70,8 @@ TEST(Options, ALocalModelIsForASideThatBoundsHere) {
   EXPECT_TRUE(std::get<ClientOptions>(options).parameters.local_model);
   EXPECT_FALSE(std::get<ClientOptions>(parsed({"--mode", "contact_frame"})).parameters.local_model);
   EXPECT_THAT(refusal({"--local-model", "--bounding", "server"}), HasSubstr("local_model"));
+  EXPECT_TRUE(std::get<ClientOptions>(options).whole_surfaces);
+  EXPECT_FALSE(std::get<ClientOptions>(parsed({"--no-whole-surfaces"})).whole_surfaces);
 }
 
 TEST(Options, WhatIsNotSaidOfTheBoundFollowsFromTheRest) {

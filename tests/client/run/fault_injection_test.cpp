@@ -185,7 +185,10 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     failed_once.store(false);
     left = nth;
     EmergencyKey no_keys(nullptr, -1);
-    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, no_keys);
+    Ring<const WholeSurfaces*> made(1);
+    SurfaceFetch surfaces(access, {}, made);
+    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, surfaces, 0,
+           no_keys);
     left = kNever;
     run.expect_good_end(thread, nth);
     EXPECT_GE(reconnector.attempts(), 1u) << nth;

@@ -1,0 +1,137 @@
+// A client fetches the meshes of its scene while it feels them, from a whole server over real
+// sockets.
+
+#include "client/transport/surface_fetch.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "tests/client/loopback.hpp"
+#include "tests/client/peer.hpp"
+
+namespace feltwire::surface_fetch_test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Client;
+
+/// Rests over a ball of 5120 triangles for as long as the test takes.
+constexpr const char* kRest = "t,x,y,z\n0,0.03,0,0.046\n600,0.03,0,0.046\n";
+
+Scene ball_scene() {
+  Object ball;
+  ball.name = "ball";
+  ball.shape = Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.05, 4)))};
+  return Scene("ball", {ball});
+}
+
+SessionParameters modelled() {
+  SessionParameters parameters;
+  parameters.side = BoundingSide::client;
+  parameters.local_model = true;
+  return parameters;
+}
+
+class SurfaceFetchTest : public ::testing::Test {
+ protected:
+  SurfaceFetchTest() {
+    std::vector<Scene> scenes;
+    scenes.push_back(ball_scene());
+    scenes.push_back(testing::floor_scene());
+    server = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
+    endpoint = test::access(server->control_port());
+  }
+  /// Looks until it holds; the clock goes on by an hour a look, so that nothing is waited out.
+  template <class Until>
+  void look(SurfaceFetch& fetch, const ScenePlace& place, const char* what, Until until) {
+    test::eventually(what, [&] {
+      fetch.look(place, now += 1h);
+      return until();
+    });
+  }
+  std::unique_ptr<Server> server;
+  ServerAccess endpoint;
+  SurfaceFetch::Clock::time_point now{};
+  Ring<const WholeSurfaces*> ready{4};
+};
+
+TEST_F(SurfaceFetchTest, FeelsTheWholeMeshFromThenOn) {
+  Client client(endpoint, kRest, modelled(), "ball");
+  ASSERT_TRUE(client.joined.accepted.lists_surfaces);
+  Ring<LiveStatus> statuses(16);
+  const LoopOptions options{.silence_timeout = testing::kPatience, .surfaces = &ready};
+  client.thread = std::thread([&] {
+    run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
+                   {.status = &statuses, .record = &client.records}, *client.result);
+  });
+  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
+       [&] { return fetch.known() == 1; });
+  LiveStatus status;
+  test::eventually("the servo has it", [&] {
+    while (statuses.pop(status)) fetch.in_use(status.surfaces);
+    return status.surfaces != nullptr && status.near;
+  });
+  // Nothing more is asked while the scene stays.
+  for (int i = 0; i < 10; ++i) fetch.look({client.joined.accepted.session, 0}, now += 1h);
+  EXPECT_FALSE(fetch.asking());
+  // After a change of the scene that leaves its shapes: asked again, and not fetched again.
+  look(fetch, {client.joined.accepted.session, 1}, "a question", [&] { return fetch.asking(); });
+  look(fetch, {client.joined.accepted.session, 1}, "its answer", [&] { return !fetch.asking(); });
+  EXPECT_EQ(fetch.known(), 1u);
+  client.stop.set();
+  client.finish();
+  EXPECT_GT(client.servo.statistics().whole_models, 0u);
+  const WholeSurfaces* more = nullptr;
+  EXPECT_FALSE(ready.pop(more));
+  EXPECT_TRUE(status.surfaces->has(0));
+}
+
+TEST_F(SurfaceFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
+  Client client(endpoint, kRest, modelled(), "floor");
+  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  const ScenePlace place{client.joined.accepted.session, 0};
+  look(fetch, place, "a question", [&] { return fetch.asking(); });
+  look(fetch, place, "its answer", [&] { return !fetch.asking(); });
+  for (int i = 0; i < 10; ++i) fetch.look(place, now += 1h);
+  EXPECT_FALSE(fetch.asking());
+  EXPECT_EQ(fetch.known(), 0u);
+}
+
+/// Another session may be another server's, whose scenes have the same versions.
+TEST_F(SurfaceFetchTest, AnotherSessionFetchesAnew) {
+  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  const WholeSurfaces *first = nullptr, *second = nullptr;
+  for (const WholeSurfaces** got : {&first, &second}) {
+    Client client(endpoint, kRest, modelled(), "ball");
+    look(fetch, {client.joined.accepted.session, 0}, "surfaces", [&] { return ready.pop(*got); });
+    look(fetch, {client.joined.accepted.session, 0}, "the end of all questions",
+         [&] { return !fetch.asking() && fetch.known() == 1; });
+  }
+  EXPECT_NE(first, second);
+  EXPECT_EQ(first->version(), second->version());
+}
+
+/// A server that sends what is no surface, or sends without end, gives the servo nothing.
+TEST_F(SurfaceFetchTest, ABadServerGivesNothing) {
+  control::SurfaceEntry entry{.surface = {}, .vertices = 3, .triangles = 1};
+  for (const control::Message& answer :
+       {control::Message(control::SurfaceList{1, {entry}}),  // and then no SurfacePart
+        control::Message(control::Refused{control::RefusalCode::malformed, "no"}),
+        control::Message(control::SurfacesTaken{1})}) {
+    testing::ControlPeer peer(control::encode(answer));
+    SurfaceFetch fetch(peer.access(), mesh_surfaces, ready, 2s);
+    look(fetch, {1, 0}, "a question", [&] { return fetch.asking(); });
+    test::eventually("its end", [&] {
+      fetch.look({}, now);
+      return !fetch.asking();
+    });
+    const WholeSurfaces* none = nullptr;
+    EXPECT_FALSE(ready.pop(none));
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::surface_fetch_test
