@@ -97,7 +97,7 @@ void add_frontier(CLI::App& app) {
       "cost is deterministic. docs/lab/frontier.md says how to read it.",
       "Table and pictures", [](const std::string& out) {
         const auto rows = write_frontier(out, frontier_cases());
-        return frontier_table(rows) + published_table(rows) +
+        return frontier_table(rows) + sessions_table(rows) + published_table(rows) +
                learning_table(run_frontier(learning_cases()));
       });
 }

@@ -8,6 +8,7 @@
 
 #include "client/transport/datagram_session.hpp"
 #include "core/tool/body_tool.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -125,6 +126,22 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
   return options;
 }
 
+/// Gives both ends what a client fetches. Null: there is nothing to fetch.
+std::shared_ptr<const WholeSurfaces> share_surfaces(const Scene& scene, SceneSessions& sessions) {
+  const ToolView& view = scene;
+  if (view.tool().body != nullptr || view.tool().radius > 0.0) return nullptr;
+  control::TakeSurfaces take{kSessionId, sessions.scene_version(), {}};
+  std::vector<SurfaceData> surfaces;
+  for (std::size_t i = 0; i < view.still() && surfaces.size() < control::kMaxSurfaces; ++i) {
+    if (!can_travel(view.objects()[i])) continue;
+    take.objects.push_back(static_cast<std::uint16_t>(i));
+    surfaces.push_back(whole_surface_data(view.objects()[i], take.objects.back()));
+  }
+  if (surfaces.empty()) return nullptr;
+  sessions.answer(take, 0, {}, {});
+  return mesh_surfaces(sessions.scene_version(), surfaces);
+}
+
 class NetworkRun {
  public:
   NetworkRun(const Scene& scene, const NetworkRunOptions& options)
@@ -143,7 +160,11 @@ class NetworkRun {
         timed_(options.timed),
         result_{.measured_port = port_of(options),
                 .true_port = port_of(options),
-                .observed_port = servo_.port()} {}
+                .observed_port = servo_.port()} {
+    if (!accepted_.parameters.local_model || !options.whole_surfaces) return;
+    surfaces_ = share_surfaces(scene, sessions_);
+    servo_.use_surfaces(surfaces_.get());
+  }
 
   NetworkRunResult run(double duration) {
     const double period = accepted_.parameters.servo_period;
@@ -274,6 +295,7 @@ class NetworkRun {
   DeviceSpec told_;
   SceneSessions sessions_;
   control::JoinAccepted accepted_;
+  std::shared_ptr<const WholeSurfaces> surfaces_;
   Servo servo_;
   DatagramSession datagrams_;
   TwoWayLink link_;

@@ -29,7 +29,10 @@ struct NetworkRunOptions {
   TwoWayLinkOptions link;
   double duration = 4.0;         // [s], longer than a servo period
   double silence_timeout = 2.0;  // [s] of the server, > 0
-  bool timed = false;            // computing times are measured, by this machine's clock
+  /// A client with a local model has the scene's meshes in full, as the real one does once it has
+  /// fetched them (SurfaceFetch); false: it has patches of them.
+  bool whole_surfaces = true;
+  bool timed = false;  // computing times are measured, by this machine's clock
 };
 
 /// One servo tick. Forces on the hand, world frame.

@@ -3,13 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
 #include "core/bounding/device_account.hpp"
+#include "core/mesh/mesh_file.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/scene_file/load_scene.hpp"
+#include "scenes/bunny_text.hpp"
+#include "scenes/paper_sphere_text.hpp"
 #include "scenes/paper_wall_text.hpp"
+#include "sim/measure/fidelity.hpp"
 #include "sim/measure/metrics.hpp"
+#include "sim/measure/network_run.hpp"
 #include "sim/measure/surfaces.hpp"
 #include "sim/published_laws/published_laws.hpp"
 #include "sim/studies/bound/figures.hpp"
@@ -23,9 +32,40 @@ constexpr double kAir = 2.0;             // [s] of a warm start
 constexpr double kStiffEnough = 150.0;   // [N/m] of hands that press round things with 3 N
 constexpr double kFrictionShare = 0.75;  // of the dry friction, that the account is told
 
+/// The bunny of scenes/bunny.json.
+Object bunny() {
+  constexpr double kCentimetre = 0.01;  // [m] a unit of the file
+  Object object;
+  object.name = "bunny";
+  object.shape = Mesh{std::make_shared<MeshSurface>(
+      TriangleMesh(parse_mesh(embedded::bunny, "bunny.obj", kCentimetre)),
+      MeshOptions{.smooth = true})};
+  object.pose.orientation = Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()));
+  object.material = {.stiffness = 800.0, .static_friction = 0.4, .dynamic_friction = 0.3};
+  return object;
+}
+
+/// To and fro over its back, pressed by 3 N.
+CompareTask over_bunny(const Object& bunny) {
+  HandTask hand;
+  hand.path = HandPath::slide;
+  hand.center = Vec3(0.01, -0.01, 0.0626);
+  return {"bunny", environment(bunny),
+          [&bunny](const Vec3& p) {
+            const MeshSurface& surface = *std::get<Mesh>(bunny.shape).surface;
+            const Vec3 q = bunny.pose.orientation.conjugate() * (p - bunny.pose.position) -
+                           surface.mesh().origin();
+            const auto nearest = surface.nearest(q, std::numeric_limits<double>::infinity());
+            return surface.side_of(q, nearest) < 0.0 ? -nearest.distance : nearest.distance;
+          },
+          hand, 8.0};
+}
+
 /// The tasks of all cases. Made once: a scene takes long to parse.
 struct TaskSource {
   Object paper_wall = parse_scene(embedded::paper_wall, "paper_wall.json").objects().front();
+  Object paper_sphere = parse_scene(embedded::paper_sphere, "paper_sphere.json").objects().front();
+  Object mesh = bunny();
   std::vector<CompareTask> compared = compare_tasks();
 };
 
@@ -54,6 +94,7 @@ bool on_wall(const std::string& task) {
 
 CompareTask task_of(const FrontierCase& c, const TaskSource& source) {
   if (on_wall(c.task)) return wall(source.paper_wall, c);
+  if (c.task == "bunny") return over_bunny(source.mesh);
   for (const CompareTask& task : source.compared)
     if (task.name == c.task) return task;
   throw std::invalid_argument("the frontier has no task '" + c.task + "'");
@@ -106,8 +147,47 @@ double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& s
   return -least;
 }
 
+Object object_of(const FrontierCase& c, const TaskSource& source) {
+  if (c.task == "bunny") return source.mesh;
+  if (c.task == "sphere") return source.paper_sphere;
+  if (!on_wall(c.task))
+    throw std::invalid_argument("the frontier has no session with the task '" + c.task + "'");
+  Object object = source.paper_wall;
+  object.material.stiffness = c.wall;
+  return object;
+}
+
+/// A whole session: datagrams, an emulated link, the scene at the server, a local model.
+FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Object& object) {
+  const ExperimentSetup setup = setup_of(c, task);
+  NetworkRunOptions options;
+  options.hand = setup.hand;
+  options.parameters.mode = c.law;
+  options.parameters.servo_period = kPeriod;
+  options.parameters.local_model = true;
+  options.link.up.delay = options.link.down.delay = 0.5 * c.delay;
+  options.duration = setup.duration;
+  const NetworkRunResult run = run_network(Scene(c.task, {object}), options);
+  FrontierRow row{.made = c,
+                  .energy_made = std::max(0.0, -run.least_device_margin),
+                  .excess = run.measured_port.violations()};
+  const auto second_half = std::span(run.samples).subspan(run.samples.size() / 2);
+  row.direction_error = fidelity(second_half).direction.mean;
+  double rendered = 0.0, whole = 0.0;
+  for (const NetworkSample& s : second_half) {
+    rendered += s.held.elastic.dot(s.ideal.elastic);
+    whole += s.ideal.elastic.squaredNorm();
+  }
+  row.displayed = whole > 0.0 ? rendered / whole : 0.0;
+  std::vector<double> distance;
+  for (const NetworkSample& s : run.samples) distance.push_back(task.distance(s.position));
+  if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
+  return row;
+}
+
 FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
   const CompareTask task = task_of(c, source);
+  if (c.session) return run_session(c, task, object_of(c, source));
   const ExperimentSetup setup = setup_of(c, task);
   const auto samples = run_experiment(task.touch, setup);
   FrontierRow row{.made = c, .energy_made = energy_made(c, samples)};
@@ -192,6 +272,23 @@ void add_published(std::vector<FrontierCase>& cases, FrontierCase c) {
 
 }  // namespace
 
+std::vector<FrontierCase> session_cases() {
+  std::vector<FrontierCase> cases;
+  for (const char* task : {"wall", "tap", "sphere", "bunny"})
+    for (const double delay : {0.0, 50e-3, 100e-3})
+      for (const NamedHand& hand : kEightHands) {
+        const FrontierCase c{.task = task,
+                             .law = "shaped",
+                             .need = Need::inertia_friction,
+                             .delay = delay,
+                             .hand = hand,
+                             .cold = false,
+                             .session = true};
+        if (on_wall(c.task) || hand.hand.stiffness >= kStiffEnough) cases.push_back(c);
+      }
+  return cases;
+}
+
 std::vector<FrontierCase> published_cases() {
   struct Where {
     const char* task;
@@ -257,6 +354,8 @@ std::vector<FrontierCase> frontier_cases() {
         }
   const auto published = published_cases();
   cases.insert(cases.end(), published.begin(), published.end());
+  const auto sessions = session_cases();
+  cases.insert(cases.end(), sessions.begin(), sessions.end());
   return cases;
 }
 

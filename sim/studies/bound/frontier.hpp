@@ -49,6 +49,7 @@ struct FrontierCase {
   double hand_force = kHandForce;  // F_h [N] that the account is told
   bool learns = false;             // the account learns it (core/bounding/outside_force.hpp)
   double duration = 0.0;           // [s] 0: that of the task
+  bool session = false;            // a whole session over a network, whose client has a local model
 };
 
 struct FrontierRow {
@@ -62,6 +63,9 @@ struct FrontierRow {
 
 /// The cases of the whole study.
 std::vector<FrontierCase> frontier_cases();
+/// Whole sessions of the law `shaped` with a local model, in process and over slow networks: the
+/// paper's wall and sphere, taps, and a mesh of 3674 triangles.
+std::vector<FrontierCase> session_cases();
 /// The cases for the laws of other papers: the paper's wall, taps, the sphere, and a press on a
 /// wall with a late command.
 std::vector<FrontierCase> published_cases();
@@ -94,6 +98,7 @@ std::string learning_table(const std::vector<FrontierRow>& rows);
 /// For people: the displayed share and how many hands are calm, by law, damping and delay; then the
 /// results of the laws of other papers for the same cases, beside ours.
 std::string frontier_table(const std::vector<FrontierRow>& rows);
+std::string sessions_table(const std::vector<FrontierRow>& rows);
 std::string published_table(const std::vector<FrontierRow>& rows);
 
 }  // namespace feltwire

@@ -30,6 +30,7 @@ Json json(const FrontierRow& row, double cost) {
           {"delay_ms", c.delay * kMilli},
           {"hand", c.hand.name},
           {"cold", c.cold},
+          {"local_model", c.session},
           {"oscillation_um", row.oscillation * kMicro},
           {"displayed_share", row.displayed},
           {"direction_error_deg", row.direction_error * kDegrees},
@@ -40,15 +41,16 @@ Json json(const FrontierRow& row, double cost) {
 
 std::string csv(const std::vector<FrontierRow>& rows) {
   std::string text =
-      "task,law,need,b,device,wall,delay_ms,hand,cold,oscillation_um,displayed_share,"
+      "task,law,need,b,device,wall,delay_ms,hand,cold,local_model,oscillation_um,displayed_share,"
       "direction_error_deg,energy_made_j,excess_count\n";
   for (const FrontierRow& r : rows) {
     const FrontierCase& c = r.made;
-    append(text, "%s,%s,%s,%g,%s,%g,%g,%s,%d,%.4g,%.5g,%.4g,%.4g,%llu\n", c.task.c_str(),
+    append(text, "%s,%s,%s,%g,%s,%g,%g,%s,%d,%d,%.4g,%.5g,%.4g,%.4g,%llu\n", c.task.c_str(),
            c.law.c_str(), std::string(kNeedNames[static_cast<std::size_t>(c.need)]).c_str(),
            c.damping, std::string(c.device.name).c_str(), c.wall, c.delay * kMilli,
-           std::string(c.hand.name).c_str(), c.cold ? 1 : 0, r.oscillation * kMicro, r.displayed,
-           r.direction_error * kDegrees, r.energy_made, static_cast<unsigned long long>(r.excess));
+           std::string(c.hand.name).c_str(), c.cold ? 1 : 0, c.session ? 1 : 0,
+           r.oscillation * kMicro, r.displayed, r.direction_error * kDegrees, r.energy_made,
+           static_cast<unsigned long long>(r.excess));
   }
   return text;
 }
@@ -264,6 +266,24 @@ std::string frontier_table(const std::vector<FrontierRow>& rows) {
   for (const CapRow& row : cap_trade())
     append(text, "  %5g   %6.1f | %10.1f | %11.2f | %5.3f | %5.3f\n", row.cap, row.energy * kMilli,
            row.given * kMilli, row.speed, row.wall, row.taps);
+  return text;
+}
+
+std::string sessions_table(const std::vector<FrontierRow>& rows) {
+  std::string text =
+      "\nWhole sessions of `shaped` with a local model, b = 0.5, warm: displayed share, median and "
+      "worst hand, and how many hands are calm\n"
+      "  task     |       in process        |          50 ms          |         100 ms\n";
+  for (const char* task : {"wall", "tap", "sphere", "bunny"}) {
+    append(text, "  %-8s", task);
+    for (const double delay : {0.0, 50e-3, 100e-3}) {
+      const OverHands o = over_hands(rows, [&](const FrontierCase& c) {
+        return c.session && c.task == task && c.delay == delay;
+      });
+      append(text, " | %7.3f %6.3f %2zu of %2zu", o.median, o.worst, o.calm, o.hands);
+    }
+    text += '\n';
+  }
   return text;
 }
 

@@ -106,8 +106,8 @@ std::string over_link_table(const std::vector<OverLinkRow>& rows) {
       "Energy made is what the hand got beyond what the device burned: above zero, the loop can "
       "shake by itself.\nForce felt is the force on the hand over the scene's own where the hand "
       "really was. A passive bound\nwithholds the force that the device's damping does not cover "
-      "over this delay. With a local model surfaces\ntravel instead of forces, which helps where "
-      "they can be fitted.\n";
+      "over this delay. With a local model surfaces\ntravel instead of forces; a mesh travels "
+      "whole.\n";
   return text;
 }
 

@@ -247,5 +247,20 @@ TEST(FrontierHands, MassAloneCarriesAFirstPress) {
   EXPECT_GT(row(c).displayed, 0.99);
 }
 
+/// With the surfaces at the client, a slow network is felt as none.
+TEST(FrontierSessions, AreFeltOverSlowNetworksAsInProcess) {
+  std::vector<FrontierCase> cases;
+  for (FrontierCase c : session_cases())
+    if (c.hand.name == kEightHands[0].name) cases.push_back(c);
+  ASSERT_EQ(cases.size(), 12u);
+  double in_process = 0.0;
+  for (const FrontierRow& r : run_frontier(cases)) {
+    EXPECT_EQ(r.energy_made, 0.0) << r.made.task << ' ' << r.made.delay;
+    if (r.made.delay == 0.0) in_process = r.displayed;
+    EXPECT_GT(r.displayed, 0.9) << r.made.task << ' ' << r.made.delay;
+    EXPECT_NEAR(r.displayed, in_process, 0.05 * in_process) << r.made.task << ' ' << r.made.delay;
+  }
+}
+
 }  // namespace
 }  // namespace feltwire::frontier_test
