@@ -13,7 +13,6 @@
 #include "client/app/devices_command.hpp"
 #include "client/app/identify_command.hpp"
 #include "client/app/options.hpp"
-#include "client/app/surfaces.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/run/check.hpp"
 #include "client/run/run_client.hpp"
@@ -72,7 +71,7 @@ int check(ClientOptions& options) {
 
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
-  if (options.whole_surfaces) options.build_surfaces = surface_builder();
+  if (!options.whole_surfaces) options.build_surfaces = {};
   options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
   if (options.check) return check(options);
   auto device = open_device(options);

@@ -16,6 +16,7 @@
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 
@@ -57,8 +58,8 @@ struct RunOptions {
   /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};
   /// Makes whole surfaces for the local model of those that the server sends; empty: none are
-  /// fetched, and the model has patches only. core/whole_surfaces has one for meshes.
-  BuildSurfaces build_surfaces = {};
+  /// fetched, and the model has patches of meshes only.
+  BuildSurfaces build_surfaces = mesh_surfaces;
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

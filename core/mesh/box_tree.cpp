@@ -1,24 +1,20 @@
-#include "core/mesh/box_tree.hpp"
+// Builds the tree from the top down: each node's things are cut in two where the surface area
+// heuristic says (Goldsmith, Salmon 1987), by bins of their middles (Wald 2007), until there are
+// four parts.
 
-#include <embree3/rtcore.h>
+#include "core/mesh/box_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <mutex>
 #include <stdexcept>
-#include <string>
-#include <type_traits>
 
 namespace feltwire {
 namespace {
 
-constexpr unsigned kMostInLeaf = 4;
-/// From here on boxes are put in the order of a space-filling curve (Embree's Morton builder),
-/// which takes a quarter of the time; on so many, questions take no longer, or a fifth where they
-/// are uneven. Fewer are cut by the surface area heuristic.
-constexpr std::size_t kMany = std::size_t{1} << 18;
-constexpr unsigned kMaxDepth = 32;  // beyond it only leaves too large are cut
+constexpr std::size_t kMostInLeaf = 4;
+constexpr std::size_t kBins = 16;
+/// From this level on things are cut into halves, whatever that costs: so no tree is deep.
+constexpr int kMaxUneven = 24;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 float below(double x) {
@@ -30,64 +26,135 @@ float above(double x) {
   return static_cast<double>(f) >= x ? f : std::nextafter(f, kInfinity);
 }
 
-[[noreturn]] void fail_to_build(std::size_t boxes, RTCError error) {
-  throw std::runtime_error("a tree over " + std::to_string(boxes) +
-                           " boxes cannot be built, Embree's error " + std::to_string(error) +
-                           (error == RTC_ERROR_OUT_OF_MEMORY ? " (no memory)" : "") +
-                           "; free some memory, or raise the process's limit (ulimit -v)");
-}
+using Corner = std::array<float, 3>;
 
-/// One for the whole program: making it costs more than most trees. Null where there is no memory
-/// for it; who asks later may get one.
-RTCDevice device() {
-  struct Release {
-    void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
-  };
-  static std::mutex making;
-  static std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> shared;
-  const std::lock_guard lock(making);
-  if (shared == nullptr) shared.reset(rtcNewDevice(nullptr));
-  return shared.get();
-}
+/// A box that grows; empty at first.
+struct Hull {
+  Corner least{kInfinity, kInfinity, kInfinity}, most{-kInfinity, -kInfinity, -kInfinity};
 
-/// What Embree's builder makes, before it is laid out flat: a leaf, or an inner node.
-struct Built {
-  unsigned count = 0;  // of a leaf's things; 0: a node
-};
-struct BuiltLeaf : Built {
-  std::array<std::uint32_t, kMostInLeaf> things{};
-};
-struct BuiltNode : Built {
-  std::array<const Built*, kMostInLeaf> children{};
-  std::array<RTCBounds, kMostInLeaf> bounds{};
+  void add(const Corner& from, const Corner& to) {
+    for (std::size_t axis = 0; axis < least.size(); ++axis) {
+      least[axis] = std::min(least[axis], from[axis]);
+      most[axis] = std::max(most[axis], to[axis]);
+    }
+  }
+  void add(const Hull& other) { add(other.least, other.most); }
+  /// Half its area [m^2]; 0 of an empty one.
+  double area() const {
+    const auto side = [&](std::size_t axis) {
+      return std::max(0.0, static_cast<double>(most[axis]) - static_cast<double>(least[axis]));
+    };
+    return side(0) * side(1) + side(1) * side(2) + side(2) * side(0);
+  }
 };
 
-template <class Made>
-Made* allocate(RTCThreadLocalAllocator allocator) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(Made), alignof(Made))) Made;
+struct Thing {
+  Hull box;
+  std::uint32_t index = 0;
+  /// Twice its middle: nothing is rounded away.
+  float middle(std::size_t axis) const { return box.least[axis] + box.most[axis]; }
+};
+
+/// Things side by side.
+struct Part {
+  std::size_t begin = 0, end = 0;
+  Hull box;
+  std::size_t size() const { return end - begin; }
+};
+
+/// Where a part may be cut along an axis: between bins of the things' middles.
+struct Bins {
+  float first = kInfinity, per_bin = 0.0f;
+  std::array<Hull, kBins> boxes{};
+  std::array<std::size_t, kBins> counts{};
+
+  std::size_t bin_of(float middle) const {
+    return std::min(kBins - 1,
+                    static_cast<std::size_t>(std::max(0.0f, (middle - first) * per_bin)));
+  }
+};
+
+struct Cut {
+  std::size_t axis = 0;
+  std::size_t bin = 0;  // things of this bin and later ones go to the second part; 0: no cut
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+Part part_of(const std::vector<Thing>& things, std::size_t begin, std::size_t end) {
+  Part part{begin, end, {}};
+  for (std::size_t i = begin; i < end; ++i) part.box.add(things[i].box);
+  return part;
 }
 
-void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return static_cast<Built*>(allocate<BuiltNode>(allocator));
+/// The bins of all axes. An axis along which all middles are one has no bins: per_bin is zero.
+std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) {
+  std::array<Bins, 3> bins;
+  Corner last{-kInfinity, -kInfinity, -kInfinity};
+  for (std::size_t i = part.begin; i < part.end; ++i)
+    for (std::size_t axis = 0; axis < bins.size(); ++axis) {
+      bins[axis].first = std::min(bins[axis].first, things[i].middle(axis));
+      last[axis] = std::max(last[axis], things[i].middle(axis));
+    }
+  for (std::size_t axis = 0; axis < bins.size(); ++axis) {
+    const float per_bin = static_cast<float>(kBins) / (last[axis] - bins[axis].first);
+    if (last[axis] > bins[axis].first && std::isfinite(per_bin)) bins[axis].per_bin = per_bin;
+  }
+  for (std::size_t i = part.begin; i < part.end; ++i)
+    for (Bins& of_axis : bins) {
+      if (of_axis.per_bin == 0.0f) continue;
+      const auto axis = static_cast<std::size_t>(&of_axis - bins.data());
+      const std::size_t bin = of_axis.bin_of(things[i].middle(axis));
+      of_axis.boxes[bin].add(things[i].box);
+      ++of_axis.counts[bin];
+    }
+  return bins;
 }
 
-BuiltNode& node_of(void* built) { return *static_cast<BuiltNode*>(static_cast<Built*>(built)); }
-
-void set_children(void* node, void** children, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i)
-    node_of(node).children[i] = static_cast<const Built*>(children[i]);
+/// The cheapest cut between the bins of an axis.
+Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
+  Cut cut{.axis = axis};
+  // What lies behind each cut, then what lies before it.
+  std::array<double, kBins> behind{};
+  Hull hull;
+  std::size_t count = 0;
+  for (std::size_t bin = kBins; bin-- > 1;) {
+    hull.add(bins.boxes[bin]);
+    count += bins.counts[bin];
+    behind[bin] = hull.area() * static_cast<double>(count);
+  }
+  hull = {};
+  count = 0;
+  for (std::size_t bin = 1; bin < kBins; ++bin) {
+    hull.add(bins.boxes[bin - 1]);
+    count += bins.counts[bin - 1];
+    if (count == 0 || count == size) continue;
+    const double cost = hull.area() * static_cast<double>(count) + behind[bin];
+    if (!(cost < cut.cost)) continue;
+    cut.cost = cost;
+    cut.bin = bin;
+  }
+  return cut;
 }
 
-void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) node_of(node).bounds[i] = *bounds[i];
-}
-
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* things,
-                  std::size_t count, void*) {
-  auto* leaf = allocate<BuiltLeaf>(allocator);
-  leaf->count = static_cast<unsigned>(count);
-  for (std::size_t i = 0; i < count; ++i) leaf->things[i] = things[i].primID;
-  return static_cast<Built*>(leaf);
+/// Cuts a part in two, and puts its things on their sides.
+std::array<Part, 2> halves(std::vector<Thing>& things, const Part& part, int level) {
+  const auto at = [&](std::size_t i) { return things.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::array<Bins, 3> bins;
+  Cut best;
+  if (level < kMaxUneven) {
+    bins = bins_of(things, part);
+    for (std::size_t axis = 0; axis < bins.size(); ++axis)
+      if (const Cut cut = best_cut(bins[axis], axis, part.size()); cut.cost < best.cost) best = cut;
+  }
+  std::size_t middle = part.begin + part.size() / 2;
+  if (best.bin > 0) {
+    const auto before = [&](const Thing& thing) {
+      return bins[best.axis].bin_of(thing.middle(best.axis)) < best.bin;
+    };
+    middle = static_cast<std::size_t>(std::partition(at(part.begin), at(part.end), before) -
+                                      things.begin());
+  }
+  return {part_of(things, part.begin, middle), part_of(things, middle, part.end)};
 }
 
 }  // namespace
@@ -99,49 +166,50 @@ BoxTree::FloatBox::FloatBox(const Bounds& box) {
   }
 }
 
-struct BoxTree::Building {
-  /// In float, rounded outwards; `whole` holds them all.
-  static void fill(std::span<const Bounds> boxes, std::vector<RTCBuildPrimitive>& things,
-                   RTCBounds& whole) {
-    whole = {kInfinity, kInfinity, kInfinity, 0.0f, -kInfinity, -kInfinity, -kInfinity, 0.0f};
+class BoxTree::Building {
+ public:
+  Building(BoxTree& tree, std::span<const Bounds> boxes) : tree_(tree), things_(boxes.size()) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const FloatBox b(boxes[i]);
-      things[i] = {b.least[0], b.least[1], b.least[2], 0,
-                   b.most[0],  b.most[1],  b.most[2],  static_cast<unsigned>(i)};
-      whole.lower_x = std::min(whole.lower_x, b.least[0]);
-      whole.lower_y = std::min(whole.lower_y, b.least[1]);
-      whole.lower_z = std::min(whole.lower_z, b.least[2]);
-      whole.upper_x = std::max(whole.upper_x, b.most[0]);
-      whole.upper_y = std::max(whole.upper_y, b.most[1]);
-      whole.upper_z = std::max(whole.upper_z, b.most[2]);
+      const FloatBox box(boxes[i]);
+      things_[i] = {{box.least, box.most}, static_cast<std::uint32_t>(i)};
     }
   }
 
-  /// Null where Embree cannot.
-  static const Built* build(RTCBVH bvh, std::vector<RTCBuildPrimitive>& things,
-                            RTCBuildQuality quality) {
-    RTCBuildArguments how = rtcDefaultBuildArguments();
-    how.buildQuality = quality;
-    how.maxBranchingFactor = kWidth;
-    how.maxDepth = kMaxDepth;
-    how.sahBlockSize = kMostInLeaf;
-    how.minLeafSize = quality == RTC_BUILD_QUALITY_LOW ? kMostInLeaf : 1;
-    how.maxLeafSize = kMostInLeaf;
-    how.bvh = bvh;
-    how.primitives = things.data();
-    how.primitiveCount = things.size();
-    how.primitiveArrayCapacity = things.size();
-    how.createNode = create_node;
-    how.setNodeChildren = set_children;
-    how.setNodeBounds = set_bounds;
-    how.createLeaf = create_leaf;
-    return static_cast<const Built*>(rtcBuildBVH(&how));
+  void build() {
+    tree_.nodes_.reserve(things_.size() / 2);
+    tree_.things_.reserve(things_.size());
+    node(part_of(things_, 0, things_.size()), 0);
+    tree_.nodes_.shrink_to_fit();
   }
 
-  /// Lays the built tree out, parents before children, the things of a subtree side by side.
-  std::uint32_t node(const BuiltNode& built) {
-    const auto at = static_cast<std::uint32_t>(tree.nodes_.size());
-    tree.nodes_.emplace_back();
+ private:
+  /// Up to four parts; the largest one is cut next. The whole, where it fits a leaf.
+  std::size_t cut_up(const Part& whole, int level, std::array<Part, kWidth>& parts) {
+    parts[0] = whole;
+    std::size_t count = 1;
+    while (count < parts.size() && whole.size() > kMostInLeaf) {
+      const auto cost = [](const Part& part) {
+        return part.size() < 2 ? -1.0 : part.box.area() * static_cast<double>(part.size());
+      };
+      // One that is too large for a leaf before all that are not.
+      const auto after = [&](const Part& a, const Part& b) {
+        const bool large_a = a.size() > kMostInLeaf, large_b = b.size() > kMostInLeaf;
+        return large_a != large_b ? large_b : cost(a) < cost(b);
+      };
+      const auto end = parts.begin() + static_cast<std::ptrdiff_t>(count);
+      const auto next = std::max_element(parts.begin(), end, after);
+      if (next->size() < 2) break;
+      const auto cut = halves(things_, *next, level);
+      *next = cut[0];
+      parts[count++] = cut[1];
+    }
+    return count;
+  }
+
+  /// Parents before children, the things of a subtree side by side.
+  std::uint32_t node(const Part& whole, int level) {
+    const auto at = static_cast<std::uint32_t>(tree_.nodes_.size());
+    tree_.nodes_.emplace_back();
     Node made;
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       made.least[axis].fill(kInfinity);
@@ -149,32 +217,28 @@ struct BoxTree::Building {
     }
     made.first.fill(0);
     made.count.fill(0);
-    for (std::size_t c = 0; c < kWidth; ++c) {
-      const Built* child = built.children[c];
-      if (child == nullptr) continue;
-      const RTCBounds& b = built.bounds[c];
-      made.least[0][c] = b.lower_x;
-      made.least[1][c] = b.lower_y;
-      made.least[2][c] = b.lower_z;
-      made.most[0][c] = b.upper_x;
-      made.most[1][c] = b.upper_y;
-      made.most[2][c] = b.upper_z;
-      made.count[c] = child->count;
-      made.first[c] = child->count > 0 ? leaf(static_cast<const BuiltLeaf&>(*child))
-                                       : node(static_cast<const BuiltNode&>(*child));
+    std::array<Part, kWidth> parts;
+    const std::size_t count = cut_up(whole, level, parts);
+    for (std::size_t c = 0; c < count; ++c) {
+      for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        made.least[axis][c] = parts[c].box.least[axis];
+        made.most[axis][c] = parts[c].box.most[axis];
+      }
+      if (parts[c].size() > kMostInLeaf) {
+        made.first[c] = node(parts[c], level + 1);
+        continue;
+      }
+      made.first[c] = static_cast<std::uint32_t>(tree_.things_.size());
+      made.count[c] = static_cast<std::uint32_t>(parts[c].size());
+      for (std::size_t i = parts[c].begin; i < parts[c].end; ++i)
+        tree_.things_.push_back(things_[i].index);
     }
-    tree.nodes_[at] = made;
+    tree_.nodes_[at] = made;
     return at;
   }
 
-  std::uint32_t leaf(const BuiltLeaf& built) {
-    const auto at = static_cast<std::uint32_t>(tree.things_.size());
-    tree.things_.insert(tree.things_.end(), built.things.begin(),
-                        built.things.begin() + built.count);
-    return at;
-  }
-
-  BoxTree& tree;
+  BoxTree& tree_;
+  std::vector<Thing> things_;
 };
 
 BoxTree::BoxTree(std::span<const Bounds> boxes) {
@@ -183,31 +247,7 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) {
     if (!((box.least.array().abs() <= kFarthest).all() &&
           (box.most.array().abs() <= kFarthest).all()))
       throw std::invalid_argument("boxes: must lie within 1e18 m, one does not; check the unit");
-  using Handle = std::unique_ptr<std::remove_pointer_t<RTCBVH>, decltype(&rtcReleaseBVH)>;
-  RTCDevice const embree = device();
-  if (embree == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(nullptr));
-  const Handle bvh(rtcNewBVH(embree), &rtcReleaseBVH);
-  if (bvh == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(embree));
-  RTCBounds whole{};
-  std::vector<RTCBuildPrimitive> things(boxes.size());
-  const Built* root = nullptr;
-  if (boxes.size() >= kMany) {
-    Building::fill(boxes, things, whole);
-    root = Building::build(bvh.get(), things, RTC_BUILD_QUALITY_LOW);
-  }
-  if (root == nullptr) {
-    Building::fill(boxes, things, whole);
-    root = Building::build(bvh.get(), things, RTC_BUILD_QUALITY_MEDIUM);
-  }
-  if (root == nullptr) fail_to_build(boxes.size(), rtcGetDeviceError(embree));
-
-  BuiltNode single;  // above a root that is a leaf
-  single.children[0] = root;
-  single.bounds[0] = whole;
-  nodes_.reserve(boxes.size() / 2);
-  things_.reserve(boxes.size());
-  Building{*this}.node(root->count > 0 ? single : static_cast<const BuiltNode&>(*root));
-  nodes_.shrink_to_fit();
+  Building(*this, boxes).build();
 }
 
 }  // namespace feltwire

@@ -1,6 +1,6 @@
 #pragma once
-// A tree of axis-aligned boxes, which finds the few of many things that can be near a place. Embree
-// builds it. It answers with candidates; the caller decides.
+// A tree of axis-aligned boxes, which finds the few of many things that can be near a place. It
+// answers with candidates; the caller decides.
 
 #include <array>
 #include <cstdint>
@@ -32,12 +32,12 @@ struct Bounds {
 /// box (in double) fits it, but may visit a few others. The order of the visits is not defined.
 class BoxTree {
  public:
-  /// [m] Embree takes a box for infinite from 1.8e18 on, and then ends the process.
+  /// [m] The squares of lengths still fit a float.
   static constexpr double kFarthest = 1e18;
 
   BoxTree() = default;
-  /// Thing i has boxes[i]; at most 2^30. Throws std::invalid_argument if a box is not finite or
-  /// reaches farther than kFarthest, and std::runtime_error if Embree has no memory.
+  /// Thing i has boxes[i]; at most 2^30. The same boxes give the same tree. Throws
+  /// std::invalid_argument if a box is not finite or reaches farther than kFarthest.
   explicit BoxTree(std::span<const Bounds> boxes);
 
   /// Visits every i whose box has a point in common with `box`.
@@ -74,7 +74,7 @@ class BoxTree {
 
  private:
   static constexpr int kWidth = 4;
-  static constexpr int kMostOpen = 160;  // kWidth - 1 more a level, and no tree is that deep
+  static constexpr int kMostOpen = 160;  // kWidth - 1 more a level, and no tree has 52 levels
   static constexpr int kAxes = 3;
 
   struct FloatBox {
@@ -87,7 +87,7 @@ class BoxTree {
     std::array<std::uint32_t, kWidth> first;                   // node, or place in things_
     std::array<std::uint32_t, kWidth> count;                   // 0: a node, else a leaf's things
   };
-  struct Building;
+  class Building;
 
   static bool overlaps(const Node& node, int child, const FloatBox& q) {
     const auto c = static_cast<std::size_t>(child);

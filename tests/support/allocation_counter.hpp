@@ -1,6 +1,6 @@
 #pragma once
 // Counts every use of the heap in the whole program: malloc, calloc, realloc, the aligned ones and
-// free are replaced, so operator new and the libraries (MuJoCo, OpenSSL, libsodium, Embree, libc)
+// free are replaced, so operator new and the libraries (MuJoCo, OpenSSL, libsodium, libc)
 // are counted too. A test program gets this by listing allocation_counter.cpp in its sources. Under
 // sanitizers, which replace malloc themselves, nothing is counted: skip such tests there.
 // tests/protocol/allocation_counter_test.cpp shows what is seen.

@@ -32,7 +32,7 @@ struct GeometryCell {
   double build = 0.0;         // [s] of all threads' CPU time together
 };
 
-/// Every cell: the solid, meshes (nearest point by Embree's tree, signed; the proxy of contact),
+/// Every cell: the solid, meshes (nearest point by the tree, signed; the proxy of contact),
 /// grids by interpolation, arithmetic and resolution.
 std::vector<GeometryCell> run_trade_geometry(const GeometryGrid& grid);
 

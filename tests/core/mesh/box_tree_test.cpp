@@ -33,7 +33,6 @@ std::vector<Bounds> boxes(std::size_t count) {
   return all;
 }
 
-// Embree ends the process for them.
 TEST(BoxTree, BoxesBeyondItsReachAreRefused) {
   for (const double far : {1e19, 1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
     std::vector<Bounds> boxes(3);
@@ -62,6 +61,39 @@ TEST(BoxTree, FewAndManyMissNone) {
       }
     }
   }
+}
+
+/// Things of which each is half as far as the one before: where every cut takes one thing off, the
+/// tree must not become so deep that a question has no room for its open nodes.
+TEST(BoxTree, ThingsThatCrowdTowardsAPlaceMakeNoDeepTree) {
+  constexpr std::size_t kCount = 20000;
+  std::vector<Bounds> all(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double at = 1e18 * std::pow(0.5, 180.0 * static_cast<double>(i) / kCount);
+    all[i].add(Vec3(at, 0, 0));
+    all[i].add(Vec3(at, 1e-30, 0));
+  }
+  const BoxTree tree(all);
+  Bounds everything;
+  everything.add(Vec3::Constant(-1e18));
+  everything.add(Vec3::Constant(1e18));
+  std::vector<int> visits(kCount);
+  tree.overlapping(everything, [&](std::uint32_t i) { ++visits[i]; });
+  tree.within(
+      Vec3::Zero(), [] { return 2e18; }, [&](std::uint32_t i) { ++visits[i]; });
+  EXPECT_TRUE(std::ranges::all_of(visits, [](int n) { return n == 2; }));
+}
+
+TEST(BoxTree, TheSameBoxesGiveTheSameOrderOfVisits) {
+  const auto all = boxes(3000);
+  std::array<std::vector<std::uint32_t>, 2> order;
+  for (auto& visited : order) {
+    const BoxTree tree(all);
+    tree.within(
+        Vec3::Zero(), [] { return 10.0; }, [&](std::uint32_t i) { visited.push_back(i); });
+  }
+  EXPECT_EQ(order[0].size(), all.size());
+  EXPECT_EQ(order[0], order[1]);
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ std::vector<std::pair<std::string, std::string>> squares_with(double x) {
            "far.ply"}};
 }
 
-// Embree ends the process where a box leaves single precision; a scene reaches to 1e6 m anyway.
+// A scene reaches to 1e6 m.
 TEST(MeshFile, WhatIsFartherThanASceneReachesIsRefusedWhereItStands) {
   const std::vector<std::string> places = {
       "far.obj:3: ", "far.stl:5: ", "binary.stl: byte 120: ", "far.ply:12: "};

@@ -1,7 +1,6 @@
 // A process that may have little memory says so; no library beneath the loader ends it by a signal.
 
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -31,14 +30,7 @@ using Load = std::function<void()>;
 
 /// Loads a scene with so much address space more than the process has, and exits: 0 when it is
 /// loaded, 1 when the error speaks of memory, 3 when it does not.
-/// On two cores: Embree starts a thread a core, and ends the process where the system has none to
-/// give (docs/limits.md).
 [[noreturn]] void load_with(std::size_t more, const Load& load) {
-  cpu_set_t cores;
-  sched_getaffinity(0, sizeof cores, &cores);
-  for (int core = 0; core < CPU_SETSIZE; ++core)
-    if (CPU_COUNT(&cores) > 2) CPU_CLR(core, &cores);
-  sched_setaffinity(0, sizeof cores, &cores);
   const rlimit limit{address_space() + more, RLIM_INFINITY};
   setrlimit(RLIMIT_AS, &limit);
   int status = 0;
