@@ -146,7 +146,7 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
   }
 }
 
-/// What the tables count is what is on the wire: header, payload, tag, and the headers below.
+/// The tables count the bytes on the wire: header, payload, tag, and the headers below.
 TEST(NetworkRun, BytesAreThoseOfSealedDatagrams) {
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=0");
   options.parameters.redundancy = 0;
