@@ -50,7 +50,7 @@ class Reconnector {
   /// reconnector has stopped. Empty while there may be one.
   const std::string& refusal() const { return refusal_; }
   std::uint64_t attempts() const { return attempts_; }
-  /// How many sessions went to `out`.
+  /// The number of sessions that went to `out`.
   std::uint32_t sessions() const { return sessions_; }
   /// Whether an attempt has begun whose outcome look() has not taken yet.
   bool asking() const { return attempt_.valid(); }

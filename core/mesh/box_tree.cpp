@@ -50,7 +50,7 @@ RTCDevice device() {
   return shared.get();
 }
 
-/// What Embree's builder makes, before it is laid out flat: a leaf, or an inner node.
+/// A leaf or an inner node as Embree's builder makes it, before the tree is laid out flat.
 struct Built {
   unsigned count = 0;  // of a leaf's things; 0: a node
 };

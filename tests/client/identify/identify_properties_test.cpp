@@ -1,4 +1,4 @@
-// What identify reports is never more than what a device has, whatever makes it hard to measure.
+// identify never reports more than a device has, whatever makes the device hard to measure.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,4 @@
-// What an observer is shown, as bytes.
+// The view of an observer as bytes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
                          ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
                                            "workshop.json"));
 
-/// What a robot says decides what its hand is told.
+/// The states of a robot decide the replies to its hand.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
   control::JoinRequest robot = test::join_request(), second = test::join_request();
