@@ -48,7 +48,7 @@ int list(const ServerAccess& server) {
   return 0;
 }
 
-/// Where none was named.
+/// The scene of a client that names none.
 std::string first_scene(const ServerAccess& server) {
   const auto scenes = list_scenes(server, kControlTimeout);
   if (scenes.empty()) throw std::runtime_error("the server has no scene that this token opens");

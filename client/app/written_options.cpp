@@ -51,7 +51,7 @@ std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
   return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
 }
 
-/// How often what travels. Throws std::invalid_argument.
+/// Chooses the rates and deadbands of messages. Throws std::invalid_argument.
 void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
                     SessionParameters& parameters) {
   parameters.position_deadband = words.position_deadband_percent / kPercent;
@@ -203,7 +203,7 @@ ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) 
   return options;
 }
 
-/// How the device's workspace lies in the scene. Throws std::invalid_argument.
+/// The place of the device's workspace in the scene. Throws std::invalid_argument.
 WorkspaceMapping mapping(const WrittenOptions& words) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr std::string_view kAxes = "xyz";

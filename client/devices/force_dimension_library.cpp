@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the SDK is looked for, libdrd first: it has all of libdhd in it.
+/// The paths at which the SDK is searched, libdrd first: it contains all of libdhd.
 std::vector<fs::path> libraries() {
   std::vector<fs::path> folders;
   utsname machine{};

@@ -166,7 +166,7 @@ class HapiDevice final : public LockStepDevice {
                  "its firmware is the hAPI's (frames that begin with 0x03 and 0x13)");
   }
 
-  /// How long the board usually takes, without a force.
+  /// Measures the usual time of an answer of the board, without a force.
   void see_to_answers() {
     const Nanoseconds usual = measure_answers([this] {
       const Nanoseconds latest = monotonic_now() + kAsksAgain;

@@ -157,7 +157,7 @@ DeviceReading MappedDevice::read(Nanoseconds now) noexcept {
 Command MappedDevice::write(const Command& on_hand) noexcept {
   const Command asked = state_ == Tool::led ? to_device(on_hand) : Command{};
   held_ = device_->write(actuated(device_->spec(), asked));
-  // What was given whole is told without rounding.
+  // A force that was held in full is returned without rounding.
   return held_ == asked && state_ == Tool::led ? on_hand : to_scene(held_);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// How a person steers a tool with an input device: the present state of its axes and buttons, and
+// A person steers a tool with an input device: the present state of its axes and buttons, and
 // the movement of the tool that follows from it. It uses no descriptor and no clock: time is an
 // argument.
 

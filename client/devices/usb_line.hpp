@@ -33,7 +33,7 @@ class UsbLine {
   };
   /// False: it did not take it.
   bool control(Request request, std::uint16_t value);
-  /// How many bytes it took; none: it is gone.
+  /// The number of bytes that the device took; none: it is gone.
   std::optional<std::size_t> write(std::span<const std::uint8_t> bytes, Nanoseconds patience);
   /// One packet, without the converter's own two bytes; 0: none had come by then; none: it is gone.
   std::optional<std::size_t> read(std::span<std::uint8_t> room, Nanoseconds patience);

@@ -13,7 +13,7 @@ void EmulatedPort::send_due() noexcept {
   while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
 }
 
-/// What it looks at never changes while the link is in use.
+/// It reads only members that never change while the link is in use.
 std::optional<std::string> EmulatedPort::refuses_link(const LinkQuality& link) const {
   for (const OneWayLink* way : {&link_.up, &link_.down})
     if (auto no = way->refuses(link)) return no;

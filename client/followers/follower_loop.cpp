@@ -112,7 +112,7 @@ class FollowerLoop {
     return now;
   }
 
-  /// What has arrived; false: the server ended the session.
+  /// Takes the datagrams that have arrived. False: the server ended the session.
   bool take(Nanoseconds now) {
     for (int i = 0; i < DatagramPort::kBurst; ++i) {
       const std::optional<Bytes> datagram = port_->receive();

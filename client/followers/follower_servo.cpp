@@ -122,7 +122,7 @@ void FollowerServo::lose(const Vec3& tip, Nanoseconds now) noexcept {
   limit_.begin(wanted_.pose);
 }
 
-/// What the tool touches, and the energy of it.
+/// Estimates the contact of the tool and its energy.
 void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexcept {
   const Vec3& tip = reading.pose.position;
   state_.pose = {tip, reading.pose.orientation.normalized()};
@@ -172,7 +172,7 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     hand_work_ = target_.hand_work;
     wanted_.gripper = gripper_.step(target_.gripper, elapsed);
   }
-  // What moves has a way to brake, so the walls hold behind the limits of motion, too.
+  // A moving robot needs a way to brake, so the walls also hold behind the limits of motion.
   const Pose& moved =
       follow ? motion_.follow(limit_.aim(target_.pose), elapsed) : motion_.stop(elapsed);
   const Pose& pose = limit_.keep(moved);

@@ -27,7 +27,7 @@ std::size_t write_error(std::uint64_t line, const Fault& fault, std::span<char> 
   std::size_t size = 0;
   const auto put = [&](std::string_view part) {
     const std::size_t count = std::min(part.size(), text.size() - 1 - size);
-    // What the driver wrote goes back as it can be printed.
+    // The text of the driver is returned with printable characters only.
     std::transform(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count),
                    text.begin() + static_cast<std::ptrdiff_t>(size),
                    [](char c) { return c >= ' ' && c <= '~' ? c : '?'; });
@@ -155,7 +155,7 @@ void SocketFollower::hold() noexcept {
       ::send(socket_.get(), kNow.data(), kNow.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// What is half sent goes first; returns whether nothing is left of it.
+/// Sends the rest of a line that was sent in part. Returns whether nothing is left of it.
 bool SocketFollower::flush() noexcept {
   if (pending_size_ == 0) return true;
   const ssize_t count =

@@ -58,7 +58,7 @@ std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double
       mean_force += ticks[k].force / static_cast<double>(end - first);
     }
     if (!(way > 0.0)) continue;
-    // What the ends leave open: a little speed, and a step against what pulls at the handle.
+    // Subtracts the energy of the ends: of a little speed, and of a step against the mean force.
     const double kinetic = velocity(end).squaredNorm() - velocity(first).squaredNorm();
     work -= 0.5 * mass * kinetic + mean_force.dot(moved);
     cycles.push_back({work / way, squares / way, slow / way});

@@ -31,7 +31,7 @@ double speed_at(const CoastRun& run, std::size_t k) {
   return run.coast.along.dot(velocity_at(run.ticks, k, kHalfWindow));
 }
 
-/// How it slows down, and at which mean speed.
+/// The deceleration of the handle, and the mean speed at which it was measured.
 struct Slowing {
   double deceleration, speed;  // [m/s^2], [m/s]
 };

@@ -24,8 +24,8 @@ struct CoastRun {
 /// cogging adds at one place it takes at another. The two ways follow each other.
 std::vector<Coast> coast_plan(int dof, double top_speed);
 
-/// How a free handle slows down: m dv/dt = -b v - f_c -+ g. Both ways together, gravity falls out,
-/// and a line through the speeds gives b.
+/// The fit of a free handle that slows down: m dv/dt = -b v - f_c -+ g. Both ways together, gravity
+/// falls out, and a line through the speeds gives b.
 struct DecayFit {
   double damping = 0.0, damping_error = 0.0;  // [N s/m]
   int freedom = 0;

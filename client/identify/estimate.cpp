@@ -98,8 +98,8 @@ std::vector<Line> lines_of(std::span<const SweptRun> runs) {
   return lines;
 }
 
-/// What the friction surely is along one line: the least of what all cycles say and of what the
-/// faster half says, where stiction is over.
+/// A lower bound of the friction along one line: the smaller of the estimates by all cycles and by
+/// the faster half, in which stiction is over.
 double friction_below(const std::vector<BurnedCycle>& cycles) {
   const FittedLine all = fitted_line(cycles);
   double fastest = 0.0, most = 0.0, slow_share = 0.0;

@@ -138,7 +138,7 @@ bool Identification::odd(double time, const Vec3& position) noexcept {
   return false;
 }
 
-/// Where the handle is led at this time, and the force towards it.
+/// Leads the handle to its place at this time. Returns the force towards it.
 Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   const double in_phase = time - phase_began_;
   double strength = 1.0, meant = limits_.top_speed;  // [m/s]

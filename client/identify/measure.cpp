@@ -40,7 +40,7 @@ const char* remedy(const DeviceReading* reading) noexcept {
   return "";
 }
 
-/// How long something has been so. `since` is empty while it is not.
+/// The time for which `so` has been true. `since` is empty while it is false.
 Nanoseconds lasted(bool so, Nanoseconds now, std::optional<Nanoseconds>& since) noexcept {
   if (!so) since.reset();
   if (so && !since) since = now;

@@ -30,7 +30,7 @@ class ObservedScene {
   /// The hands that are gone since the last view.
   const std::vector<std::uint32_t>& hands_gone() const { return hands_gone_; }
   const std::vector<std::uint16_t>& bodies_gone() const { return bodies_gone_; }
-  /// How often a shown hand or body had no room.
+  /// The number of times that a shown hand or body had no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:

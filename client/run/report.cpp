@@ -200,7 +200,7 @@ Json flight_records(const std::vector<WrittenFlight>* written) {
   return list;
 }
 
-/// What admins changed, or wanted to, in its order.
+/// The changes that admins made or wanted, in their order.
 Json changes(const std::deque<Changes::Done>* done) {
   Json list = Json::array();
   if (done == nullptr) return list;

@@ -143,7 +143,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
     servo.seats = accepted.seats;
     servo.seat = seat_of(options.robot, accepted.seats);
   }
-  // What a robot meets is stiffer than the scene, or softer: nobody knows.
+  // A robot may touch things that are stiffer or softer than the scene: nobody knows.
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);

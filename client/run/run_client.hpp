@@ -20,7 +20,7 @@
 
 namespace feltwire {
 
-/// How long a request to the server may take.
+/// The longest time of a request to the server.
 inline constexpr std::chrono::milliseconds kControlTimeout{3000};
 
 /// The options of one run. docs/devices.md explains them as options of feltwire-client.

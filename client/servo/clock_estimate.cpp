@@ -10,7 +10,7 @@ constexpr double kSecond = 1e-9;           // of nanoseconds
 constexpr double kLongestExchange = 60.0;  // [s]
 constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no clock worth the name is worse
 constexpr double kUsualDrift = 20e-6;      // [s/s] of a crystal: what is believed before it shows
-// How well even the fastest exchange is known: the scheduling of two machines.
+// The uncertainty of even the fastest exchange: the scheduling of two machines.
 constexpr double kLeastUncertainty = 5e-6;  // [s]
 // Drift shows above the noise of single exchanges only over some seconds.
 constexpr double kDriftTime = 3.0;          // [s]
@@ -105,7 +105,7 @@ void ClockEstimate::fit() noexcept {
   for (const Fastest& b : buckets_)
     if (counts(b)) slower += (b.round_trip - least_round_trip_) / buckets_used_;
   // The excess over the fastest round trip is what a queue added on one way: half of it is error.
-  // How much the buckets differ says how far the fastest itself may be from an empty way.
+  // The difference of the buckets bounds the distance of the fastest itself from an empty way.
   const auto weight = [&](const Fastest& b) {
     const double excess = b.round_trip - least_round_trip_;
     const double uncertainty = kLeastUncertainty + 0.5 * (excess + slower);

@@ -26,9 +26,9 @@ class Deadlines {
   Nanoseconds latest() const { return latest_; }
   Nanoseconds next() const { return latest_ + period_; }
 
-  /// How long before a deadline the thread asks to be woken: the lateness that nine wakings of ten
-  /// do not exceed (60 us on a virtual machine, 3 us on a tuned one). The thread spins for the
-  /// rest.
+  /// The time before a deadline at which the thread asks to be woken: the lateness that nine
+  /// wakings of ten do not exceed (60 us on a virtual machine, 3 us on a tuned one). The thread
+  /// spins for the rest.
   Nanoseconds lead() const { return lead_; }
   /// The thread slept until then and woke `late` after it.
   void woken(Nanoseconds late) noexcept {

@@ -28,7 +28,7 @@ class DeviceGuard final : public Device {
   /// Whether the device holds a force: the last write was not zero and the device was not released
   /// since.
   bool pulls() const noexcept { return pulls_.load() && !released(); }
-  /// How often write() has returned.
+  /// The number of calls of write() that have returned.
   std::uint64_t writes() const noexcept { return writes_.load(std::memory_order_acquire); }
 
   /// For another thread, after release(): abandons a servo thread that does not return from the

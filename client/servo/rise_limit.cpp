@@ -33,8 +33,8 @@ Command RiseLimit::apply(const Command& command, const BodyModel& model, double 
   for (const BodyPatch& patch : model.surfaces())
     fastest = std::max(fastest, length(patch.velocity));
   way += fastest * elapsed;  // a surface that moves takes the tool with it
-  // What the spring adds where the tool stays, twice: the tool may come towards the device. A way
-  // presses a point that is up to a radius beside the tool's origin, and a turn moves it.
+  // The force that the spring adds if the tool stays, twice: the tool may come towards the device.
+  // A way presses a point that is up to a radius beside the tool's origin, and a turn moves it.
   const double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
   const double torque = last_torque_ + torque_slew_ * elapsed +
                         2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);

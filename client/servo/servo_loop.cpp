@@ -198,7 +198,7 @@ class Loop {
     result_.disconnected += seconds(now - lost_at_);
   }
 
-  /// What an admin wants, and was made ready.
+  /// Makes the change that an admin wants and that was prepared.
   void change(Nanoseconds now) noexcept {
     PreparedChange* next = nullptr;
     while (options_.changes->pop(next)) {

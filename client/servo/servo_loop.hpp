@@ -29,8 +29,8 @@ std::string_view name(EndReason reason);
 struct LoopOptions {
   Nanoseconds duration{0};         // 0: no limit
   Nanoseconds silence_timeout{0};  // 0: no limit
-  /// How long a session may stay lost, and the source of new ones; null: the loop ends with the
-  /// session. Meanwhile the hand moves on and commands fade.
+  /// The time for which a session may stay lost, and the source of new ones; null: the loop ends
+  /// with the session. Meanwhile the hand moves on and commands fade.
   Nanoseconds patience{0};
   Ring<SessionAddress>* rejoined = nullptr;
   /// Prepared changes of an admin, from LoopOutputs::wanted. They must outlive the loop. Null:
@@ -38,9 +38,9 @@ struct LoopOptions {
   Ring<PreparedChange*>* changes = nullptr;
   /// Whole surfaces for the local model (SurfaceFetch); null: there are none.
   Ring<const WholeSurfaces*>* surfaces = nullptr;
-  /// How long the thread polls, instead of sleeping: for the reply after a sample was sent, and for
-  /// the next deadline before it comes; kForever: it never sleeps. With 0 it polls only for the
-  /// deadline, if the machine has woken it sooner than usual.
+  /// The time for which the thread polls, instead of sleeping: for the reply after a sample was
+  /// sent, and for the next deadline before it comes; kForever: it never sleeps. With 0 it polls
+  /// only for the deadline, if the machine has woken it sooner than usual.
   Nanoseconds busy_poll{0};
 };
 

@@ -1,4 +1,5 @@
-// How the replies of the server reach the servo: which one counts, and what was lost.
+// The way of the replies from the server to the servo: the choice of the newest, the count of
+// losses.
 
 #include <algorithm>
 

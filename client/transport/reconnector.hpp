@@ -52,7 +52,7 @@ class Reconnector {
   std::uint64_t attempts() const { return attempts_; }
   /// The number of the newest session that went to `out`; 0: none did.
   std::uint64_t session() const { return session_; }
-  /// How many sessions went to `out`.
+  /// The number of sessions that went to `out`.
   std::uint32_t sessions() const { return sessions_; }
   /// Whether an attempt has begun whose outcome look() has not taken yet.
   bool asking() const { return attempt_.valid(); }

@@ -78,7 +78,7 @@ class SamplePacker {
   std::vector<Sample> recent_;     // a ring of the newest n; of the newest alone where one travels
   std::uint64_t fed_ = 0;          // samples of this session
   std::uint64_t fed_at_last_ = 0;  // when the last datagram was made; 0: none yet
-  // How the tool moved from the datagram before to the last.
+  // The velocity of the tool from the datagram before the last to the last.
   Vec3 velocity_ = Vec3::Zero();          // [m/s]
   Vec3 angular_velocity_ = Vec3::Zero();  // [rad/s]
 };

@@ -1,5 +1,5 @@
 #pragma once
-// How many of a smaller unit make one larger unit, for text that people read.
+// The number of smaller units in one larger unit, for text that people read.
 
 namespace feltwire {
 

@@ -67,7 +67,7 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
 
 double PortBalance::damping_along(const Vec3& unit) const noexcept {
   if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
-  // Where a direction is not damped at all, force along any other may move the handle along it.
+  // If a direction is not damped at all, a force along any other may move the handle along it.
   return directional_ ? 1.0 / unit.dot(inverse_damping_ * unit) : 0.0;
 }
 

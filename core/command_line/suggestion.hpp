@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// How many letters must be inserted, removed, replaced, or swapped with their neighbour, to turn
+/// The number of letters to insert, remove, replace, or swap with their neighbour in order to turn
 /// one word into the other (optimal string alignment).
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);

@@ -64,7 +64,7 @@ template <class Read>
 bool with_hull(std::span<const Vec3> points, Read read) {
   constexpr std::size_t kLeast = 4;
   if (points.size() < kLeast || is_flat(points)) return false;
-  // What Qhull says of flat points is of no use to anybody.
+  // Qhull's messages about flat points are of no use to anybody.
   const std::unique_ptr<std::FILE, CloseFile> messages(std::fopen("/dev/null", "w"));
   if (messages == nullptr) throw std::runtime_error("convex hull: cannot open /dev/null");
   std::vector<coordT> coordinates;

@@ -164,7 +164,7 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  // What is found may be this share of what there is (overhang()).
+  // The overhang that is found may be this share of the true one (overhang()).
   constexpr double kFound = 8.0 / 9.0;
   const double tolerance = tolerance_of(options, solid.mesh());
   const Cutter cutter{solid, kFound * tolerance};

@@ -6,7 +6,7 @@
 
 namespace feltwire::coupled_tool {
 
-/// How the device pulls on the tool.
+/// The pull of the device on the tool.
 struct Pull {
   double energy = 0.0;         // [J]
   Vec6 wrench = Vec6::Zero();  // on the tool
@@ -58,8 +58,7 @@ struct Step {
     return way.head<3>().norm() + tool.radius * way.tail<3>().norm();
   }
 
-  /// Where the Gauss-Newton model of the energy, with what sliding and damping cost, has its
-  /// minimum.
+  /// The minimum of the Gauss-Newton model of the energy, with the cost of sliding and damping.
   FrictionSolution model(const State& state, bool slipping) const;
 
   std::span<const FrictionPatch> gripping(const State& state) const {

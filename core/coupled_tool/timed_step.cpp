@@ -42,7 +42,7 @@ Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before
   return dashpot;
 }
 
-/// Where a step of time ends. It is filled in place: a state is some 5 kB.
+/// The end of a step of time. It is filled in place: a state is some 5 kB.
 struct End {
   State state;
   ToolVelocity velocity = {};
@@ -101,7 +101,7 @@ struct TimeStep {
     return end.damper.dot(way);
   }
 
-  /// Where the tool cannot be anywhere else, or no time passes: at the beginning.
+  /// Leaves the tool at the beginning: it can be nowhere else, or no time passes.
   void stay(End& end, const ToolVelocity& velocity) const {
     end = {start(device), velocity};
     end.work = end.state.pull.energy - pull_at(before).energy;
@@ -165,7 +165,7 @@ struct TimeStep {
   }
 
   bool may_take_midpoint() const {
-    // Where friction or a damper takes energy there is none to keep.
+    // If friction or a damper takes energy, there is none to keep.
     return tool.inertia->integration == ToolIntegration::midpoint && elapsed <= kLongestMidpoint &&
            met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
            met.viscosity.resistance.isZero(0.0);

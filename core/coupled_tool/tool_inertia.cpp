@@ -20,9 +20,9 @@ Mat3 turned_by(const Quaternion& orientation, const Mat3& own) {
   return turn * own * turn.transpose();
 }
 
-/// How the rotation vector changes with a further small turn in the world: the inverse of the left
-/// Jacobian of the exponential map (Chirikjian 2012, Stochastic Models, Information Theory, and Lie
-/// Groups 2, 10.86). Precondition: |turn| <= pi.
+/// The change of the rotation vector with a further small turn in the world: the inverse of the
+/// left Jacobian of the exponential map (Chirikjian 2012, Stochastic Models, Information Theory,
+/// and Lie Groups 2, 10.86). Precondition: |turn| <= pi.
 Mat3 inverse_left_jacobian(const Vec3& turn) {
   constexpr double kSmall = 1e-4;  // below it the series is exact to rounding
   const double squared = turn.squaredNorm();

@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// How a tool with mass goes through time.
+/// The rule by which a tool with mass is integrated over time.
 ///
 ///   implicit  backward Euler. Stable at every stiffness. It takes energy: of an oscillation with
 ///             w h [rad] a step, the amplitude falls by the factor 1 / sqrt(1 + (w h)^2) a step.

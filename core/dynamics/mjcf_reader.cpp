@@ -49,7 +49,7 @@ int files = -1;  // descriptor of the list
   refuse(words.data());
 }
 
-/// Where it leads, without links.
+/// Resolves links: the file must lie in the root.
 bool is_within_root(const char* name) {
   const std::size_t length = std::strlen(root);
   if (length == 0) return true;
@@ -60,7 +60,8 @@ bool is_within_root(const char* name) {
   return within;
 }
 
-/// What cannot be noted would be missed in a recording, and the replay says so.
+/// Notes a file for the recording. If that fails, the recording lacks the file, and its replay
+/// reports that.
 void note(const char* name) {
   const ssize_t ignored = write(files, name, std::strlen(name) + 1);
   static_cast<void>(ignored);

@@ -13,7 +13,7 @@ namespace feltwire::mujoco {
 namespace {
 
 constexpr int kFewContacts = 16, kContactsOfGeom = 4;
-// What MuJoCo 2.2 takes where the file has no <size>.
+// The sizes that MuJoCo 2.2 takes if the file has no <size>.
 constexpr int kDefaultContacts = 100, kDefaultRows = 500;
 constexpr int kMostFriction = 6;                // dimensions of a contact
 constexpr int kRowsOfEquality = 6;              // a weld's

@@ -93,7 +93,7 @@ std::string rounded(double value) {
   return text.data();
 }
 
-/// Where geoms that only stand for an object have a part in it: MuJoCo would take their mass.
+/// The mass of an object whose geoms only approximate it: MuJoCo would take the mass of the geoms.
 std::string inertial(const MassProperties& solid, double density) {
   const Mat3 inertia = density * solid.inertia;
   return "<inertial" + attribute("pos", text(solid.center)) +

@@ -76,7 +76,7 @@ std::string reader() {
 
 std::string place(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
-/// Where it is not waited for to its end it is killed.
+/// A child process. The destructor kills it, unless its end was waited for.
 class Child {
  public:
   explicit Child(pid_t id) : id_(id) {}

@@ -32,7 +32,7 @@ class MjcfMeshes {
  public:
   MjcfMeshes(const mjModel& model, const std::string& file) : model_(model), file_(file) {}
 
-  /// Where MuJoCo has put it: about its centre, along its axes of inertia.
+  /// The mesh as MuJoCo has placed it: about its centre, along its axes of inertia.
   Mesh mesh_of(int geom) {
     const int id = model_.geom_dataid[geom];
     if (const auto at = known_.find(id); at != known_.end()) return at->second;

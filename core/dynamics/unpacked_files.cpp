@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How many folders a normalized name leads up.
+/// The number of folders that a normalized name leads up.
 std::ptrdiff_t levels_up(const fs::path& name) {
   return std::count(name.begin(), name.end(), fs::path(".."));
 }

@@ -325,7 +325,7 @@ void World::apply(std::size_t part, BodyContactState& contacts, const Vec3& at,
 void World::push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept {
   if (contacts.forces.size() != parts_) [[unlikely]]
     return;
-  // Where no sample came the hand is taken to stand.
+  // Without a sample the hand is assumed to stand still.
   if (!contacts.fresh || contacts.resets != counters_.resets) {
     hold(contacts.device, tick_, memory, contacts);
     contacts.ahead += tick_;

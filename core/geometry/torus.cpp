@@ -59,9 +59,10 @@ double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double le
   return kInfinite;
 }
 
-/// Where on the ring the proxy stands: it goes round the axis as that of a pipe does which is as
-/// wide as the ring, and round the tube as that of a pipe as wide as the tube. In the hole, where
-/// the nearest part of the ring changes with the slightest movement, it stays at its part.
+/// The place of the proxy on the ring. It goes around the axis as the proxy of a pipe that is as
+/// wide as the ring, and around the tube as the proxy of a pipe as wide as the tube. In the hole
+/// the nearest part of the ring changes with the slightest movement; there the proxy stays at its
+/// part.
 struct RingProxy {
   Vec3 facing, normal;  // the cut through the ring; the normal in it
 };

@@ -81,7 +81,7 @@ FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t al
 
 }  // namespace
 
-/// Where a position stands in the grid.
+/// The place of a position in the grid.
 template <class Real>
 struct DistanceGrid<Real>::Place {
   Index nearest;  // sample

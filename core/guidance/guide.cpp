@@ -120,7 +120,7 @@ bool needs_velocity(const Guide& guide) noexcept {
 
 double stiffness(const Guide& guide) noexcept {
   if (const auto* spring = std::get_if<Attract>(&guide.action)) {
-    // Where it fades it can fall faster than it rises: by most over half the range.
+    // A force that fades can fall faster than it rises: fastest over half the range.
     const double falling = 2.0 * std::min(guide.max_force, spring->stiffness * spring->range);
     return std::isinf(spring->range) ? spring->stiffness
                                      : std::max(spring->stiffness, falling / spring->range);

@@ -54,7 +54,7 @@ double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContac
   sum.wrench += stiffness * (in.depth * center + in.moment * further);
   resists = in.share * center * center.transpose() + in.second * further * further.transpose() +
             in.first * (center * further.transpose() + further * center.transpose());
-  // What lies across the normal turns, too.
+  // The spread across the normal turns, too.
   const Mat3 across = part.spread - variance * lever * lever.transpose();
   Mat3 cross;  // arm x normal
   const Vec3& n = part.normal;

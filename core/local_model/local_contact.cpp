@@ -104,7 +104,7 @@ void LocalContact::take(const LocalModel& model, const Command* answered) noexce
   texture_ = answered != nullptr ? texture_of(*answered) : Texture{};
 }
 
-/// What an answer has beside the patches, where the tool was that it answers.
+/// The part of an answer that the patches do not explain, at the place of the tool that it answers.
 LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
   Texture texture{.force = answered.elastic, .depth = 0.0};
   for (const SurfacePatch& patch : model_.view())
@@ -124,7 +124,7 @@ LocalContact::Texture LocalContact::texture_of(const Command& answered) const no
   return texture;
 }
 
-/// Whose surface the tool touched before, or might.
+/// The patch that the tool touched before, or might touch.
 const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcept {
   const SurfacePatch* of_object = &model_.patches[0];
   for (const SurfacePatch& patch : model_.view()) {
@@ -135,8 +135,8 @@ const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcep
   return *of_object;
 }
 
-/// What a touching tool remembers, `age` [s] or `elapsed` [s] later: its surface has moved on.
-/// Where its proxy was when the model was made, the patches themselves say.
+/// Brings the memory of a touching tool up to date: its surface has moved for `age` [s] or
+/// `elapsed` [s]. The patches themselves have the place of the proxy when the model was made.
 void LocalContact::bring_up(Contact& contact, double age, double elapsed) const noexcept {
   ContactMemory& memory = contact.memory;
   const SurfacePatch& patch = patch_of(contact);

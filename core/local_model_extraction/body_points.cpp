@@ -31,7 +31,7 @@ struct Part {
 
   double nearest() const { return distance - radius; }  // [m] no point is nearer
   bool single() const { return of_points && end - begin == 1; }
-  /// How much is lost where the part is one point [m].
+  /// The loss if the part is one point [m].
   double coarseness() const {
     if (single()) return 0.0;
     const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
@@ -275,7 +275,7 @@ struct Builder {
       if (half > 0.0) pressed -= in.moment / in.depth / (half * half / 3.0) * spread;
       point.arm += points.pressure / points.pushed - pressed;
     } else {
-      // Where solids are curved, the plane would touch before the first point does.
+      // If solids are curved, the plane would touch before the first point does.
       point.distance = std::max(point.distance, points.least + half);
     }
     model.points[static_cast<std::size_t>(model.count++)] = point;

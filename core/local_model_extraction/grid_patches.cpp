@@ -22,7 +22,7 @@ constexpr double kGridOpen = 0.75;  // of a height above the patch that must be 
 constexpr double kGridDeep = 0.25;  // of a ring's radius, below which the solid must be solid
 constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
 
-/// Where the way down the distance ends on the surface.
+/// The point of the surface at which the way down the distance ends.
 struct GridClosest {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double slope = 0.0;  // |gradient|
@@ -42,7 +42,7 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
   return closest;
 }
 
-/// How the normal turns, by differences a resolution to either side.
+/// The bend of the surface: differences of the normal, one resolution to either side.
 Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
   const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
   const double h = field.resolution();

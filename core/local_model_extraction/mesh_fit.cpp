@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::size_t kMostLooked = 256;  // triangles; where there are more, it is looked less far
 
-/// How a triangle lies to a patch: none of its corners before it, none behind it.
+/// The place of a triangle at a patch, by its corners in front of the patch and behind it.
 struct TrianglePlacement {
   bool front = false, behind = false;  // some corner is; neither: it lies on the patch
   bool hidden = false;                 // all corners are behind, and what is between them
 };
 
-/// Whatever the patches are, a triangle's corners tell where it lies, and its middle, where patches
-/// are curved.
+/// The corners of a triangle tell its place, whatever the patches are. If patches are curved, its
+/// middle tells it, too.
 TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& corners,
                                double skin) {
   TrianglePlacement placement{.front = false, .behind = false, .hidden = true};

@@ -24,7 +24,7 @@ constexpr double kMostTurned = 0.15, kSagitta = 0.25;
 constexpr double kMostHollow = 0.5;  // radius times curvature
 constexpr std::uint32_t kNone = TriangleMesh::kNone;
 
-/// Where a tool is to the surface.
+/// The place of the surface that is nearest to a tool.
 struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;

@@ -19,7 +19,7 @@ struct GreyImage {
 /// Throws FileError that names the byte, what is wrong and the remedy.
 GreyImage parse_pgm(std::string_view bytes, const std::string& name);
 
-/// How deep the relief is at a place.
+/// The depth of the relief at a place.
 struct Relief {
   double cut = 0.0;           // [m] below the surface, >= 0
   Vec3 slope = Vec3::Zero();  // gradient of cut

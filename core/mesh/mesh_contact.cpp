@@ -15,8 +15,8 @@ std::int8_t sides_of(const MeshSurface& surface, Side felt_from) {
   return felt_from == Side::outside ? 1 : -1;
 }
 
-/// Where a tool stands that was never seen before: in a closed surface at its nearest point, as if
-/// it had come in there.
+/// The proxy of a tool that was never seen before. In a closed surface it is the nearest point, as
+/// if the tool had entered there.
 ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
   ProxyState proxy{.point = goal, .triangle = 0, .side = 0, .on_face = false};
   if (sides == 0 || !surface.mesh().report().closed()) return proxy;

@@ -32,13 +32,13 @@ struct MeshOptions {
 struct NearestOnTriangle {
   Vec3 point = Vec3::Zero();
   Vec3 weights = Vec3::Zero();  // >= 0, sum 1; zero where the point lies on an edge or a corner
-  // Where it lies: 0 on the face, 1 + k on edge k (from corner k to corner k + 1), 4 + k on corner
-  // k.
+  // The part of the triangle: 0 is the face, 1 + k on edge k (from corner k to corner k + 1), 4 + k
+  // on corner k.
   std::size_t part = 0;
 };
 NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& p) noexcept;
 
-/// Where a movement goes through a triangle.
+/// The place at which a movement passes through a triangle.
 struct Crossing {
   double part = 0.0;  // of the movement, 0 to 1
   std::uint32_t triangle = 0;
@@ -68,11 +68,11 @@ class MeshSurface {
     return normals_.empty() ? corner_normal(vertex) : normals_[vertex];
   }
 
-  /// Where the movement goes through triangle t from a side of `sides`, if it does. With one side,
-  /// a point in the triangle's plane is in front of it. With both sides, a point in the plane has
-  /// reached the triangle, and no movement begins there. No movement passes between two triangles
-  /// with a common edge. An edge without a neighbour reaches one skin farther, so no movement
-  /// passes between two such edges that are at most two skins apart.
+  /// The place at which the movement passes through triangle t from a side of `sides`, if it does.
+  /// With one side, a point in the triangle's plane is in front of it. With both sides, a point in
+  /// the plane has reached the triangle, and no movement begins there. No movement passes between
+  /// two triangles with a common edge. An edge without a neighbour reaches one skin farther, so no
+  /// movement passes between two such edges that are at most two skins apart.
   std::optional<Crossing> crossing(std::uint32_t t, const Vec3& from, const Vec3& to,
                                    std::int8_t sides) const noexcept;
   /// The first crossing of any triangle; of equal ones, that of the lowest index. sides: 1, -1, or

@@ -147,8 +147,8 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld)
   report_.volume = volume();
 }
 
-/// What is open still. Triangles that lose their area by it can open others, which are joined in
-/// turn.
+/// Returns the edges that are still open. A triangle that loses its area can open other edges,
+/// which are joined in turn.
 std::vector<mesh_seams::Edge> TriangleMesh::join_open_edges(std::vector<mesh_seams::Edge> open) {
   constexpr int kMostJoinRounds = 8;
   for (int round = 0; round < kMostJoinRounds && !open.empty(); ++round) {

@@ -221,7 +221,7 @@ void add_cell(const ClippedPolyhedron& common, const Cell& cell, Tag own, const 
   if (slides) add_slip(cell, m, sums);
 }
 
-/// How deep the corners of a polyhedron lie below a plane.
+/// The depths of the corners of a polyhedron below a plane.
 struct Extent {
   double least, most;
 };

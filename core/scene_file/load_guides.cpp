@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// What was not given has no end.
+/// A number that was not given (NaN) becomes infinity.
 double endless(double value) {
   return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
 }

@@ -90,7 +90,7 @@ class NamedFiles {
 }  // namespace
 
 bool lies_outside(const fs::path& file, const fs::path& folder) {
-  // What was given was not read from this disk, so that an error shows nothing of it.
+  // A text that was given was not read from this disk, so an error shows nothing of the disk.
   if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(file, error);

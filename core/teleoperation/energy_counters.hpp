@@ -56,7 +56,7 @@ class ContactEnergy {
   double apart_ = 0.0;                // [s] without force
 };
 
-/// How far the leader trusts the energy that a follower reports. Zero: not at all, for a follower
+/// The trust of the leader in the energy that a follower reports. Zero: no trust, for a follower
 /// that is not one's own. The defaults are for one's own robot.
 struct RemoteTrust {
   double per_contact = 0.1;  // [J] while the leader's force does not vanish

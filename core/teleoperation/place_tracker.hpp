@@ -8,7 +8,8 @@
 
 namespace feltwire {
 
-/// Where a surface is along its normal, and its speed, from a place that is measured each sample.
+/// Tracks the place of a surface along its normal, and its speed, from a place that is measured
+/// each sample.
 ///
 /// A surface stands still until a slow tracker of second order (kTracker) sees more than
 /// kStandsStill, and moves until it has seen less for kMoves: a touch that arrives and bounces, or

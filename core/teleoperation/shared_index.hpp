@@ -68,7 +68,7 @@ class SharedIndex {
 
   const EngageIndex& index(std::size_t i) const noexcept { return indices_[i]; }
   double share(std::size_t i) const noexcept { return shares_[i]; }  // 0: it does not lead
-  /// Who turns the robot; kMost: nobody leads.
+  /// The hand that turns the robot; kMost: nobody leads.
   std::size_t turns() const noexcept { return turns_; }
 
  private:

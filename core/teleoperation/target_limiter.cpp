@@ -27,7 +27,8 @@ TargetLimiter::TargetLimiter(const TargetLimits& limits) : limits_(limits) {
   check(limits.unfelt, "unfelt", true);
 }
 
-/// What the hand paid in this contact, less what went into the environment.
+/// Counts the energy that the hand paid in this contact, less the energy that went into the
+/// environment.
 void TargetLimiter::account(const Sample& s) noexcept {
   double paid = 0.0;
   if (std::isfinite(s.hand_work)) {

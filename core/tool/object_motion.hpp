@@ -1,5 +1,5 @@
 #pragma once
-// How the objects move in a step of a tool with a body.
+// The motion of the objects in a step of a tool with a body.
 
 #include <span>
 

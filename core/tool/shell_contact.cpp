@@ -44,7 +44,7 @@ struct Sums {
   }
 };
 
-/// Where a patch is: sums over its points, weighted by the load's d |grad d|.
+/// The place of a patch: sums over its points, weighted by the load's d |grad d|.
 struct FrictionPatchSums : SlipSums {
   void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
            const std::array<Lanes, 3>& arm_of) {

@@ -46,7 +46,7 @@ SessionParameters observer_parameters() {
   return parameters;
 }
 
-/// What the threads share: one that hangs is left behind with it.
+/// The state that the threads share. A thread that hangs is left behind with it.
 struct Look : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};

@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// Where the energy bound runs.
+/// The sides that run the energy bound.
 enum class BoundingSide : std::uint8_t { server, client, both };
 inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server", "client", "both"};
 /// The value with which a deadband compares a new one: the value sent last, or the line through the

@@ -79,7 +79,7 @@ struct Reply {
   double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false, gap = false;
   bool recovering = false;  // moving objects were put back to a good state and are felt in part
-  /// How often the scene was reloaded during this session, modulo 256.
+  /// The number of reloads of the scene during this session, modulo 256.
   std::uint8_t reloads = 0;
   std::uint64_t withheld = 0;  // datagrams that needed no reply (deadband), so far
   bool predicted = false;      // `rates` travel too

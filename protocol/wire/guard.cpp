@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-// Where the header's fields begin [bytes]; PROTOCOL.md has the same table.
+// The offsets of the header's fields [bytes]; PROTOCOL.md has the same table.
 constexpr std::size_t kMagicAt = 0, kVersionAt = 2, kKindAt = 3, kReservedAt = 4, kSessionAt = 8,
                       kPacketNumberAt = 16;
 

@@ -56,7 +56,7 @@ bool read_hex(std::string_view text, std::array<std::uint8_t, N>& bytes) {
          size == N && end == text.data() + text.size();
 }
 
-/// What is wrong with a name, empty when nothing is.
+/// The error of a name; empty: there is none.
 std::string complaint(std::string_view name) {
   const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;

@@ -87,7 +87,7 @@ ServiceLimits service_limits(const ServerConfig& config) {
           static_cast<std::size_t>(config.web_hands), config.join_rate, config.join_burst};
 }
 
-/// Where this machine reaches a server that listens on this address.
+/// The address at which this machine reaches a server that listens on `listens_on`.
 std::string own_host(const std::string& listens_on) {
   const auto address = asio::ip::make_address(listens_on);
   if (!address.is_unspecified()) return listens_on;
@@ -162,7 +162,8 @@ struct Server::Parts {
 
   ~Parts() { stop(); }
 
-  /// Where clients show a certificate no page holds a hand, for it has none to show.
+  /// Opens the live page. If clients must show a certificate, no page holds a hand: it has none to
+  /// show.
   void open_page(const ServerConfig& config, Security security, const web::MakePageHands& hands) {
     web::WebOptions page = page_place(config.web, config.web_names);
     if (hands && config.web_hands > 0 && security.client_authorities.empty())
@@ -290,7 +291,7 @@ struct Server::Parts {
                               "' is being loaded already; wait until that has ended"});
   }
 
-  /// What is wrong with it, or nothing, and then it is in place.
+  /// Puts a loaded scene in its place. Returns the refusal if it cannot be served.
   std::optional<Refused> enter(std::size_t host, LoadedScene loaded) {
     if (auto* wrong = std::get_if<std::string>(&loaded))
       return Refused{RefusalCode::bad_scene, std::move(*wrong)};

@@ -79,7 +79,7 @@ void revoke(const ServerConfig& config, const TokenArguments& words) {
   });
 }
 
-/// Where the tokens are: options that the server itself has, too.
+/// Adds the options for the place of the tokens. The server itself has the same.
 void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
   command.add_option("--config", config, "The server's configuration file");
   command.add_option("--state", given.state, "The server's state folder")

@@ -114,7 +114,7 @@ struct SceneSessions::Change {
     const LawChoice law = law_of(change.parameters);
     const bool of_client =
         before.side == BoundingSide::client && (law != law_of(before) || law != law_of(wished));
-    // What is not the client's to do.
+    // The part of the change that the server makes itself.
     const SessionParameters here =
         of_client ? with_law(change.parameters, law_of(before)) : change.parameters;
     if (auto wrong = forbidden_change(before, here))
@@ -177,7 +177,8 @@ struct SceneSessions::Change {
     return made;
   }
 
-  /// What waits for its answer goes along, as far as the new change says nothing of it.
+  /// The next change for the client. It includes each part of a change without an answer that the
+  /// new change does not replace.
   static AskedChange next_for(const SessionSlot& slot, ClientChange change) {
     AskedChange next{.change = change, .parameters = slot.session.parameters(), .what = {}};
     const LawChoice before = law_of(next.parameters);

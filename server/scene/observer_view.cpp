@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-/// Whatever a client says that it holds, an observer gets numbers that its float32 has.
+/// The held force that an observer is shown. A client may report any number; the result fits a
+/// float32.
 Vec3 shown_force(const Vec3& force) {
   constexpr double kMostForce = 1e12;  // [N] that a client takes for a force
   return force.cwiseMax(-kMostForce).cwiseMin(kMostForce);

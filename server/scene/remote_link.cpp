@@ -220,7 +220,7 @@ LinkState RemoteLink::state() const noexcept {
   return disabled;
 }
 
-/// Who turns the robot; where nobody is engaged, the first that sits.
+/// The leader that turns the robot. If nobody is engaged, the first that has a seat.
 std::size_t RemoteLink::first() const noexcept {
   if (index_.turns() < kMostLeaders && leaders_[index_.turns()].engaged()) return index_.turns();
   for (std::size_t i = 0; i < kMostLeaders; ++i)
@@ -244,7 +244,7 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
                 .gripper = said_.gripper,
                 .gripper_force = said_.gripper_force,
                 .age = std::max(0.0, seconds(now - robot_heard_))};
-  // What the hand meets is known only where both are tied together.
+  // The contact of the hand is known only while hand and robot are engaged.
   if (!leader->engaged()) {
     if (seat_.aligned && leader->sample.index != 0) remote.turn = turn_missing(*leader);
     return remote;

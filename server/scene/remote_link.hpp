@@ -93,7 +93,7 @@ class RemoteLink {
 
     bool engaged() const noexcept { return authority.state() == LinkState::engaged; }
     bool silent(Nanoseconds now) const noexcept { return now - heard > kSilence; }
-    /// Where it is meant to be, less its offset.
+    /// The intended place of the robot, less the offset of the leader.
     Pose meant() const noexcept {
       return {sample.pose.position - lead.offset, sample.pose.orientation};
     }

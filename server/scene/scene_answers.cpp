@@ -24,7 +24,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
     if (slot.waits_for_client()) taken.reply.change = slot.asked->change;
   }
   slot.last_heard = origin.now;
-  // Whoever holds a datagram back and sends it on from elsewhere draws no goodbye there.
+  // A datagram that somebody holds back and sends on from elsewhere draws no goodbye there.
   if (origin.newest) slot.peer = origin.from;
   if (!seats_.empty() && batch_.lead && covers(slot.role, Role::operator_))
     taken.reply.remote = lead(slot, origin.now);
@@ -66,7 +66,7 @@ Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds
   return {};
 }
 
-/// What the datagram at hand says to the change that the session's client was asked for.
+/// Takes the client's answer to the change that it was asked for, if the datagram at hand has one.
 void SceneSessions::hear_answer(SessionSlot& slot) noexcept {
   AskedChange& asked = *slot.asked;
   if (!batch_.report || batch_.report->change != asked.change.number) return;

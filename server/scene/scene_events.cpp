@@ -1,4 +1,4 @@
-// What a scene's log has beside its sessions' datagrams, and what a replay does.
+// The events of a scene's log beside the datagrams of its sessions, and their replay.
 
 #include "core/base/splitmix.hpp"
 #include "server/scene/session_slot.hpp"

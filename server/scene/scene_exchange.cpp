@@ -1,4 +1,4 @@
-// What a scene's host does with datagrams: takes them in batches, answers, accounts the time.
+// The datagrams of a scene's host: it takes them in batches, answers them and accounts the time.
 
 #include <spdlog/spdlog.h>
 
@@ -93,14 +93,14 @@ void SceneHost::tell_of_links() {
   }
 }
 
-/// What clients say to the changes that they were asked for.
+/// Logs the answers of clients to the changes that they were asked for.
 void SceneHost::tell_of_answers() {
   for (const std::string& line : sessions_.answers())
     spdlog::info("scene {}: {}", name_, visible(line));
 }
 
-/// What moves takes its time apart from answers, so that no session is charged for it. The time
-/// after that.
+/// Steps the moving bodies apart from the answers, so that no session is charged for it. Returns
+/// the time after that.
 Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
   const auto due = sessions_.next_tick();
   if (!due || *due > now) return now;

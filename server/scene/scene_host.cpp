@@ -170,7 +170,7 @@ void SceneHost::change(LiveChange change, asio::io_context& back,
   });
 }
 
-/// What was changed, or why nothing was.
+/// Makes the change. Returns its description, or the reason of the refusal.
 std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& change) {
   ChangeOutcome outcome = sessions_.change(change, clock_());
   if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
@@ -212,7 +212,7 @@ void SceneHost::describe(asio::io_context& back,
   });
 }
 
-/// Where a viewer waits for a picture. Without memory for it there is none.
+/// Draws a picture if a viewer waits for one. Without memory there is no picture.
 void SceneHost::draw(PictureExchange& pictures, Nanoseconds now) noexcept {
   if (!pictures.wanted()) return;
   try {

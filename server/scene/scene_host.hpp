@@ -32,8 +32,8 @@ struct SceneHostOptions {
   std::size_t max_sessions = 64;
   SessionLimits limits = {};
   const NetworkProfile* line = nullptr;  // shared by the sessions; null: no limit
-  /// How long the thread polls for datagrams after the last one, before it sleeps until the next;
-  /// 0: not at all, kForever: it never sleeps, and its core does nothing else.
+  /// The time for which the thread polls for datagrams after the last one, before it sleeps until
+  /// the next; 0: not at all, kForever: it never sleeps, and its core does nothing else.
   Nanoseconds busy_poll{0};
   /// Asks for SCHED_FIFO, unless the thread never sleeps, and for memory to be locked.
   bool real_time = false;

@@ -102,7 +102,7 @@ void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world,
 
 std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
                                                                  Nanoseconds now) {
-  // What may throw comes first; nothing has changed by then.
+  // Everything that may throw comes first. Nothing has changed by then.
   std::unique_ptr<World> world = world_of(scene);
   std::vector<Seat> seats = seats_of(scene);
   const bool same_seats = has_same_seats(scene);

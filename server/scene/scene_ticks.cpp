@@ -32,8 +32,9 @@ std::optional<Nanoseconds> SceneSessions::next_tick() const {
   return last_tick_ + tick_;
 }
 
-/// Whose hand it was that broke what moves: who pushed it hardest, and who did so at least half as
-/// hard. Who only held something else, or lay on it lightly, is not to blame.
+/// Finds the hands that broke the simulation: the hand that pushed the moving bodies hardest, and
+/// each that pushed at least half as hard. A hand that only held something else, or lay on it
+/// lightly, is not to blame.
 void SceneSessions::blame(Nanoseconds now) noexcept {
   constexpr double kShare = 0.5;
   double hardest = 0.0;

@@ -24,7 +24,7 @@ const control::JoinRequest& checked(const control::JoinRequest& request) {
 bool same_bound(SessionParameters a, const SessionParameters& b) {
   a.velocity_cutoff = b.velocity_cutoff;
   a.hold_time = b.hold_time;
-  // What travels, and how often.
+  // The kinds of messages, and how often each is sent.
   a.redundancy = b.redundancy;
   a.packet_interval = b.packet_interval;
   a.batch = b.batch;
@@ -123,7 +123,8 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   return taken;
 }
 
-/// What the client left out is no gap; what travelled before this datagram and never came is one.
+/// A report that the client left out is no gap. A report that was sent before this datagram and
+/// never arrived is one.
 void Session::hear(const HandReport& report) noexcept {
   // A client that joined again has counted before, so its first report is the start.
   if (report_)

@@ -1,5 +1,5 @@
-// What an admin does from the page: changes, evictions, reloads. Each goes the way that the same
-// request of the control port goes.
+// The actions of an admin on the page: changes, evictions, reloads. Each takes the way of the same
+// request at the control port.
 
 #include <spdlog/spdlog.h>
 

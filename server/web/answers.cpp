@@ -79,7 +79,7 @@ bool same_origin(const HttpRequest& request, const std::string& authority, bool 
   return origin != nullptr && *origin == (secure ? "https://" : "http://") + authority;
 }
 
-/// What is wrong with a request for a WebSocket, whoever asks.
+/// The refusal of a malformed request for a WebSocket; empty if it is well formed.
 std::optional<Answer> refuse_upgrade(const HttpRequest& request) {
   const std::string* upgrade = request.header("upgrade");
   const std::string* connection = request.header("connection");

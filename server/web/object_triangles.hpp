@@ -9,7 +9,7 @@ namespace feltwire::web {
 /// [m] half the side of the square that is drawn of a plane.
 inline constexpr double kPlaneView = 0.2;
 TriangleSoup plane_square();
-/// Where that square is seen: about the point of the plane that is nearest to the scene's start.
+/// The place of that square: around the point of the plane that is nearest to the scene's start.
 Pose square_pose(const Pose& plane, const Vec3& start);
 
 /// The triangles of a shape in its own frame; empty if it is unbounded. Allocates, and may take

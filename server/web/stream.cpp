@@ -13,7 +13,7 @@ namespace {
 
 using asio::ip::tcp;
 
-/// What both kinds have in common; Layer is what is read from and written to.
+/// The common part of both kinds. It reads from a Layer and writes to it.
 template <class Layer>
 class Layered : public Stream {
  public:

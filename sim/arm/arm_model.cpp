@@ -22,7 +22,7 @@ class Parts {
     return id;
   }
 
-  /// Where its three numbers are in sensordata.
+  /// The index of the three numbers of a sensor in sensordata.
   int sensor(const char* name, mjtSensor type, const char* tag, int site) const {
     const int id = mj_name2id(&model_, mjOBJ_SENSOR, name);
     const std::string at = mj_id2name(&model_, mjOBJ_SITE, site);

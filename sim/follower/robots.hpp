@@ -22,7 +22,7 @@ struct RobotChoice {
 /// Throws std::invalid_argument that names the contradicting options, and the remedy.
 void check(const RobotChoice& choice);
 
-/// What the scene file says of the surfaces that the robot may touch. Throws FileError and
+/// Loads the surfaces that the robot may touch from a scene file. Throws FileError and
 /// std::invalid_argument naming the file and the remedy.
 std::shared_ptr<SurfaceModel> load_surfaces(const std::string& file);
 

@@ -10,7 +10,8 @@
 namespace feltwire {
 namespace {
 
-/// What the account of one of the two ports knows: nothing of the other, of which it renders none.
+/// The knowledge of the account of one of the two ports. It knows nothing of the other, whose force
+/// it does not render.
 AccountConfig only(AccountConfig config, PortKnowledge AccountConfig::*other) {
   config.*other = {};
   return config;

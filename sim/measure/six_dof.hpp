@@ -21,7 +21,7 @@ using PoseEnvironment =
 /// The scene for its first tool, which has a body. The scene must outlive it.
 PoseEnvironment pose_environment(const Scene& scene);
 
-/// How energy is accounted: force and torque as one port with one balance, or each with its own.
+/// The account of energy: force and torque as one port with one balance, or each with its own.
 enum class Ports : std::uint8_t { one, two };
 
 struct SixDofSetup {

@@ -98,12 +98,12 @@ web::PageHand::Status ClientPageHand::status() const {
 }
 
 void ClientPageHand::point(const Vec3& target) noexcept {
-  // What does not fit is not missed: the next says where the hand shall be then.
+  // A pointing that does not fit is not missed: the next has the new place of the hand.
   pointings_->push({.kind = Pointing::Kind::to, .target = target});
 }
 
 void ClientPageHand::release() noexcept {
-  // Where the ring is full no servo reads it, or a pause of a second ends the hand.
+  // If the ring is full, no servo reads it, or a pause of a second ends the hand.
   pointings_->push({.kind = Pointing::Kind::let_go});
 }
 

@@ -48,8 +48,8 @@ std::string right(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ') + text;
 }
 
-/// What a column is called: the file's name without its ending, or where two have that in common
-/// its whole path. Never cut.
+/// The headings of columns: the file's name without its ending, or its whole path if two names are
+/// equal. They are never cut.
 std::vector<std::string> headings(const std::vector<std::filesystem::path>& reports) {
   std::vector<std::string> names;
   for (const auto& file : reports) {

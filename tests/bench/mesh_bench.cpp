@@ -142,7 +142,7 @@ void objects(benchmark::State& state, int count) {
   state.counters["N"] = command.elastic.norm();
 }
 
-/// What a session with a local model asks for at every reply, on the same way.
+/// The query of a session with a local model at every reply, on the same way.
 void model(benchmark::State& state, int level, const MeshOptions& options) {
   const Scene scene("sphere", {object_of(sphere(level), options)});
   TouchMemory memory = scene.memory();

@@ -151,7 +151,7 @@ class ControlPeer {
 
   std::uint16_t port() const { return socket_.port(); }
   ServerAccess access() const { return test::access(port()); }
-  /// What the client asked.
+  /// The request of the client.
   const std::optional<control::Message>& request() {
     thread_.join();
     return request_;

@@ -12,7 +12,7 @@ namespace feltwire::testing {
 using test::TemporaryFolder;
 using test::text_of;
 
-/// What `action` throws as Error; empty and a failure when it throws nothing.
+/// The text of the Error that `action` throws. If it throws nothing: empty, and the test fails.
 template <class Error, class Action>
 std::string error_of(Action action) {
   try {

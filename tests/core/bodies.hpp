@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of tools with a body hold, and what they touch with it.
+// The tools of the tests of tools with a body, and the things that they touch.
 
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/tessellation.hpp"

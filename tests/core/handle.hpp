@@ -28,12 +28,12 @@ struct Handle {
   }
 };
 
-/// Where an encoder shows a point, each axis rounded to a multiple of q.
+/// A point as an encoder shows it, each axis rounded to a multiple of q.
 inline Vec3 encoded(const Vec3& x, double q) {
   return q > 0.0 ? Vec3((x / q).array().round() * q) : x;
 }
 
-/// What a hand does during one sample, `parts` equal pieces of it.
+/// The action of a hand during one sample, in `parts` equal pieces.
 enum class Grip { pull, push, throw_then_pull, noise, swing, none };
 
 /// The force of a hand of at most `strength`, at `now` of 0 to 1 of the sample, while `held` acts.

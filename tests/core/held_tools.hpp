@@ -1,5 +1,5 @@
 #pragma once
-// What hands hold in tests, and what they touch with it.
+// The tools of hands in tests, and the things that they touch.
 
 #include "core/base/numeric.hpp"
 #include "core/contact/contact.hpp"

@@ -34,7 +34,7 @@ inline Vec3 greediest(const Vec3& f, double time, const Damping& damping) {
   return 0.5 * time * damping.matrix().inverse() * f;
 }
 
-/// What the wall z < 0 answers; friction against the last movement, orthogonal to the normal.
+/// The answer of the wall z < 0; friction against the last movement, orthogonal to the normal.
 inline Command wall(const Script& script, const Vec3& position, const Vec3& displacement) {
   Command c;
   c.elastic.z() = script.stiffness * std::max(0.0, -position.z());

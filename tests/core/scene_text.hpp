@@ -9,7 +9,7 @@
 
 namespace feltwire::test {
 
-/// What the loader says of it.
+/// The error of the loader for this scene.
 inline std::string error_of(const std::string& scene) {
   try {
     parse_scene(scene, "s.json");

@@ -7,8 +7,8 @@
 namespace feltwire::test {
 namespace {
 
-/// What the hand that a script is about is like. One that moves much by itself makes the device
-/// burn so much that nothing it takes would show.
+/// The temper of the hand of a script. A hand that moves much by itself makes the device burn so
+/// much that a loss would not show.
 struct Temper {
   double greed, farthest;  // probability; decades of its own movements, 10^-8 to 10^farthest [m]
 };

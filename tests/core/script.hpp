@@ -18,8 +18,8 @@
 
 namespace feltwire::test {
 
-/// How the hand moves until the next tick. Whatever it does, `displacement` and `rotation` of the
-/// tick come on top.
+/// The movement of the hand until the next tick. `displacement` and `rotation` of the tick are
+/// added to it.
 enum class Hand : std::uint8_t {
   wanders,      // only that
   takes,        // `share` of the movement that takes most energy from what is held; < 0 presses
@@ -53,7 +53,7 @@ struct Script {
   std::vector<Tick> ticks;
 };
 
-/// What may occur in a script.
+/// The events that may occur in a script.
 struct ScriptOptions {
   double longest_hold = 1.0;  // [T]
   bool reduces = false;       // the device holds less than it is told

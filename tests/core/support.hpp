@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the core share: seeded random values over many decades, and hands that mean
+// Shared by the tests of the core: seeded random values over many decades, and hands that mean
 // harm.
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// What the library that injects faults says of a process, in a file that both it and the driver
+// The log of the library that injects faults about a process, in a file that both it and the driver
 // have mapped. tests/fault/run.py reads it by these offsets.
 
 #include <atomic>

@@ -75,7 +75,7 @@ DropReason expected(const ClientChange& c) {
              : DropReason::not_finite;
 }
 
-/// What travels as float32.
+/// The numbers of a view, which are sent as float32.
 void require_arrived(const SceneView& sent, const SceneView& got) {
   require(got.present && got.hands_from == sent.hands_from && got.hands_end == sent.hands_end &&
               got.bodies_from == sent.bodies_from && got.bodies_end == sent.bodies_end,

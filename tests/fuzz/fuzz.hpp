@@ -1,5 +1,5 @@
 #pragma once
-// What fuzz targets share: the function that is fuzzed, invariants, and values made of bytes.
+// Shared by the fuzz targets: the function that is fuzzed, invariants, and values made of bytes.
 
 #include <algorithm>
 #include <bit>

@@ -57,8 +57,9 @@ void live(const Scene& scene) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
-  // What names files would read this machine's; what multiplies bodies takes minutes for a line,
-  // and so does a height field of 65535 rows: its limit on memory is not there under sanitizers.
+  // A text that names files would read files of this machine. A text that multiplies bodies takes
+  // minutes for a line, and so does a height field of 65535 rows: its limit on memory is not there
+  // under sanitizers.
   for (const char* word : {"file", "dir", "composite", "nrow", "&"})
     if (text.find(word) != std::string::npos) return 0;
   static const fuzz::Folder folder;

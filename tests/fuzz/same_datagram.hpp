@@ -74,7 +74,7 @@ inline bool same(const HandFigures& a, const HandFigures& b) {
                         same(a.report->balance, b.report->balance) &&
                         same(a.report->round_trip, b.report->round_trip)));
 }
-/// What there is of them.
+/// Compares the hands, bodies and robots that both views have.
 inline bool same(const SceneView& a, const SceneView& b) {
   if (a.present != b.present) return false;
   if (!a.present) return true;

@@ -65,7 +65,7 @@ void touch_everywhere(const Scene& scene) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
-  // What names files would read this machine's: a mesh, a grid, an MJCF model.
+  // A scene that names files would read files of this machine: a mesh, a grid, an MJCF model.
   if (text.find("file") != std::string::npos || text.find('\\') != std::string::npos) return 0;
   try {
     const Scene scene = parse_scene(text, "scene.json");

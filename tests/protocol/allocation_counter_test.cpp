@@ -1,4 +1,4 @@
-// What the counter of the tests that "nothing allocates" sees: every library's use of the heap.
+// The counter of the tests that "nothing allocates" sees every library's use of the heap.
 
 #include "tests/support/allocation_counter.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 // The compiler may leave out memory that nobody looks at.
 void* volatile looked_at = nullptr;
 
-/// How often `work` uses the heap.
+/// The number of times that `work` uses the heap.
 template <class Work>
 std::size_t uses(const Work& work) {
   const std::size_t before = test::allocations();

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of sealed datagrams share.
+// Shared by the tests of sealed datagrams.
 
 #include <gtest/gtest.h>
 

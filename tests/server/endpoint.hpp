@@ -32,7 +32,7 @@ class Endpoint {
   Endpoint(std::chrono::milliseconds idle, std::size_t connections, const control::Message& answer)
       : Endpoint({.address = {}, .idle_timeout = idle, .max_connections = connections}, answer) {}
   ~Endpoint() { stop(); }
-  /// How it went, once it is stopped.
+  /// Stops the endpoint and returns its counters.
   ControlCounters counters() {
     stop();
     return endpoint_.counters();

@@ -55,7 +55,7 @@ class RawSocket {
 
   void send(Bytes bytes) { ::send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
 
-  /// What comes next, up to `most` bytes; empty when the other side closed or nothing came.
+  /// The next bytes, `most` at most; empty if the other side closed or nothing came.
   std::vector<std::uint8_t> receive(std::size_t most = 2048) {
     pollfd waiting{file_, POLLIN, 0};
     if (::poll(&waiting, 1, kPatience) != 1) return {};
@@ -69,7 +69,7 @@ class RawSocket {
   int file_;
 };
 
-/// What a join by a ControlClient comes to.
+/// The result of a join by a ControlClient.
 struct JoinedBy {
   control::JoinAccepted accepted;
   std::uint16_t udp_port = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What this process holds of the machine, as the kernel and the allocator say.
+// The resources of this process, by the kernel and the allocator.
 
 #include <cstddef>
 

@@ -27,7 +27,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 constexpr double kMebibyte = 1048576.0;
-// What may stay: allocators and kernels keep some of what they were given back.
+// The growth that is allowed: allocators and kernels keep some of the memory that was freed.
 constexpr double kResidentGrowth = 4.0 * kMebibyte, kHeapGrowth = 0.25 * kMebibyte;
 
 /// Looks again and again until it is so; false when it never is.
@@ -121,7 +121,7 @@ class Soak {
         for (Client& client : clients_) client.watch_old_ports(now);
         next_look = now + kBetweenLooks;
       }
-      // What the machine does not follow is left out, not caught up with.
+      // Ticks that the machine misses are left out, not caught up with.
       const Nanoseconds spare = now + period - monotonic_now();
       if (spare.count() > 0) std::this_thread::sleep_for(spare);
     }

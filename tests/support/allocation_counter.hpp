@@ -9,9 +9,9 @@
 
 namespace feltwire::test {
 
-/// How often the calling thread took memory from the heap or gave it back so far.
+/// The number of times that the calling thread has allocated or freed memory of the heap so far.
 std::size_t allocations();
-/// Likewise all other threads of the program, those that have ended too.
+/// The same of all other threads of the program, those that have ended too.
 std::size_t allocations_of_others();
 
 }  // namespace feltwire::test

@@ -25,8 +25,8 @@ class WanderingHand {
   double kick_, pull_;
 };
 
-/// What the scene answers a tool, and beside it a client with a model of every so many ticks of
-/// 1 ms. A client that was beyond its model's reach begins anew with the next.
+/// The answers of the scene to a tool, and beside it a client with a model of every so many ticks
+/// of 1 ms. A client that was beyond its model's reach begins anew with the next.
 class FollowedHand {
  public:
   FollowedHand(const Scene& scene, int every)

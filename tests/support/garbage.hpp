@@ -1,5 +1,5 @@
 #pragma once
-// What an attacker sends to a scene's port.
+// The datagrams of an attacker at a scene's port.
 
 #include <cstdint>
 #include <vector>

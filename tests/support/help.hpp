@@ -1,5 +1,5 @@
 #pragma once
-// What a program's help promises.
+// The promises of a program's help.
 
 #include <gtest/gtest.h>
 

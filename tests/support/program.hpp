@@ -22,7 +22,8 @@ struct Outcome {
 class Program {
  public:
   Program(const std::string& program, std::vector<std::string> arguments) {
-    // What a program keeps by default, such as flight records, is not put beside the user's own.
+    // Files that a program keeps by default, such as flight records, are not put beside the user's
+    // own.
     ::setenv("XDG_STATE_HOME", (std::filesystem::temp_directory_path() / "feltwire-tests").c_str(),
              0);
     int out[2], error[2];
@@ -62,7 +63,7 @@ class Program {
     return text;
   }
   pid_t process() const { return process_; }
-  /// What it says on the way to `text` in its log, or to its end.
+  /// The log up to `text`, or up to the end of the program.
   std::string error_until(const std::string& text) {
     std::string said;
     for (char c = 0; said.find(text) == std::string::npos && ::read(error_, &c, 1) == 1;) said += c;

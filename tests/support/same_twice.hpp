@@ -1,5 +1,5 @@
 #pragma once
-// What every path of a sample must be: the same bits each time, and without an allocation.
+// Every path of a sample must give the same bits each time, and must not allocate.
 
 #include <gtest/gtest.h>
 

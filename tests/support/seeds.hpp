@@ -28,8 +28,8 @@ inline std::uint64_t run_seed() {
   return seed;
 }
 
-/// How often a test that could go on for ever repeats what it tries: `whole` times, a tenth under a
-/// sanitizer, which takes ten times as long and looks at what does not depend on the numbers.
+/// The number of rounds of a test that could go on for ever: `whole`, or a tenth under a sanitizer.
+/// There a round takes ten times as long, and the numbers do not matter.
 template <std::integral Count>
 constexpr Count rounds(Count whole) {
 #ifdef FELTWIRE_SANITIZED

@@ -46,7 +46,7 @@ void check(const CompareLoop& loop) {
     throw std::invalid_argument("the round trip must be between 0 and 1 s");
 }
 
-/// What was run, to be replayed.
+/// A run that can be replayed.
 struct Run {
   std::vector<ExperimentSample> samples;
   ExperimentSetup setup;

@@ -35,7 +35,7 @@ BasicCommand<Real> narrowed(const Command& c) {
   return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
 }
 
-/// What a step has to be told, number by number; a hold time is as likely as a vector.
+/// The numbers that a step takes. A hold time is as likely to be chosen as a vector.
 constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
 /// One input of the step becomes no number, or no force, movement or time of this world.

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// How many methods were judged: the rows go by stress, then by method.
+/// The number of methods that were judged: the rows go by stress, then by method.
 std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
     return r.stress != rows.front().stress;

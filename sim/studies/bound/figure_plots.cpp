@@ -92,7 +92,7 @@ std::string mode_run(const std::string& group, std::size_t mode) {
   return group + "_" + std::string(kFigureModes[mode]);
 }
 
-/// What gnuplot shows as it is between double quotes.
+/// The text as gnuplot shows it unchanged between double quotes.
 std::string plain(const std::string& text) {
   std::string escaped;
   for (const char c : text) escaped += c == '_' ? "\\\\_" : std::string(1, c);

@@ -1,4 +1,4 @@
-// What a session gains by learning how strong its hand is (--learn-hand-force).
+// The gain of a session that learns the strength of its hand (--learn-hand-force).
 
 #include <array>
 

@@ -129,7 +129,7 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
 
   switch (setup_.promise) {
     case Promise::port:
-      // What is overdrawn while no force is rendered is a debt, and known.
+      // Energy that is overdrawn while no force is rendered is a known debt.
       if (all_at_stake > 0.0L) judge(port, all_at_stake - port.balance[0]);
       break;
     case Promise::port_by_axis:

@@ -95,7 +95,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
   SimulatedDevice device(hand);
   const Vec3 to_world = Vec3::Constant(origin);
-  // What the device reports: a number of the arithmetic, in the world frame.
+  // The report of the device: a number of the arithmetic, in the world frame.
   const auto read = [&](std::size_t n) -> Vector3<Real> {
     const auto now = Nanoseconds(std::llround(static_cast<double>(n) * config.period * 1e9));
     return (device.read(now).pose.position + to_world).template cast<Real>();
@@ -213,7 +213,7 @@ std::vector<RateCell> run_rate(const RateGrid& grid) {
 std::vector<RateCost> measure_rate_cost() {
   constexpr double kDamping = 0.5, kRate = 1000.0;
   std::vector<RateCost> costs;
-  // What is computed must be wanted by somebody, or the compiler leaves it out.
+  // Somebody must use the results, or the compiler leaves the computation out.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
     const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);

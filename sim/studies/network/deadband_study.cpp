@@ -47,7 +47,7 @@ NetworkRunOptions options_of(const DeadbandTask& task, const DeadbandGrid& grid,
   return options;
 }
 
-/// What the servo saw of the movement.
+/// The movement as the servo saw it.
 Recording recorded(const NetworkRunResult& run) {
   Recording recording;
   for (const NetworkSample& s : run.samples)

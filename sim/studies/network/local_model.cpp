@@ -170,7 +170,7 @@ double onset(const std::vector<NetworkSample>& samples) {
   return felt->time - touched->time;
 }
 
-/// What comes once the first replies have: before, a session knows nothing.
+/// The samples after the first replies: before them, a session knows nothing.
 std::vector<NetworkSample> settled(const std::vector<NetworkSample>& samples, double rate) {
   const auto first = static_cast<std::ptrdiff_t>(std::llround(kSettled * rate));
   return {samples.begin() + first, samples.end()};

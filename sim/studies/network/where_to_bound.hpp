@@ -1,5 +1,5 @@
 #pragma once
-// Where to bound: at the server, the client or both; measured over delay, jitter and loss.
+// Compares the places of the bound (server, client or both) over delay, jitter and loss.
 
 #include <filesystem>
 #include <string>

@@ -100,7 +100,7 @@ void draw(const std::filesystem::path& directory, const std::vector<SidesCell>& 
     for (const std::string_view task : columns) {
       append(script, "set title '%s'\nset ylabel '%s'\nset yrange %s\n", std::string(task).c_str(),
              panel.label, panel.range);
-      // Where there is room for it.
+      // The key stands in the last panel, which has room for it.
       const bool last = panel.column == std::rbegin(kPanels)->column && task == columns.back();
       script += last ? "set key\nplot " : "unset key\nplot ";
       for (std::size_t i = 0; i < std::size(kSidesBounds); ++i) {
@@ -183,7 +183,7 @@ void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::
   }
 }
 
-/// What the server's bound before the client's changes, over all round trips, jitters and losses.
+/// The effect of a server's bound before the client's, over all round trips, jitters and losses.
 void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
   constexpr double kNotable = 0.01;
   text +=

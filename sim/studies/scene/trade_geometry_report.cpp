@@ -55,7 +55,7 @@ std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x
   return data + plots + "NaN notitle\n";
 }
 
-// What is exact has no place on a logarithmic axis but its edge.
+// An exact value has no place on a logarithmic axis except its edge.
 constexpr double kFloorDegrees = 1e-6, kFloorNewton = 1e-9, kFloorPercent = 1e-8;
 double degrees(const GeometryCell& c) {
   return std::max(kFloorDegrees, c.direction_error * kDegrees);

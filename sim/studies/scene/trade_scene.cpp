@@ -26,8 +26,8 @@ double heap_bytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// What make() returns, and the bytes that it holds. A thread of its own makes it, so that no piece
-/// of what others gave back, kept by malloc for their thread, is in it or is missing.
+/// Returns the result of make(), and the bytes that it holds. A thread of its own makes it: malloc
+/// keeps freed pieces for the thread that freed them, and these would distort the count.
 template <class Make>
 auto weighed(const Make& make, double& bytes) {
   decltype(make()) made;

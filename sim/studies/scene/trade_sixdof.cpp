@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<SixDofMethod, 5> kMethods = {
     {{false, false}, {true, false}, {false, true}, {true, true}, {true, true, true}}};
 
-/// How fine a run is.
+/// The resolution of a run.
 struct Fineness {
   int steps = 1;         // in each sample
   std::size_t most = 0;  // times that a step is repeated until the tool stands, without mass

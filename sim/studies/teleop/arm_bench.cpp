@@ -38,7 +38,7 @@ constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sp
 const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
 
-/// What the hand means at a time: a place [m] and an opening of the gripper [m].
+/// The intention of the hand at a time: a place [m] and an opening of the gripper [m].
 struct Meant {
   Vec3 place = Vec3::Zero();
   double gripper = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-// How the hand of a task moves from place to place.
+// The movement of the hand of a task from place to place.
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a server costs that does nothing: every datagram goes back to where it came from.
+// The cost of a server that only sends every datagram back to its sender.
 
 namespace feltwire::netbench {
 

@@ -36,7 +36,7 @@ void write_all(int file, const void* bytes, std::size_t size) {
   if (::write(file, bytes, size) != static_cast<ssize_t>(size)) std::_Exit(1);
 }
 
-/// What the parent waits for: port and sessions of a scene.
+/// Sends the parent the port and the sessions of a scene, for which it waits.
 void announce(int pipe, std::uint16_t port, const std::vector<std::uint64_t>& ids) {
   write_all(pipe, &port, sizeof port);
   write_all(pipe, ids.data(), ids.size() * sizeof ids[0]);

@@ -41,10 +41,10 @@ struct Target {
   std::vector<std::uint64_t> sessions;  // one a client; all are joined
 };
 
-/// What every client says of itself when it joins.
+/// The join request of every client.
 control::JoinRequest join_request(int redundancy);
 
-/// What a session is sealed with; fixed, so that both processes know.
+/// The keys of a session; fixed, so that both processes know them.
 SessionKeys session_keys(std::uint64_t session, CipherSuite suite);
 
 class HostProcess {

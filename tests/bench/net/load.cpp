@@ -51,7 +51,7 @@ struct Client {
   std::uint64_t answered = 0;  // newest sample that was
 };
 
-/// What stands in an answer, or in a sample that came back.
+/// The contents of an answer, or of a sample that came back.
 struct Answer {
   std::uint64_t index = 0;
   Nanoseconds sent{0};

@@ -22,7 +22,7 @@ struct LoadOptions {
   bool sleep = false;  // between answers (saturate): for a load that shares the server's core
 };
 
-/// What the counted part of a run came to.
+/// The result of the counted part of a run.
 struct LoadResult {
   std::uint64_t sent = 0, answered = 0, late = 0;  // late: after more than 1 ms
   std::uint64_t with_force = 0;                    // answers that carried one

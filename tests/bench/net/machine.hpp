@@ -1,5 +1,5 @@
 #pragma once
-// What the load program needs of the machine: cores, clocks, and a socket of the loopback.
+// The parts of the machine that the load program uses: cores, clocks, and a socket of the loopback.
 
 #include <sys/types.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What is measured of a server and of the echoes beside it, each in runs that take turns.
+// The measurements of a server and of the echoes beside it, each in runs that take turns.
 
 #include <array>
 #include <map>

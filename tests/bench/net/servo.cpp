@@ -93,7 +93,7 @@ Run run(const Settings& settings, const Way& way) {
           1e-3 * round_trip.quantile(0.999)};
 }
 
-/// What the machine has to give: a timer that is waited for, and nothing else.
+/// The limit of the machine: a timer that is waited for, and nothing else.
 Run bare_timer(const Settings& settings) {
   constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   Histogram late;

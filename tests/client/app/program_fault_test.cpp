@@ -17,7 +17,7 @@ namespace {
 using testing::kPatience;
 using testing::text_of;
 
-/// How many descriptors a process has open.
+/// The number of open descriptors of a process.
 rlim_t open_descriptors(pid_t process) {
   const std::filesystem::directory_iterator all("/proc/" + std::to_string(process) + "/fd");
   return static_cast<rlim_t>(std::distance(begin(all), end(all)));

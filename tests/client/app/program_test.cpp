@@ -52,7 +52,8 @@ class ClientProgram : public ::testing::Test {
                  "--fingerprint", to_string(server_->fingerprint())});
     return more;
   }
-  /// What a program does that finds the server's fingerprint and this token in its environment.
+  /// The outcome of a program that finds the server's fingerprint and this token in its
+  /// environment.
   test::Outcome outcome_with_access(const IssuedToken& token, const char* program,
                                     const std::vector<std::string>& words) {
     const std::string file = folder_ / "token", print = folder_ / "fingerprint";

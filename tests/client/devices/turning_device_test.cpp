@@ -70,7 +70,8 @@ TEST(TurningDevice, AWristThatIsPushedSwingsAsTheClosedFormOfSpringAndDamper) {
   }
 }
 
-/// What the torque gave over the true turns is kinetic energy and what damping and friction burned.
+/// The work of the torque over the true turns is kinetic energy and the loss by damping and
+/// friction.
 TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
   SimulatedHandOptions o = free_handle();
   const double b = 2e-3, friction = 3e-3;

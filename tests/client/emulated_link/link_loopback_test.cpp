@@ -14,8 +14,8 @@ using testing::Loopback;
 
 class LinkLoopback : public Loopback {};
 
-/// How many of `samples` are answered: without a queue, a duplicate or one that overtakes, every
-/// datagram that gets through is answered once, and fates go by number alone.
+/// The number of `samples` that are answered: without a queue, a duplicate or one that overtakes,
+/// every datagram that gets through is answered once, and fates go by number alone.
 std::uint64_t expected_answers(const TwoWayLinkOptions& link, std::uint64_t samples) {
   LinkModel up(link.up, link_key(link.seed, 0, LinkDirection::up));
   LinkModel down(link.down, link_key(link.seed, 0, LinkDirection::down));

@@ -33,7 +33,7 @@ struct Linked {
   const TwoWayLink& link() const {
     return dynamic_cast<const EmulatedPort&>(transport.port()).link();
   }
-  /// What the peer sent is in the transport's socket from then on.
+  /// Waits until the peer's datagram is in the transport's socket.
   void await_arrival() const {
     pollfd readable{transport.port().descriptor(), POLLIN, 0};
     ASSERT_EQ(::poll(&readable, 1, 10'000), 1);

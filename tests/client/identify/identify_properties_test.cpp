@@ -1,4 +1,4 @@
-// What identify reports is never more than what a device has, whatever makes it hard to measure.
+// identify never reports more than a device has, whatever makes the device hard to measure.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -82,8 +82,8 @@ double least_eigenvalue(const Mat3& m) {
 
 class IdentifyProperty : public ::testing::TestWithParam<int> {};
 
-/// Over 500 devices in ten parts, whatever RC_PARAMS says of other properties: rare devices are the
-/// dangerous ones.
+/// 250 devices in five parts, and with a fresh seed 250 more: rare devices are the dangerous ones.
+/// RC_PARAMS does not change their number.
 TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
 #ifdef FELTWIRE_SANITIZED
   constexpr int kDevices = 2;  // they take fifty times as long there
@@ -124,7 +124,7 @@ TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
   EXPECT_GT(with_damping, kDevices / 3);
 #endif
 }
-INSTANTIATE_TEST_SUITE_P(Parts, IdentifyProperty, ::testing::Range(0, test::rounds(10)));
+INSTANTIATE_TEST_SUITE_P(Parts, IdentifyProperty, ::testing::Range(0, test::rounds(5)));
 
 TEST(Identify, AHandThatHoldsItIsDoubted) {
   HandleTruth truth;

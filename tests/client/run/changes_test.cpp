@@ -1,4 +1,4 @@
-// What a client does with the changes that its server sends, also with more than anybody needs.
+// A client makes the changes that its server sends, also more than anybody needs.
 
 #include "client/run/changes.hpp"
 

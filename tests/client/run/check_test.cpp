@@ -1,4 +1,4 @@
-// What --check says of measured figures. The limits are those of docs/troubleshooting.md.
+// The verdict of --check on measured figures. The limits are those of docs/troubleshooting.md.
 
 #include "client/run/check.hpp"
 

@@ -1,4 +1,4 @@
-// How a device's ticks are counted, and what is said of them. The limits are those of
+// The count of a device's ticks, and the verdict on them. The limits are those of
 // docs/devices.md.
 
 #include "client/run/device_check.hpp"

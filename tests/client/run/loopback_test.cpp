@@ -54,8 +54,7 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
     EXPECT_LE(s.answered, s.samples);
     EXPECT_EQ(s.replies_refused, 0u);
     EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
-    // What was commanded is the plane's: along z, at most k times the depth, friction inside its
-    // cone.
+    // The command is the plane's: along z, at most k times the depth, friction inside its cone.
     TickRecord row;
     double pressed = 0.0;
     while (client->records.pop(row)) {

@@ -218,7 +218,7 @@ TEST(McapRecording, SaysWhyItCannotBeWritten) {
               ::testing::HasSubstr("No space left"));
 }
 
-/// What was in whole chunks before the disk was full is there.
+/// Chunks that were complete before the disk was full are there.
 TEST(McapRecording, OnAFullDiskKeepsWholeRecords) {
   const testing::TemporaryFolder folder;
   const auto path = folder / "full.mcap";

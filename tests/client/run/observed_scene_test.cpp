@@ -91,7 +91,7 @@ TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
     ASSERT_LE(scene.bodies().size(), ObservedScene::kMostBodies);
   }
   EXPECT_EQ(scene.left_out(), shown - ObservedScene::kMostHands - ObservedScene::kMostBodies);
-  // Who goes makes room again; who is known goes on being followed.
+  // A hand that goes makes room again; a known hand is still followed.
   SceneView view = view_of(1, 11, {5, 6});
   view.hand[0].pose.position.x() = 0.75;
   scene.take(view);

@@ -103,7 +103,7 @@ TEST(Admission, ASofterWallIsFeltAtOnce) {
   EXPECT_FALSE(hand.bench.servo.withholds_change());
 }
 
-/// Whatever the device burned before in free space, however much the hand moved about.
+/// It does not matter how much energy the device burned before, while the hand moved in free space.
 TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
   const Scene nothing = wall(1e-3), stiff = wall(900.0);
   Hand hand(parameters("contact_frame"), nothing);

@@ -115,7 +115,7 @@ TEST_P(BusyServer, AFloodKeepsNobodyOut) {
 
 INSTANTIATE_TEST_SUITE_P(BusyPoll, BusyServer, ::testing::Values(0.0, 50.0, HUGE_VAL));
 
-/// How many threads of this process are not asleep, this one aside.
+/// The number of threads of this process that are not asleep, without this one.
 int threads_awake() {
   int awake = 0;
   const std::string self = std::filesystem::read_symlink("/proc/thread-self").filename();

@@ -1,4 +1,4 @@
-// What a client says of its hand to those who look on.
+// The report of a client about its hand to observers.
 
 #include "protocol/wire/hand_report.hpp"
 

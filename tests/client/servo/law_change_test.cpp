@@ -174,7 +174,7 @@ TEST(LawChange, TakesNoMemoryInTheServo) {
   EXPECT_FALSE(hand.bench.servo.changes_law());
 }
 
-/// What is told of it, and a session that is lost meanwhile.
+/// The change is reported, and it outlives a session that is lost meanwhile.
 TEST(LawChange, IsToldAndOutlivesALostSession) {
   Hand hand(with_model("shaped"));
   hand.press(0.002);

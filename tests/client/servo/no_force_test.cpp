@@ -157,7 +157,7 @@ TEST(NoForce, EachHasANameAndWordsOfItsOwn) {
   EXPECT_EQ(names.count(""), 0u);
 }
 
-/// What kept a force away says more than the way there.
+/// The reason that kept a force away says more than the way there.
 TEST(NoForce, OfAWholeRun) {
   using Ticks = std::array<std::uint64_t, kNoForceReasons>;
   const auto of = [](std::initializer_list<std::pair<NoForce, std::uint64_t>> counts) {

@@ -91,7 +91,7 @@ TEST_F(PacedServo, ADeviceThatTellsNothingNewForLongHasAFault) {
   EXPECT_GT(servo.statistics().device_faults, 0u);
 }
 
-/// What the device says was held is what the movement is accounted with.
+/// The movement is accounted with the force that the device reports as held.
 TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
   tick(at(0, 0, 0));
   force = elastic(0, 0, 4);

@@ -85,8 +85,8 @@ TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
       }
 }
 
-// What an operator is said to add is credited to the bound; what is accounted is what the device
-// burns.
+// The damping that an operator is said to add is credited to the bound. The account counts the
+// energy that the device burns.
 TEST(ServoAdversary, AnOperatorWhoIsNotThereIsSeenInTheAccount) {
   for (const double claimed : {0.5, 5.0, 100.0}) {
     SessionParameters p = parameters("contact_frame");

@@ -1,4 +1,4 @@
-// What a fault does to the hand's force: it fades, and nothing steps (PROTOCOL.md, "Faults").
+// Under a fault the hand's force fades, and nothing steps (PROTOCOL.md, "Faults").
 
 #include <gtest/gtest.h>
 
@@ -108,7 +108,7 @@ TEST(ServoFault, AReconnectedHandIsLetGoThenWaits) {
   EXPECT_EQ(bench.tick().force().z(), 3.0);
 }
 
-/// What was said of the place where the hand was says nothing of where it is.
+/// A reply about the former place of the hand says nothing about its present place.
 TEST(ServoFault, NoWordFromBeforeEndsTheWait) {
   const auto reconnect = [](Bench& bench) { bench.servo.reconnected(true); };
   const auto fail = [](Bench& bench) { bench.tick({.pose = {}, .ok = false}); };

@@ -23,7 +23,7 @@ constexpr std::uint64_t kSession = 0x700, kOther = 0x800;
 constexpr int kHoldTicks = 100;  // of the hold time
 
 using Datagram = std::vector<std::uint8_t>;
-/// What a fault makes of a datagram; empty: it does not arrive.
+/// A fault changes a datagram; empty: it does not arrive.
 using Fault = std::function<Datagram(const Datagram&)>;
 
 const Fault kNone = [](const Datagram& d) { return d; };
@@ -166,7 +166,7 @@ std::vector<Case> faults() {
           {"replies to samples never sent", kNone, reply_to_the_future}};
 }
 
-// Whatever it is that takes the answers away: the force is gone within the hold time, by no step,
+// For any cause that takes the answers away: the force is gone within the hold time, by no step,
 // and a session that is found again in time goes on.
 TEST(SessionFault, WithoutAnswersTheForceFadesAndASessionInTimeGoesOn) {
   for (const Case& fault : faults()) {

@@ -130,7 +130,7 @@ DeviceSpec arm() {
   return spec;
 }
 
-/// What promises that no hand takes more than was burned.
+/// The parameters that promise that no hand takes more than was burned.
 std::vector<SessionParameters> passive(BoundingSide side) {
   std::vector<SessionParameters> all;
   for (const Projection projection : {Projection::joint, Projection::cone})
@@ -300,7 +300,7 @@ RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   }
 }
 
-/// What a session answers a hand that presses straight down; the change comes at sample 21.
+/// The answers to a hand that presses straight down; the change comes at sample 21.
 TEST(SessionChange, ANewLawIsNotCreditedTheMovementThatTheOldOneHasPaidFor) {
   for (const SessionParameters& next : passive(BoundingSide::server)) {
     const Scene scene = room();

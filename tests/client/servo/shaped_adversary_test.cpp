@@ -1,6 +1,7 @@
 // The usual session, `shaped` with its account, against a hand that means harm: a server, a link
 // that loses, delays and doubles, a servo, and a handle with a mass that moves as physics has it.
-// What the hand took is summed here from the whole path, not by the servo's own observer.
+// The energy that the hand took is summed here over the whole path, not by the servo's own
+// observer.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ constexpr int kSessions = 60;  // forty times as slow there
 constexpr int kSessions = 240;
 #endif
 
-/// What the session is told of the device and the hand, as shares of the truth.
+/// The numbers of device and hand that the session is told, as shares of the truth.
 struct Told {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double damping = 0.0;           // [N s/m] of the operator, told as the device's own
@@ -286,7 +287,7 @@ TEST(ShapedAdversary, NoSessionGivesTheHandMoreThanWasBurned) {
   EXPECT_EQ(sum.violations, 0u);
   EXPECT_EQ(sum.overdrawn, 0u);
   EXPECT_EQ(sum.strong_hand, 0u);
-  // What renders nothing, or never comes to its limit, proves nothing.
+  // A run that renders nothing, or never reaches its limit, proves nothing.
   EXPECT_GT(sum.rendered, 0.05);
   EXPECT_GT(sum.near, 1000u);
   EXPECT_GT(sum.late, 1000u);

@@ -40,7 +40,7 @@ control::JoinAccepted offer(const SessionParameters& parameters = {}) {
   return offered;
 }
 
-/// What join() says of an offer, empty where it takes it.
+/// The error of join() for an offer; empty if it takes the offer.
 std::string said_of(const control::JoinAccepted& offered, const control::JoinRequest& wanted) {
   ControlPeer peer(control::encode(offered));
   try {

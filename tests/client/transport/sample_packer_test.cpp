@@ -1,4 +1,4 @@
-// What travels: by the clock of packet_interval, and by the deadband.
+// The samples that are sent: by the clock of packet_interval, and by the deadband.
 
 #include "client/transport/sample_packer.hpp"
 
@@ -103,7 +103,7 @@ TEST(SamplePacker, ABatchIsEvenlySpacedWithTheNewest) {
   EXPECT_EQ(batch->previous, 3u);
 }
 
-/// Whatever the numbers: what the codec checks, what PROTOCOL.md promises.
+/// For any numbers the checks of the codec and the promises of PROTOCOL.md hold.
 TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
   for (int interval : {1, 2, 3, 7, 20})
     for (int batch = 1; batch <= std::min(interval, kMaxRedundancy + 1); ++batch)

@@ -229,7 +229,7 @@ TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
   link.peer.send(ScenePeer::reply_to(sample(7)));
   EXPECT_EQ(link.receive(), Arrival::reply);
   EXPECT_EQ(link.reply.sample_index, 7u);
-  // What was lost was lost by the system: nothing that came was dropped here.
+  // Losses are the system's: no datagram that came was dropped here.
   EXPECT_EQ(link.transport.statistics().received, taken + 1);
   EXPECT_EQ(link.dropped(), 0u);
 }

@@ -283,7 +283,7 @@ TEST(Limits, SessionsAndJoinsOfAClient) {
   EXPECT_EQ(slow.control_summary().requests.too_many, 2u);
 }
 
-/// Whoever sits behind the same address may guess as much as they like.
+/// Another client behind the same address may guess as much as it likes.
 TEST(Limits, WrongTokensKeepNoGoodOneOut) {
   ServerConfig config = testing::any_ports();
   config.join_burst = 3;

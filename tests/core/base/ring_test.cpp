@@ -25,7 +25,7 @@ TEST(Ring, FullRefusesAndNothingIsLostOrReordered) {
   }
 }
 
-/// What wipes itself where it ends.
+/// A value that wipes itself in its destructor.
 struct Key {
   explicit Key(int given = 0) : secret(given) {}
   Key(const Key&) = default;

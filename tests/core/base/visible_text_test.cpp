@@ -38,8 +38,7 @@ TEST(VisibleText, LinesStayWhereTheyAreWanted) {
   EXPECT_EQ(visible_lines("a\n\tb\x1b"), "a\n\\x09b\\x1b");
 }
 
-/// Whatever comes in: what goes out is UTF-8 that a second pass leaves alone, without a control
-/// byte.
+/// For any bytes the result is UTF-8 without a control byte, and a second pass leaves it unchanged.
 TEST(VisibleText, AnyBytesComeOutPrintable) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> byte(0, 255), size(0, 40);

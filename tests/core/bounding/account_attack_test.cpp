@@ -23,7 +23,7 @@ constexpr int kDevices = 800;
 constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so far
 #endif
 
-/// What the account is told, as shares of the truth.
+/// The numbers that the account is told, as shares of the truth.
 struct Told {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double operator_damping = 0.0;  // [N s/m] told on top of the device's own
@@ -57,7 +57,7 @@ struct Device {
   }
 };
 
-/// What asks for force: a stiff wall that answers late, or a command that nothing binds.
+/// The source of commands: a stiff wall that answers late, or a command that nothing binds.
 struct Environment {
   bool wall;
   double stiffness;   // [N/m]

@@ -71,7 +71,7 @@ TEST(AccountLate, WhereTheComingOnesNeedAllNothingIsGiven) {
   EXPECT_EQ(account.statistics().overdrawn, 0u);
 }
 
-/// What a coming force may do to the speed lengthens the reach of those after it.
+/// A coming force may raise the speed, and so lengthens the reach of those after it.
 TEST(AccountLate, TheReachGrowsByWhatTheComingForcesDrive) {
   const AccountConfig config = handle(0.05);
   PortBalance port(config.translation, kPeriod);

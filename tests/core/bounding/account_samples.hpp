@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the account have in common: a handle, samples of it, and a need found by
+// Shared by the tests of the account: a handle, samples of it, and a need found by
 // search.
 
 #include "core/bounding/account.hpp"

@@ -1,4 +1,4 @@
-// What every bounding mode owes its caller.
+// The duties of every bounding mode to its caller.
 
 #include "core/bounding/bounding.hpp"
 

@@ -14,8 +14,8 @@ namespace {
 
 using namespace test;
 
-/// How a hand, given what acts on it, moves until the next sample; the shares are of the greediest
-/// movement.
+/// The movement of a hand until the next sample, under the force on it. The shares are of the
+/// greediest movement.
 struct Movement {
   Vec3 displacement, rotation;
 };

@@ -38,7 +38,7 @@ struct ToolMargin {
     const Command scene = p.told.command.template cast<double>();
     margin.translation.add(scene.force(), now - tool);
     margin.rotation.add(scene.torque, now_turned - orientation);
-    // Where the tool is comes out of a difference: its ulps are the device's.
+    // The place of the tool is a difference: its ulps are the device's.
     slack += (scene.force().norm() * device.norm() + scene.torque.norm() * turned.norm()) * 64.0 *
              std::numeric_limits<Real>::epsilon();
     tool = now;

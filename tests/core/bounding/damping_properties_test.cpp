@@ -161,7 +161,7 @@ RC_GTEST_PROP(DampingProperty, TurningTheWorldTurnsTheResult, ()) {
               Close{condition(port)});
 }
 
-// Whatever the damping, `joint` gives a share of the command: elastic (never a pull) and friction.
+// For any damping, `joint` gives a share of the command: elastic (never a pull) and friction.
 RC_GTEST_PROP(DampingProperty, JointKeepsTheDirection, ()) {
   const int which = 2 * *rc::gen::inRange(0, 2);  // both storages
   const Port port = random_port();

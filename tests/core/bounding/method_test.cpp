@@ -82,7 +82,7 @@ TEST(BoundingMethods, HelpNamesThoseForProductsFirst) {
   EXPECT_LT(lines.find("contact_frame"), lines.find("(research)"));
 }
 
-/// What an entry says of the place that the scene is asked at is what its law does.
+/// An entry says whether its law moves the place at which the scene is asked, and the law does so.
 TEST(BoundingMethods, OnlyThoseThatSaySoMoveTheProbe) {
   for (const BoundingMethod* method : bounding_methods()) {
     if (method->name == "half") continue;
@@ -107,7 +107,7 @@ TEST(BoundingMethods, AnAddedOneIsUsedByItsName) {
   Bounding bounding(config);
   EXPECT_EQ(bounding.step(pressing(4.0)).rendered.elastic.x(), 2.0);
   EXPECT_TRUE(bounding.step(pressing(4.0)).active);
-  // What the limit and the caller hold instead is told to the law.
+  // The law is told the force that the limit and the caller hold instead.
   EXPECT_EQ(bounding.step(pressing(8.0)).rendered.elastic.x(), 3.0);
   EXPECT_EQ(bounding.probe({}, {}).offset, Vec3(3, 3, 0));
   bounding.set_held({Vec3(1, 0, 0), Vec3::Zero(), Vec3::Zero()});

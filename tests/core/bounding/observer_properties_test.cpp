@@ -1,4 +1,4 @@
-// What the laws promise that do not bound the port's energy: none, per_axis_projected,
+// The promises of the laws that do not bound the port's energy: none, per_axis_projected,
 // total_energy and the passivity controllers, each against a model of its promise kept apart.
 
 #include <array>
@@ -18,7 +18,7 @@ Vec3 wide(const Vector3<Real>& v) {
   return v.template cast<double>();
 }
 
-/// What the scene commanded, as the arithmetic saw it.
+/// The command of the scene, as the arithmetic saw it.
 template <class Real>
 Command commanded(const Played<Real>& p) {
   return p.told.command.template cast<double>();
@@ -104,7 +104,7 @@ RC_GTEST_PROP(Property, TotalEnergyIsTheIdentityWhileEquationOneHoldsElsePerAxis
   identity_while_passive<float>(script);
 }
 
-/// What one passivity observer should have seen, in the paper's sign F = -f.
+/// The energy that one passivity observer should have seen, in the paper's sign F = -f.
 struct Observed {
   bool following;
   Sum energy;  // W - E; in `zero` E is 0

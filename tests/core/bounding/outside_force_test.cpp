@@ -63,7 +63,7 @@ TEST(OutsideForce, IsTheLargestThatWasSeenAndAHalfMore) {
   EXPECT_GT(bound, 1.5 * 4.0 * 0.98);
 }
 
-/// What the device itself does is no force from outside, also where it changes with every sample.
+/// The force of the device itself is no force from outside, even if it changes with every sample.
 TEST(OutsideForce, HeldForcesAreTakenOff) {
   const auto held = [](int i) {
     return Vec3(3.0 * ((i * 7919) % 13 - 6) / 6.0, i % 2 == 0 ? 2.0 : -2.0, 0.0);

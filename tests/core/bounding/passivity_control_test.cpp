@@ -47,7 +47,7 @@ TEST(PassivityControl, OneAxisDoesNotPayForAnother) {
 }
 
 TEST(PassivityControl, TheReferenceOfASpringIsItsEnergy) {
-  // What the zero-order hold exchanged is left out (0), so that all of the reference is missing.
+  // The exchange of the zero-order hold is left out (0), so that all of the reference is missing.
   PassivityObserver<double> observer(PassivityReference::following);
   const double k = 700.0;
   test::Random random(5);

@@ -1,4 +1,4 @@
-// How far the next sample reaches: closed forms, and handles that move as far as they can.
+// The reach of the next sample: closed forms, and handles that move as far as they can.
 
 #include "core/bounding/reach.hpp"
 

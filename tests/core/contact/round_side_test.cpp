@@ -113,8 +113,8 @@ TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
   }
 }
 
-/// What is no deeper than three quarters of the radius is the nearest point of the surface, to the
-/// bit, however fast the hand goes round.
+/// Down to three quarters of the radius the proxy is the nearest point of the surface, to the bit,
+/// however fast the hand goes around.
 TEST(RoundSide, AHandThatGoesRoundSlides) {
   for (const std::uint64_t seed : test::seeds(3, 1, 1)) {
     Random random(seed);

@@ -27,7 +27,7 @@ class StoredParts : public ::testing::Test {
     const auto* why = std::get_if<std::string>(&read);
     return why == nullptr ? "taken" : *why;
   }
-  /// What a forger answers with who knows the format: the sum is right.
+  /// The file of a forger who knows the format: its checksum is right.
   std::string forged(std::size_t at, std::string_view put) const {
     std::string changed = bytes.substr(0, bytes.size() - kDigest);
     changed.replace(at, put.size(), put);

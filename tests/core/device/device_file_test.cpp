@@ -67,7 +67,7 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.hand_torque, 0.4);
 }
 
-/// What differs by direction: the account counts on the least.
+/// If a number differs by direction, the account counts on the least.
 TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
   const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";
   // Two eigenvalues of [[0.05, 0.01], [0.01, 0.05]]: 0.04 and 0.06.

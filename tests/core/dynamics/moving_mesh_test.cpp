@@ -134,7 +134,7 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   EXPECT_NEAR(c.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
 }
 
-// What MuJoCo has no geom for rests on what stands for it.
+// A shape that MuJoCo has no geom for rests on the geoms that stand for it.
 TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
   const struct {
     Shape shape;

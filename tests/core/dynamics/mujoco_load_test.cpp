@@ -1,4 +1,4 @@
-// What MuJoCo's loader does with a bad file stays in the process that reads it.
+// A fault of MuJoCo's loader by a bad file stays in the process that reads the file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

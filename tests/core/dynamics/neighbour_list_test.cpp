@@ -222,7 +222,7 @@ TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
         const Vec3 place(beside, 0.7 * beside, std::max(-0.3, 0.05 + speed * kDefaultTick * n));
         const double above = place.z() - world.objects()[0].pose.position.z();
         const double force = hand.step(place).elastic.z();
-        // What it is behind the plate's upper face.
+        // The force of the depth behind the plate's upper face.
         EXPECT_NEAR(force, std::max(0.0, 5e-4 - above), 1e-9) << speed << " " << n;
         felt += force > 0.0 ? 1 : 0;
       }
@@ -271,7 +271,7 @@ TEST(NeighbourSearch, AJumpThroughAPlateIsCaught) {
   }
 }
 
-// Who leaves a thing in one jump has let go of it, and sticks anew where he comes back.
+// A hand that leaves a thing in one jump has let go of it. When it comes back it sticks anew.
 TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   const Material rough{.stiffness = 100.0, .static_friction = 0.6, .dynamic_friction = 0.4};
   const Scene scene = moving({object("box", Box{Vec3::Constant(0.03)}, rough)}, {0},
@@ -288,7 +288,7 @@ TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   EXPECT_EQ(back.frictional, Vec3::Zero());
 }
 
-// Whatever moved while nobody pushed is found by the next sample.
+// The next sample finds the bodies that moved while nobody pushed.
 TEST(NeighbourSearch, AHandThatIsSilentForLongFindsWhatMovedMeanwhile) {
   const Scene scene =
       moving({object("ball", Sphere{0.02}, {.stiffness = 100.0})}, {0},

@@ -49,7 +49,7 @@ class Hash {
   std::uint64_t hash_ = 14695981039346656037ull;
 };
 
-/// What the bits depend on.
+/// The compiler, processor and libraries on which the bits depend.
 std::string machine() {
 #if defined(__clang__)
   std::string text = "clang-" + std::to_string(__clang_major__);

@@ -69,7 +69,7 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   EXPECT_NEAR((world.objects()[1].pose.position - Vec3(0, 0, 0.2)).norm(), 0.0, 1e-12);
   EXPECT_EQ(world.velocity_at(1, place), Vec3::Zero());
   EXPECT_EQ(hand.touch(place).force(), Vec3::Zero());
-  // What stands is felt as ever.
+  // Static objects are felt as before.
   EXPECT_EQ(hand.touch({0.1, 0, -0.001}).elastic, Vec3(0, 0, 1));
   // And then little by little: the whole is 500 N/mm.
   hand.touch(place);
@@ -78,7 +78,7 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
 }
 
-// What a hand did before a reset it does not do after it, near what it did it to or not.
+// The push of a hand before a reset does not continue after it, near the pushed body or not.
 TEST(WorldFaults, NoPushOutlivesAReset) {
   const Scene scene = explosive();
   for (const double beside : {0.05, 0.5}) {
@@ -117,8 +117,8 @@ TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   EXPECT_EQ(stiffness(1), 1e7);
 }
 
-/// What a broken body touched before has to do with it, and what hangs on that by contacts; what
-/// stands ties nothing together.
+/// The bodies that a broken body touched belong to it, and those that are tied to them by contacts.
+/// A static object ties nothing together.
 TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
   const auto box = [](const char* name, const Vec3& at) {
     return object(name, Box{Vec3::Constant(0.02)}, {.stiffness = 1000}, at);

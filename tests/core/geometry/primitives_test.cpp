@@ -1,4 +1,4 @@
-// What every shape with a formula tells of itself agrees with its own signed distance, and that
+// The members of every shape with a formula agree with its own signed distance, and the distance
 // with its surface: one test for all of them, by the list of the shapes.
 
 #include <gtest/gtest.h>

@@ -42,7 +42,7 @@ struct Held {
   }
   Command touch(const Pose& device) { return scene->touch(device, Vec3::Zero(), 1e-3, memory); }
   BodyModel model(const Pose& device) const { return body_model(*scene, device, memory); }
-  /// Where the tool comes to rest.
+  /// Steps until the tool rests. Returns its command.
   Command settle(const Pose& device) {
     Command c;
     for (int i = 0; i < 50; ++i) c = touch(device);
@@ -270,7 +270,7 @@ TEST(LocalBody, NeverAllocates) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-/// What a hand does with the box: the device's pose at a time [s].
+/// A movement of the hand with the box: the device's pose at a time [s].
 struct Movement {
   const char* name;
   Shape surface;

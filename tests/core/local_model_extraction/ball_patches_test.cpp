@@ -157,7 +157,7 @@ TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
     hand.step({edge + over, Vec3::Zero()});
     for (int n = 0; n < 300; ++n) hand.step({edge + behind, Vec3::Zero()});
     others += hand.error() > 0.1 * kBall * kStiffness ? 1 : 0;
-    // Where it came down was the lower of the two above.
+    // It came down at the lower of the two above.
     crossed +=
         (over.x() > over.y()) != (hand.truth().elastic.x() > hand.truth().elastic.y()) ? 1 : 0;
   }

@@ -1,4 +1,4 @@
-// What a scene says of itself near a tool: which surfaces, and how far that holds.
+// The description of a scene near a tool: its surfaces, and the reach of the description.
 
 #include "core/local_model_extraction/extract.hpp"
 

@@ -1,4 +1,4 @@
-// Where what is said of a fitted surface ends: each reason by itself.
+// The ends of the claims about a fitted surface: each reason by itself.
 
 #include <gtest/gtest.h>
 

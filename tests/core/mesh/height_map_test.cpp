@@ -56,7 +56,7 @@ Vec3 force_at(const Object& object, const Vec3& position) {
 TEST(HeightMap, AWaveIsItsClosedForm) {
   const Object object = sheet(std::make_shared<HeightMap>(wave(), kAmplitude, kSize));
   constexpr double kDepth = 1e-3;
-  // What the spline takes off a wave of so many pixels.
+  // The spline reduces a wave of so many pixels to this share.
   const double kept = 1.0 - 0.5 * (kPi / kPixels) * (kPi / kPixels);
   for (int i = 0; i < 100; ++i) {
     const double x = -0.031 + 7.3e-4 * i, k = 2.0 * kPi / kSize;

@@ -192,7 +192,7 @@ TEST(MeshContact, ATenthOfAMillimetreAndAHundredMetresInOneMesh) {
   EXPECT_NEAR(touch(mesh, {Vec3(30, 30, -0.002), Vec3::Zero()}, memory).elastic.z(), 2.0, 1e-9);
 }
 
-// What is felt does not depend on where the mesh lies, nor on how large it is.
+// The force depends neither on the place of the mesh, nor on its size.
 TEST(MeshContact, PlaceAndScaleChangeNothing) {
   const TriangleSoup bumpy = [] {
     TriangleSoup s = test::icosphere(1.0, 3);

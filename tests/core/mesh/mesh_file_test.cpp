@@ -221,7 +221,7 @@ TEST(MeshFile, BinaryFilesThatWereCutShortSaySoWhereverTheyEnd) {
     EXPECT_NE(error_of(ply.substr(0, n), "a.ply"), "no error") << n;
 }
 
-// Whatever stands in a file: a surface or an error, and no index without its vertex.
+// Any file gives a surface or an error, and no index without its vertex.
 TEST(MeshFile, FilesWithBytesTurnedAreReadOrRefused) {
   std::mt19937 random(1);
   const std::vector<std::pair<std::string, std::string>> files = {

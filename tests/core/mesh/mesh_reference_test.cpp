@@ -102,7 +102,7 @@ TEST(MeshReference, ABallTouchesNoTriangleDeeperAndIsNoNearerThanTheyLet) {
       const double depth = (proxy - goal).norm();
       if (!(depth > 1e-6)) return;
       ++held;
-      // What holds it lets it go no nearer.
+      // The triangles that hold it let it go no nearer.
       const Nearest aim = nearest_in(holding, goal, 1e-12);
       stuck += !aim.found || (aim.point - proxy).norm() > 0.02 * depth + 1e-6;
     });

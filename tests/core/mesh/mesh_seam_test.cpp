@@ -49,8 +49,8 @@ std::string revolved_stl(int around, int along, const Number& rounded = as_doubl
   return out + "endsolid\n";
 }
 
-/// How many of straight approaches are let in: each comes from outside, goes on to the middle, and
-/// must be pushed back there.
+/// The number of straight approaches that get through: each comes from outside, goes on to the
+/// middle, and must be pushed back there.
 int let_through(const Object& object, const std::vector<Vec3>& targets) {
   int passed = 0;
   for (const Vec3& target : targets) {
@@ -199,7 +199,7 @@ TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
               ::testing::Contains(::testing::HasSubstr("a vertex lies far away from the others")));
 }
 
-// What is left out of the surface is said with its height, and not that nothing is missing.
+// A part that is left out of the surface is reported with its height.
 TEST(MeshSeam, ATriangleThatIsLeftOutIsMeasured) {
   TriangleSoup soup = test::sheet(0.1);
   const auto n = static_cast<std::uint32_t>(soup.vertices.size());

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of recordings share: whole files in memory, and files that are kept for another
+// Shared by the tests of recordings: whole files in memory, and files that are kept for another
 // reader (tests/recording).
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ inline ReadFile read_mcap(const std::string& bytes, mcap::ReaderLimits limits = 
   return file;
 }
 
-/// Where FELTWIRE_KEEP_RECORDINGS names a folder, leaves the file there.
+/// If FELTWIRE_KEEP_RECORDINGS names a folder, leaves the file there.
 inline void keep_recording(const std::string& name, const std::string& bytes) {
   if (const char* folder = std::getenv("FELTWIRE_KEEP_RECORDINGS"))
     std::ofstream(std::filesystem::path(folder) / name, std::ios::binary) << bytes;

@@ -1,4 +1,4 @@
-// What no hand can do to the safety stage, whatever its limits are.
+// No hand can break the limits of the safety stage, whatever they are.
 
 #include <gtest/gtest.h>
 

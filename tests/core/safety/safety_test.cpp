@@ -249,7 +249,7 @@ TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
   }
 }
 
-// What bounds from below too must get nothing, or all.
+// A law that also bounds from below must get nothing, or all.
 TEST(Safety, BehindABoundThatAdmitsNoReductionAWaitGivesNothing) {
   Waiting w(false);
   for (const double commanded : {4.0, 4.5, 0.06, 3.0}) EXPECT_EQ(w.at(commanded, 1e-3), 0.0);

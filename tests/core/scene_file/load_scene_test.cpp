@@ -119,7 +119,7 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
     std::string error;    // begins with this
   };
   const std::vector<Mistake> mistakes = {
-      // What a scene means.
+      // Errors of the meaning.
       {11, R"("sphere": { "radius": -1 },)",
        "s.json:11: objects[1].sphere.radius: must be above zero [m], is -1; give a larger"},
       {11, R"("sphere": { "radius": 0 },)", "s.json:11: objects[1].sphere.radius: must be above"},
@@ -161,7 +161,7 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
        "s.json:5: materials[1].damping: must be at least zero [N s/m], is -1; "},
       {5, R"({ "name": "ice", "stiffness": 5, "dynamic_friction": 0.1 })",
        "s.json:5: materials[1].dynamic_friction: must not exceed static_friction = 0, is 0.1; "},
-      // What the schema says.
+      // Errors of the schema.
       {5, R"({ "name": "ice", "stifness": 5 })",
        "s.json:5: materials[1].'stifness': is no field here; the fields are: name, stiffness, "},
       {5, R"({ "stiffness": 5 })", "s.json:5: materials[1].name: is missing; add it"},
@@ -181,7 +181,7 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
       {12, R"("position": { "x": 1, "y": 2 },)", "s.json:12: objects[1].position.z: is missing"},
       {12, R"("position": [0, "1", 0],)", "s.json:12: objects[1].position.y: must be a number"},
       {13, "", "s.json:9: objects[1].material: is missing; add it"},
-      // What JSON says.
+      // Errors of JSON.
       {12, R"("position": [0, 0, 1e999],)",
        "s.json:12: objects[1].position[2]: the number '1e999' is too large or too small"},
       {12, R"("position": [0, 0, 0x10],)",

@@ -1,4 +1,4 @@
-// Who may move a robot, and where it goes: the switch, the index and the limits of motion.
+// The right to move a robot, and its motion: the switch, the index and the limits of motion.
 
 #include "core/teleoperation/authority.hpp"
 
@@ -100,7 +100,7 @@ TEST(Authority, AHandThatIsNotAlignedDoesNotEngage) {
   EXPECT_EQ(authority.step(with(turned_away, &LinkInputs::robot_well, false)), fault);
 }
 
-/// Whatever comes, in any order: the robot moves only while the newest sample's switch is pressed
+/// For any inputs in any order: the robot moves only while the newest sample's switch is pressed
 /// and nothing is wrong, and only after a release since the last time that something was. It begins
 /// only while the hand is aligned.
 TEST(Authority, MovesNothingUnlessItMay) {
@@ -163,7 +163,7 @@ TEST(EngageIndex, ScalesMovementAndKeepsPower) {
       (rotation_between(robot.orientation, target.orientation) - 0.3 * Vec3::UnitZ()).norm(), 0.0,
       1e-12);
 
-  // Where the target meets a surface, the hand meets it.
+  // The hand meets a surface at the place where the target meets it.
   RemoteContact contact{.surface = 1, .point = target.position, .stiffness = 800.0};
   contact.velocity = Vec3(0.01, 0.0, 0.0);
   const RemoteContact seen = index.at_hand(contact);

@@ -1,4 +1,4 @@
-// What a robot's wrench says of the surface, how the leader meets it, and where the target may go.
+// The surface by a robot's wrench, its contact with the leader, and the limits of the target.
 
 #include "core/teleoperation/contact_estimate.hpp"
 

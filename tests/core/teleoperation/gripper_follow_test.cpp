@@ -1,4 +1,4 @@
-// How a gripper follows a hand's lever.
+// A gripper follows a hand's lever.
 
 #include "core/teleoperation/gripper_follow.hpp"
 

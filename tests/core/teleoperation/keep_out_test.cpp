@@ -50,7 +50,7 @@ TEST(KeepOutBody, DistancesInClosedForm) {
   EXPECT_EQ(box.wall_at(Vec3(-0.07, 0.0, 0.1)).normal, -Vec3::UnitX());
 }
 
-/// What everything else rests on: f(x) >= f(p) + n . (x - p), and n is the gradient.
+/// All else rests on this: f(x) >= f(p) + n . (x - p), and n is the gradient.
 TEST(KeepOutBody, TheDistanceIsConvex) {
   test::Random random(3);
   for (int run = 0; run < 20'000; ++run) {
@@ -182,7 +182,7 @@ TEST(KeepOutBodies, TheHandIsToldTheWallOfEach) {
   ASSERT_EQ(limit.walls().size(), 2u);
   EXPECT_NEAR(limit.walls()[1].distance, 0.05, kRounding);
   EXPECT_LE((limit.walls()[1].normal - limit.keep({}).position.normalized()).norm(), 0.3);
-  // Where the body is under the locked axes' plane, nothing of it is met.
+  // A body below the plane of the locked axes is not met.
   workspace.locked = {false, false, true};
   limit = WorkspaceLimit(workspace);
   limit.begin({Vec3(0.0, 0.0, 0.2), Quaternion::Identity()});

@@ -38,7 +38,7 @@ class Remote {
     if (lies_ && random.chance(0.1)) said = {1e9, -1e9, 1e9};
     under_way_.push_back(said);
   }
-  /// What arrives now: any of what was sent, in any order, any number of times.
+  /// Delivers some of the messages that were sent, in any order, any number of times.
   template <class Take>
   void arrive(Random& random, const Take& take) {
     while (random.chance(0.5))

@@ -1,4 +1,4 @@
-// What holds a body in the hand back: friction, contact damping, viscosity.
+// The resistance against a body in the hand: friction, contact damping, viscosity.
 
 #include <gtest/gtest.h>
 
@@ -178,7 +178,7 @@ Object any_material(Object o, test::Random& random) {
   return o;
 }
 
-// Whatever the hand does, what is stored came from it: friction and damping take and never give.
+// For any movement the stored energy came from the hand: friction and damping take and never give.
 TEST(BodyFriction, NoMotionGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 2000.0});
   test::Random random(3);

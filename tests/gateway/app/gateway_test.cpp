@@ -123,7 +123,7 @@ TEST(Gateway, ShowsAHandThatMoves) {
   expect_hand(page, 0.003, 0.0);
   hand.put(-0.002, 2.5);
   expect_hand(page, -0.002, 2.5);
-  // What the server's scene asks for: 2000 N/m.
+  // The stiffness of the server's scene: 2000 N/m.
   test::eventually("a picture with the elastic force",
                    [&] { return std::abs(at<float>(page.picture(), kElasticZ) - 4.0f) < 1e-4f; });
   test::eventually("the sessions' table", [&] {
@@ -178,7 +178,7 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   EXPECT_THAT(got(gateway, "/ready"),
               ::testing::AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("scene room")));
   EXPECT_THAT(got(gateway, "/health"), StartsWith("HTTP/1.1 200 "));
-  // Who comes meanwhile hears it, too.
+  // A viewer that comes meanwhile is told, too.
   Page other = page_of(gateway);
   EXPECT_THAT(other.text("log")["text"].get<std::string>(), HasSubstr("not seen"));
 
@@ -237,7 +237,7 @@ TEST(Gateway, HasViewersOfItsOwn) {
   EXPECT_THAT(got(gateway, "/metrics"), HasSubstr("feltwire_viewers_total 2\n"));
 }
 
-/// What starting it says.
+/// The error of its start.
 std::string wrong(std::uint16_t port, Scene scene) {
   try {
     gateway_for(port, std::move(scene));

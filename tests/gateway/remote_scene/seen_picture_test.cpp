@@ -45,7 +45,7 @@ TEST(SeenPicture, HasTheHandsAndWhatMoves) {
   EXPECT_EQ(picture.hands[1].states, bit(HandState::free_space));
   ASSERT_EQ(picture.bodies.size(), 1u);
   EXPECT_EQ(picture.bodies[0].pose.position, pose.position);
-  // Who has left is gone.
+  // A hand that has left is gone.
   seen.take(view_of({{7, {}, Vec3::Zero()}}, {}));
   draw(seen, moving(), picture);
   EXPECT_EQ(picture.hands.size(), 1u);

@@ -1,4 +1,4 @@
-// What a server may grant of what a client asked for.
+// The parameters that a server may grant to a client.
 
 #include "protocol/session/grant.hpp"
 
@@ -81,7 +81,7 @@ TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
   }
 }
 
-// What an honest server does behind a thin line is within the rules, at every servo rate.
+// An honest server behind a thin line keeps the rules, at every servo rate.
 TEST(Grant, WhatOurServersGrantIsPermitted) {
   for (const NetworkProfile& line : kNetworkProfiles)
     for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})

@@ -50,7 +50,7 @@ TEST(Profiles, AreWhatTheDefaultsAreOnALan) {
   EXPECT_EQ(over(network_profile("lan"), {}), SessionParameters{});
 }
 
-// Whatever the scene: the largest reply to every datagram, a device that turns, both ways.
+// For every scene: the largest reply to every datagram, a device that turns, both ways.
 TEST(Profiles, AThinLineHasRoomForAllOfIt) {
   constexpr double kRoom = 64e3;        // [bit/s]
   constexpr std::size_t kHeaders = 28;  // [bytes] of UDP and IPv4

@@ -94,7 +94,7 @@ TEST(BodyCodec, RoundTrip) {
   }
 }
 
-// Whatever bits the root has, the covariance that they mean is one.
+// Every root gives a valid covariance, whatever its bits are.
 TEST(BodyCodec, EveryRootIsACovariance) {
   Generator random(2);
   Reply received;

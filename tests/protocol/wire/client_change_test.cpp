@@ -171,7 +171,7 @@ SessionParameters started(std::string_view mode, BoundingSide side = BoundingSid
 }
 LawChoice law(std::string_view mode) { return LawChoice{MethodName(mode)}; }
 
-/// Whoever may have a hand at his device is given a law that is passive by itself, or his own.
+/// A client whose device may be in a hand gets a law that is passive by itself, or its own law.
 TEST(LawsTaken, SafeOnesRaiseNoRisk) {
   const SessionParameters shaped = started("shaped"), unbounded = started("none");
   using enum LawsTaken;

@@ -164,7 +164,7 @@ TEST(Codec, PayloadMayLieAnywhere) {
   }
 }
 
-// What the codec itself refuses, each provoked alone.
+// The refusals of the codec itself, each provoked alone.
 
 DropReason verdict(const SampleBatch& batch) {
   Encoder encoder;
@@ -299,7 +299,7 @@ TEST(CodecDrops, EverySizeThatIsNone) {
   }
 }
 
-/// Whatever bytes come: no crash, no allocation, and what is let through is usable.
+/// For any bytes: no crash, no allocation, and a payload that passes is usable.
 void expect_harmless(Bytes payload) {
   const std::size_t before = test::allocations();
   SampleBatch batch;

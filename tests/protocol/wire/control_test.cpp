@@ -83,7 +83,8 @@ TEST(Control, TheVersionsOfBothProgramsTravelWhereTheyAreSaid) {
   EXPECT_FALSE(decode(body(encode(got))));
 }
 
-// Who asks for no tool, and a scene of one, send the same bytes as if there were no such field.
+// A client that asks for no tool, and a scene with one tool, send the same bytes as without the
+// field.
 TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   EXPECT_EQ(encode(request()).size(), 436u);
   EXPECT_EQ(hash(encode(request())), 0xebb103770318de82u);

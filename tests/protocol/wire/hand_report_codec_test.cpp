@@ -1,4 +1,4 @@
-// What a client says of its hand, in a datagram.
+// The report of a client about its hand, in a datagram.
 
 #include <gtest/gtest.h>
 

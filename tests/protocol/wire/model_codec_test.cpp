@@ -1,4 +1,4 @@
-// What a reply brings beside the command: rates and a local model.
+// The parts of a reply beside the command: rates and a local model.
 
 #include <gtest/gtest.h>
 
@@ -202,7 +202,7 @@ TEST(ModelCodec, NormalsThatAreNoneAreDropped) {
     sent.normals = walls({Vec3::UnitX(), bad});
     EXPECT_EQ(verdict(sent, received), DropReason::not_finite);
   }
-  // What hardly stands out is no error of the sender, and no wall of its own.
+  // A normal that hardly stands out is no error of the sender, and no wall of its own.
   sent.normals = walls({Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitZ()});
   ASSERT_EQ(verdict(sent, received), DropReason::none);
   EXPECT_EQ(received.normals.count, 2);
@@ -267,7 +267,7 @@ TEST(ModelCodec, AnOffsetToEachPatchOrNone) {
   }
 }
 
-// What no surface needs costs nothing.
+// A field that no surface needs costs nothing.
 TEST(ModelCodec, WithoutOffsetsAModelIsShorter) {
   Generator random(15);
   Encoder encoder;

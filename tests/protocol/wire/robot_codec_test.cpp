@@ -1,5 +1,5 @@
-// What a hand that leads and a robot that follows tell each other: it arrives as it was, garbage
-// does not arrive, and who leads no robot sends the bytes of always.
+// The messages between a hand that leads and a robot that follows. They arrive unchanged, garbage
+// is dropped, and a client without a robot sends the same bytes as before.
 
 #include <gtest/gtest.h>
 

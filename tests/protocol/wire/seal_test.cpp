@@ -76,7 +76,7 @@ TEST_P(Sealing, EverySizeGoesAndComes) {
     ASSERT_EQ(got.payload, message);
   }
   EXPECT_EQ(opener.highest(), kMaxPayload + 1);
-  // What is too long is not sent, and uses no number.
+  // A payload that is too long is not sent, and uses no number.
   EXPECT_TRUE(sealer.seal(DatagramKind::samples, kSession, Octets(kMaxPayload + 1), out).empty());
   EXPECT_EQ(sealer.sent(), kMaxPayload + 1);
 }
@@ -157,7 +157,7 @@ TEST_P(Sealing, AReplayIsRefusedInAndOutOfTheWindow) {
   EXPECT_EQ(opener.forgeries(), 0u);
 }
 
-/// Whoever makes numbers up moves nothing: neither window nor keys.
+/// Forged numbers move neither the window nor the keys.
 TEST_P(Sealing, ForgedNumbersMoveNothing) {
   Opener opener(GetParam(), session_keys.up);
   EXPECT_EQ(read(opener, up.datagram(1, payload)).drop, DropReason::none);

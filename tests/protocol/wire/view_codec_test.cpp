@@ -1,4 +1,4 @@
-// What an observer is shown, as bytes.
+// The view of an observer as bytes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -314,24 +314,33 @@ TEST(ViewCodec, WhatIsNoViewIsDropped) {
   }
 }
 
+std::vector<wire::SeenHand> hands_at_rest(std::size_t count) {
+  std::vector<wire::SeenHand> hands;
+  const wire::Vec3f zero(0, 0, 0);
+  for (std::size_t i = 0; i < count; ++i)
+    hands.emplace_back(zero, wire::Quatf(1, 0, 0, 0), zero, static_cast<std::uint32_t>(i));
+  return hands;
+}
+
+/// The verdict on a reply that shows `view`.
+DropReason verdict_on(flatbuffers::FlatBufferBuilder& builder,
+                      flatbuffers::Offset<wire::SceneView> view) {
+  const wire::Vec3d zero;
+  const wire::BoundingReport report;
+  builder.Finish(
+      wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0, nullptr, 0, view));
+  Reply reply;
+  SceneView got;
+  return decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), reply, &got);
+}
+
 TEST(ViewCodec, AsManyFiguresAsHands) {
   const auto verdict = [](std::size_t hands, std::size_t figures) {
     flatbuffers::FlatBufferBuilder builder;
-    std::vector<wire::SeenHand> seen;
-    const wire::Vec3f at(0, 0, 0);
-    for (std::size_t i = 0; i < hands; ++i)
-      seen.emplace_back(at, wire::Quatf(1, 0, 0, 0), at, static_cast<std::uint32_t>(i));
-    const auto wire_hands = builder.CreateVectorOfStructs(seen);
-    const auto wire_figures =
-        builder.CreateVectorOfStructs(std::vector<wire::HandFigures>(figures));
-    const auto view = wire::CreateSceneView(builder, 0, 99, 0, 99, wire_hands, 0, wire_figures);
-    const wire::Vec3d zero;
-    const wire::BoundingReport report;
-    builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0,
-                                     nullptr, 0, view));
-    Reply reply;
-    SceneView got;
-    return decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), reply, &got);
+    return verdict_on(
+        builder, wire::CreateSceneView(
+                     builder, 0, 99, 0, 99, builder.CreateVectorOfStructs(hands_at_rest(hands)), 0,
+                     builder.CreateVectorOfStructs(std::vector<wire::HandFigures>(figures))));
   };
   EXPECT_EQ(verdict(6, 6), DropReason::none);
   EXPECT_EQ(verdict(0, 0), DropReason::none);
@@ -344,24 +353,14 @@ TEST(ViewCodec, AsManyFiguresAsHands) {
 TEST(ViewCodec, MoreThanAViewMayHave) {
   const auto verdict = [](std::size_t hands, std::size_t bodies) {
     flatbuffers::FlatBufferBuilder builder;
-    std::vector<wire::SeenHand> many_hands;
     std::vector<wire::SeenBody> many_bodies;
-    const wire::Vec3f at(0, 0, 0);
-    const wire::Quatf level(1, 0, 0, 0);
-    for (std::size_t i = 0; i < hands; ++i)
-      many_hands.emplace_back(at, level, at, static_cast<std::uint32_t>(i));
     for (std::size_t i = 0; i < bodies; ++i)
-      many_bodies.emplace_back(at, level, static_cast<std::uint16_t>(i));
-    const auto wire_hands = builder.CreateVectorOfStructs(many_hands);
-    const auto wire_bodies = builder.CreateVectorOfStructs(many_bodies);
-    const auto view = wire::CreateSceneView(builder, 0, 99, 0, 99, wire_hands, wire_bodies);
-    const wire::Vec3d zero;
-    const wire::BoundingReport report;
-    builder.Finish(wire::CreateReply(builder, 1, 0, 0, 0, &zero, &zero, nullptr, &report, 0,
-                                     nullptr, 0, view));
-    Reply reply;
-    SceneView got;
-    return decode(Bytes(builder.GetBufferPointer(), builder.GetSize()), reply, &got);
+      many_bodies.emplace_back(wire::Vec3f(0, 0, 0), wire::Quatf(1, 0, 0, 0),
+                               static_cast<std::uint16_t>(i));
+    return verdict_on(builder,
+                      wire::CreateSceneView(builder, 0, 99, 0, 99,
+                                            builder.CreateVectorOfStructs(hands_at_rest(hands)),
+                                            builder.CreateVectorOfStructs(many_bodies)));
   };
   EXPECT_EQ(verdict(SceneView::kMaxHands, 1), DropReason::none);
   EXPECT_EQ(verdict(SceneView::kMaxHands + 1, 1), DropReason::count);

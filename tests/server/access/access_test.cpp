@@ -1,4 +1,4 @@
-// Who gets a place at the control port, and how often: networks, strangers, those who are known.
+// The places at the control port and their rates: for networks, strangers and known clients.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -151,7 +151,7 @@ TEST(RateLimit, IsABucketForEachNetwork) {
   EXPECT_TRUE(rate.take(a, 1h));
 }
 
-/// Whatever the rate: a burst is no product that was rounded.
+/// At any rate the burst is whole: it is no rounded product.
 TEST(RateLimit, GivesTheWholeBurst) {
   for (const double rate : {0.1, 1.0 / 3.0, 1.0, 7.0, 49.0})
     for (const int burst : {1, 3, 7, 20, 49}) {
@@ -201,8 +201,8 @@ TEST(Access, SilentStrangersKeepNobodyOut) {
   EXPECT_GE(counters.crowded_out, 100u - 16u / 2);
 }
 
-/// Whoever has shown a token keeps the place whatever strangers do, and even if other known ones
-/// come, as long as it is not the one that has been idle the longest.
+/// A client that has shown a token keeps its place whatever strangers do, and even if other known
+/// ones come, unless it has been idle the longest.
 TEST(Access, PlacesOfTheKnownAreTheirs) {
   Endpoint endpoint(patient(4), control::SceneList{});
   ControlClient first(endpoint.port(), AF_INET, test::admin_token().text, "127.0.1.1");

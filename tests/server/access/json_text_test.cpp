@@ -1,4 +1,4 @@
-// What a server writes as JSON: the summary, the tokens.
+// The JSON of a server: the summary, the tokens.
 
 #include "server/access/json_text.hpp"
 

@@ -40,7 +40,7 @@ TEST(Tokens, OneIsKnownByItsTextAlone) {
   EXPECT_EQ(authenticate(tokens, berta.text.text(), kNow), &tokens[1]);
   EXPECT_EQ(authenticate({berta.token}, text, kNow), nullptr);
   EXPECT_EQ(authenticate({}, text, kNow), nullptr);
-  // What is stored is not what is shown.
+  // The stored text differs from the token that is shown.
   EXPECT_THAT(json(tokens), ::testing::Not(HasSubstr(text.substr(text.size() - 43))));
 }
 

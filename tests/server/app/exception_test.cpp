@@ -100,7 +100,7 @@ TEST(Exceptions, OfAControlHandlerEndItsConnectionOnly) {
   EXPECT_EQ(later.ask<control::Evicted>(control::Evict{7}).session, 7u);
 }
 
-/// Whoever waits for it is not left waiting.
+/// A client that waits for it is not left waiting.
 TEST(Exceptions, AConnectionWhoseAnswerIsLostEndsAndNoOther) {
   Endpoint endpoint;
   ControlClient idle(endpoint.port()), waiting(endpoint.port()), lost(endpoint.port());
@@ -294,7 +294,7 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
     }
     without = happened ? 0 : without + 1;
     injected += happened ? 1 : 0;
-    // What a lost connection has begun, a reload, say, may still be under way.
+    // A request of a lost connection, such as a reload, may still be under way.
     std::string wrong;
     const auto all_is_well = [&] {
       try {

@@ -1,4 +1,5 @@
-// What the log and the counters say of sessions: who, why, how long. The program as it is run.
+// The log and the counters of sessions: their names, reasons and durations. The program as it is
+// run.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -174,7 +175,7 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     const std::uint64_t second = client.join(request).accepted.session;
     admin.ask<control::Evicted>(control::Evict{second});
     client.join(request);
-    // What was asked before has been answered: it is in the log.
+    // Earlier requests have been answered: they are in the log.
     admin.ask<control::SceneList>(control::ListScenes{});
   }
   program.signal(SIGTERM);

@@ -1,4 +1,4 @@
-// What Prometheus reads of histograms: classes that add up, a sum in seconds, a count.
+// Histograms as Prometheus reads them: classes that add up, a sum in seconds, a count.
 
 #include "server/app/metrics.hpp"
 

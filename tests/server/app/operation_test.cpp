@@ -1,4 +1,4 @@
-// What operates a server asks of it: counters while it runs, health, options from the environment.
+// The needs of an operator: counters while a server runs, health, options from the environment.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ TEST(Operation, ASummaryReplacesNoPipe) {
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
-/// Whatever stands beside, of its own or of another program.
+/// Files of its own or of another program may stand beside it.
 TEST(Operation, ASummaryIsWrittenBesideWhatIsThere) {
   const std::string file = path("beside.json"), other = file + ".part";
   std::ofstream(other) << "another program's";

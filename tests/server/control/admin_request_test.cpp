@@ -1,4 +1,4 @@
-// What an admin asks of a server that runs, over TLS: changes, lists, counters; and who may not.
+// The requests of an admin to a running server, over TLS: changes, lists, counters; and refusals.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -22,7 +22,7 @@ Scene named(const std::string& name) {
   return Scene(name, {floor});
 }
 
-/// What another scene's sessions are to it: as if they were not there, whatever is asked.
+/// An admin of one scene gets the same answers as if the sessions of another scene did not exist.
 TEST(Admin, OfOneSceneKnowsAndTouchesNothingOfAnother) {
   const IssuedToken of_lab = issue_token("lab admin", "lab", Role::admin, std::nullopt);
   std::vector<Scene> scenes;

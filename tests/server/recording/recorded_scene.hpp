@@ -24,7 +24,7 @@ inline std::filesystem::path repository_scene(const std::string& name) {
   return std::filesystem::path(FELTWIRE_SOURCE_DIR) / "scenes" / name;
 }
 
-/// What a server with one scene does, without its threads.
+/// A server with one scene, without its threads.
 struct RecordedScene {
   explicit RecordedScene(const std::filesystem::path& scene_file, std::size_t log_room = 1 << 20,
                          RecordingLimits limits = {})

@@ -102,7 +102,7 @@ TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   EXPECT_EQ(result.replies, 400u);
 }
 
-/// What a robot says decides what its hand is told.
+/// The states of a robot decide the replies to its hand.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
   control::JoinRequest robot = test::join_request(), second = test::join_request();

@@ -41,7 +41,7 @@ SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
   return batch;
 }
 
-// What the scene answers, where the client bounds. (A server's bound gives no torque to a hand that
+// The answers of the scene if the client bounds. (A server's bound gives no torque to a hand that
 // has not turned against it: its torque channel is an account of its own.)
 TEST(BodySession, ATiltedBoxTurnsTheHandBack) {
   const Scene desk = scene();

@@ -49,7 +49,7 @@ struct Course {
   std::vector<GoodbyeReason> goodbyes;
 };
 
-/// Where a giant's hand is after so many milliseconds: it stabs at the first box, a third of a
+/// The place of a giant's hand after so many milliseconds: it stabs at the first box, a third of a
 /// metre through it, and goes back over it.
 Vec3 stab(std::int64_t milliseconds) {
   const auto phase = milliseconds % 320;
@@ -125,7 +125,7 @@ TEST(Disturbing, NowAndThenIsForgiven) {
   EXPECT_GE(bench.world().counters().resets, 15u);
 }
 
-/// What breaks by itself is nobody's fault: a scene that is never sane keeps the hands in it.
+/// A scene that breaks by itself is nobody's fault: the hands stay in it.
 TEST(Disturbing, ASceneThatBreaksByItselfBlamesNobody) {
   // It is too fast after a tenth of a second.
   const Scene scene = moving({object("ball", Sphere{0.05}, {.stiffness = 1000})}, {0},

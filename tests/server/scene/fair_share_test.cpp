@@ -1,4 +1,4 @@
-// Who gets a scene's thread when there is not enough of it. All times are the test's.
+// The shares of a scene's thread when it has too little time for all. All times are the test's.
 
 #include "server/scene/fair_share.hpp"
 
@@ -82,7 +82,7 @@ class Thread {
   }
   void answer(std::uint64_t id) {
     Client& client = clients_[id];
-    // What was lost in the socket shows as a gap only.
+    // A datagram that was lost in the socket shows only as a gap.
     const std::uint64_t index = ++sent_[id];
     DatagramBuffer out;
     const Bytes reply =
@@ -114,7 +114,7 @@ TEST(FairShare, WhoAsksForAHundredKilohertzTakesNothingFromTheOthers) {
   thread.forget();
   thread.run(2s);
   for (std::uint64_t n = 1; n <= 10; ++n) EXPECT_GT(thread.answered((100 + n) << 8), 0.99) << n;
-  // What the ten leave of nine tenths is its own: 70 % of the thread.
+  // It has the part of nine tenths that the ten leave: 70 % of the thread.
   EXPECT_NEAR(thread.share(kGreedy), 0.7, 0.1);
   EXPECT_GT(thread.sessions().shed(), 10'000u);
   EXPECT_EQ(thread.sessions().counters().drops[static_cast<std::size_t>(DropReason::rate)],
@@ -184,7 +184,7 @@ TEST(FairShare, TheLevelGoesUpByWhatOthersLeave) {
   EXPECT_EQ(share.level(), std::numeric_limits<double>::infinity());
 }
 
-/// What anybody may write a session's number on costs that session nothing.
+/// A datagram that carries a session's number, but is forged, costs that session nothing.
 TEST(FairShare, WhatIsForgedIsChargedToNobody) {
   FairShare share(2);
   const auto session = share.add(1e-3);

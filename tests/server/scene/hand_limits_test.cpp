@@ -45,7 +45,7 @@ TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
   EXPECT_EQ(run(true), run(false));
 }
 
-/// What a hand does to a ball in a tick is at most its device's force, however deep it presses.
+/// A hand pushes a ball in a tick with at most its device's force, however deep it presses.
 TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
   const Scene scene = moving({object("ball", Sphere{0.1}, {.stiffness = 1000})}, {0},
                              {body("ball", 2.0)}, kWeightless);

@@ -200,7 +200,7 @@ TEST(LiveChange, GravityActsOnWhatMoves) {
   EXPECT_EQ(stage.sessions.gravity(), std::optional(Vec3(0, 0, -9.81)));
 }
 
-/// What moves goes on from where it is, and is felt with its new stiffness.
+/// A moving body goes on from its place, and is felt with its new stiffness.
 TEST(LiveChange, AMaterialOfWhatMovesChangesNotWhereItIs) {
   Stage stage(test::moving({test::object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                            {test::body("ball", 0.2)}, test::kWeightless));
@@ -234,7 +234,7 @@ TEST(LiveChange, TheBoundOfASessionThatTheServerBounds) {
   EXPECT_EQ(stage.sessions.find(kId)->parameters().mode, "per_axis");
 }
 
-/// What a recording of changes needs: the same ones among the same samples give the same bytes.
+/// A recording of changes needs this: the same changes among the same samples give the same bytes.
 TEST(LiveChange, TheSameChangesHaveTheSameResultBitForBit) {
   const std::vector<LiveChange> changes = {
       MaterialChange{.object = "ball", .stiffness = 700.0, .damping = 1.0},

@@ -43,7 +43,7 @@ struct Stage : test::SampleExchange {
   std::vector<std::uint8_t> send(std::uint64_t id, const Vec3& place, const Command& held = {}) {
     return send(id, Pose{place, Quaternion::Identity()}, held);
   }
-  /// What an observer at `place` is shown next.
+  /// The next view of an observer at `place`.
   SceneView look(std::uint64_t id = kEye, const Vec3& place = Vec3::Zero()) {
     now += 1ms;
     SceneView view;
@@ -169,7 +169,7 @@ TEST(Observer, IsShownAllInTurns) {
   }
 }
 
-/// What the page of the server itself draws.
+/// The page of the server itself draws these figures.
 TEST(Observer, IsShownTheFiguresThatItAskedFor) {
   Stage stage(weightless_ball());
   stage.join(kAnna, Role::operator_);

@@ -76,7 +76,7 @@ TEST(Picture, ShowsTheProxyAndWhatTheSceneAsksFor) {
   EXPECT_GT(hand.burned, 0.0);
 }
 
-/// What its client is told, and only where it renders such a model.
+/// The surfaces that its client is told, and only if it renders such a model.
 TEST(Picture, HasTheSurfacesOfALocalModel) {
   SessionParameters parameters;
   for (const bool modelled : {true, false}) {

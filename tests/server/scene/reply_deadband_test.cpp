@@ -1,4 +1,4 @@
-// What a server may withhold: what the client already makes of the reply before.
+// A server may withhold a reply that the client already derives from the reply before.
 
 #include "server/scene/reply_deadband.hpp"
 
@@ -271,8 +271,8 @@ TEST(SessionDeadband, RatesTravelWithALineOnly) {
   }
 }
 
-/// What the client left out is no gap, and is stepped over as one hold; what travelled and never
-/// came is one.
+/// Samples that the client left out are no gap, and count as one hold. A sample that was sent and
+/// never arrived is a gap.
 TEST(Session, LeftOutIsNotLost) {
   const Scene scene = test::room(0.0);
   Session session(test::join_request(), scene);

@@ -1,4 +1,4 @@
-// How a scene's thread divides its time between datagrams and what others ask of it.
+// A scene's thread divides its time between datagrams and the requests of other threads.
 
 #include "server/scene/scene_host.hpp"
 
@@ -43,8 +43,8 @@ struct Crowded {
   std::unique_ptr<test::RawSocket> socket;
 };
 
-/// Who posts something while a batch is answered waits for one answer, not for all of them: so does
-/// the end of the server, in a scene whose answers take long.
+/// A request that is posted while a batch is answered waits for one answer, not for all of them. So
+/// does the end of the server, in a scene whose answers take long.
 TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   for (const Nanoseconds busy_poll : {Nanoseconds(0), Nanoseconds(1ms)}) {
     SceneHost* host = nullptr;
@@ -65,7 +65,7 @@ TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   }
 }
 
-/// What is left of a batch when somebody had a turn is answered all the same.
+/// The rest of a batch is answered, too, after somebody else had a turn.
 TEST(SceneHost, NothingOfABatchIsLost) {
   SceneHost* host = nullptr;
   int looks = 0;

@@ -143,7 +143,7 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   ASSERT_EQ(goodbyes.size(), 1u);
   EXPECT_EQ(goodbyes[0].to.length, 0u);
   EXPECT_EQ(sessions.size(), 1u);
-  // What is dropped is no sign of life.
+  // A dropped datagram is no sign of life.
   send(hand_batch(1), kId, 12900ms);
   EXPECT_TRUE(sessions.expire(12999ms).empty());
   goodbyes = sessions.expire(13s);
@@ -280,7 +280,7 @@ TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
   EXPECT_EQ(changed, 1u);
 }
 
-// Where the server alone bounds, its bound is its own.
+// If the server alone bounds, an admin may change its bound.
 TEST_F(SceneSessionsTest, TheServersOwnBoundChangesWhileASessionRuns) {
   const std::set<std::string> bound = {
       "mode", "projection", "storage", "operator_damping", "velocity_cutoff", "reference"};

@@ -142,7 +142,7 @@ TEST(SealedSession, ANewSessionHearsNothingOfTheOld) {
   EXPECT_EQ(world.drops(DropReason::sealed), 1u);
 }
 
-/// Where the goodbye goes.
+/// The address that gets the goodbye.
 TEST(SealedSession, ItsAddressMovesWithTheNewestDatagramThatIsItsOwn) {
   const auto address_after = [](auto act) {
     World world;
@@ -201,9 +201,9 @@ TEST(SealedSession, TooManyForgeriesEndIt) {
   EXPECT_EQ(world.sessions.counters().forged, 1u);
 }
 
-// How fast a session may be.
+// The rate that a session may have.
 
-/// What a session that sends at `rate` [1/s] for `time` [s] comes to.
+/// The counts of a session that sends at `rate` [1/s] for `time` [s].
 struct Sent {
   std::uint64_t answered = 0, slowed = 0;
   double flooding_after = -1.0;  // [s] -1: not

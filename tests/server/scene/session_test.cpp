@@ -188,15 +188,15 @@ TEST(Session, SideSaysWhoBounds) {
   }
 }
 
-/// What is commanded over the hand's own movement never delivers more than the device burns.
+/// The commands over the hand's own movement never deliver more than the device burns.
 TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
   const Scene scene = test::room(0.0);
   for (const std::string_view mode : {"contact_frame", "none"}) {
     SessionParameters parameters = test::server_bounds();
     parameters.mode = mode;
     Session session(join_request(parameters), scene);
-    // What the commands do when each is held from its own sample on, and what the samples report,
-    // which is one sample later: the observer must count the latter.
+    // The energy of the commands, if each is held from its own sample on, and the energy that the
+    // samples report, one sample later. The observer must count the latter.
     PortEnergy port(test::device().damping, 0, parameters.servo_period), reported = port;
     test::Generator random(17);
     Vec3 position(0, 0, -0.001);
@@ -302,7 +302,7 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
   const double before = hold_still();
   ASSERT_GT(before, 1.0);
 
-  // What has nothing to do with the bound leaves the force.
+  // A parameter that does not concern the bound leaves the force unchanged.
   SessionParameters parameters = test::server_bounds();
   parameters.hold_time = 0.2;
   parameters.redundancy = 5;

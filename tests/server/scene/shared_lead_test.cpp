@@ -115,7 +115,7 @@ TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
   bench.send(bench.ben);
   const RemoteContact seen = bench.link.told(bench.anna.number, bench.now).contact;
   EXPECT_NEAR(seen.stiffness * (seen.point - bench.anna.at).z(), 1.86, 1e-9);
-  // What a force does on the target is the sum of what the hands paid.
+  // The work of a force on the target is the sum of the energies that the hands paid.
   const double before = bench.target.hand_work;
   bench.anna.work += 0.1;
   bench.send(bench.anna);

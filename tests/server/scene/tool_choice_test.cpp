@@ -84,7 +84,7 @@ struct Bench : test::SampleExchange {
   Reply hand(std::uint64_t id, const Vec3& place) {
     return hand(id, Pose{place, Quaternion::Identity()});
   }
-  /// What a hand feels that stands 1 mm above the floor.
+  /// The force on a hand 1 mm above the floor.
   double above(std::uint64_t id) { return hand(id, Vec3(0, 0, 0.001)).command.elastic.z(); }
 };
 

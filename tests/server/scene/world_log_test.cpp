@@ -1,4 +1,4 @@
-// What the log says of what moves: how often, by the test's clock.
+// The lines of the log about moving bodies, and their rate by the test's clock.
 
 #include "server/scene/world_log.hpp"
 
@@ -32,7 +32,7 @@ TEST(WorldLog, ASceneThatIsNeverSaneSaysSoOnceASecond) {
   ASSERT_THAT(all, SizeIs(10));
   EXPECT_THAT(all[0], HasSubstr("(1 times since the last line, 1 times so far)"));
   EXPECT_THAT(all[1], HasSubstr("(1000 times since the last line, 1001 times so far)"));
-  // What was held back is told when it is over, once.
+  // Lines that were held back are summarized once, at the end.
   for (int n = 0; n < 3000; ++n) step();
   ASSERT_THAT(all, SizeIs(11));
   EXPECT_THAT(all[10], HasSubstr("10000 times so far"));

@@ -1,4 +1,4 @@
-// What requests are answered: the page's files, who may look on, and the policy on every answer.
+// The answers to requests: the page's files, the right to look on, and the policy on every answer.
 
 #include "server/web/answers.hpp"
 

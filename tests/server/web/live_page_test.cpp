@@ -103,12 +103,12 @@ TEST(LivePage, RefusesAWrongToken) {
   Page silent(server);
   silent.say({{"watch", "room"}});
   EXPECT_EQ(silent.close().code(), 4401);
-  // Who guesses is slowed down.
+  // A viewer that guesses tokens is slowed down.
   int slowed = 0;
   for (int i = 0; i < 12; ++i)
     if (Page(server, "fw_123456789012_wrong").close().code() == 4429) ++slowed;
   EXPECT_GE(slowed, 1);
-  // Who knows a good one is not.
+  // A viewer with a valid token is not.
   EXPECT_EQ(Page(server, good_token()).text("hello")["role"], "admin");
 }
 
@@ -177,7 +177,7 @@ TEST(LivePage, LetsAnotherProgramLookOnWithATicket) {
   EXPECT_EQ(geometry.opcode, 2);
   EXPECT_EQ(at<std::uint32_t>(geometry.payload, 1), 3u);
   EXPECT_THAT(Page(server, path, "foxglove.websocket.v1").head(), StartsWith("HTTP/1.1 403 "));
-  // What a viewer publishes is not read.
+  // Messages that a viewer publishes are not read.
   other.say({{"op", "advertise"}});
   EXPECT_EQ(Json::parse(other.next().text())["op"], "status");
   page.say({{"ticket", "cellar"}});

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 class ArmFile : public testing::Test {
  protected:
-  /// What an arm says of arm.xml in which each `from` is `to`.
+  /// The error for an arm.xml in which each `from` is replaced by `to`.
   std::string error_of(const std::string& from, const std::string& to) {
     std::ifstream in(scene("arm"));
     std::stringstream read;

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the simulated arm share.
+// Shared by the tests of the simulated arm.
 
 #include <cmath>
 #include <string>

@@ -49,8 +49,8 @@ TEST(Arm, GoesToItsTarget) {
       Quaternion(Eigen::AngleAxisd(0.15, Vec3::UnitX())) * run.target.pose.orientation;
   run.move(to, 2.0);
   run.wait(1.0);
-  // What is left is what the posture's limited knowledge of the null space and the walls push:
-  // none.
+  // Nothing is left: neither the posture, which knows the null space only in part, nor the walls
+  // push.
   EXPECT_LT((run.reading.pose.position - to).norm(), 2e-5);
   EXPECT_LT(rotation_between(run.reading.pose.orientation, run.target.pose.orientation).norm(),
             1e-3);

@@ -71,7 +71,7 @@ TEST(MovingRun, IsTheSameTwiceAndPassiveOverABadLink) {
     }
 }
 
-// What a server says of a reset arrives, over a bad link too, and is counted.
+// The news of a reset arrives, over a bad link too, and is counted.
 TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
   NetworkRunOptions options = carrying(BoundingSide::client, "delay=8,loss=10,seed=5");
   options.hand.task.center = {0, 0, 0.17};
@@ -86,7 +86,7 @@ TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
   EXPECT_EQ(calm.servo.scene_resets, 0u);
 }
 
-/// What is felt of what the scene commands, on the way up and on the way down.
+/// The share of the commanded force that is felt, on the way up and on the way down.
 struct Share {
   double up = 0.0, down = 0.0;
 };

@@ -73,7 +73,7 @@ TEST(NetworkRun, ACommandIsAsOldAsTheRoundTrip) {
     std::size_t ticks;  // until the answer is there
     double age;         // [s] of it then
   };
-  // What is due at a tick is there before it.
+  // A datagram that is due at a tick is there before it.
   for (const Case& c :
        {Case{"up.delay=7.3,down.delay=5.2", 13, 0.5e-3}, Case{"delay=6", 12, 0.0}}) {
     const auto samples = run_network(floor(), sliding(BoundingSide::client, c.link)).samples;
@@ -146,7 +146,7 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
   }
 }
 
-/// What the tables count is what is on the wire: header, payload, tag, and the headers below.
+/// The tables count the bytes on the wire: header, payload, tag, and the headers below.
 TEST(NetworkRun, BytesAreThoseOfSealedDatagrams) {
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=0");
   options.parameters.redundancy = 0;

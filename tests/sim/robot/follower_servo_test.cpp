@@ -127,8 +127,8 @@ Workspace box(const Vec3& low, const Vec3& high) {
   return workspace;
 }
 
-/// Whatever a server says, its states and numbers and engagements: the target stays in the boxes of
-/// the robot and of the seat, and on the axes that either locks.
+/// For any states, numbers and engagements of a server: the target stays in the boxes of the robot
+/// and of the seat, and on the axes that either locks.
 TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   test::Random random(5);
   FollowerOptions options;

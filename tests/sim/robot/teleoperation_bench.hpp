@@ -69,7 +69,7 @@ inline std::vector<std::string> names_of(const std::vector<RemoteSeat>& seats) {
   return names;
 }
 
-/// What the robot meets: a wall at z = 0.
+/// The environment of the robot: a wall at z = 0.
 inline std::shared_ptr<const Scene> wall_scene(double stiffness = 2000.0) {
   Object wall;
   wall.name = "wall";

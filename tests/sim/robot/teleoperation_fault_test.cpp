@@ -1,4 +1,4 @@
-// What becomes of a hand and the robot that it leads under each fault (PROTOCOL.md, "A robot that
+// The end of a hand and of the robot that it leads under each fault (PROTOCOL.md, "A robot that
 // follows").
 
 #include <gtest/gtest.h>
@@ -165,7 +165,7 @@ TEST(TeleoperationFault, AWrenchAboveTheLimitHolds) {
   EXPECT_EQ(bench.robot.force().norm(), 0.0);
 }
 
-/// What a robot says that it wants the hand to be given.
+/// A false report of energy: the robot asks for force on the hand.
 void lie_of_energy(RobotState& state) {
   state.energy.pushed = state.energy.given = 1e9 + static_cast<double>(state.index);
 }

@@ -6,7 +6,7 @@ import {chromium} from 'playwright-core';
 import {startServer, TOKEN} from './mock_server.mjs';
 
 export const folder = process.env.FELTWIRE_PAGE;
-const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
+const PATIENCE = 120_000;  // [ms] for a machine that draws in software and has more to do
 let browser;
 export let server;
 export let page;

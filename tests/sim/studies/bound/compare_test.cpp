@@ -140,7 +140,7 @@ std::ptrdiff_t threads() {
   return std::distance(all, end);
 }
 
-// What a step costs beside other runs says what the machine was about.
+// The cost of a step beside other runs would measure the load of the machine.
 TEST(Compare, EveryCostIsMeasuredAlone) {
   const std::vector<CompareTask> tasks = {task("tap"), task("edge")};
   const std::vector<Method> both = {method("none"), method("contact_frame")};

@@ -29,12 +29,12 @@ TEST(Figures, Figure2TotalEnergyLetsTheStiffWallBuzz) {
   ASSERT_EQ(none.samples.size(), total.samples.size());
   for (std::size_t n = 0; n < none.samples.size(); ++n)
     ASSERT_EQ(none.samples[n].position, total.samples[n].position);
-  // What the port really exchanged tells on the buzz.
+  // The energy that the port really exchanged shows the buzz.
   EXPECT_LT(total.metrics.min_port_energy.y(), -0.1);
 }
 
-// What the paper's Figure 2 shows, and ours is drawn of: the port's total stays positive while y
-// gives energy and trembles.
+// The paper's Figure 2 shows this, and ours is drawn from it: the port's total stays positive while
+// y gives energy and trembles.
 TEST(Figures, Figure2sTotalIsPositiveWhileYGivesEnergy) {
   const FigureRun run = run_figure("wall", "total_energy", 8.0);
   EXPECT_LT(run.metrics.highpass_rms.y(), 15 * kMicrometre) << "small";

@@ -1,4 +1,4 @@
-// What docs/lab/frontier.md claims of the account and of shaping, on the cases that decide.
+// The claims of docs/lab/frontier.md about the account and shaping, on the cases that decide.
 
 #include "sim/studies/bound/frontier.hpp"
 

@@ -28,7 +28,7 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   EXPECT_GT(felt, sessions.size() / 2) << "sessions in which a torque is felt";
 }
 
-/// What the bar would say without a bound: so the test above can fail.
+/// Without a bound the bar is missed: so the test above can fail.
 TEST(Torque, WithoutABoundTheSamePortMakesEnergy) {
   std::vector<TorqueSession> sessions;
   for (const NamedHand& hand : kEightHands)

@@ -1,4 +1,4 @@
-// Who should bound: the measurement obeys what is known, and would notice a bound that is wrong.
+// The study of where to bound: it agrees with known results, and would notice a wrong bound.
 
 #include "sim/studies/network/where_to_bound.hpp"
 

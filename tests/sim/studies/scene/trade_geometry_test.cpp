@@ -1,4 +1,4 @@
-// What the pages of the trade study on geometry and tools say holds of small ones, too.
+// The statements of the trade study on geometry and tools also hold for small grids.
 
 #include "sim/studies/scene/trade_geometry.hpp"
 

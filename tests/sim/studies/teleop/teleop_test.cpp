@@ -1,4 +1,4 @@
-// What docs/teleoperation.md claims of the laws on the bench, on the cases that decide.
+// The claims of docs/lab/teleoperation.md about the laws on the bench, on the cases that decide.
 
 #include "sim/studies/teleop/teleop.hpp"
 
