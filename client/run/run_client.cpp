@@ -263,7 +263,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     RejoinOptions rejoin;
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
-    crash_release.emplace(all->guard);
+    crash_release.emplace(all->guard, options.flight_recorder.has_value());
     thread.emplace(all);
   } catch (...) {
     transport->goodbye();
