@@ -14,8 +14,8 @@ namespace feltwire {
 class TickWatch {
  public:
   static constexpr int kLooks =
-      10;  // number of intervals in the time for which a force may be held without a tick
-  static constexpr int kMostCounted = 5;
+      20;  // number of intervals in the time for which a force may be held without a tick
+  static constexpr int kMostCounted = 10;
   static constexpr Nanoseconds kIdle =
       std::chrono::seconds(2);  // the same time if there is no force
   static constexpr Nanoseconds kGrace = std::chrono::seconds(1);
@@ -36,9 +36,9 @@ class TickWatch {
   Verdict look(Nanoseconds now, std::uint64_t ticks, bool pulls) noexcept;
 
  private:
-  /// [ns] that a force may be held after the look that saw the last tick: that tick came up to an
-  /// interval before the look.
-  Nanoseconds most_pulling() const noexcept { return (kLooks - 1) * interval_; }
+  /// [ns] that a force may be held after the look that saw the last tick. That tick came up to an
+  /// interval before the look, and another interval is left to wake threads in.
+  Nanoseconds most_pulling() const noexcept { return (kLooks - 2) * interval_; }
 
   Nanoseconds interval_;
   std::optional<Nanoseconds> looked_;  // the time of the last look
