@@ -76,6 +76,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--robot-button", options.servo.seat_button,
                  "Number of a button of the device, from 1, that goes on to the next robot while "
                  "the enabling switch is released");
+  app.add_option("--deadman-button", words.deadman_button,
+                 "Number of the button of the device, from 1, that is the enabling switch. 0: "
+                 "none. When not given: as the driver has it (docs/devices.md)");
+  app.add_option("--clutch-button", words.clutch_button,
+                 "Number of the button of the device, from 1, that is the clutch: the tool stands "
+                 "while it is held. 0: none. When not given: as the driver has it");
   app.add_option("--trust-robot", words.trust,
                  "J,W of a robot that you run yourself: energy that it may give the hand in one "
                  "contact [J], and over time [W] (docs/teleoperation.md). When not given: none")

@@ -189,6 +189,31 @@ void require_button(const char* option, int button, const Driver& driver, const 
                           : std::string(" no button is read; ") + remedy));
 }
 
+/// Sets the buttons of the enabling switch and of the clutch. Throws std::invalid_argument if the
+/// device does not have them, or if a button would have two meanings.
+void choose_buttons(const WrittenOptions& words, int robot_button, const Driver& driver,
+                    ProtectionOptions& options) {
+  options.deadman_button = words.deadman_button;
+  options.clutch_button = words.clutch_button;
+  for (const auto& [option, chosen] : {std::pair("--deadman-button", words.deadman_button),
+                                       std::pair("--clutch-button", words.clutch_button)}) {
+    if (!chosen) continue;
+    require_button(option, *chosen, driver, "leave it out");
+    for (const auto& [other, button] : {std::pair("--emergency-button", words.emergency_button),
+                                        std::pair("--robot-button", robot_button)})
+      if (button != 0 && button == *chosen)
+        throw std::invalid_argument(std::string(option) + " and " + other +
+                                    " are the same button; give each its own");
+  }
+  const int deadman = words.deadman_button.value_or(driver.deadman_button);
+  const bool both = deadman != 0 && deadman == words.clutch_button.value_or(driver.clutch_button);
+  if (both && (words.deadman_button || words.clutch_button))
+    throw std::invalid_argument(
+        "button " + std::to_string(deadman) + " of --device " + std::string(driver.kind) +
+        " would be the enabling switch and the clutch; give "
+        "--deadman-button and --clutch-button, each its own, or 0 for none");
+}
+
 /// Throws std::invalid_argument.
 ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) {
   constexpr double kUsualStill = 0.25;  // [s]
@@ -305,6 +330,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   options.mapping = mapping(words);
   options.protection = protection(words, *options.driver);
   require_button("--robot-button", options.servo.seat_button, *options.driver, "leave it out");
+  choose_buttons(words, options.servo.seat_button, *options.driver, options.protection);
   if (!words.report.empty()) options.report = words.report;
   if (!words.record.empty()) options.record = words.record;
   choose_recording(words, options);

@@ -36,6 +36,7 @@ struct WrittenOptions {
   std::string firmware;
   std::string tool_weight;  // with its unit
   int emergency_button = 0;
+  std::optional<int> deadman_button, clutch_button;
   std::optional<double> await_still;  // [s]
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";

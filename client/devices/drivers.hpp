@@ -54,6 +54,9 @@ struct Driver {
   bool gives_force = true;      // false: `identify` cannot measure it
   bool takes_firmware = false;  // --firmware FILE is for it
   int buttons = 0;              // number of its buttons that are read (DeviceReading::buttons)
+  // Which of them the driver takes for the enabling switch and for the clutch, counted from 1. 0:
+  // none, or one that is not among them.
+  int deadman_button = 0, clutch_button = 0;
 };
 
 std::span<const Driver> drivers();

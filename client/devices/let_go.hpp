@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "client/devices/handover.hpp"
+#include "protocol/net/real_time.hpp"
 
 namespace feltwire {
 
@@ -33,6 +34,8 @@ class LetGo {
 
  private:
   void run() {
+    // Above the servo thread, as its watch is: it is asked when the servo thread stands still.
+    request_real_time(kServoPriority + 1);
     while (!over_.load()) {
       wake_.wait();
       if (asked_.load()) take_off_();

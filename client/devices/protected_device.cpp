@@ -21,13 +21,25 @@ constexpr double kNoForceLeft = 1e-9;  // [N] of a mean of two equal forces
 // The largest share of the device's continuous force that a tool may weigh.
 constexpr double kMostOfForce = 0.8;
 
+/// 0: none.
+void require_number(const char* option, int button) {
+  if (button < 0 || button > kMostButtons)
+    throw std::invalid_argument(std::string(option) + " must be from 1 to 32");
+}
+
+/// `button`: counted from 1; 0: none.
+bool is_pressed(std::uint32_t buttons, int button) noexcept {
+  return button > 0 && (buttons >> static_cast<unsigned>(button - 1) & 1U) != 0;
+}
+
 }  // namespace
 
 DeviceSpec protected_spec(const DeviceSpec& device, const ProtectionOptions& options) {
   if (!(options.still >= 0.0) || !std::isfinite(options.still))
     throw std::invalid_argument("--await-still must be 0 or above [s]");
-  if (options.emergency_button < 0 || options.emergency_button > kMostButtons)
-    throw std::invalid_argument("--emergency-button must be from 1 to 32");
+  require_number("--emergency-button", options.emergency_button);
+  require_number("--deadman-button", options.deadman_button.value_or(0));
+  require_number("--clutch-button", options.clutch_button.value_or(0));
   DeviceSpec spec = device;
   const double weight = options.tool_weight;
   if (weight == 0.0) return spec;
@@ -72,9 +84,10 @@ void ProtectedDevice::take_up(Nanoseconds now) noexcept {
 
 DeviceReading ProtectedDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading = device_->read(now);
-  if (reading.ok && options_.emergency_button > 0 &&
-      (reading.buttons >> static_cast<unsigned>(options_.emergency_button - 1) & 1U) != 0)
-    emergency_->press();
+  if (reading.ok && is_pressed(reading.buttons, options_.emergency_button)) emergency_->press();
+  if (options_.deadman_button)
+    reading.deadman = is_pressed(reading.buttons, *options_.deadman_button);
+  if (options_.clutch_button) reading.clutch = is_pressed(reading.buttons, *options_.clutch_button);
   if (reading.ok && emergency_->pressed()) {
     if (!reading.fresh) reading.pose = pose_;
     reading.fresh = true;  // a tick is made of it: that writes the zero

@@ -1,8 +1,10 @@
 #pragma once
-// A device with a start that does not kick, an emergency stop, and a tool whose weight is held.
+// A device with a start that does not kick, an emergency stop, a tool whose weight is held, and
+// buttons that the user chose.
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "client/devices/device.hpp"
 
@@ -25,6 +27,9 @@ struct ProtectionOptions {
   double tool_weight = 0.0;  // [N] of a tool at the handle; it pulls along -z of the device
   int emergency_button = 0;  // of the device, counted from 1; 0: none
   double still = 0.0;  // [s] that the hand must be still before the first force; 0: not at all
+  // The enabling switch and the clutch: buttons of the device, counted from 1. 0: no button. Empty:
+  // as the driver has them.
+  std::optional<int> deadman_button{}, clutch_button{};
 };
 
 /// The device with the tool, whose weight is held: a part of its greatest force is taken for that,

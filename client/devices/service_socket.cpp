@@ -15,6 +15,7 @@
 #include <ctime>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "core/base/splitmix.hpp"
 #include "protocol/net/clock.hpp"
@@ -24,6 +25,7 @@ namespace {
 
 constexpr Nanoseconds kHandshake = std::chrono::seconds(3);
 constexpr std::size_t kLongestHead = 4096;
+constexpr const char* kNoRandomNumbers = "the system has no source of random numbers";
 constexpr std::string_view kMagic = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";  // RFC 6455, 1.3
 
 [[noreturn]] void refuse(std::uint16_t port, const std::string& why) {
@@ -56,6 +58,69 @@ std::string accepted(const std::string& key) {
   return base64(std::span(hash).first(size));
 }
 
+/// Connects the socket and asks for a WebSocket. Returns what came behind the service's answer.
+std::string shake_hands(int descriptor, std::uint16_t port) {
+  const Nanoseconds latest = monotonic_now() + kHandshake;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  int error = 0;
+  if (::connect(descriptor, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+    error = errno;
+  if (error == EINPROGRESS) {
+    socklen_t size = sizeof error;
+    if (!wait_for(descriptor, POLLOUT, latest))
+      error = ETIMEDOUT;
+    else
+      ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
+  if (error != 0) refuse(port, "no service listens: " + std::generic_category().message(error));
+  const int on = 1;
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+
+  std::array<unsigned char, 16> random{};
+  if (::getentropy(random.data(), random.size()) != 0) refuse(port, kNoRandomNumbers);
+  const std::string key = base64(random);
+  const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                              "Sec-WebSocket-Key: " +
+                              key + "\r\nSec-WebSocket-Version: 13\r\n\r\n";
+  ::send(descriptor, request.data(), request.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+
+  std::string head;
+  std::array<char, 1024> room{};
+  std::size_t end = std::string::npos;
+  while ((end = head.find("\r\n\r\n")) == std::string::npos) {
+    if (head.size() > kLongestHead || !wait_for(descriptor, POLLIN, latest))
+      refuse(port,
+             "the program at this port is not a WebSocket service; give the port of the maker's "
+             "service");
+    const ssize_t count = ::recv(descriptor, room.data(), room.size(), 0);
+    if (count <= 0) refuse(port, "the service closed the connection; is another program using it?");
+    head.append(room.data(), static_cast<std::size_t>(count));
+  }
+  std::string early = head.substr(end + 4);
+  head.resize(end + 2);
+  if (!head.starts_with("HTTP/1.1 101") ||
+      head.find(": " + accepted(key) + "\r\n") == std::string::npos)
+    refuse(port,
+           "the program at this port is not a WebSocket service; give the port of the maker's "
+           "service");
+  return early;
+}
+
+ServiceSocket::Connection connected(std::uint16_t port) {
+  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) throw std::system_error(errno, std::generic_category(), "no socket");
+  try {
+    return {descriptor, shake_hands(descriptor, port)};
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+}
+
 }  // namespace
 
 void ServiceSocket::Free::operator()(wslay_frame_context* context) const noexcept {
@@ -63,89 +128,39 @@ void ServiceSocket::Free::operator()(wslay_frame_context* context) const noexcep
 }
 
 ServiceSocket::ServiceSocket(std::uint16_t port, std::size_t longest_message)
-    : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
-      message_(longest_message) {
-  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "no socket");
-  try {
-    shake_hands(port);
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
+    : ServiceSocket(connected(port), longest_message) {}
+
+ServiceSocket::ServiceSocket(Connection connection, std::size_t longest_message)
+    : connection_(std::move(connection)), message_(longest_message) {
+  const wslay_frame_callbacks calls{
+      .send_callback = keep, .recv_callback = read_more, .genmask_callback = mask};
+  wslay_frame_context* context = nullptr;
+  const bool random = ::getentropy(&masks_, sizeof masks_) == 0;
+  if (random && ::wslay_frame_context_init(&context, &calls, this) == 0) {
+    context_.reset(context);
+    return;
   }
+  ::close(connection_.descriptor);
+  if (random) throw std::bad_alloc();
+  throw std::runtime_error(kNoRandomNumbers);
 }
 
 ServiceSocket::~ServiceSocket() {
   post(framed(WSLAY_CONNECTION_CLOSE, {}));
-  ::close(descriptor_);
-}
-
-void ServiceSocket::shake_hands(std::uint16_t port) {
-  const Nanoseconds latest = monotonic_now() + kHandshake;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  int error = 0;
-  if (::connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
-    error = errno;
-  if (error == EINPROGRESS) {
-    socklen_t size = sizeof error;
-    if (!wait_for(descriptor_, POLLOUT, latest))
-      error = ETIMEDOUT;
-    else
-      ::getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size);
-  }
-  if (error != 0) refuse(port, "no service listens: " + std::generic_category().message(error));
-  const int on = 1;
-  ::setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-
-  std::array<unsigned char, 16> random{};
-  if (::getentropy(random.data(), random.size()) != 0 || ::getentropy(&masks_, sizeof masks_) != 0)
-    refuse(port, "the system has no source of random numbers");
-  const std::string key = base64(random);
-  const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-                              "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                              "Sec-WebSocket-Key: " +
-                              key + "\r\nSec-WebSocket-Version: 13\r\n\r\n";
-  post(std::span(reinterpret_cast<const std::uint8_t*>(request.data()), request.size()));
-
-  std::string head;
-  std::array<char, 1024> room{};
-  std::size_t end = std::string::npos;
-  while ((end = head.find("\r\n\r\n")) == std::string::npos) {
-    if (head.size() > kLongestHead || !wait_for(descriptor_, POLLIN, latest))
-      refuse(port,
-             "the program at this port is not a WebSocket service; give the port of the maker's "
-             "service");
-    const ssize_t count = ::recv(descriptor_, room.data(), room.size(), 0);
-    if (count <= 0) refuse(port, "the service closed the connection; is another program using it?");
-    head.append(room.data(), static_cast<std::size_t>(count));
-  }
-  early_ = head.substr(end + 4);
-  head.resize(end + 2);
-  if (!head.starts_with("HTTP/1.1 101") ||
-      head.find(": " + accepted(key) + "\r\n") == std::string::npos)
-    refuse(port,
-           "the program at this port is not a WebSocket service; give the port of the maker's "
-           "service");
-
-  const wslay_frame_callbacks calls{
-      .send_callback = keep, .recv_callback = read_more, .genmask_callback = mask};
-  wslay_frame_context* context = nullptr;
-  if (::wslay_frame_context_init(&context, &calls, this) != 0) throw std::bad_alloc();
-  context_.reset(context);
+  ::close(connection_.descriptor);
 }
 
 std::ptrdiff_t ServiceSocket::read_more(std::uint8_t* room, std::size_t size, int,
                                         void* self) noexcept {
   auto& socket = *static_cast<ServiceSocket*>(self);
-  if (socket.early_taken_ < socket.early_.size()) {
-    const std::size_t count = std::min(size, socket.early_.size() - socket.early_taken_);
-    std::copy_n(socket.early_.data() + socket.early_taken_, count, room);
+  const std::string& early = socket.connection_.early;
+  if (socket.early_taken_ < early.size()) {
+    const std::size_t count = std::min(size, early.size() - socket.early_taken_);
+    std::copy_n(early.data() + socket.early_taken_, count, room);
     socket.early_taken_ += count;
     return static_cast<std::ptrdiff_t>(count);
   }
-  const ssize_t count = ::recv(socket.descriptor_, room, size, MSG_DONTWAIT);
+  const ssize_t count = ::recv(socket.connection_.descriptor, room, size, MSG_DONTWAIT);
   if (count > 0) return count;
   socket.gone_ |= count == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
   return -1;
@@ -183,7 +198,8 @@ std::span<const std::uint8_t> ServiceSocket::framed(std::uint8_t opcode,
 }
 
 bool ServiceSocket::post(std::span<const std::uint8_t> frame) const noexcept {
-  const ssize_t sent = ::send(descriptor_, frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  const ssize_t sent =
+      ::send(connection_.descriptor, frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   return sent == static_cast<ssize_t>(frame.size());
 }
 
@@ -208,7 +224,7 @@ ServiceSocket::News ServiceSocket::receive(Nanoseconds latest) noexcept {
   while (true) {
     const News news = take_frames(latest);
     if (news != News::none || monotonic_now() >= latest) return news;
-    wait_for(descriptor_, POLLIN, latest);
+    wait_for(connection_.descriptor, POLLIN, latest);
   }
 }
 
@@ -220,12 +236,14 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     if (count == WSLAY_ERR_WANT_READ && !gone_) return News::none;
     if (count < 0) return News::gone;
     const auto size = static_cast<std::size_t>(count);
-    const bool control = (part.opcode & 8U) != 0;
+    const bool control = part.opcode == WSLAY_PING || part.opcode == WSLAY_PONG ||
+                         part.opcode == WSLAY_CONNECTION_CLOSE;
     const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
     // Begun twice, or gone on with where none was begun.
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
-    const bool masked = part.mask != 0;  // only a client's frames may be (RFC 6455, 5.1)
-    if ((!control && !text) || odd || masked) return gone_ = true, News::gone;
+    const bool masked = part.mask != 0;   // only a client's frames may be (RFC 6455, 5.1)
+    const bool extended = part.rsv != 0;  // no extension was agreed on (5.2)
+    if ((!control && !text) || odd || masked || extended) return gone_ = true, News::gone;
     if (control) {
       const std::size_t room = control_.size() - control_size_;
       std::copy_n(part.data, std::min(size, room), control_.data() + control_size_);

@@ -28,8 +28,17 @@ class ServiceSocket {
   static constexpr std::size_t kMostSent = 1024;  // bytes of a text
   using Frame = std::vector<std::uint8_t>;
 
+  /// A connection on which the service has agreed to speak WebSocket.
+  struct Connection {
+    int descriptor = -1;  // of a stream socket that does not block
+    std::string early;    // bytes that came with the service's answer to the handshake
+  };
+
   /// Connects to 127.0.0.1. Throws std::runtime_error that names the error and the remedy.
   ServiceSocket(std::uint16_t port, std::size_t longest_message);
+  /// Takes a connection over, and closes it in the end. Throws std::runtime_error if the system has
+  /// no random numbers, with which what is sent is masked.
+  ServiceSocket(Connection connection, std::size_t longest_message);
   ~ServiceSocket();
   ServiceSocket(const ServiceSocket&) = delete;
   ServiceSocket& operator=(const ServiceSocket&) = delete;
@@ -54,16 +63,14 @@ class ServiceSocket {
   static std::ptrdiff_t keep(const std::uint8_t* data, std::size_t size, int, void* self) noexcept;
   static int mask(std::uint8_t* room, std::size_t size, void* self) noexcept;
 
-  void shake_hands(std::uint16_t port);
   std::span<const std::uint8_t> framed(std::uint8_t opcode,
                                        std::span<const std::uint8_t> data) noexcept;
   News take_frames(Nanoseconds latest) noexcept;
   void take_control(std::uint8_t opcode) noexcept;
 
-  int descriptor_;
-  std::unique_ptr<wslay_frame_context, Free> context_;
-  std::string early_;  // bytes that came with the answer to the handshake
+  Connection connection_;
   std::size_t early_taken_ = 0;
+  std::unique_ptr<wslay_frame_context, Free> context_;
   std::vector<char> message_;  // its size is the largest message
   std::size_t size_ = 0;       // number of received bytes
   bool begun_ = false, ended_ = false, too_long_ = false, gone_ = false;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -20,6 +21,24 @@ namespace {
 
 constexpr int kHousekeeping = 50;  // [ms] between looks at the rings
 const std::string kLost = "the session was lost";
+
+constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+
+std::atomic<pthread_t> taker{};  // the thread that takes the signals
+static_assert(std::atomic<pthread_t>::is_always_lock_free);
+
+/// Runs in a thread that began before the signals were blocked, as those of a device's driver and
+/// of its maker's library do. Without it such a thread would end the program, and leave the last
+/// force on the hand.
+void pass_on(int signal) { ::pthread_kill(taker.load(), signal); }
+
+void handle(int signal, void (*handler)(int)) noexcept {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;  // a maker's library may expect no interrupted call
+  sigemptyset(&action.sa_mask);
+  ::sigaction(signal, &action, nullptr);
+}
 
 /// Also where the system fails to wait, so that looks do not follow each other without end.
 void wait(std::array<pollfd, 3>& waiting) noexcept {
@@ -68,18 +87,25 @@ void tell_of(EmergencyKey::Turned turned, StatusLine& line) noexcept {
 
 }  // namespace
 
-Signals::Signals(bool records) {
+Signals::Signals(bool records) : records_(records) {
   sigset_t set;
   sigemptyset(&set);
-  if (records) sigaddset(&set, SIGUSR1);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&set, signal);
+  if (records_) sigaddset(&set, SIGUSR1);
+  for (const int signal : kEnding) sigaddset(&set, signal);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   descriptor_ = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
   if (descriptor_ < 0)
     throw std::system_error(errno, std::generic_category(), "cannot watch signals");
+  taker.store(::pthread_self());
+  for (const int signal : kEnding) handle(signal, pass_on);
+  if (records_) handle(SIGUSR1, pass_on);
 }
 
-Signals::~Signals() { ::close(descriptor_); }
+Signals::~Signals() {
+  for (const int signal : kEnding) handle(signal, SIG_DFL);
+  if (records_) handle(SIGUSR1, SIG_DFL);
+  ::close(descriptor_);
+}
 
 Signals::Taken Signals::take() const noexcept {
   Taken came;

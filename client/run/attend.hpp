@@ -10,8 +10,9 @@
 
 namespace feltwire {
 
-/// SIGINT, SIGTERM, SIGHUP and SIGQUIT, which end the run, as a descriptor; blocked in all threads
-/// that start from now on.
+/// SIGINT, SIGTERM, SIGHUP and SIGQUIT, which end the run, as a descriptor for the thread that
+/// makes it. They are blocked in all threads that start from now on. A thread that began before
+/// passes them on to that thread.
 class Signals {
  public:
   /// `records`: also SIGUSR1, which requests a flight record. Throws std::system_error.
@@ -27,6 +28,7 @@ class Signals {
   Taken take() const noexcept;
 
  private:
+  bool records_;
   int descriptor_ = -1;
 };
 

@@ -30,14 +30,16 @@ void handle(int signal, void (*handler)(int), int flags) noexcept {
 
 }  // namespace
 
-CrashRelease::CrashRelease(Device& device) noexcept {
+CrashRelease::CrashRelease(Device& device, bool records) noexcept : records_(records) {
   device_to_release.store(&device);
-  for (const int signal : kDeadly) handle(signal, release_and_die, SA_RESETHAND);
+  for (const int signal : kDeadly)
+    if (signal != SIGUSR1 || !records_) handle(signal, release_and_die, SA_RESETHAND);
   for (const int signal : kIgnored) handle(signal, SIG_IGN, 0);
 }
 
 CrashRelease::~CrashRelease() {
-  for (const int signal : kDeadly) handle(signal, SIG_DFL, 0);
+  for (const int signal : kDeadly)
+    if (signal != SIGUSR1 || !records_) handle(signal, SIG_DFL, 0);
   for (const int signal : kIgnored) handle(signal, SIG_DFL, 0);
   device_to_release.store(nullptr);
 }

@@ -15,10 +15,14 @@ namespace feltwire {
 /// Only one may exist in a program.
 class CrashRelease {
  public:
-  explicit CrashRelease(Device& device) noexcept;
+  /// `records`: SIGUSR1 asks for a flight record (Signals), and kills nothing.
+  explicit CrashRelease(Device& device, bool records = false) noexcept;
   ~CrashRelease();
   CrashRelease(const CrashRelease&) = delete;
   CrashRelease& operator=(const CrashRelease&) = delete;
+
+ private:
+  bool records_;
 };
 
 }  // namespace feltwire

@@ -274,7 +274,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
     surfaces.emplace(options.server, options.build_surfaces, all->surfaces);
-    crash_release.emplace(all->guard);
+    crash_release.emplace(all->guard, options.flight_recorder.has_value());
     thread.emplace(all);
   } catch (...) {
     transport->goodbye();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/servo/tick_watch.hpp"
+#include "protocol/net/clock.hpp"
 
 namespace feltwire {
 
@@ -62,10 +63,10 @@ void ServoThread::watch(Shared& shared) noexcept {
   TickWatch watch(from_seconds(task.servo.parameters().hold_time));
   std::unique_lock lock(shared.mutex);
   while (!shared.ended) {
-    if (shared.changed.wait_for(lock, watch.interval(), [&] { return shared.ended; })) return;
+    if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
     // Released by its own loop: what is left of it waits for answers only.
     if (!shared.started || (task.guard.released() && !shared.stood_still.load())) continue;
-    switch (watch.look(task.guard.writes(), task.guard.pulls())) {
+    switch (watch.look(monotonic_now(), task.guard.writes(), task.guard.pulls())) {
       case TickWatch::Verdict::ticks:
         break;
       case TickWatch::Verdict::gone:

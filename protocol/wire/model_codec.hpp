@@ -11,8 +11,8 @@ namespace feltwire {
 flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& builder,
                                             const LocalModel& model);
 
-/// False if it has more patches than a model may have, offsets for another number of patches, or whole
-/// patches without a version of the surfaces.
+/// False if it has more patches than a model may have, offsets for another number of patches, or
+/// whole patches without a version of the surfaces.
 bool read(const wire::LocalModel& from, LocalModel& to) noexcept;
 /// Whether every number is finite and possible for a surface.
 bool plausible(const LocalModel& model) noexcept;

@@ -5,6 +5,8 @@
 
 #include <memory>
 
+#include "tests/devices/shared_page.hpp"
+
 namespace {
 
 using stand_in::Three;
@@ -46,6 +48,7 @@ int set(double x, double y, double z, double about_x, double about_y, double abo
   torque = {part * about_x, part * about_y, part * about_z};
   quiet = 0.0;
   if (size == 0.0 && turns == 0.0) ++device->zeros;
+  if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
   device->edge.command(size > 0.0 || turns > 0.0);
   device->pulls.store(size > 0.0 || turns > 0.0);  // last: a test that sees it may look at the rest
   return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
@@ -55,6 +58,7 @@ void let_go() {
   force = torque = {};
   device->edge.command(false);
   device->pulls.store(false);
+  if (stand_in::page() != nullptr) stand_in::page()->force.store(0.0);
 }
 
 /// A period of the real motion, and what the encoders say then.
@@ -72,6 +76,10 @@ int sensed(double* x, double* y, double* z, char id) {
   device->most_made =
       std::max(device->most_made, device->mass.delivered - device->mass.burned +
                                       device->wrist_mass.delivered - device->wrist_mass.burned);
+  if (stand_in::page() != nullptr) {
+    stand_in::page()->tell(device->mass);
+    device->buttons.store(stand_in::page()->buttons.load());
+  }
   if (!answers(id)) return failed(kCommunication);
   static Three told;
   const bool old = device->stale_every > 0 && device->readings % device->stale_every == 0;
@@ -96,8 +104,10 @@ void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
   *major = device->major, *minor = device->minor, *release = 5, *revision = 0;
 }
 int dhdOpenID(char index) {
+  if (stand_in::page() != nullptr) device->devices = stand_in::page()->devices.load();
   if (!device->plugged || index >= device->devices) return failed(kNoDevice);
   ++device->opened;
+  stand_in::begin_for_page(device->mass, index);
   return open_id = index;
 }
 int dhdClose(char) { return ++device->closed, 0; }

@@ -242,7 +242,7 @@ void HaplyService::answer(std::string text) {
 }
 
 void HaplyService::send_frame(unsigned head, std::string_view text) {
-  std::string frame(1, static_cast<char>(head));
+  std::string frame(1, static_cast<char>(head | odd_bits.load()));
   const auto put = [&](std::size_t value) { frame.push_back(static_cast<char>(value & 0xFFU)); };
   const bool masked = masks;
   const unsigned mask = masked ? 0x80U : 0U;

@@ -54,6 +54,7 @@ class HaplyService {
   std::atomic<int> repeats{0};            // answers that it will give twice
   std::atomic<int> homeless{0};           // answers without a position
   std::atomic<bool> masks{false};         // its frames, which only a client may
+  std::atomic<unsigned> odd_bits{0};      // set in the first byte of its frames
   std::atomic<int> fragments{0};          // answers in three frames, with a ping between them
   std::atomic<int> pongs{0};
   std::atomic<double> force{0.0};  // [N] on the mass

@@ -276,7 +276,8 @@ INSTANTIATE_TEST_SUITE_P(Of, HaplyFault,
 
 struct HaplyLoss : ::testing::Test {
   /// Felt, and then `lost`: a fault that stays.
-  void expect_let_go(std::atomic<bool>& lost, bool value) {
+  template <class Value>
+  void expect_let_go(std::atomic<Value>& lost, Value value) {
     const OpenedDevice opened = open(service);
     Servo servo = servo_of(opened);
     session.run(*opened.device, servo, [&] { return service.force > 0.5; });
@@ -302,6 +303,10 @@ struct HaplyLoss : ::testing::Test {
 TEST_F(HaplyLoss, AServiceThatHangsUpIsAFaultForGood) { expect_let_go(service.hangs_up, true); }
 TEST_F(HaplyLoss, AServiceThatHangsNeverHoldsTheServoUp) { expect_let_go(service.blocks, true); }
 TEST_F(HaplyLoss, AServiceThatMasksItsFramesIsNoService) { expect_let_go(service.masks, true); }
+/// As a service that compresses, which nobody asked for.
+TEST_F(HaplyLoss, AServiceThatSetsReservedBitsIsNoService) {
+  expect_let_go(service.odd_bits, 0x40U);
+}
 TEST_F(HaplyLoss, ADeviceThatLosesItsCalibrationIsAFault) {
   expect_let_go(service.calibrated, false);
 }

@@ -9,6 +9,8 @@
 #include <memory>
 #include <thread>
 
+#include "tests/devices/shared_page.hpp"
+
 namespace {
 
 using stand_in::Three;
@@ -92,6 +94,7 @@ unsigned hdInitDevice(const char* name) {
       device->plugged &&
       (std::strlen(device->known) == 0 ? name == nullptr
                                        : name != nullptr && std::strcmp(name, device->known) == 0);
+  if (found) stand_in::begin_for_page(device->mass, 0);
   if (found) return ++device->opened, kHandle;
   raise(0x302);
   raise(0x300);
@@ -135,6 +138,11 @@ void hdEndFrame(unsigned) {
   device->edge.tick();
   device->edge.command(size > 0.0);
   ++device->frames;
+  if (stand_in::page() != nullptr) {
+    stand_in::page()->tell(device->mass);
+    stand_in::page()->force.store(share * size);
+    device->buttons.store(static_cast<int>(stand_in::page()->buttons.load()));
+  }
   device->force.store(share * size);  // last: a test that sees it may look at the rest
 }
 ErrorInfo hdGetError() {

@@ -2,7 +2,10 @@
 // legs. Written from the published facts (Stamper's closed forms, the packets), not from the
 // driver.
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -12,10 +15,12 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "tests/devices/falcon_stand_in.hpp"
 #include "tests/devices/scripted.hpp"
+#include "tests/devices/shared_page.hpp"
 
 namespace {
 
@@ -33,7 +38,9 @@ std::deque<Byte> outgoing;  // to the computer
 unsigned baud = 0, latency = 16, modem = 0;
 bool dtr_pulsed = false, loading = false, claimed = false;
 std::vector<Byte> image, heard;
-Three force{};  // [N] on the mass
+int opened_number = 0;     // of the Falcon that was opened
+int claim_in_kernel = -1;  // a locked file, where other programs may claim, too
+Three force{};             // [N] on the mass
 
 double leg_direction(int i) { return kTurn / 360.0 * std::array{105.0, -15.0, -135.0}[i]; }
 
@@ -70,6 +77,15 @@ Three force_of(const std::array<int, 3>& motors, const Three& at) {
       f[axis] += motors[i] / -10000.0 * (last[i] - first[i]) / (2.0 * kSmall);
   }
   return f;
+}
+
+/// As the kernel does: one program at most. False: another one has it.
+bool claim_from_others() {
+  const char* const folder = std::getenv("FELTWIRE_STAND_IN_USB");
+  if (folder == nullptr) return true;
+  const std::string file = std::string(folder) + "/falcon-" + std::to_string(opened_number);
+  claim_in_kernel = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  return ::flock(claim_in_kernel, LOCK_EX | LOCK_NB) == 0;
 }
 
 void say(const std::vector<Byte>& bytes) {
@@ -124,6 +140,11 @@ void answer() {
   const Three told = arms(falcon->mass.position);
   force = force_of(motors, falcon->mass.position);
   const double size = std::hypot(force[0], force[1], force[2]);
+  if (stand_in::page() != nullptr) {
+    stand_in::page()->tell(falcon->mass);
+    stand_in::page()->force.store(size);
+    falcon->buttons = static_cast<int>(stand_in::page()->buttons.load());
+  }
   falcon->edge.tick();
   falcon->edge.command(size > 0.0);
   falcon->force = size;  // last: a test that sees it may look at the rest
@@ -173,7 +194,10 @@ stand_in::Falcon* stand_in_new() {
   return falcon.get();
 }
 
-int libusb_init(void** context) { return *context = &context_marker, 0; }
+int libusb_init(void** context) {
+  if (stand_in::page() != nullptr) falcon->devices = stand_in::page()->devices.load();
+  return *context = &context_marker, 0;
+}
 void libusb_exit(void*) {}
 ssize_t libusb_get_device_list(void*, void*** list) {
   static std::array<void*, 5> all;
@@ -202,6 +226,8 @@ int libusb_open(void* device, void** handle) {
   if (device == &device_markers[0]) return kNoDevice;
   if (!falcon->accessible) return kAccess;
   ++falcon->opened;
+  opened_number = static_cast<int>(static_cast<int*>(device) - &device_markers[1]);
+  stand_in::begin_for_page(falcon->mass, opened_number);
   *handle = &handle_marker;
   return 0;
 }
@@ -211,11 +237,15 @@ void libusb_close(void* handle) {
 }
 int libusb_claim_interface(void*, int number) {
   if (number != 0) ++falcon->misuses;
-  if (falcon->busy) return kBusy;
+  if (falcon->busy || !claim_from_others()) return kBusy;
   claimed = true;
   return 0;
 }
-int libusb_release_interface(void*, int) { return claimed = false, 0; }
+int libusb_release_interface(void*, int) {
+  if (claim_in_kernel >= 0) ::close(claim_in_kernel);
+  claim_in_kernel = -1;
+  return claimed = false, 0;
+}
 int libusb_control_transfer(void*, Byte type, Byte what, std::uint16_t value, std::uint16_t index,
                             Byte*, std::uint16_t length, unsigned) {
   const std::lock_guard lock(mutex);

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <thread>
 
 #include "client/devices/feltwire_device_v1.h"
+#include "tests/devices/shared_page.hpp"
 
 namespace {
 
@@ -22,6 +24,15 @@ double random_share = 0.5;
 /// Any thread may let go. Only the servo's changes the forces.
 void drop_released() {
   if (released) before = force = {};
+}
+
+/// In a program of its own the ticks come by the clock, for its server does not know of virtual
+/// time. A machine that is late by more than a tick is not made up for.
+void pace() {
+  using Clock = std::chrono::steady_clock;
+  static Clock::time_point next = Clock::now();
+  next = std::max(next + std::chrono::milliseconds(1), Clock::now());
+  std::this_thread::sleep_until(next);
 }
 
 bool unplugged() { return device->unplugged_at >= 0 && device->ticks >= device->unplugged_at; }
@@ -51,11 +62,13 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
   for (double& w : spec->workspace) w = 0.2;
   released = false;
   before = force = {};
+  stand_in::begin_for_page(device->mass, 0);
   return device.get();
 }
 
 int wait_for_tick(void*, std::int64_t) {
   if (unplugged()) return 0;
+  if (stand_in::page() != nullptr) pace();
   drop_released();
   ++device->ticks;
   device->edge.tick();
@@ -63,6 +76,10 @@ int wait_for_tick(void*, std::int64_t) {
   const double span = device->period - device->jitter * random_share;
   device->mass.advance(device->late * span, before);
   device->mass.advance((1.0 - device->late) * span, force);
+  if (stand_in::page() != nullptr) {
+    stand_in::page()->tell(device->mass);
+    device->buttons = stand_in::page()->buttons.load();
+  }
   fresh = device->stale_every == 0 || device->ticks % device->stale_every != 0;
   return 1;
 }
@@ -99,6 +116,7 @@ int write_device(void*, const double* asked, const double* twist, double* held, 
   const double part = turn > device->turns_at_most ? device->turns_at_most / turn : 1.0;
   for (std::size_t i = 0; i < 3; ++i) turned[i] = device->torque[i] = part * twist[i];
   device->edge.command(size > 0.0);
+  if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
   device->pulls.store(size > 0.0);  // last: a test that sees it may look at the rest
   return 0;
 }
@@ -107,6 +125,7 @@ void release_device(void*) {
   released = true;
   device->edge.command(false);
   ++device->releases;
+  if (stand_in::page() != nullptr) stand_in::page()->force.store(0.0);
   device->pulls.store(false);
 }
 

@@ -191,6 +191,25 @@ TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
   EXPECT_THAT(refusal(plane, {.tool_weight = 0.1}), HasSubstr("no force along z"));
   EXPECT_THAT(refusal(plain, {.emergency_button = 33}), HasSubstr("--emergency-button"));
   EXPECT_THAT(refusal(plain, {.still = -1.0}), HasSubstr("--await-still"));
+  EXPECT_THAT(refusal(plain, {.deadman_button = 33}), HasSubstr("--deadman-button"));
+  EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("--clutch-button"));
+}
+
+/// The device's own switch and clutch count no more, where others were chosen.
+TEST(ProtectedDevice, TheSwitchAndTheClutchAreTheChosenButtons) {
+  const auto told = [](const ProtectionOptions& options, std::uint32_t buttons) {
+    Bench bench(options);
+    bench.handle->deadman = bench.handle->clutch = true;
+    bench.handle->buttons = buttons;
+    const DeviceReading reading = bench.tick();
+    return std::pair(reading.deadman, reading.clutch);
+  };
+  EXPECT_EQ(told({}, 0), std::pair(true, true));
+  EXPECT_EQ(told({.deadman_button = 3}, 0), std::pair(false, true));
+  EXPECT_EQ(told({.deadman_button = 3}, 4), std::pair(true, true));
+  EXPECT_EQ(told({.clutch_button = 32}, 4), std::pair(true, false));
+  EXPECT_EQ(told({.deadman_button = 1, .clutch_button = 32}, 1U << 31U), std::pair(false, true));
+  EXPECT_EQ(told({.deadman_button = 0, .clutch_button = 0}, ~0U), std::pair(false, false));
 }
 
 TEST(ProtectedDevice, AnEmergencyTakesAllForceOffUntilItIsReset) {

@@ -69,6 +69,13 @@ class Program {
     for (char c = 0; said.find(text) == std::string::npos && ::read(error_, &c, 1) == 1;) said += c;
     return said;
   }
+  /// It runs no more; finish() says how it ended.
+  bool ended() const {
+    siginfo_t ending{};
+    return ::waitid(P_PID, static_cast<id_t>(process_), &ending, WEXITED | WNOHANG | WNOWAIT) ==
+               0 &&
+           ending.si_pid == process_;
+  }
   void signal(int number) { ::kill(process_, number); }
   Outcome finish() {
     Outcome outcome;

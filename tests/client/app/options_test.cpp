@@ -155,6 +155,46 @@ TEST(Options, AHandChoosesItsRobot) {
               HasSubstr("--robot-button: of --device falcon the buttons 1 to "));
 }
 
+TEST(Options, TheEnablingSwitchAndTheClutchAreButtonsThatTheUserChooses) {
+  const auto chosen = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words)).protection;
+  };
+  const ProtectionOptions usual = chosen({"--device", "falcon"});
+  EXPECT_EQ(usual.deadman_button, std::nullopt);
+  EXPECT_EQ(usual.clutch_button, std::nullopt);
+  const ProtectionOptions both =
+      chosen({"--device", "falcon", "--deadman-button", "4", "--clutch-button", "3"});
+  EXPECT_EQ(both.deadman_button, 4);
+  EXPECT_EQ(both.clutch_button, 3);
+  // The other one stays where the driver has it.
+  EXPECT_EQ(chosen({"--device", "falcon", "--clutch-button", "3"}).deadman_button, std::nullopt);
+  EXPECT_EQ(chosen({"--device", "forcedimension", "--clutch-button", "0"}).clutch_button, 0);
+  EXPECT_EQ(chosen({"--device", "forcedimension", "--deadman-button", "1", "--clutch-button", "2"})
+                .deadman_button,
+            1);
+}
+
+TEST(Options, AButtonHasOneMeaning) {
+  EXPECT_THAT(refusal({"--clutch-button", "5", "--device", "openhaptics"}),
+              HasSubstr("--clutch-button: of --device openhaptics the buttons 1 to 4 are read"));
+  EXPECT_THAT(refusal({"--deadman-button", "-1", "--device", "falcon"}),
+              HasSubstr("--deadman-button: of --device falcon the buttons 1 to 4 are read"));
+  EXPECT_THAT(refusal({"--deadman-button", "1", "--device", "hapi:/dev/ttyACM0"}),
+              HasSubstr("--deadman-button: of --device hapi no button is read"));
+  const auto two_meanings = HasSubstr(
+      "would be the enabling switch and the clutch; give --deadman-button and "
+      "--clutch-button, each its own, or 0 for none");
+  EXPECT_THAT(refusal({"--deadman-button", "3", "--clutch-button", "3", "--device", "falcon"}),
+              two_meanings);
+  EXPECT_THAT(refusal({"--deadman-button", "1", "--device", "forcedimension"}), two_meanings);
+  EXPECT_THAT(refusal({"--clutch-button", "1", "--device", "haply"}), two_meanings);
+  EXPECT_THAT(refusal({"--clutch-button", "3", "--emergency-button", "3", "--device", "falcon"}),
+              HasSubstr("--clutch-button and --emergency-button are the same button"));
+  EXPECT_THAT(refusal({"--deadman-button", "3", "--robot-button", "3", "--lead", "0.3", "--device",
+                       "falcon"}),
+              HasSubstr("--deadman-button and --robot-button are the same button"));
+}
+
 TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
   EXPECT_THAT(refusal({"--mode", "per_axis", "--velocity-limit", "1"}),
               HasSubstr("velocity limit of 1 m/s cannot follow the bounding mode per_axis"));

@@ -20,36 +20,70 @@ using testing::ScenePeer;
 using Verdict = TickWatch::Verdict;
 
 constexpr Nanoseconds kHold = std::chrono::milliseconds(100);
-constexpr int kIdleLooks = static_cast<int>(TickWatch::kIdle / (kHold / TickWatch::kLooks));
-constexpr int kGraceLooks = static_cast<int>(TickWatch::kGrace / (kHold / TickWatch::kLooks));
+constexpr Nanoseconds kInterval = kHold / TickWatch::kLooks;
 
+/// Looks as the watch of a servo thread does, and is woken late as it is told.
+struct Looks {
+  TickWatch watch{kHold};
+  Nanoseconds now = std::chrono::hours(3);
+  std::uint64_t ticks = 1;
+
+  Verdict look(bool pulls = true, Nanoseconds late = {}) {
+    now += watch.pause() + late;
+    return watch.look(now, ticks, pulls);
+  }
+  /// The time from now to the verdict that it stands still, if each look is that late.
+  Nanoseconds until_it_stands_still(bool pulls = true, Nanoseconds late = {}) {
+    const Nanoseconds began = now;
+    while (look(pulls, late) == Verdict::ticks && now < began + std::chrono::minutes(1)) continue;
+    return now - began;
+  }
+};
+
+/// The tick came at most one interval before the look that saw it; one is left to wake threads in.
 TEST(TickWatch, LetsGoWithinTheHoldTimeOfTheLastTick) {
-  TickWatch watch(kHold);
-  EXPECT_EQ(watch.interval() * TickWatch::kLooks, kHold);
-  std::uint64_t ticks = 0;
-  for (int n = 0; n < 1000; ++n) ASSERT_EQ(watch.look(++ticks, true), Verdict::ticks);
-  // The tick came at most one interval before the look that saw it.
-  for (int n = 1; n < TickWatch::kLooks - 1; ++n)
-    ASSERT_EQ(watch.look(ticks, true), Verdict::ticks) << n;
-  for (int n = 1; n < kGraceLooks; ++n)
-    ASSERT_EQ(watch.look(ticks, true), Verdict::stands_still) << n;
-  EXPECT_EQ(watch.look(ticks, true), Verdict::stands_still);
-  EXPECT_EQ(watch.look(++ticks, true), Verdict::gone);  // a tick then changes nothing
+  Looks looks;
+  for (int n = 0; n < 1000; ++n, ++looks.ticks) ASSERT_EQ(looks.look(), Verdict::ticks);
+  --looks.ticks;
+  EXPECT_EQ(looks.until_it_stands_still(), kHold - 2 * kInterval);
+  const Nanoseconds still = looks.now;
+  while (looks.look() == Verdict::stands_still) continue;
+  EXPECT_EQ(looks.now - still, TickWatch::kGrace);
+  ++looks.ticks;
+  EXPECT_EQ(looks.look(), Verdict::gone);  // a tick then changes nothing
+}
+
+/// What each look is late by does not add up: only the last one counts.
+TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
+  for (const int late : {1, 5, 13, 30}) {
+    const Nanoseconds by = std::chrono::milliseconds(late);
+    Looks looks;
+    ASSERT_EQ(looks.look(true, by), Verdict::ticks);
+    const Nanoseconds took = looks.until_it_stands_still(true, by);
+    EXPECT_GE(took, kHold - 2 * kInterval) << late;
+    EXPECT_LE(took, kHold - 2 * kInterval + by) << late;
+  }
+}
+
+/// It was stopped together with the servo thread, which gets time to tick.
+TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
+  Looks looks;
+  ASSERT_EQ(looks.look(), Verdict::ticks);
+  ASSERT_EQ(looks.look(true, std::chrono::seconds(20)), Verdict::ticks);
+  const Nanoseconds left = kHold - 2 * kInterval - TickWatch::kMostCounted * kInterval;
+  EXPECT_EQ(looks.until_it_stands_still(), left);
 }
 
 TEST(TickWatch, WaitsLongerWhereNothingIsHeld) {
-  TickWatch watch(kHold);
-  EXPECT_EQ(watch.look(1, false), Verdict::ticks);
-  for (int n = 1; n < kIdleLooks; ++n) ASSERT_EQ(watch.look(1, false), Verdict::ticks) << n;
-  EXPECT_EQ(watch.look(1, false), Verdict::stands_still);
+  Looks looks;
+  ASSERT_EQ(looks.look(false), Verdict::ticks);
+  EXPECT_EQ(looks.until_it_stands_still(false), TickWatch::kIdle);
 }
 
 TEST(TickWatch, AForceThatComesLateIsHeldNoLonger) {
-  TickWatch watch(kHold);
-  for (int n = 0; n < 50; ++n) ASSERT_EQ(watch.look(1, false), Verdict::ticks);
-  for (int n = 1; n < TickWatch::kLooks - 1; ++n)
-    ASSERT_EQ(watch.look(1, true), Verdict::ticks) << n;
-  EXPECT_EQ(watch.look(1, true), Verdict::stands_still);
+  Looks looks;
+  for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(false), Verdict::ticks);
+  EXPECT_EQ(looks.until_it_stands_still(), kHold - 2 * kInterval);
 }
 
 /// Holds what it was told last, and has the test do something in the middle of read() or write().

@@ -1,0 +1,298 @@
+// feltwire-client with each driver at its maker's stand-in, in the demo's room of feltwire-server:
+// two programs, and UDP between them.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "tests/devices/hapi_stand_in.hpp"
+#include "tests/devices/haply_stand_in.hpp"
+#include "tests/devices/shared_page.hpp"
+#include "tests/devices/stand_in_session.hpp"
+#include "tests/support/eventually.hpp"
+#include "tests/support/program.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace feltwire::driver_program_test {
+namespace {
+
+using stand_in::HapiBoard;
+using stand_in::HaplyService;
+using stand_in::NewPage;
+using test::becomes;
+using test::Outcome;
+using test::Program;
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+constexpr double kStill = 1.0;  // [s] that a hand keeps still: the client waits for 0.1 s
+constexpr double kFelt = 0.2;   // [N]
+
+/// A stand-in as the test sees it, in this program or in the client's.
+struct StandIn {
+  std::string device;            // for --device
+  Words options;                 // the numbers of its mass, and how it lies in the room
+  std::function<double()> made;  // [J] by its true motion, after the session
+  std::function<double()> force, largest_force;  // [N]
+  std::function<long()> ticks;
+  double slowest;               // [s] between ticks that the session's period may be
+  std::shared_ptr<void> owner;  // of what these look at
+};
+
+/// The table's top lies at z = -0.05. A hand taps along the z of its device.
+const Words kOnTheTable = {"--map-translate", "0,0,-0.05"};
+const Words kTrueMass = {"--damping", "0.5", "--mass", "0.1"};
+
+Words operator+(Words a, const Words& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// Where a driver looks for its maker's library, and the stand-ins' USB, while this stands.
+struct Places {
+  explicit Places(const std::string& usb) {
+    ::setenv("FELTWIRE_STAND_IN_USB", usb.c_str(), 1);
+    ::setenv("FDSDK", FELTWIRE_FDSDK, 1);
+    ::setenv("OH_SDK_BASE", FELTWIRE_OH_SDK, 1);
+    ::setenv("LD_LIBRARY_PATH", FELTWIRE_USB, 1);
+  }
+  ~Places() {
+    for (const char* name : {"FDSDK", "OH_SDK_BASE", "LD_LIBRARY_PATH", "FELTWIRE_STAND_IN_USB"})
+      ::unsetenv(name);
+  }
+  Places(const Places&) = delete;
+  Places& operator=(const Places&) = delete;
+};
+
+/// A specification of the stand-ins' mass, for drivers whose own counts on more.
+std::string true_spec(const test::TemporaryFolder& folder) {
+  std::string file = folder / "mass.json";
+  std::ofstream(file) << R"({"name": "mass", "damping": [0.5], "apparent_mass": 0.1,
+    "least_mass": 0.1, "least_friction": 0.05, "position_resolution": 20e-6, "max_force": 6.0,
+    "workspace": [0.2, 0.2, 0.1]})";
+  return file;
+}
+
+/// A library that the client loads.
+StandIn loaded(const test::TemporaryFolder& folder, const std::string& device, Words options,
+               double slowest) {
+  const auto page = std::make_shared<NewPage>(folder / (device.substr(0, 6) + ".page"));
+  (*page)->waits.store(kStill);
+  return {.device = device,
+          .options = std::move(options) + kOnTheTable,
+          .made = [page] { return (*page)->made.load(); },
+          .force = [page] { return (*page)->force.load(); },
+          .largest_force = [page] { return (*page)->largest_force.load(); },
+          .ticks = [page] { return (*page)->ticks.load(); },
+          .slowest = slowest,
+          .owner = page};
+}
+
+StandIn force_dimension(const test::TemporaryFolder& folder) {
+  return loaded(folder, "forcedimension", {"--spec", true_spec(folder)}, 1e-3);
+}
+StandIn open_haptics(const test::TemporaryFolder& folder) {
+  return loaded(folder, "openhaptics", {"--spec", true_spec(folder)}, 1.25e-3);
+}
+StandIn falcon(const test::TemporaryFolder& folder) {
+  return loaded(folder, "falcon", kTrueMass, 0.05);
+}
+StandIn plugin(const test::TemporaryFolder& folder) {
+  return loaded(folder, "plugin:" FELTWIRE_PLUGIN_STAND_IN, {}, 1e-3);
+}
+
+/// A board or a service in this program.
+template <class Stand>
+StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, Words options,
+                 std::atomic<int>& ticks) {
+  stand->mass.waits = kStill;
+  return {.device = device,
+          .options = kTrueMass + std::move(options),
+          .made = [stand] { return stand->stop(), stand->mass.most_made; },
+          .force = [stand] { return stand->force.load(); },
+          .largest_force = [stand] { return stand->stop(), stand->mass.largest_force; },
+          .ticks = [&ticks] { return long{ticks}; },
+          .slowest = 0.05,
+          .owner = stand};
+}
+
+template <HaplyService::Json json>
+StandIn haply(const test::TemporaryFolder&) {
+  const auto service = std::make_shared<HaplyService>(json);
+  return standing(service, "haply:@" + std::to_string(service->port()), kOnTheTable,
+                  service->commands);
+}
+
+/// It taps along its y, which is the x of the driver.
+StandIn hapi(const test::TemporaryFolder&) {
+  const auto board = std::make_shared<HapiBoard>();
+  StandIn all = standing(board, "", kOnTheTable + Words{"--map-rotate", "0,-90,0"}, board->frames);
+  all.device = "hapi:" + board->port();
+  return all;
+}
+
+/// The server and the room of the demo.
+struct Room {
+  Room()
+      : server(FELTWIRE_SERVER_PROGRAM, {"--scene", FELTWIRE_SOURCE_DIR "/scenes/room.json",
+                                         "--port", "0", "--state", folder / "state"}) {
+    server.line();  // the fingerprint
+    const std::string listening = server.line();
+    if (std::sscanf(listening.c_str(), "listening: control tcp %u", &port) != 1)
+      throw std::runtime_error("no server: " + server.finish().error);
+  }
+  Words client(const std::string& device, const Words& options, const std::string& report) const {
+    return Words{"--connect", "127.0.0.1:" + std::to_string(port), "--token-file",
+                 folder / "state/local.token", "--fingerprint-file", folder / "state/fingerprint",
+                 "--scene", "room", "--device", device, "--await-still", "0.1",
+                 // A busy machine makes ticks come late, which is no fault then.
+                 "--hold-time", "1", "--report", report} +
+           options;
+  }
+
+  test::TemporaryFolder folder;
+  Places places{folder / ""};
+  Program server;
+  unsigned port = 0;
+};
+
+nlohmann::json report_in(const std::string& file) {
+  std::ifstream text(file);
+  return nlohmann::json::parse(text);
+}
+
+struct Kind {
+  const char* name;
+  StandIn (*make)(const test::TemporaryFolder& folder);
+};
+
+struct DriverProgram : ::testing::TestWithParam<Kind> {
+  Room room;
+};
+
+TEST_P(DriverProgram, FeelsTheRoomAtItsOwnTicksAndMakesNoEnergy) {
+  const StandIn stand = GetParam().make(room.folder);
+  const std::string file = room.folder / "report.json";
+  Program client(FELTWIRE_CLIENT_PROGRAM, room.client(stand.device, stand.options, file));
+  const double lasts = testing::session_seconds(kStill + 1.0);
+  bool felt = false;
+  becomes(
+      [&] {
+        felt = stand.force() > kFelt && 1e-3 * static_cast<double>(stand.ticks()) > lasts;
+        return felt || client.ended();
+      },
+      test::kLongest + 4 * std::chrono::seconds(std::lround(lasts)));
+  // Also where threads of the driver, or of the maker's library, may get the signals.
+  client.signal(SIGUSR1);
+  const std::string asked = client.error_until("asked for");
+  client.signal(SIGINT);
+  const Outcome outcome = client.finish();
+  ASSERT_TRUE(felt) << outcome.out << asked << outcome.error;
+  ASSERT_EQ(outcome.status, 0) << asked << outcome.error;
+
+  EXPECT_EQ(stand.force(), 0.0);  // nothing is left on the hand
+  EXPECT_LE(stand.made(), 1e-12);
+  const nlohmann::json report = report_in(file);
+  EXPECT_EQ(report["device"]["kind"], stand.device);
+  EXPECT_EQ(report["end"], "requested");
+  EXPECT_GE(report["flight_records"].size(), 1u) << asked;
+  EXPECT_GT(report["max_force_n"], kFelt);
+  EXPECT_LE(report["bound_violations"], 0);
+  EXPECT_EQ(report["disconnections"], 0);
+  // On a busy machine a service or a board answers too late now and then: those ticks are overruns.
+  EXPECT_LE(report["device_faults"], report["overruns"]) << outcome.error;
+  // Each sample is one of the device's own ticks.
+  EXPECT_GE(report["parameters"]["servo_period_s"], 1e-3);
+  EXPECT_LE(report["parameters"]["servo_period_s"], stand.slowest);
+  EXPECT_LE(report["samples"], stand.ticks());
+  EXPECT_GT(report["samples"], 500);
+  if (testing::measures())
+    std::printf(
+        "%-16s %6.1f s %8ld ticks %8ld samples %5ld late %4ld overruns %4ld faults "
+        "%6.2f N %10.2e J made\n",
+        GetParam().name, report["duration_s"].get<double>(), stand.ticks(),
+        report["samples"].get<long>(), report["missed_deadlines"].get<long>(),
+        report["overruns"].get<long>(), report["device_faults"].get<long>(), stand.largest_force(),
+        stand.made());
+}
+
+INSTANTIATE_TEST_SUITE_P(Drivers, DriverProgram,
+                         ::testing::Values(Kind{"forcedimension", force_dimension},
+                                           Kind{"openhaptics", open_haptics},
+                                           Kind{"haply_3_1", haply<HaplyService::Json::v3_1>},
+                                           Kind{"haply_3_5", haply<HaplyService::Json::v3_5>},
+                                           Kind{"falcon", falcon}, Kind{"hapi", hapi},
+                                           Kind{"plugin", plugin}),
+                         [](const auto& kind) { return std::string(kind.param.name); });
+
+/// Two Falcons at one machine: two programs, each with its own, and none for a third.
+TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
+  const Room room;
+  std::array<std::unique_ptr<NewPage>, 2> pages;
+  std::array<std::unique_ptr<Program>, 2> clients;
+  const auto client_of = [&](int number, const std::string& report) {
+    return std::make_unique<Program>(FELTWIRE_CLIENT_PROGRAM,
+                                     room.client("falcon:" + std::to_string(number),
+                                                 kTrueMass + kOnTheTable, room.folder / report));
+  };
+  for (const int n : {0, 1}) {
+    const std::string name = std::to_string(n);
+    pages[n] = std::make_unique<NewPage>(room.folder / (name + ".page"));
+    (*pages[n])->waits.store(kStill);
+    (*pages[n])->devices.store(2);
+    clients[n] = client_of(n, name + ".json");
+  }
+  for (const auto& page : pages)
+    test::eventually("a force", [&] { return (*page)->force.load() > kFelt; });
+  EXPECT_EQ((*pages[0])->number, 0);
+  EXPECT_EQ((*pages[1])->number, 1);
+  {
+    NewPage page(room.folder / "third.page");
+    page->devices.store(2);
+    const Outcome taken = client_of(1, "third.json")->finish();
+    EXPECT_EQ(taken.status, 1);
+    EXPECT_THAT(taken.error, HasSubstr("falcon: another program has it"));
+    const Outcome missing = client_of(2, "third.json")->finish();
+    EXPECT_EQ(missing.status, 1);
+    EXPECT_THAT(missing.error, HasSubstr("there are only 2 of them, counted from 0"));
+  }
+  for (const int n : {0, 1}) {
+    clients[n]->signal(SIGINT);
+    const Outcome outcome = clients[n]->finish();
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_EQ((*pages[n])->force, 0.0);
+    EXPECT_LE((*pages[n])->made, 1e-12);
+    EXPECT_GT(report_in(room.folder / (std::to_string(n) + ".json"))["samples"], 500);
+  }
+}
+
+/// The tool stands while the chosen button is held, and not while the driver's own one is.
+TEST(Buttons, TheChosenOneIsTheClutch) {
+  const Room room;
+  NewPage page(room.folder / "plugin.page");
+  const std::string file = room.folder / "report.json";
+  Program client(
+      FELTWIRE_CLIENT_PROGRAM,
+      room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN,
+                  kOnTheTable + Words{"--clutch-button", "3", "--deadman-button", "4"}, file));
+  test::eventually("a force", [&] { return page->force.load() > kFelt; });
+  page->buttons.store(1U << 1U);  // the clutch of the driver
+  const long pressed = page->ticks;
+  test::eventually("a force",
+                   [&] { return page->ticks > pressed + 100 && page->force.load() > kFelt; });
+  page->buttons.store(1U << 2U);
+  const long chosen = page->ticks;
+  // A second has more than one tap.
+  test::eventually("it ticks", [&] { return page->ticks > chosen + 1000; });
+  EXPECT_EQ(page->force, 0.0);
+  client.signal(SIGINT);
+  EXPECT_EQ(client.finish().status, 0);
+  EXPECT_GT(report_in(file)["no_force"]["samples"]["clutched"], 500);
+}
+
+}  // namespace
+}  // namespace feltwire::driver_program_test
