@@ -11,73 +11,12 @@
 #include <utility>
 #include <variant>
 
-#include "client/transport/tls_stream.hpp"
+#include "client/transport/control_dialogue.hpp"
 #include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
 
 namespace feltwire {
 namespace {
-
-/// Whether the same request would be refused again (PROTOCOL.md).
-bool lasting(control::RefusalCode code) {
-  using control::RefusalCode;
-  return code != RefusalCode::full && code != RefusalCode::too_many &&
-         code != RefusalCode::shutting_down && code != RefusalCode::failed;
-}
-
-/// One question and its answer. A connection of its own: joining is rare, and nothing of it
-/// outlives the answer.
-class Dialogue {
- public:
-  Dialogue(const ServerAccess& server, std::chrono::milliseconds timeout)
-      : server_(to_string(server.endpoint)),
-        stream_(server, timeout),
-        token_(server.credentials.token) {}
-
-  /// The token goes with the question: the server answers one after the other.
-  control::Message ask(const control::Message& question) {
-    std::vector<std::uint8_t> frames = control::encode(control::Authenticate{token_});
-    const std::vector<std::uint8_t> frame = control::encode(question);
-    frames.reserve(frames.size() + frame.size());
-    frames.insert(frames.end(), frame.begin(), frame.end());
-    stream_.write(frames);
-    wipe(frames);
-    const control::Message let_in = receive();
-    if (!std::holds_alternative<control::Authenticated>(let_in)) bad_answer();
-    return receive();
-  }
-
-  [[noreturn]] void bad_answer() const {
-    throw SessionError(
-        server_ +
-        " answered with something that is no feltwire message; is the port the control "
-        "port of a feltwire-server of this version?");
-  }
-
-  const TlsStream& stream() const { return stream_; }
-
- private:
-  control::Message receive() {
-    std::array<std::uint8_t, control::kFrameLengthSize> prefix{};
-    stream_.read(prefix);
-    const std::size_t size = control::frame_length(prefix);
-    if (size == 0 || size > control::kMaxFrame) bad_answer();
-    std::vector<std::uint8_t> body(size);
-    stream_.read(body);
-    std::optional<control::Message> answer = control::decode(body);
-    if (!answer) bad_answer();
-    if (const auto* refused = std::get_if<control::Refused>(&*answer)) {
-      const std::string said = server_ + " refused: " + refused->reason;
-      if (lasting(refused->code)) throw LastingError(said);
-      throw SessionError(said);
-    }
-    return *std::move(answer);
-  }
-
-  std::string server_;
-  TlsStream stream_;
-  const Secret& token_;
-};
 
 bool unit(const Vec3& direction) {
   return std::abs(direction.squaredNorm() - 1.0) <= kUnitTolerance;  // false for NaN
@@ -148,7 +87,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout) {
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
-  Dialogue dialogue(server, timeout);
+  ControlDialogue dialogue(server, timeout);
   const control::Message answer = dialogue.ask(wanted);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
   if (accepted == nullptr || accepted->session == 0 || accepted->port_offset == 0)
@@ -173,7 +112,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
 
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout) {
-  Dialogue dialogue(server, timeout);
+  ControlDialogue dialogue(server, timeout);
   control::Message answer = dialogue.ask(control::ListScenes{});
   auto* list = std::get_if<control::SceneList>(&answer);
   if (list == nullptr) dialogue.bad_answer();
@@ -182,7 +121,7 @@ std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
 
 control::Message ask(const ServerAccess& server, const control::Message& request,
                      std::chrono::milliseconds timeout) {
-  return Dialogue(server, timeout).ask(request);
+  return ControlDialogue(server, timeout).ask(request);
 }
 
 }  // namespace feltwire

@@ -1,0 +1,65 @@
+#include "client/transport/control_dialogue.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace feltwire {
+namespace {
+
+/// Whether the same request would be refused again (PROTOCOL.md).
+bool lasting(control::RefusalCode code) {
+  using control::RefusalCode;
+  return code != RefusalCode::full && code != RefusalCode::too_many &&
+         code != RefusalCode::shutting_down && code != RefusalCode::failed;
+}
+
+}  // namespace
+
+ControlDialogue::ControlDialogue(const ServerAccess& server, std::chrono::milliseconds timeout)
+    : server_(to_string(server.endpoint)),
+      stream_(server, timeout),
+      token_(server.credentials.token) {}
+
+control::Message ControlDialogue::ask(const control::Message& question) {
+  const std::vector<std::uint8_t> frame = control::encode(question);
+  if (let_in_) {
+    stream_.write(frame);
+    return receive();
+  }
+  std::vector<std::uint8_t> frames = control::encode(control::Authenticate{token_});
+  frames.reserve(frames.size() + frame.size());
+  frames.insert(frames.end(), frame.begin(), frame.end());
+  stream_.write(frames);
+  wipe(frames);
+  if (!std::holds_alternative<control::Authenticated>(receive())) bad_answer();
+  let_in_ = true;
+  return receive();
+}
+
+void ControlDialogue::bad_answer() const {
+  throw SessionError(server_ +
+                     " answered with something that is no feltwire message; is the port the "
+                     "control port of a feltwire-server of this version?");
+}
+
+control::Message ControlDialogue::receive() {
+  std::array<std::uint8_t, control::kFrameLengthSize> prefix{};
+  stream_.read(prefix);
+  const std::size_t size = control::frame_length(prefix);
+  if (size == 0 || size > control::kMaxFrame) bad_answer();
+  std::vector<std::uint8_t> body(size);
+  stream_.read(body);
+  std::optional<control::Message> answer = control::decode(body);
+  if (!answer) bad_answer();
+  if (const auto* refused = std::get_if<control::Refused>(&*answer)) {
+    const std::string said = server_ + " refused: " + refused->reason;
+    if (lasting(refused->code)) throw LastingError(said);
+    throw SessionError(said);
+  }
+  return *std::move(answer);
+}
+
+}  // namespace feltwire

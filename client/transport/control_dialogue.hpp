@@ -1,0 +1,37 @@
+#pragma once
+// A connection to the control port of a server, for one question or for many.
+
+#include <chrono>
+#include <string>
+
+#include "client/transport/tls_stream.hpp"
+#include "protocol/crypto/secret.hpp"
+#include "protocol/wire/control.hpp"
+
+namespace feltwire {
+
+class ControlDialogue {
+ public:
+  /// Connects. `timeout` limits each of connecting, TLS and each answer. Throws SessionError.
+  ControlDialogue(const ServerAccess& server, std::chrono::milliseconds timeout);
+
+  /// Sends a question and returns its answer. The token goes with the first question: the server
+  /// answers one after the other. Blocks. Throws SessionError, or LastingError if the same question
+  /// would be refused again; the connection is of no use then.
+  control::Message ask(const control::Message& question);
+
+  /// Throws SessionError: the answer makes no sense.
+  [[noreturn]] void bad_answer() const;
+
+  const TlsStream& stream() const { return stream_; }
+
+ private:
+  control::Message receive();
+
+  std::string server_;
+  TlsStream stream_;
+  Secret token_;
+  bool let_in_ = false;
+};
+
+}  // namespace feltwire
