@@ -6,6 +6,7 @@
 
 #include "client/run/mcap_recording.hpp"
 #include "core/recording/flight_files.hpp"
+#include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {
 namespace {
