@@ -188,10 +188,6 @@ Watched watched(const std::vector<WatchedRun>& runs) {
   return {f.p50, f.p99, f.p999, f.late, median(pictures)};
 }
 
-}  // namespace
-
-namespace {
-
 struct RecordedRun {
   LoadResult load;
   Recorded recorded;
