@@ -13,6 +13,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
+#include "protocol/session/bound_words.hpp"
 
 namespace feltwire {
 namespace {
@@ -38,7 +39,7 @@ struct AdminWords {
   bool json = false;
   MaterialChange material;
   std::optional<std::array<double, 3>> gravity;
-  SessionWords parameters;
+  BoundWords parameters;
   std::optional<double> delay, jitter;  // [ms] of an emulated link
   std::optional<double> loss;           // [%]
   std::optional<double> lead_share;
@@ -92,7 +93,7 @@ void await_client(const ServerAccess& server, const SeenSession& seen) {
 
 /// Delay, jitter and loss that are not given become zero.
 void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
-  if (words.parameters != SessionWords{})
+  if (words.parameters != BoundWords{})
     throw std::invalid_argument(
         "--delay, --jitter and --loss change the link, the other options change the bound; give "
         "them in two commands");
@@ -103,7 +104,7 @@ void set_link(const ServerAccess& server, const AdminWords& words, const SeenSes
 }
 
 void set_lead(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
-  if (words.parameters != SessionWords{} || words.link())
+  if (words.parameters != BoundWords{} || words.link())
     throw std::invalid_argument(
         "--lead-share changes the lead of a robot; give the other options in a second command");
   const control::SetLead request{seen.session.session, *words.lead_share};
@@ -116,7 +117,7 @@ void set_session(const ServerAccess& server, const AdminWords& words) {
   const SeenSession& seen = session_named(sessions, words.session);
   if (words.lead_share) return set_lead(server, words, seen);
   if (words.link()) return set_link(server, words, seen);
-  const SessionParameters wanted = changed(seen.session.parameters, words.parameters);
+  const SessionParameters wanted = with_words(seen.session.parameters, words.parameters);
   if (wanted == seen.session.parameters)
     throw std::invalid_argument(
         "--session: the values are the present ones, so nothing would change; give another value, "
@@ -195,7 +196,7 @@ void add_link(CLI::App& command, AdminWords& words) {
 void add_parameters(CLI::App& command, AdminWords& words) {
   const auto group =
       "Bound of a session (if it runs at the client: only mode, projection and storage)";
-  SessionWords& w = words.parameters;
+  BoundWords& w = words.parameters;
   command
       .add_option("--session", words.session, "Number or id of the session (see `admin sessions`)")
       ->group(group);

@@ -66,21 +66,6 @@ std::vector<std::string> scene_names(const ServerAccess& server) {
 
 }  // namespace
 
-SessionParameters changed(SessionParameters parameters, const SessionWords& words) {
-  if (words.mode) parameters.mode = bounding_method(*words.mode).name;
-  if (words.projection) parameters.projection = projection(*words.projection);
-  if (words.storage) parameters.storage = storage(*words.storage);
-  if (words.reference) parameters.reference = passivity_reference(*words.reference);
-  if (words.operator_damping) parameters.operator_damping = *words.operator_damping;
-  if (words.velocity_cutoff) parameters.velocity_cutoff = *words.velocity_cutoff;
-  if (words.c1) parameters.c1 = words.c1;
-  if (words.c2) parameters.c2 = words.c2;
-  if (words.coupling_stiffness) parameters.coupling_stiffness = words.coupling_stiffness;
-  if (words.coupling_damping) parameters.coupling_damping = words.coupling_damping;
-  if (words.tool_mass) parameters.tool_mass = *words.tool_mass;
-  return parameters;
-}
-
 std::string scene_named(const ServerAccess& server, const std::string& name) {
   if (!name.empty()) return name;
   const std::vector<std::string> names = scene_names(server);

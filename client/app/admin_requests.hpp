@@ -1,7 +1,6 @@
 #pragma once
 // The requests of `feltwire-client admin` to a server, and the texts of their answers.
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,21 +8,6 @@
 #include "client/transport/control_client.hpp"
 
 namespace feltwire {
-
-/// Changes of a session's parameters. Missing values stay.
-struct SessionWords {
-  std::optional<std::string> mode, projection, storage, reference;
-  std::optional<double> operator_damping;            // [N s/m]
-  std::optional<double> velocity_cutoff;             // [Hz]
-  std::optional<double> c1, c2, coupling_stiffness;  // [N/m]
-  std::optional<double> coupling_damping;            // [N s/m]
-  std::optional<double> tool_mass;                   // [kg]
-  friend bool operator==(const SessionWords&, const SessionWords&) = default;
-};
-
-/// Returns the changed parameters. Throws std::invalid_argument that lists the choices if a name
-/// does not exist.
-SessionParameters changed(SessionParameters parameters, const SessionWords& words);
 
 /// A session and its scene.
 struct SeenSession {

@@ -6,6 +6,7 @@
 
 #include "client/run/mcap_recording.hpp"
 #include "core/recording/flight_files.hpp"
+#include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {
 namespace {
@@ -27,7 +28,7 @@ FlightRecord::FlightRecord(FlightTarget target, double servo_period)
 
 void FlightRecord::add(const TickRecord& row) noexcept {
   rows_[count_++ % rows_.size()] = row;
-  const std::array<bool, kCauses> now = {row.balance.value_or(0.0) < 0.0,
+  const std::array<bool, kCauses> now = {is_debt(row.balance.value_or(0.0)),
                                          row.no_force == NoForce::reconnecting,
                                          row.no_force == NoForce::device_fault};
   for (std::size_t i = 0; i < kCauses; ++i) {

@@ -321,8 +321,6 @@ std::optional<Lead> Servo::lead() const noexcept {
 HandReport Servo::report() const noexcept {
   // A shaped force is never quite the one that was asked for: only what is felt is worth a word.
   constexpr double kMuchLess = 0.95;
-  // A tick that is nanoseconds late makes a debt that nobody feels.
-  constexpr double kSmallDebt = 1e-6;  // [J]
   const auto takes_off = [](const Command& before, const Command& after) {
     const double was = length(before.force());
     return was > kFeltForce && length(after.force()) < kMuchLess * was;
@@ -347,7 +345,7 @@ HandReport Servo::report() const noexcept {
   put(HandReason::wait_for_small_force, limits && trail_.stage_waits);
   put(HandReason::account, takes_off(trail_.safe, trail_.paid));
   put(HandReason::debt,
-      (bounds && trail_.in_debt) || (law_.account && law_.account->balance() < -kSmallDebt));
+      (bounds && trail_.in_debt) || (law_.account && is_debt(law_.account->balance())));
   put(HandReason::ending, released_);
   put(HandReason::reconnecting, letting_go_ && !released_ && next_law_ == nullptr);
   put(HandReason::law_change, next_law_ != nullptr);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <variant>
 
-#include "client/transport/dialogue.hpp"
+#include "client/transport/control_dialogue.hpp"
 #include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
 
@@ -87,7 +87,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout) {
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
-  Dialogue dialogue(server, timeout);
+  ControlDialogue dialogue(server, timeout);
   const control::Message answer = dialogue.ask(wanted);
   const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
   if (accepted == nullptr || accepted->session == 0 || accepted->port_offset == 0)
@@ -112,7 +112,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
 
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
                                              std::chrono::milliseconds timeout) {
-  Dialogue dialogue(server, timeout);
+  ControlDialogue dialogue(server, timeout);
   control::Message answer = dialogue.ask(control::ListScenes{});
   auto* list = std::get_if<control::SceneList>(&answer);
   if (list == nullptr) dialogue.bad_answer();
@@ -121,7 +121,7 @@ std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
 
 control::Message ask(const ServerAccess& server, const control::Message& request,
                      std::chrono::milliseconds timeout) {
-  return Dialogue(server, timeout).ask(request);
+  return ControlDialogue(server, timeout).ask(request);
 }
 
 }  // namespace feltwire

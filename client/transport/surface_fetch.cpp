@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/transport/dialogue.hpp"
+#include "client/transport/control_dialogue.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -24,7 +24,7 @@ bool plausible(const SurfaceData& s) {
 }
 
 /// Fetches the vertices and triangles of a surface, part by part.
-SurfaceData fetched(Dialogue& dialogue, std::uint64_t session, std::uint32_t version,
+SurfaceData fetched(ControlDialogue& dialogue, std::uint64_t session, std::uint32_t version,
                     const control::SurfaceEntry& entry) {
   SurfaceData surface = entry.surface;
   while (surface.vertices.size() < entry.vertices || surface.triangles.size() < entry.triangles) {
@@ -39,7 +39,7 @@ SurfaceData fetched(Dialogue& dialogue, std::uint64_t session, std::uint32_t ver
   return surface;
 }
 
-std::vector<SurfaceData> fetch(Dialogue& dialogue, std::uint64_t session,
+std::vector<SurfaceData> fetch(ControlDialogue& dialogue, std::uint64_t session,
                                const control::SurfaceList& list) {
   std::vector<SurfaceData> surfaces;
   std::uint32_t left = SurfaceFetch::kMostTriangles;
@@ -65,7 +65,7 @@ SurfaceFetch::SurfaceFetch(ServerAccess server, BuildSurfaces build,
 
 SurfaceFetch::Attempt SurfaceFetch::attempt(const Question& question) {
   try {
-    Dialogue dialogue(question.server, question.timeout);
+    ControlDialogue dialogue(question.server, question.timeout);
     const std::uint64_t session = question.session;
     const auto list = dialogue.ask_for<control::SurfaceList>(control::ListSurfaces{session});
     if (question.have == nullptr || question.have->version() != list.version) {

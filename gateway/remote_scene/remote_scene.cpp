@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <asio/post.hpp>
+#include <limits>
 #include <utility>
 
 #include "client/run/observed_scene.hpp"
 #include "client/servo/servo_thread.hpp"
+#include "client/transport/control_dialogue.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
@@ -24,6 +26,13 @@ constexpr const char* kName = "feltwire-view";
 constexpr double kPeriod = 0.01;   // [s] of samples, and so of views
 constexpr int kBetweenLooks = 16;  // [ms] at the views that have come
 constexpr std::size_t kRoom = 64;  // views: half a second of them
+constexpr int kBetweenAsks = 500;  // [ms] for what views do not have
+
+/// Waits until the event is set, or the time [ms] is over.
+void wait_for(const Event& event, int time) {
+  pollfd waiting{event.descriptor(), POLLIN, 0};
+  ::poll(&waiting, 1, time);
+}
 
 /// An observer's device: it is held by nobody, and is nowhere but at its place.
 class Eye final : public Device {
@@ -50,6 +59,24 @@ SessionParameters observer_parameters() {
 struct Look : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};
+};
+
+/// Asks the server in a thread of its own, until it is destroyed: a slow answer keeps no picture
+/// waiting.
+class Asking {
+ public:
+  explicit Asking(std::function<void(const Event&)> ask)
+      : thread_([this, ask = std::move(ask)] { ask(over_); }) {}
+  ~Asking() {
+    over_.set();
+    thread_.join();
+  }
+  Asking(const Asking&) = delete;
+  Asking& operator=(const Asking&) = delete;
+
+ private:
+  Event over_;
+  std::thread thread_;
 };
 
 std::string why(const LoopResult& result) {
@@ -85,6 +112,7 @@ void RemoteScene::reload(Scene scene) {
   const std::lock_guard lock(mutex_);
   current_.scene = std::move(next);
   ++current_.version;
+  adopted_.reset();
 }
 
 SceneInView::CurrentScene RemoteScene::current_scene() const {
@@ -122,6 +150,8 @@ void RemoteScene::hide(std::string why) {
   hidden_ = std::move(text);
   picture_.hands.clear();
   hands_.clear();
+  told_.clear();
+  adopted_.reset();
   picture_.version = current_.version;
   picture_.time = monotonic_now();
   fresh_ = true;
@@ -129,12 +159,84 @@ void RemoteScene::hide(std::string why) {
 
 void RemoteScene::show(const ObservedScene& seen) {
   const std::lock_guard lock(mutex_);
-  draw(seen, *current_.scene, picture_);
-  hands_ = hands_of(seen, *current_.scene);
+  draw(seen, *current_.scene, told_, picture_);
+  hands_ = hands_of(seen, *current_.scene, told_, told_at_);
   picture_.version = current_.version;
   picture_.time = monotonic_now();
   fresh_ = true;
   hidden_.reset();
+}
+
+/// Asks, while a session looks on, for what its views do not have. A server that is older than
+/// these questions is not asked again.
+void RemoteScene::ask_on(const Event& over) {
+  std::optional<ControlDialogue> server;
+  int wait = kBetweenAsks;
+  while (!over.is_set()) {
+    try {
+      if (!server) server.emplace(server_, options_.timeout);
+      ask_once(*server);
+      wait = kBetweenAsks;
+    } catch (const LastingError& error) {
+      spdlog::warn("scene {}: names, bounding methods and materials are not known: {}",
+                   visible(name_), visible(error.what()));
+      return;
+    } catch (const std::exception& error) {
+      spdlog::debug("scene {}: {}", visible(name_), visible(error.what()));
+      server.reset();
+      wait = std::min(2 * wait, static_cast<int>(options_.longest_wait.count()));
+    }
+    wait_for(over, wait);
+  }
+}
+
+void RemoteScene::ask_once(ControlDialogue& server) {
+  std::vector<control::SessionDescription> told;
+  std::uint32_t after = 0;
+  for (bool more = true; more;) {
+    auto list =
+        server.ask_for<control::SessionDescriptions>(control::DescribeSessions{name_, after});
+    more = list.more && !list.sessions.empty() && list.sessions.back().number > after;
+    if (more) after = list.sessions.back().number;
+    for (control::SessionDescription& session : list.sessions)
+      if (session.role != Role::observer) told.push_back(std::move(session));
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    told_ = std::move(told);
+    told_at_ = monotonic_now();
+  }
+  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+  auto scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, kNone});
+  {
+    const std::lock_guard lock(mutex_);
+    if (adopted_ == std::pair(scene.version, scene.changes)) return;
+  }
+  std::vector<Material> materials;
+  std::size_t before = 1;  // other than the number of materials
+  while (materials.size() < scene.objects && materials.size() != before) {
+    before = materials.size();
+    const auto from = static_cast<std::uint32_t>(before);
+    scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, from});
+    materials.insert(materials.end(), scene.materials.begin(), scene.materials.end());
+  }
+  adopt(scene, materials);
+}
+
+/// Takes over the values that an admin of the server may have changed.
+void RemoteScene::adopt(const control::SceneDescription& told,
+                        std::span<const Material> materials) {
+  const CurrentScene before = current_scene();
+  std::optional<Scene> changed = with_materials(*before.scene, materials);
+  const std::lock_guard lock(mutex_);
+  if (current_.version != before.version) return;  // reloaded meanwhile; the next answer fits
+  if (adopted_ && adopted_->first != told.version)
+    spdlog::warn("scene {}: the server has reloaded it; send SIGHUP to read its file again",
+                 visible(name_));
+  if (changed) current_.scene = std::make_shared<const Scene>(*std::move(changed));
+  if (changed || current_.gravity != told.gravity) ++current_.changes;
+  current_.gravity = told.gravity;
+  adopted_ = {told.version, told.changes};
 }
 
 /// Until it is stopped. Whatever fails is tried again: a token may be renewed, a server repaired.
@@ -154,8 +256,7 @@ void RemoteScene::run() {
     hide(reason);
     if (std::exchange(said, reason) != reason || joined_)
       spdlog::warn("scene {}: {}; it is looked for again", visible(name_), visible(reason));
-    pollfd stopped{stop_.descriptor(), POLLIN, 0};
-    ::poll(&stopped, 1, static_cast<int>(wait.count()));
+    wait_for(stop_, static_cast<int>(wait.count()));
     wait = std::min(2 * wait, options_.longest_wait);
   }
 }
@@ -188,6 +289,7 @@ std::string RemoteScene::look_on() {
   }
   joined_ = true;
   spdlog::info("scene {}: looks on", visible(name_));
+  const Asking asking([this](const Event& over) { ask_on(over); });
   ObservedScene seen;
   TimedView shown;
   std::array<pollfd, 2> waiting{

@@ -5,12 +5,16 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "client/servo/servo_loop.hpp"
 #include "client/transport/control_client.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/picture/scene_in_view.hpp"
 
 namespace feltwire {
@@ -41,7 +45,7 @@ class RemoteScene final : public SceneInView {
   const std::string& name() const override { return name_; }
   CurrentScene current_scene() const override;
   bool take_picture(Picture& picture) override;
-  /// Describes the hands: it knows only their numbers and tools.
+  /// What the server tells observers of its sessions; of an older server numbers and tools only.
   void describe(asio::io_context& back,
                 std::function<void(std::vector<HandDescription>)> done) override;
   std::optional<std::string> out_of_sight() const override;
@@ -49,6 +53,9 @@ class RemoteScene final : public SceneInView {
  private:
   void run();
   std::string look_on();
+  void ask_on(const Event& over);
+  void ask_once(class ControlDialogue& server);
+  void adopt(const control::SceneDescription& told, std::span<const Material> materials);
   void show(const class ObservedScene& seen);
   void hide(std::string why);
 
@@ -59,6 +66,11 @@ class RemoteScene final : public SceneInView {
   CurrentScene current_;
   Picture picture_;
   std::vector<HandDescription> hands_;
+  std::vector<control::SessionDescription> told_;  // hands of the server, by rising number
+  Nanoseconds told_at_{0};
+  /// Of the server's scene: its version, and its live changes, that current_ has. Empty: current_
+  /// is as the file says.
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> adopted_;
   bool fresh_ = false;  // no viewer has taken the picture
   std::optional<std::string> hidden_;
   Event stop_;

@@ -10,6 +10,7 @@
 
 #include "core/device/device_spec.hpp"
 #include "core/local_model/whole_surfaces.hpp"
+#include "core/material/material.hpp"
 #include "core/teleoperation/workspace.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
@@ -31,6 +32,7 @@ inline constexpr std::size_t kMaxScenes = 256;  // of one server
 inline constexpr std::size_t kMaxFirstFrame = 512;
 inline constexpr std::size_t kMaxSessionEntries = 200;  // of one SessionList
 inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescriptions
+inline constexpr std::size_t kMaxMaterials = 1000;      // of one SceneDescription
 inline constexpr std::size_t kMaxSurfaces = 200;        // of one SurfaceList
 inline constexpr std::size_t kMaxPart = 1200;      // vertices, and triangles, of one SurfacePart
 inline constexpr double kShortestSilence = 0.1;    // [s] of a silence timeout
@@ -186,10 +188,24 @@ struct SessionDescription {
   ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
   double lead_share = 0.0;                      // with which it leads a robot (lead_share.hpp)
   std::string seat = {};  // a follower's, or of the robot that it leads; empty: none, or the only
+  std::optional<double> seconds;       // [s] since it began
+  std::optional<double> hand_damping;  // [N s/m] of the hand, that its client's shaping counts on
+  HandTimesHeard times;                // how punctual its client is
 };
 struct SessionDescriptions {
   std::vector<SessionDescription> sessions;  // at most kMaxDescriptions, by rising number
   bool more = false;                         // there are sessions with greater numbers
+};
+struct DescribeScene {
+  std::string scene;
+  std::uint32_t from = 0;  // materials of the objects from this index on
+};
+struct SceneDescription {
+  std::uint32_t version = 0;        // 1, and one more with each reload
+  std::uint32_t changes = 0;        // live ones of materials and gravity so far
+  std::optional<Vec3> gravity;      // [m/s^2]; empty: nothing moves
+  std::uint32_t objects = 0;        // of the scene
+  std::vector<Material> materials;  // at most kMaxMaterials
 };
 struct WriteFlightRecord {
   std::string scene;
@@ -247,8 +263,9 @@ using Message =
                  SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
                  ListSessions, SessionList, ReloadScene, SceneReloaded, SetMaterial, SetGravity,
                  SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
-                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, ListSurfaces,
-                 SurfaceList, GetSurface, SurfacePart, TakeSurfaces, SurfacesTaken>;
+                 SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, DescribeScene,
+                 SceneDescription, ListSurfaces, SurfaceList, GetSurface, SurfacePart, TakeSurfaces,
+                 SurfacesTaken>;
 
 const char* name(RefusalCode code);
 

@@ -319,6 +319,15 @@ bool read(const wire::DescribeSessions& from, DescribeSessions& to) {
   to.after = from.after();
   return read_name(from.scene(), to.scene);
 }
+HandTimesHeard heard(const wire::TimesSoFar* times) {
+  if (times == nullptr) return {};
+  HandTimesHeard::Totals wakeups{}, round_trips{};
+  for (std::uint16_t i = 0; i < HandTimes::kClasses; ++i) {
+    wakeups[i] = times->wakeups()->Get(i);
+    round_trips[i] = times->round_trips()->Get(i);
+  }
+  return {wakeups, round_trips};
+}
 bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
   to.more = from.more();
   for (const wire::SessionDescription* entry : *from.sessions()) {
@@ -333,6 +342,9 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.balance = given(entry->balance());
     session.takes.link = entry->link_taken();
     session.lead_share = entry->lead_share();
+    session.seconds = given(entry->seconds());
+    session.hand_damping = given(entry->hand_damping());
+    session.times = heard(entry->times());
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
         !read_name(entry->seat(), session.seat) || !read_enum(entry->role(), session.role) ||
@@ -343,6 +355,23 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
       return false;
     to.sessions.push_back(std::move(session));
   }
+  return true;
+}
+bool read(const wire::DescribeScene& from, DescribeScene& to) {
+  to.from = from.from();
+  return read_name(from.scene(), to.scene);
+}
+bool read(const wire::SceneDescription& from, SceneDescription& to) {
+  to.version = from.version();
+  to.changes = from.changes();
+  if (from.gravity() != nullptr) to.gravity = vector(*from.gravity());
+  to.objects = from.objects();
+  const auto& materials = *from.materials();
+  if (!aligned(materials, alignof(wire::FeltMaterial)) || materials.size() > kMaxMaterials)
+    return false;
+  for (const wire::FeltMaterial* m : materials)
+    to.materials.push_back({m->stiffness(), m->damping(), m->static_friction(),
+                            m->dynamic_friction(), m->viscous_friction()});
   return true;
 }
 bool read(const wire::GetCounters& from, GetCounters& to) {
@@ -450,6 +479,10 @@ std::optional<Message> decode(Bytes body) {
       return message<TakeSurfaces>(*root->body_as_TakeSurfaces());
     case wire::Body::SurfacesTaken:
       return message<SurfacesTaken>(*root->body_as_SurfacesTaken());
+    case wire::Body::DescribeScene:
+      return message<DescribeScene>(*root->body_as_DescribeScene());
+    case wire::Body::SceneDescription:
+      return message<SceneDescription>(*root->body_as_SceneDescription());
     case wire::Body::NONE:
       break;
   }

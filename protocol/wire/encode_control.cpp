@@ -31,6 +31,12 @@ Offset<flatbuffers::String> name_if_any(FlatBufferBuilder& builder, const std::s
 
 wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+wire::TimesSoFar wire_times(const HandTimesHeard& times) {
+  return wire::TimesSoFar(
+      flatbuffers::span<const std::uint64_t, HandTimes::kClasses>(times.wakeups()),
+      flatbuffers::span<const std::uint64_t, HandTimes::kClasses>(times.round_trips()));
+}
+
 /// Nothing for an isotropic damping, 3 numbers along the axes, 6 for a matrix.
 Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
   if (damping.isotropic()) return 0;
@@ -240,16 +246,32 @@ struct BodyBuilder {
     const auto tool = name_if_any(builder, d.tool), asked = name_if_any(builder, d.asked);
     const auto seat = name_if_any(builder, d.seat);
     const auto parameters = build(builder, d.parameters);
+    const wire::TimesSoFar times = wire_times(d.times);
     return wire::CreateSessionDescription(
         builder, d.number, d.session, client, device, tool, wire_enum<wire::Role>(d.role),
         parameters, d.samples, d.missed, d.round_trip.value_or(kNotGiven), d.delivered, d.burned,
         d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.takes.laws), d.takes.link,
-        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share, seat);
+        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share, seat,
+        d.seconds.value_or(kNotGiven), d.hand_damping.value_or(kNotGiven),
+        d.times.heard() ? &times : nullptr);
   }
   Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {
     std::vector<Offset<wire::SessionDescription>> entries;
     for (const SessionDescription& session : m.sessions) entries.push_back(entry(session));
     return wire::CreateSessionDescriptions(builder, builder.CreateVector(entries), m.more);
+  }
+  Offset<wire::DescribeScene> operator()(const DescribeScene& m) {
+    return wire::CreateDescribeScene(builder, builder.CreateString(m.scene), m.from);
+  }
+  Offset<wire::SceneDescription> operator()(const SceneDescription& m) {
+    std::vector<wire::FeltMaterial> materials;
+    for (const Material& material : m.materials)
+      materials.emplace_back(material.stiffness, material.damping, material.static_friction,
+                             material.dynamic_friction, material.viscous_friction);
+    const wire::Vector gravity = vector(m.gravity.value_or(Vec3::Zero()));
+    return wire::CreateSceneDescription(builder, m.version, m.changes,
+                                        m.gravity ? &gravity : nullptr, m.objects,
+                                        builder.CreateVectorOfStructs(materials));
   }
   Offset<wire::GetCounters> operator()(const GetCounters& m) {
     return wire::CreateGetCounters(builder, name_if_any(builder, m.scene));

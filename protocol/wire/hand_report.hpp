@@ -87,6 +87,12 @@ void for_each_reason(std::uint32_t reasons, Visit visit) {
     if ((reasons >> i & 1u) != 0) visit(std::string_view(kHandReasonTexts[i].first));
 }
 
+/// [J] An account that is overdrawn by less is not said to be in debt, and no flight record is
+/// written for it: a tick that is nanoseconds late overdraws it, and nobody feels so little. It is
+/// a hundredth of the energy of a touch of 0.1 N over 1 mm.
+inline constexpr double kSmallDebt = 1e-6;
+constexpr bool is_debt(double balance) { return balance < -kSmallDebt; }
+
 struct HandReport {
   std::uint32_t reasons = 0;  // bits of HandReason
   bool has_account = false;

@@ -40,6 +40,11 @@ class HandTimesHeard {
  public:
   using Totals = std::array<std::uint64_t, HandTimes::kClasses>;
 
+  HandTimesHeard() = default;
+  /// The counts of another server, since the session began.
+  HandTimesHeard(const Totals& wakeups, const Totals& round_trips)
+      : heard_(true), wakeups_(wakeups), round_trips_(round_trips) {}
+
   /// The first received counts are the start: a client that joined again has counted before.
   void take(const HandTimes& said) noexcept {
     if (heard_) add(said.wakeups, last_.wakeups, wakeups_);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <span>
 #include <string_view>
 
 namespace feltwire {
@@ -122,41 +123,30 @@ void add_scenes(std::string& text, const std::vector<SceneSummary>& scenes) {
             scene.counters.drops[i]);
 }
 
-std::string in_seconds(std::uint64_t nanoseconds) {
-  constexpr double kNanoseconds = 1e9;
+std::string in_seconds(Nanoseconds time) {
   std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(),
-                                     static_cast<double>(nanoseconds) / kNanoseconds)
-                           .ptr};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), seconds(time)).ptr};
 }
 
-/// Each class has those below it, too.
-void value(std::string& text, const std::string& name, const std::string& labels,
-           const TimeCounts& times) {
+/// The buckets and the count of a histogram: each class has those below it, too. `limits` [ns] are
+/// those of all classes but the last.
+void add_classes(std::string& text, const std::string& name, const std::string& labels,
+                 std::span<const std::uint64_t> counts, const auto& limits) {
   std::uint64_t below = 0;
-  for (std::size_t i = 0; i < TimeCounts::kClasses; ++i) {
-    below += times.counts()[i];
-    const std::string limit = i < TimeCounts::kLimits.size()
-                                  ? in_seconds(static_cast<std::uint64_t>(TimeCounts::kLimits[i]))
-                                  : "+Inf";
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    below += counts[i];
+    const std::string limit = i < limits.size() ? in_seconds(Nanoseconds(limits[i])) : "+Inf";
     value(text, name + "_bucket", labels + ",le=\"" + limit + "\"", below);
   }
-  text.append(name).append("_sum{").append(labels).append("} ");
-  text.append(in_seconds(times.sum())).append("\n");
   value(text, name + "_count", labels, below);
 }
 
 /// The counts that clients report have no sum of the times.
-void add_classes(std::string& text, const std::string& name, const std::string& labels,
-                 const HandTimesHeard::Totals& counts, const HandTimes::Limits& limits) {
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < HandTimes::kClasses; ++i) {
-    below += counts[i];
-    const std::string limit =
-        i < limits.size() ? in_seconds(static_cast<std::uint64_t>(limits[i].count())) : "+Inf";
-    value(text, name + "_bucket", labels + ",le=\"" + limit + "\"", below);
-  }
-  value(text, name + "_count", labels, below);
+void add_times(std::string& text, const std::string& name, const std::string& labels,
+               const TimeCounts& times) {
+  add_classes(text, name, labels, times.counts(), TimeCounts::kLimits);
+  text.append(name).append("_sum{").append(labels).append("} ");
+  text.append(in_seconds(Nanoseconds(static_cast<std::int64_t>(times.sum())))).append("\n");
 }
 
 void add_client_times(std::string& text, const std::vector<SceneSummary>& scenes) {
@@ -177,10 +167,11 @@ void add_times(std::string& text, const std::vector<SceneSummary>& scenes) {
   const std::string answers = "feltwire_answer_seconds", late = "feltwire_world_late_seconds";
   begin(text, answers, "histogram",
         "From when a datagram was taken up to its answer, those taken up with it included.");
-  for (const SceneSummary& scene : scenes) value(text, answers, scene_label(scene), scene.answers);
+  for (const SceneSummary& scene : scenes)
+    add_times(text, answers, scene_label(scene), scene.answers);
   begin(text, late, "histogram", "How late the thread woke for the moving objects.");
   for (const SceneSummary& scene : scenes)
-    value(text, late, scene_label(scene), scene.counters.world_late);
+    add_times(text, late, scene_label(scene), scene.counters.world_late);
 }
 
 void add(std::string& text, std::string_view name, std::string_view help, std::uint64_t number) {

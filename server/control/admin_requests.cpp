@@ -1,8 +1,10 @@
-// What admins ask: sessions, evictions, reloads, live changes and counters.
+// What admins ask: evictions, reloads, live changes and counters. What observers ask, too: the
+// state of a scene and its sessions.
 
 #include <spdlog/spdlog.h>
 
 #include "core/base/visible_text.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
 
@@ -12,12 +14,48 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
+/// What an observer is told of a scene beside its views: the materials from one object on.
+control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from) {
+  const std::vector<Object>& objects = current.scene->objects();
+  control::SceneDescription description{current.version,
+                                        current.changes,
+                                        current.gravity,
+                                        static_cast<std::uint32_t>(objects.size()),
+                                        {}};
+  for (std::size_t i = from; i < objects.size(); ++i) {
+    if (description.materials.size() == control::kMaxMaterials) break;
+    description.materials.push_back(objects[i].material);
+  }
+  return description;
+}
+
 Refused no_flight_recorder() {
   return {RefusalCode::not_supported,
           "this server keeps no flight record; start it with --flight-recorder DIR"};
 }
 
 }  // namespace
+
+/// Answers what is for observers; false where it is no such request.
+bool ControlService::serve_observer(PendingRequest& asked, const control::Message& request) {
+  const auto* sessions = std::get_if<control::DescribeSessions>(&request);
+  const auto* wanted = std::get_if<control::DescribeScene>(&request);
+  if (sessions == nullptr && wanted == nullptr) return false;
+  const auto scene =
+      scene_for(asked, sessions != nullptr ? sessions->scene : wanted->scene, Role::observer);
+  if (const auto* refused = std::get_if<Refused>(&scene)) {
+    asked.answer(*refused);
+  } else if (!looks_.take(asked.token.client, monotonic_now())) {
+    asked.answer(refuse(RefusalCode::too_many, "client '" + asked.token.client +
+                                                   "' asks for descriptions too often; ask twice "
+                                                   "a second at most"));
+  } else if (wanted != nullptr) {
+    asked.answer(described(hosts_[std::get<std::size_t>(scene)]->current_scene(), wanted->from));
+  } else {
+    hosts_[std::get<std::size_t>(scene)]->ask(request, 0, {}, io_, std::move(asked.answer));
+  }
+  return true;
+}
 
 /// Answers what is for admins; false where it is no such request.
 bool ControlService::serve_admin(PendingRequest& asked, const control::Message& request) {
@@ -49,10 +87,6 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
     change_session(std::move(asked), lead->session, LeadChange{lead->session, lead->share});
     return true;
   }
-  if (const auto* sessions = std::get_if<control::DescribeSessions>(&request)) {
-    ask_scene(std::move(asked), sessions->scene, request);
-    return true;
-  }
   if (const auto* flight = std::get_if<control::WriteFlightRecord>(&request)) {
     write_flight(std::move(asked), *flight);
     return true;
@@ -64,16 +98,16 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
   return false;
 }
 
-std::optional<Refused> ControlService::refuse_below_admin(const PendingRequest& asked) {
-  if (covers(asked.token.role, Role::admin)) return std::nullopt;
-  return refuse(RefusalCode::forbidden,
-                "this is for admins; the token is for " + holder(asked.token.role));
+std::optional<Refused> ControlService::refuse_below(Role role, const PendingRequest& asked) {
+  if (covers(asked.token.role, role)) return std::nullopt;
+  return refuse(RefusalCode::forbidden, "this is for " + std::string(name(role)) +
+                                            "s; the token is for " + holder(asked.token.role));
 }
 
-/// The scene of that name, which the token of an admin opens.
-std::variant<std::size_t, Refused> ControlService::scene_of_admin(const PendingRequest& asked,
-                                                                  const std::string& name) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+/// The scene of that name, if a token of at least that role opens it.
+std::variant<std::size_t, Refused> ControlService::scene_for(const PendingRequest& asked,
+                                                             const std::string& name, Role role) {
+  if (auto refused = refuse_below(role, asked)) return *std::move(refused);
   const std::size_t scene = scene_of(name);
   if (scene == hosts_.size() || !opens(asked.token, name))
     return Refused{RefusalCode::unknown_scene,
@@ -82,7 +116,7 @@ std::variant<std::size_t, Refused> ControlService::scene_of_admin(const PendingR
 }
 
 control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  if (auto refused = refuse_below(Role::admin, asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
   // What goes on in scenes that its token does not open is not for this admin to know.
   if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
@@ -95,7 +129,7 @@ control::Message ControlService::evict(const PendingRequest& asked, const contro
 
 control::Message ControlService::list_sessions(const PendingRequest& asked,
                                                const control::ListSessions& request) {
-  if (auto refused = refuse_below_admin(asked)) return *std::move(refused);
+  if (auto refused = refuse_below(Role::admin, asked)) return *std::move(refused);
   control::SessionList list;
   for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
     if (!opens(asked.token, scene_name(at->second))) continue;
@@ -110,7 +144,7 @@ control::Message ControlService::list_sessions(const PendingRequest& asked,
 }
 
 void ControlService::reload(PendingRequest asked, const control::ReloadScene& request) {
-  const auto scene = scene_of_admin(asked, request.scene);
+  const auto scene = scene_for(asked, request.scene, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
   spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
@@ -127,7 +161,7 @@ void ControlService::reload(PendingRequest asked, const control::ReloadScene& re
 
 /// A change of what hands feel in a scene.
 void ControlService::change(PendingRequest asked, const std::string& name, LiveChange change) {
-  const auto scene = scene_of_admin(asked, name);
+  const auto scene = scene_for(asked, name, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
   const std::string by =
@@ -145,7 +179,7 @@ void ControlService::change(PendingRequest asked, const std::string& name, LiveC
 /// Changes a session in a scene that the token of an admin opens.
 void ControlService::change_session(PendingRequest asked, std::uint64_t session,
                                     LiveChange wanted) {
-  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
+  if (auto refused = refuse_below(Role::admin, asked)) return asked.answer(*std::move(refused));
   const auto found = seated_.find(session);
   if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
     return asked.answer(unknown_session(session));
@@ -155,14 +189,14 @@ void ControlService::change_session(PendingRequest asked, std::uint64_t session,
 /// What a scene's thread alone can say.
 void ControlService::ask_scene(PendingRequest asked, const std::string& name,
                                control::Message request) {
-  const auto scene = scene_of_admin(asked, name);
+  const auto scene = scene_for(asked, name, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   hosts_[std::get<std::size_t>(scene)]->ask(std::move(request), 0, {}, io_,
                                             std::move(asked.answer));
 }
 
 void ControlService::write_flight(PendingRequest asked, const control::WriteFlightRecord& request) {
-  const auto scene = scene_of_admin(asked, request.scene);
+  const auto scene = scene_for(asked, request.scene, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
   if (!write_flight_) return asked.answer(no_flight_recorder());
   if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
@@ -179,7 +213,7 @@ void ControlService::write_flight(PendingRequest asked, const control::WriteFlig
 
 void ControlService::count(PendingRequest asked, const control::GetCounters& request) {
   if (!request.scene.empty()) return ask_scene(std::move(asked), request.scene, request);
-  if (auto refused = refuse_below_admin(asked)) return asked.answer(*std::move(refused));
+  if (auto refused = refuse_below(Role::admin, asked)) return asked.answer(*std::move(refused));
   const ControlCounters connections = connections_ ? connections_() : ControlCounters{};
   control::Counters named;
   for (const auto& [name, value] : named_counters(connections, counters_))

@@ -40,6 +40,7 @@ ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tok
       wrong_tokens_(limits.join_rate, limits.join_burst),
       joins_(limits.join_rate, limits.join_burst),
       changes_(limits.join_rate, limits.join_burst),
+      looks_(limits.join_rate, limits.join_burst),
       reload_(std::move(reload)),
       connections_(std::move(connections)),
       write_flight_(std::move(write_flight)) {}
@@ -64,7 +65,9 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
   }
   if (std::holds_alternative<control::ListScenes>(request))
     return asked.answer(list_scenes(*token));
-  if (serve_surfaces(asked, request) || serve_admin(asked, request)) return;
+  if (serve_surfaces(asked, request) || serve_observer(asked, request) ||
+      serve_admin(asked, request))
+    return;
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
 

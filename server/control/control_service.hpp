@@ -20,8 +20,8 @@ namespace feltwire {
 struct ServiceLimits {
   std::size_t sessions_per_client = 16;
   std::size_t pointers = 4;  // sessions of role pointer, of all clients together
-  /// [1/s] sustained, and at once: joins, changes of parameters and reloads, each for all tokens
-  /// with one client's name; wrong tokens, for one network.
+  /// [1/s] sustained, and at once: joins, changes of parameters and reloads, descriptions, each for
+  /// all tokens with one client's name; wrong tokens, for one network.
   double join_rate = 20.0, join_burst = 60.0;
   /// A client whose hand broke the simulation of a scene again and again (SessionEnd::disturbing)
   /// can join that scene with no hand for this time.
@@ -96,16 +96,17 @@ class ControlService {
   const ListedSession* own_session(const PendingRequest& asked, std::uint64_t id) const;
   control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);
   void reload(PendingRequest asked, const control::ReloadScene& request);
+  bool serve_observer(PendingRequest& asked, const control::Message& request);
   bool serve_admin(PendingRequest& asked, const control::Message& request);
-  std::variant<std::size_t, control::Refused> scene_of_admin(const PendingRequest& asked,
-                                                             const std::string& name);
+  std::variant<std::size_t, control::Refused> scene_for(const PendingRequest& asked,
+                                                        const std::string& name, Role role);
   void change(PendingRequest asked, const std::string& name, LiveChange change);
   void change_session(PendingRequest asked, std::uint64_t session, LiveChange change);
   void ask_scene(PendingRequest asked, const std::string& name, control::Message request);
   void write_flight(PendingRequest asked, const control::WriteFlightRecord& request);
   void count(PendingRequest asked, const control::GetCounters& request);
   control::Refused refuse(control::RefusalCode code, std::string reason);
-  std::optional<control::Refused> refuse_below_admin(const PendingRequest& asked);
+  std::optional<control::Refused> refuse_below(Role role, const PendingRequest& asked);
   std::optional<control::Refused> refuse_hasty(const PendingRequest& asked);
   std::optional<control::Refused> refuse_join(const PendingRequest& asked,
                                               const control::JoinRequest& request);
@@ -121,7 +122,7 @@ class ControlService {
   TokenFile tokens_;
   ServiceLimits limits_;
   RateLimit<Network> wrong_tokens_;
-  RateLimit<std::string> joins_, changes_;  // by client
+  RateLimit<std::string> joins_, changes_, looks_;  // by client
   RateLimit<std::string> refused_lines_{1.0,
                                         20.0};  // by client, for the log: joins refused at once
   Reload reload_;

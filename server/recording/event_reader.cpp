@@ -33,7 +33,7 @@ SceneEvent EventReader::read(const mcap::Message& message, const std::string& fi
   const auto read = read_event(message.data);
   if (!read || !is_possible(*read))
     throw FileError(file + ": event " + std::to_string(message.sequence) +
-                    " of it is no feltwire.Event; give what feltwire-server --record wrote");
+                    " of it is no feltwire.Event; " + kEventRemedy);
   const std::string_view payload = read->payload;
   payload_.resize((payload.size() + sizeof(std::uint64_t) - 1) / sizeof(std::uint64_t));
   if (!payload.empty()) std::memcpy(payload_.data(), payload.data(), payload.size());

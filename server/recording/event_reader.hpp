@@ -10,6 +10,9 @@
 
 namespace feltwire {
 
+/// What to do about a file that has no events, or impossible ones.
+inline constexpr const char* kEventRemedy = "give what feltwire-server --record wrote";
+
 class EventReader {
  public:
   /// Whether the message is an event.

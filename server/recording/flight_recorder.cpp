@@ -102,7 +102,7 @@ void FlightRecorder::add(const SceneEvent& event) {
 /// A debt that lasts is one, and those within the time of a file are in it or in the next.
 void FlightRecorder::note_debt(const SceneEvent& event) {
   if (decode(event.payload, batch_) != DropReason::none || !batch_.report) return;
-  const bool owes = batch_.report->has_account && batch_.report->balance < 0.0;
+  const bool owes = batch_.report->has_account && is_debt(batch_.report->balance);
   const auto known = debts_.find(event.hand);
   if (!owes) {
     if (known != debts_.end()) known->second.stands = false;

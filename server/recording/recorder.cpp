@@ -108,22 +108,25 @@ void Recorder::ask_for_flight_record(std::size_t scene, FlightWritten written) {
   scenes_[scene]->wanted.push_back(std::move(written));
 }
 
-void Recorder::look_after_flights(OneScene& scene, bool asked) {
+void Recorder::ask_for_flight_records() {
+  for (std::size_t i = 0; i < scenes_.size(); ++i) ask_for_flight_record(i, [](const auto&) {});
+}
+
+void Recorder::look_after_flights(OneScene& scene) {
   std::vector<FlightWritten> wanted;
   {
     const std::lock_guard lock(mutex_);
     wanted.swap(scene.wanted);
   }
-  const auto file = scene.flight->write_if_due(asked || !wanted.empty(), monotonic_now());
+  const auto file = scene.flight->write_if_due(!wanted.empty(), monotonic_now());
   for (const FlightWritten& written : wanted) written(file);
 }
 
 void Recorder::look() {
-  const bool asked = asked_.exchange(false, std::memory_order_relaxed);
-  for (const auto& scene : scenes_) look(*scene, asked);
+  for (const auto& scene : scenes_) look(*scene);
 }
 
-void Recorder::look(OneScene& scene, bool asked) {
+void Recorder::look(OneScene& scene) {
   while (const auto event = scene.log.take()) {
     const auto files =
         event->kind == EventKind::reload ? scene.log.files_of(event->number) : nullptr;
@@ -133,7 +136,7 @@ void Recorder::look(OneScene& scene, bool asked) {
   if (scene.pictures != nullptr && scene.pictures->take(scene.picture))
     write(scene, [&](SceneRecording& recording) { recording.see(scene.picture); });
   write(scene, [](SceneRecording& recording) { recording.flush(); });
-  if (scene.flight != nullptr) look_after_flights(scene, asked);
+  if (scene.flight != nullptr) look_after_flights(scene);
   if (const std::uint64_t lost = scene.log.lost(); lost > scene.told_lost / 2 * 3) {
     scene.told_lost = lost;
     spdlog::warn(

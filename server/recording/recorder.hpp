@@ -1,7 +1,6 @@
 #pragma once
 // Records the scenes of a server in a thread of its own.
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -54,7 +53,7 @@ class Recorder {
   void stop();
 
   /// Requests a flight record of each scene. From any thread.
-  void ask_for_flight_records() noexcept { asked_.store(true, std::memory_order_relaxed); }
+  void ask_for_flight_records();
   /// Called on the recorder's thread with the name of a flight record; empty: it could not be
   /// written, and the log says why. It must not throw.
   using FlightWritten = std::function<void(std::optional<std::filesystem::path> file)>;
@@ -78,13 +77,12 @@ class Recorder {
 
   void run();
   void look();
-  void look(OneScene& scene, bool asked);
-  void look_after_flights(OneScene& scene, bool asked);
+  void look(OneScene& scene);
+  void look_after_flights(OneScene& scene);
   template <class Action>
   void write(OneScene& scene, Action action);
 
   std::vector<std::unique_ptr<OneScene>> scenes_;
-  std::atomic<bool> asked_{false};
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;  // guarded

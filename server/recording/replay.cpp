@@ -15,8 +15,6 @@
 namespace feltwire {
 namespace {
 
-constexpr const char* kRemedy = "give what feltwire-server --record wrote";
-
 /// Any other number than 0, and always the same.
 std::uint64_t id_of(std::uint32_t hand) { return std::uint64_t{hand} << 8; }
 
@@ -194,7 +192,7 @@ class Reading {
       read(file);
     }
     if (replayer_ == nullptr)
-      throw FileError(files.back().string() + ": has no input log of a server; " + kRemedy);
+      throw FileError(files.back().string() + ": has no input log of a server; " + kEventRemedy);
   }
   Replay result() && { return std::move(result_); }
 

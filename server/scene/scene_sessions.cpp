@@ -155,7 +155,7 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   if (const auto* wanted = std::get_if<control::TakeSurfaces>(&request))
     return take_surfaces(*wanted, now);
   if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
-    return describe_after(wanted->after);
+    return describe_after(wanted->after, now);
   if (std::holds_alternative<control::GetCounters>(request)) return named_counters();
   return control::Refused{control::RefusalCode::malformed,
                           "a scene answers join, leave, set parameters, take surfaces, and lists "

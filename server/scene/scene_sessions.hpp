@@ -173,7 +173,7 @@ class SceneSessions {
   std::vector<HandDescription> describe() const;
 
   /// All sessions with greater numbers, at most control::kMaxDescriptions. Allocates.
-  control::SessionDescriptions describe_after(std::uint32_t number) const;
+  control::SessionDescriptions describe_after(std::uint32_t number, Nanoseconds now) const;
 
   /// From now on, all inputs that decide a reply go into the log, which must outlive this; null:
   /// none. A log can be replayed only if it began before the first session.

@@ -1,4 +1,4 @@
-// Sessions and counters of a scene, as admins are told of them.
+// Sessions of a scene, as observers are told of them, and its counters, as admins are.
 
 #include <algorithm>
 
@@ -7,7 +7,8 @@
 
 namespace feltwire {
 
-control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number) const {
+control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number,
+                                                           Nanoseconds now) const {
   control::SessionDescriptions list;
   for (const auto& slot : slots_) {
     if (slot->number <= number) continue;
@@ -32,7 +33,10 @@ control::SessionDescriptions SceneSessions::describe_after(std::uint32_t number)
     if (const auto& report = session.report()) {
       if (report->round_trip > 0.0) entry.round_trip = report->round_trip;
       if (report->has_account) entry.balance = report->balance;
+      if (report->hand_damping > 0.0) entry.hand_damping = report->hand_damping;
     }
+    entry.seconds = std::max(seconds(now - slot->joined), 0.0);
+    entry.times = session.times();
     entry.takes = slot->takes;
     entry.lead_share = slot->lead_share;
     if (slot->leads || slot->role == Role::follower) entry.seat = seat_name(slot->seat);

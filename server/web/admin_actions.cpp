@@ -28,18 +28,6 @@ std::uint64_t session_id(std::string_view digits) {
   return read.ec == std::errc() && read.ptr == end ? id : 0;
 }
 
-/// The parameters with what is wanted of them. Throws std::invalid_argument.
-SessionParameters with(SessionParameters parameters, const ViewerSet& wanted) {
-  if (wanted.mode) parameters.mode = bounding_method(*wanted.mode).name;
-  if (wanted.projection) parameters.projection = projection(*wanted.projection);
-  if (wanted.storage) parameters.storage = storage(*wanted.storage);
-  if (wanted.reference) parameters.reference = passivity_reference(*wanted.reference);
-  for (std::size_t i = 0; i < kBoundNumbers.size(); ++i)
-    if (const auto& number = wanted.bound_numbers[i])
-      feltwire::set(kBoundNumbers[i], parameters, *number);
-  return parameters;
-}
-
 }  // namespace
 
 /// The token by which the viewer is an admin of the scene that it watches; null: it is none.
@@ -117,7 +105,8 @@ void Audience::set(Seat& seat, const ViewerSet& wanted) {
   if (wanted.link) return change(seat, LinkChange{id, *wanted.link});
   if (wanted.lead_share) return change(seat, LeadChange{id, *wanted.lead_share});
   try {
-    change(seat, ParameterChange{id, with(hand->parameters.value_or(SessionParameters{}), wanted)});
+    change(seat, ParameterChange{
+                     id, with_words(hand->parameters.value_or(SessionParameters{}), wanted.bound)});
   } catch (const std::invalid_argument& error) {
     seat.viewer->send(refused(error.what()));
   }

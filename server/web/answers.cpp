@@ -185,14 +185,15 @@ Answer metrics(const HttpRequest& request, const Site& site) {
       false};
 }
 
-/// Anyone may ask: the reason, which may name other machines, is for the page's viewers.
-Answer ready(const Site& site) {
-  const auto hidden = site.hidden_scene ? site.hidden_scene() : std::nullopt;
+/// Anyone may ask whether. Which scene is for those who have a token for it, and the reason, which
+/// may name other machines, for the page's viewers.
+Answer ready(const HttpRequest& request, const Site& site) {
+  const auto hidden = site.hidden_scene ? site.hidden_scene(bearer(request)) : std::nullopt;
   if (!hidden) return plain(kOk, "ok\n", kNoStore);
-  return plain(
-      kUnavailable,
-      "scene " + *hidden + " is not seen: its server is away; the page and the log say why\n",
-      kNoStore);
+  return plain(kUnavailable,
+               (hidden->empty() ? "a scene" : "scene " + *hidden) +
+                   " is not seen: its server is away; the page and the log say why\n",
+               kNoStore);
 }
 
 }  // namespace
@@ -209,7 +210,7 @@ Answer answer(const HttpRequest* request, const Site& site) {
   if (request->path == kTicketPath) return ticket(*request, *authority, site);
   // Every port is open, and every scene is loaded, before this one answers.
   if (request->path == "/health") return plain(kOk, "ok\n", kNoStore);
-  if (request->path == "/ready") return ready(site);
+  if (request->path == "/ready") return ready(*request, site);
   if (request->path == "/metrics" && site.metrics) return metrics(*request, site);
   return asset(*request, site.page);
 }

@@ -29,8 +29,9 @@ struct Site {
   bool secure = false;  // by TLS; otherwise only requests from this machine are allowed
   /// Makes the answer to `/metrics`; empty: there is no such page.
   std::function<std::string()> metrics = {};
-  /// The name of a scene that cannot be seen now, which makes `/ready` fail; empty: all are seen.
-  std::function<std::optional<std::string>()> hidden_scene = {};
+  /// The name of a scene that cannot be seen now, which makes `/ready` fail; nothing: all are seen.
+  /// An empty name: the token (empty: none was shown) opens none of those that are not seen.
+  std::function<std::optional<std::string>(std::string_view token)> hidden_scene = {};
   /// Whether a text is a valid token. Used for `/ticket`, and for `/metrics` if the site is secure.
   std::function<bool(std::string_view token)> opens = {};
   /// Returns a ticket for a scene that the token opens; empty if it opens none of that name.

@@ -126,7 +126,9 @@ void Audience::admit(Seat& seat, std::string_view text) {
   seat.token = token->id;
   seat.viewer->admitted();
   spdlog::debug("live page: {} looks on", visible(token->client));
-  seat.viewer->send(hello(scenes, token->role));
+  const bool observes =
+      std::ranges::all_of(stages_, [](const auto& s) { return s->scene->controls() == nullptr; });
+  seat.viewer->send(hello(scenes, token->role, observes));
   if (hands_ != nullptr && covers(token->role, Role::pointer)) {
     seat.hand = ViewersHand(*hands_, token->client, Secret(text));
     seat.messages = TokenBucket(kMessageRate + kPointRate, kMessageBurst + kPointRate);
@@ -286,10 +288,17 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       });
 }
 
-std::optional<std::string> Audience::hidden_scene() const {
+std::optional<std::string> Audience::hidden_scene(std::string_view text,
+                                                  const asio::ip::address& address) {
+  std::vector<std::string> hidden;
   for (const auto& stage : stages_)
-    if (stage->scene->out_of_sight()) return stage->scene->name();
-  return std::nullopt;
+    if (stage->scene->out_of_sight()) hidden.push_back(stage->scene->name());
+  if (hidden.empty()) return std::nullopt;
+  const Token* token = text.empty() ? nullptr : good_token(text);
+  if (token == nullptr && !text.empty()) wrong_tokens_.take(network_of(address), monotonic_now());
+  const auto opened = std::ranges::find_if(
+      hidden, [&](const std::string& name) { return token != nullptr && opens(*token, name); });
+  return opened != hidden.end() ? *opened : std::string();
 }
 
 /// A line for those who watch, when the scene is lost from sight and when it is there again.

@@ -66,8 +66,10 @@ class Audience {
   /// file.
   void tell(std::size_t scene, const std::optional<std::string>& wrong);
 
-  /// The name of the first scene that cannot be seen now (SceneInView::out_of_sight).
-  std::optional<std::string> hidden_scene() const;
+  /// The name of the first scene that the token (empty: none was shown) opens and that cannot be
+  /// seen now (SceneInView::out_of_sight). An empty name: the token opens none of those. Nothing:
+  /// all are seen. Wrong tokens from this address are limited.
+  std::optional<std::string> hidden_scene(std::string_view token, const asio::ip::address& address);
 
   /// Whether a text from this address is a valid token. Wrong ones are limited.
   bool opens_something(std::string_view token, const asio::ip::address& address);

@@ -10,7 +10,7 @@
 #include "core/bounding/method.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/local_model/local_model.hpp"
-#include "protocol/session/bound_numbers.hpp"
+#include "protocol/session/bound_words.hpp"
 #include "protocol/session/material_fields.hpp"
 #include "server/access/json_text.hpp"
 #include "server/web/object_triangles.hpp"
@@ -100,7 +100,7 @@ const HandRates* rates_of(std::span<const HandRates> rates, std::uint32_t hand) 
 
 }  // namespace
 
-std::string hello(std::span<const std::string> scenes, Role role) {
+std::string hello(std::span<const std::string> scenes, Role role, bool observes) {
   std::vector<std::string> names, reasons, modes;
   for (const BoundingMethod* method : bounding_methods()) modes.push_back(text(method->name));
   for (const std::string& scene : scenes) names.push_back(text(scene));
@@ -122,6 +122,8 @@ std::string hello(std::span<const std::string> scenes, Role role) {
                             {"modes", json_text::list(modes)},
                             {"wakeup_limits", limits(hand_time_limits::kWakeups)},
                             {"round_trip_limits", limits(hand_time_limits::kRoundTrips)},
+                            {"small_debt", number(kSmallDebt)},
+                            {"observes", flag_text(observes)},
                             {"reasons", json_text::list(reasons)}});
 }
 

@@ -19,8 +19,9 @@ namespace feltwire::web {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The first answer to a viewer with a valid token.
-std::string hello(std::span<const std::string> scenes, Role role);
+/// The first answer to a viewer with a valid token. `observes`: no viewer of this page can change
+/// anything.
+std::string hello(std::span<const std::string> scenes, Role role, bool observes);
 
 /// The address at which another program may observe with a ticket, and the life of the ticket.
 std::string ticket_text(std::string_view scene, std::string_view ticket, std::chrono::seconds life);

@@ -96,9 +96,9 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
       message.set->lead_share = given;
       return true;
     }
-    for (std::size_t i = 0; i < kBoundNumbers.size(); ++i)
-      if (kBoundNumbers[i].name == member_) {
-        message.set->bound_numbers[i] = given;
+    for (const BoundNumber& entry : kBoundNumbers)
+      if (entry.name == member_) {
+        message.set->bound.*entry.wanted = given;
         return true;
       }
     for (const auto& [name, field] : kLinkFields)
@@ -127,13 +127,13 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
     else if (member_ == "session")
       set.session = text;
     else if (member_ == "mode")
-      set.mode = text;
+      set.bound.mode = text;
     else if (member_ == "projection")
-      set.projection = text;
+      set.bound.projection = text;
     else if (member_ == "storage")
-      set.storage = text;
+      set.bound.storage = text;
     else if (member_ == "reference")
-      set.reference = text;
+      set.bound.reference = text;
     else
       return false;
     return true;

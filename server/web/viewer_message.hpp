@@ -1,13 +1,12 @@
 #pragma once
 // The messages of a viewer of the live page.
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/base/types.hpp"
-#include "protocol/session/bound_numbers.hpp"
+#include "protocol/session/bound_words.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
 
@@ -17,10 +16,9 @@ namespace feltwire::web {
 /// a session. The given members decide which.
 struct ViewerSet {
   MaterialChange material;
-  std::optional<Vec3> gravity;                                      // [m/s^2]
-  std::string session;                                              // its id, in decimal digits
-  std::optional<std::string> mode, projection, storage, reference;  // of that session
-  std::array<std::optional<double>, kBoundNumbers.size()> bound_numbers{};  // likewise
+  std::optional<Vec3> gravity;       // [m/s^2]
+  std::string session;               // its id, in decimal digits
+  BoundWords bound;                  // of that session
   std::optional<LinkQuality> link;   // of its client's emulated link; missing numbers are 0
   std::optional<double> lead_share;  // of its hand
 };

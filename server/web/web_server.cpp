@@ -148,7 +148,9 @@ void WebServer::take() {
 Site WebServer::site(const asio::ip::address& asked_from) {
   Site site{page_assets(), options_.names, secure()};
   if (options_.metrics) site.metrics = [this] { return options_.metrics(audience_.counters()); };
-  site.hidden_scene = [this] { return audience_.hidden_scene(); };
+  site.hidden_scene = [this, asked_from](std::string_view token) {
+    return audience_.hidden_scene(token, asked_from);
+  };
   site.opens = [this, asked_from](std::string_view token) {
     return audience_.opens_something(token, asked_from);
   };

@@ -52,6 +52,7 @@ struct Texts {
       add(session.parameters.mode);
     }
   }
+  void operator()(const control::DescribeScene& m) { add(m.scene); }
   void operator()(const control::GetCounters& m) { add(m.scene); }
   void operator()(const control::Counters& m) {
     for (const control::Counter& counter : m.counters) add(counter.name);

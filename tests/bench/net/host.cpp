@@ -7,11 +7,13 @@
 #include <asio/ip/address.hpp>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 
 #include "core/base/splitmix.hpp"
 #include "core/scene_file/load_scene.hpp"
+#include "server/recording/recorder.hpp"
 #include "server/scene/scene_host.hpp"
 #include "server/web/web_server.hpp"
 #include "tests/bench/net/echo.hpp"
@@ -73,7 +75,38 @@ std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>
   return result;
 }
 
+/// Null: nothing is recorded.
+std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
+  if (options.record.empty()) return nullptr;
+  std::vector<Scene> scenes;  // a recording contains its files
+  scenes.push_back(load_scene_and_keep(options.scene_file));
+  return std::make_unique<Recorder>(RecorderOptions{.file = options.record}, scenes);
+}
+
+/// Until the parent wants the recording to be complete.
+[[noreturn]] void record_to_the_end(SceneHost& host, Recorder& recorder, int core, int pipe) {
+  sigset_t end;
+  sigemptyset(&end);
+  sigaddset(&end, SIGTERM);
+  pin_to(core);
+  recorder.start();
+  int signal = 0;
+  sigwait(&end, &signal);
+  host.stop();
+  recorder.stop();
+  const std::uint64_t lost = recorder.log(0).lost();
+  write_all(pipe, &lost, sizeof lost);
+  std::_Exit(0);
+}
+
 [[noreturn]] void run_ours(const HostOptions& options, const Tokens& tokens, int pipe) {
+  const std::unique_ptr<Recorder> recorder = recorder_of(options);
+  if (recorder != nullptr) {  // for sigwait(): in all threads, and before one of them starts
+    sigset_t end;
+    sigemptyset(&end);
+    sigaddset(&end, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &end, nullptr);
+  }
   SceneHostOptions host_options;
   host_options.address = asio::ip::address_v4::loopback();
   host_options.silence_timeout = std::chrono::hours(1);
@@ -84,7 +117,9 @@ std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>
   if (options.kind == HostKind::ours_spinning) host_options.busy_poll = kForever;
   std::vector<std::unique_ptr<SceneHost>> hosts;
   for (std::size_t i = 0; i < options.cores.size(); ++i) {
+    host_options.events = recorder != nullptr && i == 0 ? &recorder->log(0) : nullptr;
     hosts.push_back(std::make_unique<SceneHost>(load_scene(options.scene_file), host_options));
+    if (host_options.events != nullptr) recorder->see(0, hosts.back()->recorded_pictures());
     pin_to(options.cores[i]);  // the host's thread inherits it
     hosts.back()->start();
     const auto ids = session_ids(options.clients, i);
@@ -103,6 +138,8 @@ std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>
     const std::uint16_t port = page->port();
     write_all(pipe, &port, sizeof port);
   }
+  if (recorder != nullptr)
+    record_to_the_end(*hosts.front(), *recorder, options.recorder_core, pipe);
   while (true) ::pause();
 }
 
@@ -153,7 +190,7 @@ SessionKeys session_keys(std::uint64_t session, CipherSuite suite) {
   return keys;
 }
 
-HostProcess::HostProcess(const HostOptions& options) {
+HostProcess::HostProcess(const HostOptions& options) : record_(options.record) {
   const IssuedToken viewers = issue_token("viewers", "*", Role::observer, std::nullopt);
   viewers_token_ = viewers.text.text();
   int pipe[2];
@@ -169,10 +206,19 @@ HostProcess::HostProcess(const HostOptions& options) {
     read_all(pipe[0], target.sessions.data(), target.sessions.size() * sizeof(std::uint64_t));
   }
   if (options.page_core >= 0) read_all(pipe[0], &page_port_, sizeof page_port_);
-  ::close(pipe[0]);
+  pipe_ = pipe[0];
+}
+
+Recorded HostProcess::finish() {
+  ::kill(process_, SIGTERM);
+  Recorded recorded;
+  read_all(pipe_, &recorded.lost, sizeof recorded.lost);
+  recorded.bytes = std::filesystem::file_size(record_);
+  return recorded;
 }
 
 HostProcess::~HostProcess() {
+  ::close(pipe_);
   if (process_ <= 0) return;
   ::kill(process_, SIGKILL);
   ::waitpid(process_, nullptr, 0);

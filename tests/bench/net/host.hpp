@@ -33,6 +33,14 @@ struct HostOptions {
   int redundancy = 0;
   CipherSuite suite = preferred_suite();
   int page_core = -1;  // of the live page over these scenes; negative: there is no page
+  std::string record;  // FILE.mcap of the first scene's inputs; empty: none
+  int recorder_core = 0;
+};
+
+/// What the recorder came to.
+struct Recorded {
+  std::uint64_t lost = 0;   // events that found its ring full
+  std::uint64_t bytes = 0;  // of the file
 };
 
 /// A scene as the load sees it.
@@ -59,6 +67,9 @@ class HostProcess {
 
   const std::vector<Target>& targets() const { return targets_; }
   pid_t process() const { return process_; }
+  /// Ends the recording, so that the file is complete, and the process. Once, of one that records.
+  /// Throws std::runtime_error.
+  Recorded finish();
   /// Of the live page; 0: there is none.
   std::uint16_t page_port() const { return page_port_; }
   /// A token for its viewers.
@@ -66,6 +77,8 @@ class HostProcess {
 
  private:
   pid_t process_ = -1;
+  int pipe_ = -1;
+  std::string record_;
   std::vector<Target> targets_;
   std::uint16_t page_port_ = 0;
   std::string viewers_token_;

@@ -140,6 +140,19 @@ void print_viewing(const ViewingFigures& figures) {
   print_bar("round trip beside viewers, p99, to unobserved", figures.p99_ratio, "<=", 1.1);
 }
 
+void print_recording(const RecordingFigures& f, const std::string& file, double seconds) {
+  std::printf("\n%d hands of 1 kHz for %g s, without and with a recording (recorder on core %d)\n",
+              kRecordedHands, seconds, page_core());
+  std::printf("%-18s %10s %9s %12s %12s\n", "", "core %", "late %", "answers/s", "kB/s");
+  std::printf("%-18s %10.2f %9.3f\n", "without", 100.0 * f.alone, 100.0 * f.late_alone);
+  std::printf("%-18s %10.2f %9.3f %12.0f %12.0f\n\n", "with", 100.0 * f.recording,
+              100.0 * f.late_recording, f.answers, 1e-3 * f.bytes);
+  print_bar("cost of the recording [% of a core]", 100.0 * f.cost, "<=", 5.0);
+  print_bar("events lost", static_cast<double>(f.lost), "<=", 0.0);
+  std::printf("recorded: %s; feltwire-lab replay %s computes it again\n", file.c_str(),
+              file.c_str());
+}
+
 int run(int argc, char** argv) {
   Settings settings;
   settings.scene = FELTWIRE_SOURCE_DIR "/scenes/room.json";
@@ -152,7 +165,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   app.add_option("--seconds", settings.seconds, "[s] of a run")
-      ->check(CLI::Range(0.1, 60.0))
+      ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--redundancy", settings.redundancy, "Earlier samples in each datagram")
       ->check(CLI::Range(0, kMaxRedundancy))
@@ -162,11 +175,18 @@ int run(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, CipherSuite>{
           {"aes_256_gcm", CipherSuite::aes_256_gcm},
           {"chacha20_poly1305", CipherSuite::chacha20_poly1305}}));
-  app.add_option("--only", only, "sweep, held, scenes, flood, servo, viewing; all when not given")
-      ->check(CLI::IsMember({"sweep", "held", "scenes", "flood", "servo", "viewing"}));
+  app.add_option("--only", only,
+                 "sweep, held, scenes, flood, servo, viewing, recording; all when not given")
+      ->check(CLI::IsMember({"sweep", "held", "scenes", "flood", "servo", "viewing", "recording"}));
+  std::string record;
+  app.add_option("--record", record,
+                 "FILE.mcap that the server records in `recording`. When not given: that is left "
+                 "out");
   CLI11_PARSE(app, argc, argv);
   if (cores() < 2) throw std::runtime_error("two cores are needed: server and load have one each");
 
+  if (record.empty() && std::find(only.begin(), only.end(), "recording") != only.end())
+    throw std::runtime_error("--only recording: it needs a file; give --record FILE.mcap");
   const auto wanted = [&](const char* what) {
     return only.empty() || std::find(only.begin(), only.end(), what) != only.end();
   };
@@ -176,6 +196,8 @@ int run(int argc, char** argv) {
   if (wanted("scenes")) print_scaling(scaling(settings));
   if (wanted("flood")) print_flood(flood(settings));
   if (wanted("viewing")) print_viewing(viewing(settings));
+  if (wanted("recording") && !record.empty())
+    print_recording(recording(settings, record), record, settings.seconds);
   if (wanted("servo")) print_servo(servo(settings));
   return 0;
 }

@@ -188,6 +188,33 @@ Watched watched(const std::vector<WatchedRun>& runs) {
   return {f.p50, f.p99, f.p999, f.late, median(pictures)};
 }
 
+struct RecordedRun {
+  LoadResult load;
+  Recorded recorded;
+};
+
+RecordedRun run_recorded(const Settings& settings, const std::string& file) {
+  HostOptions host;
+  host.scene_file = settings.scene;
+  host.clients = kRecordedHands;
+  host.cores = {kServerCore};
+  host.redundancy = settings.redundancy;
+  host.suite = settings.suite;
+  host.record = file;
+  host.recorder_core = page_core();
+  HostProcess process(host);
+  pin_to(kLoadCore);
+  LoadOptions options;
+  options.redundancy = settings.redundancy;
+  options.suite = settings.suite;
+  constexpr double kLongestAlone = 60.0;  // [s]
+  options.duration = duration(settings);
+  if (file.empty()) options.duration = std::min(options.duration, from_seconds(kLongestAlone));
+  RecordedRun result{Load(process.targets().front(), false, options).run(process.process()), {}};
+  if (!file.empty()) result.recorded = process.finish();
+  return result;
+}
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -251,6 +278,32 @@ ViewingFigures viewing(const Settings& settings) {
                      static_cast<double>(alone.back().load.round_trip.quantile(0.99)));
   }
   return {watched(alone), watched(beside), median(ratios)};
+}
+
+RecordingFigures recording(const Settings& settings, const std::string& file) {
+  std::vector<double> alone, beside, cost, late_alone, late_beside, answers, bytes;
+  RecordingFigures result;
+  for (int round = 0; round < settings.rounds; ++round) {
+    const LoadResult without = run_recorded(settings, "").load;
+    const auto [with, recorded] = run_recorded(settings, file);
+    const double time = std::chrono::duration<double>(with.wall).count();
+    alone.push_back(without.server_busy());
+    beside.push_back(with.server_busy());
+    cost.push_back(beside.back() - alone.back());
+    late_alone.push_back(without.late_share());
+    late_beside.push_back(with.late_share());
+    answers.push_back(static_cast<double>(with.answered) / time);
+    bytes.push_back(static_cast<double>(recorded.bytes) / time);
+    result.lost = std::max(result.lost, recorded.lost);
+  }
+  result.alone = median(alone);
+  result.recording = median(beside);
+  result.cost = median(cost);
+  result.late_alone = median(late_alone);
+  result.late_recording = median(late_beside);
+  result.answers = median(answers);
+  result.bytes = median(bytes);
+  return result;
 }
 
 FloodFigures flood(const Settings& settings) {

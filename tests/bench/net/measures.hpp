@@ -92,6 +92,19 @@ ViewingFigures viewing(const Settings& settings);
 /// The page has a core of its own where there is one, else the server's, as its viewers.
 int page_core();
 
+/// Hands of 1 kHz, without a recording and with one. Medians over the rounds, of `lost` the most.
+struct RecordingFigures {
+  double alone = 0.0, recording = 0.0;  // share of a core that the server used, all its threads
+  double cost = 0.0;                    // the difference of each round's pair
+  double late_alone = 0.0, late_recording = 0.0;  // share of the answers after more than 1 ms
+  double answers = 0.0;                           // [1/s] while it recorded
+  double bytes = 0.0;                             // [1/s] of the file
+  std::uint64_t lost = 0;                         // events
+};
+inline constexpr int kRecordedHands = 16;
+/// The newest recording stays at `file`. The runs without one take a minute at most.
+RecordingFigures recording(const Settings& settings, const std::string& file);
+
 /// Our client's servo at 1 kHz, on the load's core.
 struct ServoFigures {
   std::string how;

@@ -82,12 +82,21 @@ class Hand {
     batch.samples[0].pose.position = {-0.05, 0, z};
     batch.samples[0].held.elastic = {0, 0, force};
     batch.previous = packet_ - 1;
-    batch.report = HandReport{.late_ticks = 5};
+    batch.report = HandReport{.hand_damping = 1.5, .late_ticks = 5, .times = times_};
     socket_.send(encoder_.samples(joined_.accepted.session, packet_, batch));
     ASSERT_FALSE(socket_.receive().empty());
   }
 
+  /// Says so of its wake-ups and round trips: what is said first is where counting begins.
+  void be_punctual(const HandTimes::Counts& wakeups, const HandTimes::Counts& round_trips) {
+    times_ = HandTimes{};
+    put(0.003);
+    times_ = HandTimes{wakeups, round_trips};
+    put(0.003);
+  }
+
  private:
+  std::optional<HandTimes> times_;
   test::ControlClient control_;
   test::JoinedBy joined_;
   test::RawSocket socket_;
@@ -128,11 +137,56 @@ TEST(Gateway, ShowsAHandThatMoves) {
                    [&] { return std::abs(at<float>(page.picture(), kElasticZ) - 4.0f) < 1e-4f; });
   test::eventually("the sessions' table", [&] {
     const Json said = page.text("sessions")["sessions"];
-    return said.size() == 1 && said[0]["number"] == 1 && said[0]["client"].is_null() &&
-           said[0]["mode"].is_null() && said[0]["samples"] == 2 && said[0]["late_ticks"] == 5;
+    return said.size() == 1 && said[0]["number"] == 1 && said[0]["samples"] == 2 &&
+           said[0]["late_ticks"] == 5 && !said[0]["client"].is_null();
   });
   // The gateway is the server's observer, whatever its viewers are here.
   EXPECT_EQ(server.summary().front().sessions, 2u);
+}
+
+/// The page of the gateway has what that of the server has.
+TEST(Gateway, TellsWhoIsThereAsTheServerDoes) {
+  ServerConfig config = test::any_port();
+  config.web = "0";
+  Server server(config, one(test::room(0.0)), test::security({observer().token}));
+  Hand hand(server);
+  hand.put(0.003);
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway), original(server, std::string(observer().text.text()));
+  const auto told = [&](Page& from) {
+    Json said;
+    test::eventually("the hand's report in the table", [&] {
+      said = from.text("sessions")["sessions"];
+      return said.size() == 1 && said[0]["wakeups"].is_array() && !said[0]["client"].is_null();
+    });
+    return said[0];
+  };
+  hand.be_punctual({3, 0, 2}, {0, 4});
+  Json expected = told(original), seen = told(page);
+  EXPECT_EQ(seen["wakeups"][2], 2);
+  EXPECT_EQ(seen["round_trips"][1], 4);
+  EXPECT_EQ(seen["hand_damping"], 1.5);
+  EXPECT_LT(std::abs(seen["seconds"].get<double>() - expected["seconds"].get<double>()), 60.0);
+  for (const char* name : {"seconds", "samples_per_s", "loss"}) {  // counted at another moment
+    seen.erase(name);
+    expected.erase(name);
+  }
+  EXPECT_EQ(seen, expected);
+}
+
+TEST(Gateway, ShowsTheMaterialsInForce) {
+  Server server = server_at();
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway);
+  EXPECT_EQ(page.text("hello")["observes"], true);
+  EXPECT_EQ(page.text("materials")["objects"][0]["stiffness"], 2000.0);
+  test::ControlClient admin(server.control_port());
+  admin.ask<control::SceneChanged>(
+      control::SetMaterial{"room", {.object = "floor", .stiffness = 500.0}});
+  const Json changed = page.text("materials");
+  EXPECT_EQ(changed["objects"][0]["stiffness"], 500.0);
+  EXPECT_EQ(changed["objects"][1]["stiffness"], 2000.0);
+  EXPECT_TRUE(changed["gravity"].is_null());
 }
 
 TEST(Gateway, GoesOnWithOthersWhereAViewerDoesNotRead) {
@@ -149,9 +203,9 @@ TEST(Gateway, GoesOnWithOthersWhereAViewerDoesNotRead) {
   }
 }
 
-std::string got(const Gateway& gateway, const std::string& path) {
+std::string got(const Gateway& gateway, const std::string& path, const std::string& headers = "") {
   test::RawSocket socket(SOCK_STREAM, test::page_port(gateway));
-  socket.send(test::bytes("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  socket.send(test::bytes("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + headers + "\r\n"));
   std::string all;
   for (auto more = socket.receive(); !more.empty(); more = socket.receive())
     all.append(more.begin(), more.end());
@@ -175,8 +229,13 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
     const auto picture = page.picture();
     return !picture.empty() && at<std::uint32_t>(picture, 4) == 0;
   });
+  const auto shown = [](const IssuedToken& token) {
+    return "Authorization: Bearer " + std::string(token.text.text()) + "\r\n";
+  };
   EXPECT_THAT(got(gateway, "/ready"),
-              ::testing::AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("scene room")));
+              ::testing::AllOf(StartsWith("HTTP/1.1 503 "), ::testing::Not(HasSubstr("room"))));
+  EXPECT_THAT(got(gateway, "/ready", shown(viewer())), HasSubstr("scene room is not seen"));
+  EXPECT_THAT(got(gateway, "/ready", shown(observer())), ::testing::Not(HasSubstr("room")));
   EXPECT_THAT(got(gateway, "/health"), StartsWith("HTTP/1.1 200 "));
   // A viewer that comes meanwhile is told, too.
   Page other = page_of(gateway);

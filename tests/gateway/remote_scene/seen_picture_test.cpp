@@ -35,7 +35,7 @@ TEST(SeenPicture, HasTheHandsAndWhatMoves) {
   ObservedScene seen;
   seen.take(view_of({{3, pose, Vec3(0, 0, 2)}, {7, {}, Vec3::Zero()}}, {{1, pose}}));
   Picture picture;
-  draw(seen, moving(), picture);
+  draw(seen, moving(), {}, picture);
   ASSERT_EQ(picture.hands.size(), 2u);
   EXPECT_EQ(picture.hands[0].number, 3u);
   EXPECT_EQ(picture.hands[0].pose.position, pose.position);
@@ -47,7 +47,7 @@ TEST(SeenPicture, HasTheHandsAndWhatMoves) {
   EXPECT_EQ(picture.bodies[0].pose.position, pose.position);
   // A hand that has left is gone.
   seen.take(view_of({{7, {}, Vec3::Zero()}}, {}));
-  draw(seen, moving(), picture);
+  draw(seen, moving(), {}, picture);
   EXPECT_EQ(picture.hands.size(), 1u);
   EXPECT_TRUE(picture.bodies.empty());
 }
@@ -68,7 +68,7 @@ TEST(SeenPicture, HasTheFiguresOfAHand) {
   ObservedScene seen;
   seen.take(view_of({hand}, {}));
   Picture picture;
-  draw(seen, moving(), picture);
+  draw(seen, moving(), {}, picture);
   ASSERT_EQ(picture.hands.size(), 1u);
   const PictureHand& drawn = picture.hands[0];
   EXPECT_EQ(drawn.samples, 5u);
@@ -85,17 +85,78 @@ TEST(SeenPicture, HasTheFiguresOfAHand) {
   // Bits that are not known would be taken for the client's reasons.
   EXPECT_EQ(drawn.states, (1u << kHandStates) - 1u);
   // A tool that the file does not have is none.
-  const auto described = hands_of(seen, moving());
+  const auto described = hands_of(seen, moving(), {}, Nanoseconds(0));
   ASSERT_EQ(described.size(), 1u);
   EXPECT_EQ(described[0].number, 3u);
   EXPECT_EQ(described[0].tool, "");
+}
+
+TEST(SeenPicture, HasWhatTheServerTellsOfASession) {
+  SeenHand hand{3, {}, Vec3::Zero()};
+  hand.figures = HandFigures{.report = HandReport{}};
+  ObservedScene seen;
+  seen.take(view_of({hand, {7, {}, Vec3::Zero()}}, {}));
+  control::SessionDescription told;
+  told.number = 3;
+  told.session = 4711;
+  told.client = "alice";
+  told.device = "falcon";
+  told.parameters.mode = "per_axis";
+  told.asked = "mode a -> b";
+  told.answer = ChangeAnswer::refused;
+  told.lead_share = 2.0;
+  told.seconds = 1.5;
+  told.hand_damping = 0.25;
+  told.times = {{1, 2, 3, 4, 5, 6, 7, 8}, {8, 7, 6, 5, 4, 3, 2, 1}};
+  const std::vector all{told};
+  Picture picture;
+  draw(seen, moving(), all, picture);
+  ASSERT_EQ(picture.hands.size(), 2u);
+  EXPECT_EQ(picture.hands[0].report->hand_damping, 0.25);
+  auto hands = hands_of(seen, moving(), all, std::chrono::seconds(10));
+  ASSERT_EQ(hands.size(), 2u);
+  EXPECT_EQ(hands[0].session, 4711u);
+  EXPECT_EQ(hands[0].client, "alice");
+  EXPECT_EQ(hands[0].device, "falcon");
+  EXPECT_EQ(hands[0].parameters->mode, "per_axis");
+  EXPECT_EQ(hands[0].asked, "mode a -> b");
+  EXPECT_EQ(hands[0].answer, ChangeAnswer::refused);
+  EXPECT_EQ(hands[0].lead_share, std::nullopt);  // no robot is here
+  EXPECT_EQ(hands[0].joined, std::chrono::milliseconds(8500));
+  EXPECT_EQ(hands[0].times.wakeups()[7], 8u);
+  EXPECT_EQ(hands[0].times.round_trips()[0], 8u);
+  EXPECT_EQ(hands[1].client, "");  // it has just joined: nothing is told of it yet
+  EXPECT_EQ(hands[1].parameters, std::nullopt);
+  // Impossible parameters are not shown.
+  told.parameters.servo_period = 0.0;
+  EXPECT_EQ(hands_of(seen, moving(), std::vector{told}, Nanoseconds(0))[0].parameters,
+            std::nullopt);
+}
+
+TEST(SeenPicture, TakesTheMaterialsInForce) {
+  const Scene scene = moving();
+  const Material wood = scene.objects()[0].material;
+  const std::vector same{wood, wood};
+  EXPECT_FALSE(with_materials(scene, same));
+  Material soft = wood;
+  soft.stiffness = 250.0;
+  soft.static_friction = soft.dynamic_friction = 0.5;
+  const auto changed = with_materials(scene, std::vector{wood, soft});
+  ASSERT_TRUE(changed);
+  EXPECT_EQ(changed->objects()[0].material.stiffness, 1000.0);
+  EXPECT_EQ(changed->objects()[1].material.stiffness, 250.0);
+  EXPECT_EQ(changed->objects()[1].material.dynamic_friction, 0.5);
+  // Those of another file, and impossible ones.
+  EXPECT_FALSE(with_materials(scene, std::vector{soft}));
+  soft.stiffness = -1.0;
+  EXPECT_FALSE(with_materials(scene, std::vector{wood, soft}));
 }
 
 TEST(SeenPicture, LeavesOutWhatTheFileDoesNotHave) {
   ObservedScene seen;
   seen.take(view_of({}, {{0, {}}, {1, {}}, {2, {}}, {60000, {}}}));
   Picture picture;
-  draw(seen, moving(), picture);
+  draw(seen, moving(), {}, picture);
   ASSERT_EQ(picture.bodies.size(), 1u);
   EXPECT_EQ(picture.bodies[0].object, 1u);
 }

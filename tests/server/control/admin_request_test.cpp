@@ -23,7 +23,7 @@ class AdminRequest : public ::testing::Test {
  protected:
   AdminRequest()
       : server_(test::any_port(), scenes(),
-                test::security({anna_.token, eye_.token, other_.token})) {}
+                test::security({anna_.token, eye_.token, other_.token, robot_.token})) {}
   static std::vector<Scene> scenes() {
     std::vector<Scene> all;
     all.push_back(test::room());
@@ -32,7 +32,8 @@ class AdminRequest : public ::testing::Test {
 
   IssuedToken anna_ = issue_token("anna", "*", Role::operator_, std::nullopt),
               eye_ = issue_token("eye", "*", Role::observer, std::nullopt),
-              other_ = issue_token("other admin", "theatre", Role::admin, std::nullopt);
+              other_ = issue_token("other admin", "theatre", Role::admin, std::nullopt),
+              robot_ = issue_token("robot", "room", Role::follower, std::nullopt);
   Server server_;
   ControlClient admin_{server_.control_port()};
 };
@@ -73,7 +74,6 @@ TEST_F(AdminRequest, NobodyElseMay) {
     ControlClient client(server_.control_port(), AF_INET, token->text);
     for (const control::Message& request :
          {control::Message(kSofter), control::Message(control::SetGravity{"room", Vec3::Zero()}),
-          control::Message(control::DescribeSessions{"room", 0}),
           control::Message(control::GetCounters{"room"}),
           control::Message(control::WriteFlightRecord{"room"}),
           control::Message(control::GetCounters{})}) {
@@ -86,9 +86,56 @@ TEST_F(AdminRequest, NobodyElseMay) {
   ControlClient client(server_.control_port(), AF_INET, other_.text);
   for (const control::Message& request :
        {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
+        control::Message(control::DescribeScene{"room", 0}),
         control::Message(control::WriteFlightRecord{"room"}),
         control::Message(control::GetCounters{"room"})})
     EXPECT_EQ(client.ask<Refused>(request).code, RefusalCode::unknown_scene);
+}
+
+TEST_F(AdminRequest, AnObserverIsToldWhoIsThereAndWhatIsInForce) {
+  test::RestingHand hand(admin_);
+  admin_.ask<control::SceneChanged>(kSofter);
+  ControlClient eye(server_.control_port(), AF_INET, eye_.text);
+  const auto list =
+      eye.ask<control::SessionDescriptions>(control::DescribeSessions{"room", 0}).sessions;
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0].session, hand.session());
+  EXPECT_GE(list[0].seconds.value(), 0.0);
+  EXPECT_FALSE(list[0].times.heard());
+  const auto scene = eye.ask<control::SceneDescription>(control::DescribeScene{"room", 0});
+  EXPECT_EQ(scene.version, 1u);
+  EXPECT_EQ(scene.changes, 1u);
+  EXPECT_EQ(scene.gravity, std::nullopt);
+  EXPECT_EQ(scene.objects, 2u);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(scene.materials[0].stiffness, 500.0);
+  EXPECT_EQ(scene.materials[1].stiffness, 2000.0);
+  EXPECT_EQ(eye.ask<control::SceneDescription>(control::DescribeScene{"room", 1}).materials.size(),
+            1u);
+  EXPECT_TRUE(
+      eye.ask<control::SceneDescription>(control::DescribeScene{"room", 9}).materials.empty());
+  EXPECT_EQ(eye.ask<Refused>(control::DescribeScene{"attic", 0}).code, RefusalCode::unknown_scene);
+}
+
+TEST_F(AdminRequest, ARobotIsToldOfNobody) {
+  ControlClient robot(server_.control_port(), AF_INET, robot_.text);
+  for (const control::Message& request : {control::Message(control::DescribeSessions{"room", 0}),
+                                          control::Message(control::DescribeScene{"room", 0})})
+    EXPECT_EQ(robot.ask<Refused>(request).code, RefusalCode::forbidden);
+}
+
+/// Each is work for a scene's thread: an observer's questions are limited.
+TEST_F(AdminRequest, AnObserverThatAsksWithoutEndIsRefused) {
+  ControlClient eye(server_.control_port(), AF_INET, eye_.text);
+  const auto is_refused = [&] {
+    eye.send(control::DescribeSessions{"room", 0});
+    const auto answer = eye.receive();
+    return answer && std::holds_alternative<Refused>(*answer);
+  };
+  int asked = 0;
+  while (asked < 10'000 && !is_refused()) ++asked;
+  EXPECT_GE(asked, 60);
+  EXPECT_LT(asked, 10'000);
 }
 
 TEST_F(AdminRequest, WhatCannotBeIsRefusedInWords) {

@@ -208,7 +208,7 @@ TEST(ViewerMessage, ReadsWhatAnAdminWants) {
   const auto mode = parse_viewer_message(R"({"set":{"session":"7","mode":"none"},"reload":true})");
   ASSERT_TRUE(mode && mode->set);
   EXPECT_EQ(mode->set->session, "7");
-  EXPECT_EQ(mode->set->mode, "none");
+  EXPECT_EQ(mode->set->bound.mode, "none");
   EXPECT_TRUE(mode->reload);
   EXPECT_FALSE(mode->record);
   EXPECT_TRUE(parse_viewer_message(R"({"record":true})")->record);

@@ -59,14 +59,19 @@ TEST(Answers, TheFileAsItWasCompressed) {
 
 TEST(Answers, NotReadyWhileASceneIsNotSeen) {
   Site site{kPage, {}, false};
-  const auto ready = [&](const std::string& path) {
-    const auto request = parse_http_head(get(path, "") + "\r\n");
+  const auto ready = [&](const std::string& path, const std::string& headers = "") {
+    const auto request = parse_http_head(get(path, headers) + "\r\n");
     return text(answer(&*request, site));
   };
   EXPECT_THAT(ready("/ready"), StartsWith("HTTP/1.1 200 "));
-  site.hidden_scene = [] { return std::optional<std::string>("room"); };
+  site.hidden_scene = [](std::string_view token) {
+    return std::optional<std::string>(token == "fw_good" ? "room" : "");
+  };
   EXPECT_THAT(ready("/ready"), StartsWith("HTTP/1.1 503 "));
-  EXPECT_THAT(ready("/ready"), HasSubstr("scene room is not seen"));
+  EXPECT_THAT(ready("/ready"), HasSubstr("a scene is not seen"));
+  const std::string good = ready("/ready", "Authorization: Bearer fw_good\r\n");
+  EXPECT_THAT(good, StartsWith("HTTP/1.1 503 "));
+  EXPECT_THAT(good, HasSubstr("scene room is not seen"));
   EXPECT_THAT(ready("/health"), StartsWith("HTTP/1.1 200 "));
 }
 

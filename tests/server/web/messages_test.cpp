@@ -40,10 +40,12 @@ struct Reader {
 
 TEST(Messages, HelloNamesScenesAndReasons) {
   const std::vector<std::string> scenes = {"room", "a \"b\""};
-  const Json hello = Json::parse(web::hello(scenes, Role::observer));
+  const Json hello = Json::parse(web::hello(scenes, Role::observer, false));
   EXPECT_EQ(hello["type"], "hello");
   EXPECT_EQ(hello["scenes"], Json(scenes));
   EXPECT_EQ(hello["role"], "observer");
+  EXPECT_EQ(hello["observes"], false);
+  EXPECT_EQ(hello["small_debt"], kSmallDebt);
   ASSERT_EQ(hello["reasons"].size(), kHandStates + kHandReasons);
   EXPECT_EQ(hello["reasons"][kHandStates + static_cast<std::size_t>(HandReason::account)]["name"],
             "account");
@@ -155,7 +157,7 @@ TEST(Messages, HaveTheMembersThatThePageIsTestedWith) {
                      .action = Viscosity{.damping = 1.0},
                      .max_force = 1.0}});
   HandDescription hand;
-  const Json greeting = Json::parse(hello({}, Role::observer));
+  const Json greeting = Json::parse(hello({}, Role::observer, false));
   const Json shown = Json::parse(scene_text(scene, 1));
   const Json materials = Json::parse(materials_text(scene, 1, std::nullopt));
   const Json table = Json::parse(sessions({&hand, 1}, {}, {}, 1.0));
@@ -356,7 +358,7 @@ TEST(Messages, SessionsSayHowPunctualTheyAre) {
   const Json entry = Json::parse(sessions({&hand, 1}, {}, {}, 1.5))["sessions"][0];
   EXPECT_EQ(entry["wakeups"], Json({990, 0, 0, 0, 0, 0, 0, 2}));
   EXPECT_EQ(entry["round_trips"], Json({0, 500, 0, 0, 0, 0, 0, 0}));
-  const Json said_first = Json::parse(hello({}, Role::observer));
+  const Json said_first = Json::parse(hello({}, Role::observer, false));
   EXPECT_EQ(said_first["wakeup_limits"].size(), 7u);
   EXPECT_EQ(said_first["wakeup_limits"][0], 2e-5);
   EXPECT_EQ(said_first["round_trip_limits"][6], 0.1);

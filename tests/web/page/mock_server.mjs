@@ -108,13 +108,14 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
     if (!viewers.has(viewer)) {
       if (message.token !== token) return viewer.close(4401, 'unknown token');
       viewers.add(viewer);
-      viewer.json({type: 'hello', version: 'mock', scenes: ['room', 'other'], role: 'observer', modes: ['contact_frame', 'per_axis'], reasons: REASONS,
+      viewer.json({type: 'hello', version: 'mock', observes: play.observes, small_debt: 1e-6, scenes: ['room', 'other'], role: 'observer', modes: ['contact_frame', 'per_axis'], reasons: REASONS,
         wakeup_limits: [2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 1e-2], round_trip_limits: [2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.02, 0.1]});
       sendScene(viewer, 'room');
     }
     if (message.ticket) viewer.json({type: 'ticket', scene: message.ticket, path: `/foxglove?ticket=fw_${message.ticket}`, seconds: 60});
     if (message.admin) viewer.json(message.admin === ADMIN ? {type: 'admin', role: 'admin'} : {type: 'refused', text: 'the token is not good'});
-    if (message.set || message.evict || message.reload) asked.push(message);
+    if (message.set || message.evict || message.reload || message.record) asked.push(message);
+    if (message.record) viewer.json({type: 'changed', text: 'flight record: /var/flights/flight-1-room.mcap'});
     if (message.set?.stiffness > 1e9) {
       viewer.json({type: 'refused', text: 'stiffness: must be at most 1e+09 [N/m]'});
     } else if (message.set) {

@@ -116,12 +116,12 @@ test('an admin turns knobs, and is told what is refused', async () => {
   await page.click('#admin form button');
   await until(() => document.querySelector('#admin-said').dataset.level === 'error');
   assert.match(await said(), /not good/);
-  assert.ok(!await page.getByLabel('Stiffness', {exact: true}).isVisible());  // An observer has no knobs.
+  const stiffness = page.getByLabel(/^Stiffness ?N\/m$/);
+  assert.equal(await stiffness.inputValue(), '1000');
+  assert.ok(await stiffness.isDisabled());  // An observer sees what it is, and has no knob.
   await page.fill('#admin input[type=password]', ADMIN);
   await page.click('#admin form button');
-  const stiffness = page.getByLabel(/^Stiffness ?N\/m$/);
-  await stiffness.waitFor({state: 'visible'});
-  assert.equal(await stiffness.inputValue(), '1000');
+  await until(() => !document.querySelector('#admin fieldset').disabled);
   await stiffness.fill('250');
   await stiffness.press('Enter');
   assert.deepEqual((await asked(1)).set, {object: await page.locator('#admin select').first().inputValue(), stiffness: 250});
@@ -144,7 +144,23 @@ test('an admin turns knobs, and is told what is refused', async () => {
   assert.deepEqual(await asked(5), {evict: '4712'});
   await page.getByRole('button', {name: /Reload/}).click();
   assert.deepEqual(await asked(6), {reload: true});
+  await page.getByRole('button', {name: 'Write a flight record'}).click();
+  assert.deepEqual(await asked(7), {record: true});
+  await until(() => document.querySelector('#admin-said').textContent.includes('/var/flights/flight-1-room.mcap'));
   assert.ok(server.requests.every((path) => !path.includes(ADMIN)));
+});
+
+test('a page that only observes shows the values, and says who can change them', async () => {
+  server.play.observes = true;
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  await page.click('#admin-open');
+  assert.match(await page.textContent('#admin-said'), /only observes/);
+  assert.ok(!await page.locator('#admin input[type=password]').isVisible());
+  assert.ok(await page.getByRole('button', {name: 'Write a flight record'}).isDisabled());
+  assert.equal(await page.getByLabel(/^Stiffness ?N\/m$/).inputValue(), '1000');
+  await page.locator('tbody tr', {hasText: 'bob'}).click();
+  await until(() => document.querySelector('#admin select[aria-label="Mode of the bound"]').value === 'contact_frame');
 });
 
 test('an admin changes the law, the link and the lead of a client that takes them', async () => {

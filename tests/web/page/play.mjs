@@ -32,6 +32,43 @@ export function ballShape(radius, rings = 16) {
   return {positions, corners};
 }
 
+/** What a server makes of a mesh: a cup of thin walls, open above. @returns {{positions: number[], corners: number[]}} */
+export function cupShape(radius, height, around = 24) {
+  const positions = [0, 0, 0];
+  const corners = [];
+  for (let j = 0; j < around; ++j) {
+    const turn = (2 * Math.PI * j) / around;
+    for (const z of [0, height]) positions.push(radius * Math.cos(turn), radius * Math.sin(turn), z);
+    const [a, b] = [1 + 2 * j, 1 + 2 * ((j + 1) % around)];
+    corners.push(0, b, a, a, b, a + 1, b, b + 1, a + 1);
+  }
+  return {positions, corners};
+}
+
+/** What a server makes of a distance field: the surface of a block of cells, each cell's face of two triangles. @returns {{positions: number[], corners: number[]}} */
+export function gridShape(half, cells = 16) {
+  const positions = [];
+  const corners = [];
+  for (let axis = 0; axis < 3; ++axis) {
+    for (const side of [-half, half]) {
+      const first = positions.length / 3;
+      for (let i = 0; i <= cells; ++i) {
+        for (let j = 0; j <= cells; ++j) {
+          const place = [0, 0, 0];
+          place[axis] = side;
+          place[(axis + 1) % 3] = half * (2 * i / cells - 1);
+          place[(axis + 2) % 3] = half * (2 * j / cells - 1);
+          positions.push(...place);
+          if (i === cells || j === cells) continue;
+          const [a, b] = [first + i * (cells + 1) + j, first + (i + 1) * (cells + 1) + j];
+          corners.push(...(side > 0 ? [a, b, b + 1, a, b + 1, a + 1] : [a, b + 1, b, a, a + 1, b + 1]));
+        }
+      }
+    }
+  }
+  return {positions, corners};
+}
+
 /** @returns {Buffer} a message of kind 1 */
 export function geometryMessage(index, version, {positions, corners}) {
   const buffer = Buffer.alloc(20 + 4 * positions.length + 4 * corners.length);
@@ -48,6 +85,7 @@ export class Play {
     this.version = 1;
     this.silent = false;  // whether there are no pictures
     this.still = false;  // whether no hand touches anything
+    this.observes = false;  // whether no change can be made, as at a gateway
     this.seats = [''];  // names of the seats for robots
     this.robots = [];  // {state, hand, flags} of those on the scene's seats
     this.modelled = true;  // whether clients have local models
@@ -126,11 +164,16 @@ export class Play {
       const at = 24 + 112 * this.hands + 32 * i;
       buffer.writeUInt32LE(2 + i, at);
       const angle = 0.3 * time + i;
-      const place = i === 0 ? this.#ball(time) : [0.09 * Math.cos(i * 2.4), 0.07 * Math.sin(i * 1.7), 0.006 + 0.09 * ((i * 0.618) % 1) + 0.004 * Math.sin(angle)];
-      [...place, Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)].forEach((value, j) => buffer.writeFloatLE(value, at + 4 + 4 * j));
+      [...this.place(i, time), Math.cos(angle / 2), 0, 0, Math.sin(angle / 2)].forEach((value, j) => buffer.writeFloatLE(value, at + 4 + 4 * j));
     }
     this.robots.forEach((robot, i) => this.#robot(robot, buffer, 24 + 112 * this.hands + 32 * this.bodies + 100 * i));
     return buffer;
+  }
+
+  /** Of the i-th body. @returns {number[]} [m] */
+  place(i, time) {
+    if (i === 0) return this.#ball(time);
+    return [0.09 * Math.cos(i * 2.4), 0.07 * Math.sin(i * 1.7), 0.006 + 0.09 * ((i * 0.618) % 1) + 0.004 * Math.sin(0.3 * time + i)];
   }
 
   #robot(robot, buffer, at) {

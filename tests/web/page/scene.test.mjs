@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {TOKEN} from './mock_server.mjs';
+import {cupShape, gridShape} from './play.mjs';
 import {hold, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
 
 test('nothing is drawn before there is a scene', async () => {
@@ -62,6 +63,47 @@ test('tools and local models are drawn', async () => {
   await until(() => window.feltwire().surfaces === 1);
   server.play.modelled = false;
   await until(() => window.feltwire().surfaces === 0);
+});
+
+test('a mesh and a grid that move are drawn where the picture says', async () => {
+  await newServer({hands: 1, bodies: 6});
+  const [cup, grid] = [cupShape(0.02, 0.03), gridShape(0.015)];
+  server.play.shapes.find(({index}) => index === 2).shape = cup;
+  server.play.shapes.find(({index}) => index === 3).shape = grid;
+  await open();
+  await until(() => window.feltwire().bodies === 6 && window.feltwire().pictures > 1);
+  await hold();
+  const {bodyPlaces, time} = await state();
+  const triangles = (index) => bodyPlaces.find((body) => body.index === index).triangles;
+  assert.equal(triangles(2), cup.corners.length / 3);
+  assert.equal(triangles(3), grid.corners.length / 3);
+  assert.notEqual(triangles(4), triangles(3));  // Four balls of one shape are drawn together, beside them.
+  for (const i of [0, 1, 4]) {
+    const {at} = bodyPlaces.find(({index}) => index === 2 + i);
+    server.play.place(i, time).forEach((value, axis) => assert.ok(Math.abs(value - at[axis]) < 1e-5, `body ${i}: ${at}`));
+  }
+});
+
+test('of pictures that come in a heap the newest is drawn, and all are plotted', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3 && window.feltwire().plotted.points > 3);
+  server.play.silent = true;
+  server.send(server.play.picture());
+  const last = server.play.picture();
+  server.send(last);
+  await until((time) => window.feltwire().time === time, last.readDoubleLE(16));  // What was on its way has come.
+  const before = await state();
+  const heap = Array.from({length: 40}, (_, i) => {
+    const picture = server.play.picture();
+    picture.writeDoubleLE(before.time + 0.01 * (i + 1), 16);
+    return picture;
+  });
+  heap.forEach((picture) => server.send(picture));
+  await until((time) => window.feltwire().time > time, before.time + 0.395);
+  await until((points) => window.feltwire().plotted.points >= points, before.plotted.points + 40);  // A plot is at most as new as its picture.
+  const after = await state();
+  assert.equal(after.pictures, before.pictures + 40);
+  assert.ok(after.frames - before.frames < 20, `${after.frames - before.frames} frames`);
 });
 
 test('robots are drawn and described', async () => {

@@ -1,4 +1,5 @@
-// The admin's panel: knobs for materials, gravity and the chosen session. The server judges every value; what it refuses is said here.
+// The admin's panel: knobs for materials, gravity and the chosen session. Everyone sees their values; an admin turns them. The server
+// judges every value; what it refuses is said here.
 
 const PERIOD = 150;  // [ms] between two messages of a knob that is dragged
 const PER_DECADE = 100;  // steps of the stiffness slider
@@ -37,6 +38,13 @@ export function make(tag, properties, ...children) {
   return made;
 }
 
+/** A row with a number, kept in `inputs` by its field. @param {Map<string, HTMLInputElement>} inputs */
+function numberRow(inputs, [field, label, unit], properties) {
+  const input = make('input', {type: 'number', step: 'any', min: 0, ...properties});
+  inputs.set(field, input);
+  return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
+}
+
 /** Puts a value into an input that nobody is using. */
 function fill(input, value) {
   if (document.activeElement !== input) input.value = value;
@@ -51,9 +59,11 @@ export class Admin {
     this.materials = [];
     this.session = null;  // of the chosen hand
     this.waiting = null;  // the newest value of a knob that is dragged, until it is sent
-    this.inputs = new Map();
+    this.inputs = new Map();  // of a material
     this.linkInputs = new Map();
+    this.law = new Map();  // choices of the chosen session: they and the next two show its values
     this.boundInputs = new Map();
+    this.leadInputs = new Map();
     this.#build();
     button.onclick = () => {
       panel.hidden = !panel.hidden;
@@ -62,11 +72,12 @@ export class Admin {
     };
   }
 
-  /** @param {{role: string, modes?: string[]}} message the server's hello: a new connection */
-  hello({role, modes = []}) {
-    this.#unlock(role === 'admin');
-    this.mode.replaceChildren(...modes.map((mode) => new Option(mode)));
-    this.#say('', '');
+  /** @param {{role: string, modes?: string[], observes?: boolean}} message the server's hello: a new connection */
+  hello({role, modes = [], observes = false}) {
+    this.#unlock(role === 'admin' && !observes);
+    this.law.get('mode').replaceChildren(...modes.map((mode) => new Option(mode)));
+    this.#say('', observes ? 'This page only observes. Change the scene on the page of the server itself, or with feltwire-client admin.' : '');
+    if (observes) this.lock.hidden = true;
   }
 
   /** @param {{objects: {name: string}[]}} scene */
@@ -97,8 +108,7 @@ export class Admin {
       case 'refused':
         this.#say('error', message.text);
         document.activeElement.blur();  // What it holds is not so.
-        fill(this.leadShare, this.session?.lead_share ?? '');
-        for (const [field, input] of [...this.law, ...this.boundInputs]) fill(input, this.session?.[field] ?? '');
+        this.#showSession(this.#ofSession());
         this.#showMaterial();
         break;
     }
@@ -112,20 +122,15 @@ export class Admin {
     this.evict.disabled = !session;
     const atClient = session?.side === 'client' && ['safe', 'any'].includes(session.laws_taken);
     const fixed = session?.side !== 'server' && !atClient;
-    for (const [field, input] of this.law) {
-      input.disabled = !session || fixed;
-      if (session?.session !== old?.session || session?.[field] !== old?.[field]) fill(input, session?.[field] ?? '');
-    }
+    for (const input of this.law.values()) input.disabled = !session || fixed;
     this.more.hidden = !session;
     this.numbers.hidden = session?.side !== 'server';  // Those of a client's bound are its own.
-    for (const [field, input] of this.boundInputs) {
-      if (session?.session !== old?.session || session?.[field] !== old?.[field]) fill(input, session?.[field] ?? '');
-    }
     this.fixed.hidden = !session || !fixed;
     this.link.hidden = !session?.link_taken;
     this.lead.hidden = session?.lead_share == null;
-    if (session?.session !== old?.session || session?.lead_share !== old?.lead_share) fill(this.leadShare, session?.lead_share ?? '');
-    if (session?.session !== old?.session) for (const input of this.linkInputs.values()) input.value = '';
+    const other = session?.session !== old?.session;
+    this.#showSession(this.#ofSession().filter(([field]) => other || session?.[field] !== old?.[field]));
+    if (other) for (const input of this.linkInputs.values()) input.value = '';
     this.#showAnswer(session);
   }
 
@@ -146,56 +151,48 @@ export class Admin {
       this.inputs.get('stiffness').value = value;
       this.#sendSoon({set: {object: this.object.value, stiffness: value}});
     };
-    const rows = FIELDS.map(([field, label, unit, step]) => {
-      const input = make('input', {type: 'number', step, min: 0, onchange: () => this.#set(field)});
-      this.inputs.set(field, input);
-      return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
-    });
+    const rows = FIELDS.map(([field, label, unit, step]) => numberRow(this.inputs, [field, label, unit], {step, onchange: () => this.#set(field)}));
     rows.splice(1, 0, this.slider);
 
     this.axes = ['x', 'y', 'z'].map((axis) => make('input', {type: 'number', step: 'any', ariaLabel: `Gravity ${axis}`, onchange: () => this.#setGravity()}));
     this.gravity = make('div', {hidden: true}, make('h3', {}, 'Gravity'), make('p', {className: 'axes'}, ...this.axes, make('i', {}, 'm/s²')));
 
     this.who = make('h3', {});
-    this.mode = make('select', {ariaLabel: 'Mode of the bound', onchange: () => this.#setLaw('mode')});
-    this.projection = make('select', {ariaLabel: 'Projection of contact_frame', onchange: () => this.#setLaw('projection')}, new Option('cone'), new Option('joint'));
-    this.storage = make('select', {ariaLabel: 'Storage of contact_frame', onchange: () => this.#setLaw('storage')}, new Option('minimal'), new Option('elastic'));
-    this.law = new Map([['mode', this.mode], ['projection', this.projection], ['storage', this.storage]]);
+    const [mode, projection, storage, reference] = [
+      ['mode', 'Mode of the bound', []],
+      ['projection', 'Projection of contact_frame', ['cone', 'joint']],
+      ['storage', 'Storage of contact_frame', ['minimal', 'elastic']],
+      ['reference', 'Reference of passivity_control', ['zero', 'following']],
+    ].map(([field, ariaLabel, choices]) => {
+      const choice = make('select', {ariaLabel, onchange: () => this.#setSession({[field]: choice.value})}, ...choices.map((name) => new Option(name)));
+      this.law.set(field, choice);
+      return choice;
+    });
     this.fixed = make('p', {}, 'Its client bounds and takes no other law: start it anew with other options.');
-    const boundRows = BOUND.map(([field, label, unit]) => {
-      const input = make('input', {type: 'number', step: 'any', min: 0, placeholder: 'default', onchange: () => this.#setBound(field)});
-      this.boundInputs.set(field, input);
-      return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
-    });
-    this.reference = make('select', {ariaLabel: 'Reference of passivity_control', onchange: () => this.#setLaw('reference')}, new Option('zero'), new Option('following'));
-    this.law.set('reference', this.reference);
+    const numbers = BOUND.map((row) => numberRow(this.boundInputs, row, {placeholder: 'default', onchange: (event) => this.#setNumber(row[0], event)}));
     this.more = make('details', {hidden: true}, make('summary', {}, 'Numbers'),
-      boundRows.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, 'Reference'), this.reference), ...boundRows));
-    const linkRows = LINK.map(([field, label, unit]) => {
-      const input = make('input', {type: 'number', step: 'any', min: 0, onchange: () => this.#setLink()});
-      this.linkInputs.set(field, input);
-      return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
-    });
-    this.link = make('div', {hidden: true}, make('h3', {}, 'Emulated link, each way'), ...linkRows);
-    this.leadShare = make('input', {type: 'number', step: 'any', min: 0, max: 100, onchange: () => this.#setLead()});
+      numbers.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, 'Reference'), reference), ...numbers));
+    this.link = make('div', {hidden: true}, make('h3', {}, 'Emulated link, each way'),
+      ...LINK.map((row) => numberRow(this.linkInputs, row, {onchange: () => this.#setLink()})));
     this.lead = make('div', {hidden: true}, make('h3', {}, 'Lead of the robot'),
-      make('label', {}, make('span', {}, 'Share (0: alone)'), this.leadShare, make('i', {}, '')));
+      numberRow(this.leadInputs, ['lead_share', 'Share (0: alone)', ''], {max: 100, onchange: (event) => this.#setNumber('lead_share', event)}));
     this.answer = make('p', {className: 'answer'});
     this.evict = make('button', {onclick: () => this.send({evict: this.session.session})}, 'Evict');
-    this.reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
+    const reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
+    const record = make('button', {onclick: () => this.send({record: true}), title: 'the last ten seconds of the scene, to a file on the server’s machine'}, 'Write a flight record');
 
-    this.knobs = make('div', {}, make('h3', {}, 'Object'), this.object, ...rows, this.gravity, this.who,
-      make('p', {className: 'law'}, this.mode, ' ', this.projection, ' ', this.storage, ' ', this.evict), this.more, this.fixed, this.link, this.lead, this.answer,
-      make('p', {}, this.reload));
+    this.knobs = make('fieldset', {}, ...rows, this.gravity, this.who,
+      make('p', {className: 'law'}, mode, ' ', projection, ' ', storage, ' ', this.evict), this.more, this.fixed, this.link, this.lead, this.answer,
+      make('p', {}, reload, ' ', record));
     this.said = make('output', {id: 'admin-said'});
-    panel.append(this.lock, this.knobs, this.said);
+    panel.append(this.lock, make('h3', {}, 'Object'), this.object, this.knobs, this.said);
     this.#unlock(false);
     this.choose(undefined);
   }
 
   #unlock(admin) {
     this.lock.hidden = admin;
-    this.knobs.hidden = !admin;
+    this.knobs.disabled = !admin;
   }
 
   #say(level, text) {
@@ -221,28 +218,29 @@ export class Admin {
     return this.send({set});
   }
 
-  #setLaw(field) {
-    this.send({set: {session: this.session.session, [field]: this.law.get(field).value}});
+  /** Fields of the chosen session that inputs show. */
+  #ofSession() {
+    return [...this.law, ...this.boundInputs, ...this.leadInputs];
   }
 
-  #setBound(field) {
-    const value = this.boundInputs.get(field).valueAsNumber;
-    if (Number.isFinite(value)) this.send({set: {session: this.session.session, [field]: value}});
+  #showSession(inputs) {
+    for (const [field, input] of inputs) fill(input, this.session?.[field] ?? '');
+  }
+
+  #setSession(fields) {
+    this.send({set: {session: this.session.session, ...fields}});
+  }
+
+  #setNumber(field, {target}) {
+    if (Number.isFinite(target.valueAsNumber)) this.#setSession({[field]: target.valueAsNumber});
   }
 
   /** What is not given is none. */
   #setLink() {
-    const set = {session: this.session.session};
-    for (const [field, , , scale] of LINK) {
+    this.#setSession(Object.fromEntries(LINK.map(([field, , , scale]) => {
       const value = this.linkInputs.get(field).valueAsNumber;
-      set[field] = Number.isNaN(value) ? 0 : value / scale;
-    }
-    this.send({set});
-  }
-
-  #setLead() {
-    const share = this.leadShare.valueAsNumber;
-    if (Number.isFinite(share)) this.send({set: {session: this.session.session, lead_share: share}});
+      return [field, Number.isNaN(value) ? 0 : value / scale];
+    })));
   }
 
   /** What the client of the chosen hand said to the newest change that it was asked for. */
@@ -253,7 +251,7 @@ export class Admin {
     this.answer.textContent = `Its client ${said}: ${session.asked}`;
     this.answer.dataset.level = session.answer === 'refused' ? 'error' : '';
     if (session.answer !== 'refused') return;
-    for (const [field, input] of this.law) fill(input, session[field] ?? '');
+    this.#showSession(this.law);
   }
 
   #setGravity() {

@@ -1,15 +1,12 @@
 // Hands in the 3D view: tool, proxy, the way between them, contact, forces and trails.
 
-import {
-  BufferAttribute, BufferGeometry, CircleGeometry, DynamicDrawUsage, Group, LatheGeometry, Line, LineBasicMaterial, MeshBasicMaterial,
-  MeshLambertMaterial, Quaternion, SphereGeometry, Vector2, Vector3,
-} from 'three';
+import {CircleGeometry, Group, LatheGeometry, MeshBasicMaterial, MeshLambertMaterial, Quaternion, SphereGeometry, Vector2, Vector3} from 'three';
 import {Arrows, rodShape} from './arrows.js';
 import {AT, length3} from './messages.js';
 import {Pool} from './pool.js';
+import {Trails} from './trails.js';
 
 const TOUCH = 1e-3;  // [N] from which a hand counts as touching
-const TRAIL = 180;  // points
 
 // A pen whose tip is at the origin and whose body is along z, in pixels.
 const pen = new LatheGeometry([[0, 0], [4.5, 16], [4.5, 74], [3.5, 76], [0, 76]].map(([x, y]) => new Vector2(x, y)), 16).rotateX(Math.PI / 2);
@@ -20,6 +17,7 @@ const [proxy, tool, vector, normal, scale] = Array.from({length: 5}, () => new V
 const up = new Vector3(0, 0, 1);
 const turn = new Quaternion();
 const still = new Quaternion();
+const entry = {number: 0, floats: null, at: 0};  // of a trail
 
 /** All hands of a picture. */
 export class HandView {
@@ -37,8 +35,8 @@ export class HandView {
       friction: new Arrows(this.group, {width: 4.5, opacity: 1, order: 7}),
     };
     this.pools = [this.discs, this.pens, this.rods, this.tips, this.proxies, ...Object.values(this.arrows)];
-    this.trails = new Map();
-    this.trailMaterial = new LineBasicMaterial({vertexColors: true, transparent: true, depthWrite: false});
+    this.trails = new Trails();
+    this.group.add(this.trails.mesh);
     this.colors = {};
     this.longest = 0;  // [m] of all arrows of the last picture, as drawn
   }
@@ -49,7 +47,7 @@ export class HandView {
     this.discs.material.color.set(colors.elastic);
     this.rods.material.color.set(colors.ink);
     this.proxies.material.color.set(colors.muted);
-    this.trailMaterial.color.set(colors.muted);
+    this.trails.paint(colors);
     for (const [kind, arrows] of Object.entries(this.arrows)) arrows.material.color.set(colors[kind]);
   }
 
@@ -67,52 +65,13 @@ export class HandView {
 
   /** Adds the place of each hand to its trail, and forgets the trails of hands that left. */
   trail(picture) {
-    for (const trail of this.trails.values()) trail.userData.seen = false;
-    for (let i = 0; i < picture.hands; ++i) {
+    entry.floats = picture.floats;
+    this.trails.add(picture.hands, (i) => {
       const at = picture.handAt(i);
-      const number = picture.words[at + AT.number];
-      let trail = this.trails.get(number);
-      if (!trail) {
-        trail = makeTrail(picture.floats, at + AT.proxy, this.trailMaterial);
-        this.trails.set(number, trail);
-        this.group.add(trail);
-      }
-      trail.userData.seen = true;
-      const places = trail.geometry.attributes.position;
-      places.array.copyWithin(0, 3);
-      for (let axis = 0; axis < 3; ++axis) places.array[3 * (TRAIL - 1) + axis] = picture.floats[at + AT.proxy + axis];
-      places.needsUpdate = true;
-    }
-    for (const [number, trail] of this.trails) {
-      if (trail.userData.seen) continue;
-      this.group.remove(trail);
-      trail.geometry.dispose();
-      this.trails.delete(number);
-    }
-  }
-
-  /** Draws a way as a hand's trail, until the next picture. @param {number} number @param {number[]} places x, y, z of each, the oldest first */
-  setTrail(number, places) {
-    const trail = this.trails.get(number);
-    if (!trail || places.length < 3) return;
-    const {position} = trail.geometry.attributes;
-    const kept = places.slice(-3 * TRAIL);
-    for (let i = 0; i < TRAIL - kept.length / 3; ++i) position.array.set(kept.slice(0, 3), 3 * i);
-    position.array.set(kept, 3 * TRAIL - kept.length);
-    position.needsUpdate = true;
-  }
-
-  clearTrails() {
-    for (const trail of this.trails.values()) {
-      this.group.remove(trail);
-      trail.geometry.dispose();
-    }
-    this.trails.clear();
-  }
-
-  /** @param {boolean} shown */
-  showTrails(shown) {
-    this.trailMaterial.visible = shown;
+      entry.number = picture.words[at + AT.number];
+      entry.at = at + AT.proxy;
+      return entry;
+    });
   }
 
   #showHand(picture, at, how) {
@@ -151,20 +110,4 @@ function drawnPlace(floats, at, depthFactor, result) {
 /** The same for others: labels and picking. */
 export function toolPlace(picture, i, depthFactor, result) {
   return drawnPlace(picture.floats, picture.handAt(i), depthFactor, result);
-}
-
-function makeTrail(floats, at, material) {
-  const places = new Float32Array(3 * TRAIL);
-  const colors = new Float32Array(4 * TRAIL);
-  for (let i = 0; i < TRAIL; ++i) {
-    places.set([floats[at], floats[at + 1], floats[at + 2]], 3 * i);
-    colors.set([1, 1, 1, 0.8 * (i / TRAIL) ** 1.5], 4 * i);
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(places, 3).setUsage(DynamicDrawUsage));
-  geometry.setAttribute('color', new BufferAttribute(colors, 4));
-  const line = new Line(geometry, material);
-  line.frustumCulled = false;
-  line.renderOrder = 2;
-  return line;
 }

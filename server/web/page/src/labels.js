@@ -6,10 +6,15 @@ import * as words from './words.js';
 const CROWD = 6;  // hands from which only the chosen one's force is written
 const spot = {x: 0, y: 0, seen: false};
 
-/** Puts an element beside `spot`. */
-function put(element, right, down) {
-  element.hidden = !spot.seen;
-  element.style.transform = `translate(${Math.round(spot.x + right)}px, ${Math.round(spot.y + down)}px)`;
+/** Puts a label beside `spot`. It is written only where it changes: each writing costs the browser a layout. */
+function put(label, right, down) {
+  const [x, y] = [Math.round(spot.x + right), Math.round(spot.y + down)];
+  if (label.seen !== spot.seen) label.element.hidden = !spot.seen;
+  if (spot.seen && (label.x !== x || label.y !== y)) {
+    label.element.style.transform = `translate(${x}px, ${y}px)`;
+    [label.x, label.y] = [x, y];
+  }
+  label.seen = spot.seen;
 }
 
 export class Labels {
@@ -32,7 +37,7 @@ export class Labels {
       const label = this.labels.get(picture.words[picture.handAt(i) + AT.number]);
       if (!label) continue;
       view.project(i, spot);
-      put(label.element, 14, 8);
+      put(label, 14, 8);
     }
   }
 
@@ -72,8 +77,9 @@ export class Labels {
     element.textContent = name;
     element.className = 'axis';
     this.parent.append(element);
-    this.axes.set(name, element);
-    return element;
+    const label = {element};
+    this.axes.set(name, label);
+    return label;
   }
 
   #make(number) {

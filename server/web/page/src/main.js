@@ -19,7 +19,7 @@ import {View} from './view.js';
 import {Why} from './why.js';
 import * as words from './words.js';
 
-const PLOT_PERIOD = 50;  // [ms]
+const PLOT_PERIOD = 100;  // [ms]
 const PLOT_PATIENCE = 1500;  // [ms] since the page was asked for, after which plots are made also before the first picture
 const TEXT_PERIOD = 200;  // [ms]
 const ON_HAND = 10;  // [px] a click so near to a hand is on it
@@ -71,8 +71,8 @@ const own = new OwnHand({
 function takeText(message) {
   switch (message.type) {
     case 'hello':
-      view.hands.clearTrails();
-      why.setReasons(message.reasons ?? []);
+      view.hands.trails.clear();
+      why.hello(message);
       sessions.reasons = message.reasons ?? [];
       showScenes(message.scenes ?? []);
       admin.hello(message);
@@ -211,9 +211,8 @@ function scaleDepth(steps) {
 }
 
 function showTrails() {
-  const shown = !view.hands.trailMaterial.visible;
-  view.hands.showTrails(shown);
-  element('trails').setAttribute('aria-pressed', String(shown));
+  view.hands.trails.shown = !view.hands.trails.shown;
+  element('trails').setAttribute('aria-pressed', String(view.hands.trails.shown));
   view.stale = true;
 }
 
@@ -270,14 +269,6 @@ function step(now) {
     plotted = now;
     plots.update(hands.all.get(page.chosen)?.history ?? null);
   }
-}
-
-/** Length of a trail [m], as drawn. */
-function trailLength(trail) {
-  const {array} = trail.geometry.attributes.position;
-  let sum = 0;
-  for (let i = 3; i < array.length; i += 3) sum += Math.hypot(array[i] - array[i - 3], array[i + 1] - array[i - 2], array[i + 2] - array[i - 1]);
-  return sum;
 }
 
 let pressed = null;
@@ -354,9 +345,9 @@ requestAnimationFrame(step);
 /** What tests and a curious user read in the console: a copy, so that nothing can be changed by it. */
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
-  bodies: view.objects?.bodies.size ?? 0, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
+  bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.objects?.places() ?? [], time: view.picture?.time ?? null, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
-  guides: view.objects?.guides.length ?? 0, trails: view.hands.trailMaterial.visible ? [...view.hands.trails.values()].map(trailLength) : [],
+  guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],
   solids: view.objects?.sizes() ?? [],
   toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
 });

@@ -87,6 +87,14 @@ export class Objects {
     });
   }
 
+  /** @returns {{index: number, triangles: number, at: number[]}[]} of the first few bodies that move: their origins as drawn */
+  places() {
+    return [...this.bodies].slice(0, 8).map(([index, {mesh, instance}]) => {
+      mesh.getMatrixAt(instance, matrix);
+      return {index, triangles: this.moving.get(index).index.count / 3, at: position.setFromMatrixPosition(matrix).toArray()};
+    });
+  }
+
   dispose() {
     this.group.traverse((node) => {
       node.geometry?.dispose();

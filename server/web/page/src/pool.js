@@ -48,8 +48,13 @@ export class Pool {
 
   done() {
     this.mesh.count = this.count;
-    this.mesh.instanceMatrix.needsUpdate = true;
-    if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
+    this.mesh.visible = this.count > 0;  // Else it costs a draw call.
+    for (const attribute of [this.mesh.instanceMatrix, this.mesh.instanceColor]) {
+      if (!attribute || this.count === 0) continue;
+      attribute.clearUpdateRanges();
+      attribute.addUpdateRange(0, attribute.itemSize * this.count);
+      attribute.needsUpdate = true;
+    }
   }
 
   #grow(capacity) {

@@ -80,7 +80,8 @@ export class Times {
       if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
       const text = await answer.text();
       this.dialog.querySelector('div').replaceChildren(...this.#ofServer(text), ...this.#ofHand());
-      said.textContent = 'Since this was opened. The bars are logarithmic.';
+      const missing = text.includes('feltwire_answer_seconds_bucket') ? '' : ' The times of the server itself are on its own page.';
+      said.textContent = `Since this was opened. The bars are logarithmic.${missing}`;
     } catch (error) {
       said.textContent = `The times cannot be read: ${error.message}.`;
     }

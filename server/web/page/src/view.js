@@ -79,7 +79,7 @@ export class View {
     this.camera.far = 60 * this.frame.size;
     if (!sameName) {  // A reload leaves the camera and the scales where the user put them.
       this.perNewton = roundDown(0.1 * this.frame.size);
-      this.hands.clearTrails();
+      this.hands.trails.clear();
       this.lookAtAll();
     }
     this.stale = true;

@@ -4,7 +4,6 @@ import {AT} from './messages.js';
 import * as words from './words.js';
 
 const TOUCH = 1e-3;  // [N]
-const SMALL_DEBT = 1e-6;  // [J] a tick that is a little late makes less, and nobody feels it
 
 /** @param {import('./hands.js').Hand} hand @returns {string} one sentence on what the hand does and feels */
 export function sentence(hand) {
@@ -17,10 +16,13 @@ export function sentence(hand) {
   return `${where}${held}: ${Math.round(100 * share)} %.`;
 }
 
-/** @param {import('./hands.js').Hand} hand @param {{hand_damping?: number | null} | undefined} session @returns {string} what its bound counts on */
-export function accounted(hand, session) {
+/**
+ * @param {import('./hands.js').Hand} hand @param {{hand_damping?: number | null} | undefined} session
+ * @param {number} smallDebt [J] below which none is named @returns {string} what its bound counts on
+ */
+export function accounted(hand, session, smallDebt) {
   const owed = -hand.floats[AT.room];
-  const debt = owed > SMALL_DEBT ? ` Its account is short of ${words.energy(owed)}.` : '';
+  const debt = owed > smallDebt ? ` Its account is short of ${words.energy(owed)}.` : '';
   const damping = session?.hand_damping > 0 ? ` Its shaping counts on ${words.number(session.hand_damping, 2, 'N s/m')} of the hand itself.` : '';
   return debt + damping;
 }
@@ -32,10 +34,12 @@ export class Why {
     this.text = text;
     this.list = list;
     this.items = [];
+    this.smallDebt = 0;
   }
 
-  /** @param {{name: string, text: string, cuts?: boolean}[]} reasons of the server's hello; cuts: it takes force off */
-  setReasons(reasons) {
+  /** @param {{reasons?: {name: string, text: string, cuts?: boolean}[], small_debt?: number}} hello of the server; cuts: it takes force off */
+  hello({reasons = [], small_debt: smallDebt = 0}) {
+    this.smallDebt = smallDebt;
     this.list.replaceChildren();
     this.items = reasons.map((reason) => {
       const [item, text, share] = ['li', 'span', 'b'].map((tag) => document.createElement(tag));
@@ -51,7 +55,7 @@ export class Why {
 
   /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came @param {object | undefined} session of the hand */
   show(hand, seen, session) {
-    this.#write(this.text, hand ? sentence(hand) + accounted(hand, session) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    this.#write(this.text, hand ? sentence(hand) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
     const active = hand?.activeReasons() ?? [];
     this.items.forEach(({item, share}, bit) => {
       item.hidden = !active.includes(bit);

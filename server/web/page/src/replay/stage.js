@@ -112,7 +112,7 @@ export class Stage {
     this.shown = [...hands.keys()];
     this.view.chosen = this.chosen;
     this.view.show(this.picture);
-    for (const number of hands.keys()) this.view.hands.setTrail(number, this.#trail(segments, number, time));
+    for (const number of hands.keys()) this.view.hands.trails.set(number, this.#trail(segments, number, time));
     this.#write(hands, account, time);
     this.plots.show(time, this.chosen === OWN ? null : this.chosen);
   }

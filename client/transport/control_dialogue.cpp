@@ -1,8 +1,9 @@
-#include "client/transport/dialogue.hpp"
+#include "client/transport/control_dialogue.hpp"
 
 #include <array>
-#include <cstdint>
 #include <optional>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace feltwire {
@@ -17,12 +18,12 @@ bool lasting(control::RefusalCode code) {
 
 }  // namespace
 
-Dialogue::Dialogue(const ServerAccess& server, std::chrono::milliseconds timeout)
+ControlDialogue::ControlDialogue(const ServerAccess& server, std::chrono::milliseconds timeout)
     : server_(to_string(server.endpoint)),
       stream_(server, timeout),
       token_(server.credentials.token) {}
 
-control::Message Dialogue::ask(const control::Message& question) {
+control::Message ControlDialogue::ask(const control::Message& question) {
   const std::vector<std::uint8_t> frame = control::encode(question);
   if (let_in_) {
     stream_.write(frame);
@@ -33,20 +34,18 @@ control::Message Dialogue::ask(const control::Message& question) {
   frames.insert(frames.end(), frame.begin(), frame.end());
   stream_.write(frames);
   wipe(frames);
-  const control::Message answer = receive();
-  let_in_ = std::holds_alternative<control::Authenticated>(answer);
-  if (!let_in_) bad_answer();
+  if (!std::holds_alternative<control::Authenticated>(receive())) bad_answer();
+  let_in_ = true;
   return receive();
 }
 
-void Dialogue::bad_answer() const {
-  throw SessionError(
-      server_ +
-      " answered with something that is no feltwire message; is the port the control "
-      "port of a feltwire-server of this version?");
+void ControlDialogue::bad_answer() const {
+  throw SessionError(server_ +
+                     " answered with something that is no feltwire message; is the port the "
+                     "control port of a feltwire-server of this version?");
 }
 
-control::Message Dialogue::receive() {
+control::Message ControlDialogue::receive() {
   std::array<std::uint8_t, control::kFrameLengthSize> prefix{};
   stream_.read(prefix);
   const std::size_t size = control::frame_length(prefix);

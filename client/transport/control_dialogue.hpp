@@ -1,25 +1,27 @@
 #pragma once
-// Internal to client/transport: questions to a server, and its answers.
+// A connection to the control port of a server, for one question or for many.
 
 #include <chrono>
 #include <string>
 #include <utility>
 #include <variant>
 
-#include "client/transport/control_client.hpp"
 #include "client/transport/tls_stream.hpp"
+#include "protocol/crypto/secret.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire {
 
-/// A connection for one question after the other. It blocks and throws as join() does.
-class Dialogue {
+class ControlDialogue {
  public:
-  /// `server` must outlive this.
-  Dialogue(const ServerAccess& server, std::chrono::milliseconds timeout);
+  /// Connects. `timeout` limits each of connecting, TLS and each answer. Throws SessionError.
+  ControlDialogue(const ServerAccess& server, std::chrono::milliseconds timeout);
 
-  /// The token goes with the first question: the server answers one after the other.
+  /// Sends a question and returns its answer. The token goes with the first question: the server
+  /// answers one after the other. Blocks. Throws SessionError, or LastingError if the same question
+  /// would be refused again; the connection is of no use then.
   control::Message ask(const control::Message& question);
+
   /// The same for an answer of one kind; another one is a bad_answer().
   template <class Expected>
   Expected ask_for(const control::Message& question) {
@@ -29,7 +31,7 @@ class Dialogue {
     return std::move(*expected);
   }
 
-  /// Throws SessionError.
+  /// Throws SessionError: the answer makes no sense.
   [[noreturn]] void bad_answer() const;
 
   const TlsStream& stream() const { return stream_; }
@@ -39,7 +41,7 @@ class Dialogue {
 
   std::string server_;
   TlsStream stream_;
-  const Secret& token_;
+  Secret token_;
   bool let_in_ = false;
 };
 
