@@ -185,7 +185,7 @@ TEST(Gateway, ShowsTheMaterialsInForce) {
       control::SetMaterial{"room", {.object = "floor", .stiffness = 500.0}});
   const Json changed = page.text("materials");
   EXPECT_EQ(changed["objects"][0]["stiffness"], 500.0);
-  EXPECT_EQ(changed["objects"][1]["stiffness"], 2000.0);
+  EXPECT_EQ(changed["objects"][1]["stiffness"], 1500.0);
   EXPECT_TRUE(changed["gravity"].is_null());
 }
 

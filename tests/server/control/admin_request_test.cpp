@@ -109,7 +109,7 @@ TEST_F(AdminRequest, AnObserverIsToldWhoIsThereAndWhatIsInForce) {
   EXPECT_EQ(scene.objects, 2u);
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(scene.materials[0].stiffness, 500.0);
-  EXPECT_EQ(scene.materials[1].stiffness, 2000.0);
+  EXPECT_EQ(scene.materials[1].stiffness, 1500.0);
   EXPECT_EQ(eye.ask<control::SceneDescription>(control::DescribeScene{"room", 1}).materials.size(),
             1u);
   EXPECT_TRUE(
