@@ -170,7 +170,7 @@ FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Ob
   const NetworkRunResult run = run_network(Scene(c.task, {object}), options);
   FrontierRow row{.made = c,
                   .energy_made = std::max(0.0, -run.least_device_margin),
-                  .excess = run.measured_port.violations()};
+                  .excess = run.observed_port.violations()};
   const auto second_half = std::span(run.samples).subspan(run.samples.size() / 2);
   row.direction_error = fidelity(second_half).direction.mean;
   double rendered = 0.0, whole = 0.0;

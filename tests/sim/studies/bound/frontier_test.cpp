@@ -256,6 +256,7 @@ TEST(FrontierSessions, AreFeltOverSlowNetworksAsInProcess) {
   double in_process = 0.0;
   for (const FrontierRow& r : run_frontier(cases)) {
     EXPECT_EQ(r.energy_made, 0.0) << r.made.task << ' ' << r.made.delay;
+    EXPECT_EQ(r.excess, 0u) << r.made.task << ' ' << r.made.delay;
     if (r.made.delay == 0.0) in_process = r.displayed;
     EXPECT_GT(r.displayed, 0.9) << r.made.task << ' ' << r.made.delay;
     EXPECT_NEAR(r.displayed, in_process, 0.05 * in_process) << r.made.task << ' ' << r.made.delay;
