@@ -187,7 +187,7 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   scene.exchange.report = HandReport{.change = 3, .change_refused = true};
   EXPECT_FALSE(asked());
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
-  const auto listed = sessions.describe_after(0).sessions.at(0);
+  const auto listed = sessions.describe_after(0, scene.exchange.now).sessions.at(0);
   EXPECT_EQ(listed.answer, ChangeAnswer::refused);
   EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
   // A law whose answer is not heard, and then a refusal: the client may have that law or not, and
