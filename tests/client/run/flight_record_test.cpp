@@ -88,9 +88,9 @@ TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
   FlightRecord flight(target, kPeriod);
   flight.add(tick(0));
   flight.add(tick(1, 0.0));
-  flight.add(tick(2, 1e-3));
+  flight.add(tick(2, -0.5 * kSmallDebt));  // nobody feels so little
   EXPECT_EQ(flight.cause(), "");
-  flight.add(tick(3, -1e-9));
+  flight.add(tick(3, -2.0 * kSmallDebt));
   EXPECT_EQ(flight.cause(), "the account was overdrawn");
   flight.write("debt");
   for (int n = 4; n < 9000; ++n) flight.add(tick(n, n % 2 == 0 ? -1.0 : 1.0));
