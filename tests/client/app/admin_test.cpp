@@ -178,7 +178,7 @@ TEST_F(AdminProgram, SaysWhatIsWrongInOneLine) {
     EXPECT_THAT(outcome.error, AllOf(StartsWith("feltwire-client admin: "), HasSubstr(says)));
     EXPECT_EQ(std::ranges::count(outcome.error, '\n'), 1) << outcome.error;
   };
-  fails(admin({"sessions"}, anna_.text), 1, "this is for admins");
+  fails(admin({"stats"}, anna_.text), 1, "this is for admins");
   fails(admin({"set", "--object", "floor", "--stiffness", "-1"}), 1,
         "stiffness: must be above zero [N/m], is -1");
   fails(admin({"set", "--object", "flor", "--stiffness", "1"}), 1, "name one of: floor");

@@ -181,12 +181,12 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
   for (long nth = 0; reached; ++nth) {
     LostRun run(recording);
     Reconnector reconnector(access, anyone(), run.sessions, {.first_wait = 10ms});
+    Ring<const WholeSurfaces*> made(1);
+    SurfaceFetch surfaces(access, {}, made);
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;
     EmergencyKey no_keys(nullptr, -1);
-    Ring<const WholeSurfaces*> made(1);
-    SurfaceFetch surfaces(access, {}, made);
     attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, surfaces, 0,
            no_keys);
     left = kNever;

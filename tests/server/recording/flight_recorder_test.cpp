@@ -101,7 +101,9 @@ TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
   report(0.0);
   report(-1.0, false);
   EXPECT_THAT(files_in(folder), IsEmpty());
-  report(-1e-6);
+  report(-0.5 * kSmallDebt);
+  EXPECT_THAT(files_in(folder), IsEmpty());
+  report(-2.0 * kSmallDebt);
   ASSERT_THAT(files_in(folder), SizeIs(1));
   EXPECT_EQ(read(files_in(folder).front()).reason,
             "hand 2: its client says that the account is overdrawn");
