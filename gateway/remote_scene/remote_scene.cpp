@@ -233,8 +233,8 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   if (adopted_ && adopted_->first != told.version)
     spdlog::warn("scene {}: the server has reloaded it; send SIGHUP to read its file again",
                  visible(name_));
-  if (changed) current_.scene = std::make_shared<const Scene>(*std::move(changed));
   if (changed || current_.gravity != told.gravity) ++current_.changes;
+  if (changed) current_.scene = std::make_shared<const Scene>(*std::move(changed));
   current_.gravity = told.gravity;
   adopted_ = {told.version, told.changes};
 }
