@@ -1,5 +1,6 @@
 #pragma once
-// What an admin asks of a session's bound, in words, and its numbers by name for messages in text.
+// An admin's words for the bound of a session, as parameters; and the numbers of a bound by name,
+// for messages in text.
 
 #include <array>
 #include <optional>

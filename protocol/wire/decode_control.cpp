@@ -6,7 +6,9 @@
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/aligned_vector.hpp"
 #include "protocol/wire/control.hpp"
-#include "protocol/wire/control_generated.h"
+#include "protocol/wire/control_values.hpp"
+#include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/surface_codec.hpp"
 
 namespace feltwire::control {
 namespace {
@@ -17,130 +19,17 @@ constexpr flatbuffers::uoffset_t kMaxDepth = 8;
 constexpr flatbuffers::uoffset_t kMaxTables = kMaxScenes + 8;
 constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
 
-/// The enums of the values have the order of the wire. False when there is no such enumerator.
-template <class Enum, class Wire>
-bool read_enum(Wire wire, Enum& out) {
-  if (wire > Wire::MAX) return false;
-  out = static_cast<Enum>(wire);
-  return true;
-}
-
-/// One that may be left out stays what it was where it is not there.
-bool read_name(const flatbuffers::String* text, std::string& out, std::size_t longest = kMaxName) {
-  if (text == nullptr) return true;
-  if (text->size() > longest) return false;
-  out.assign(text->c_str(), text->size());
-  return true;
-}
-
-Vec3 vector(const wire::Vector& v) { return {v.x(), v.y(), v.z()}; }
-
-bool read(double isotropic, const flatbuffers::Vector<double>* entries, Damping& to) {
-  constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 6;
-  if (entries != nullptr && !aligned(*entries, alignof(double))) return false;
-  if (entries == nullptr) {
-    to = isotropic;
-  } else if (entries->size() == kAxes) {
-    to = Vec3((*entries)[0], (*entries)[1], (*entries)[2]);
-  } else if (entries->size() == kMatrix) {
-    const auto& e = *entries;
-    to = Mat3{{e[0], e[3], e[4]}, {e[3], e[1], e[5]}, {e[4], e[5], e[2]}};
-  } else {
-    return false;
-  }
-  return true;
-}
-
-bool read(const wire::DeviceSpec& from, DeviceSpec& to) {
-  to.translation_dof = from.translation_dof();
-  to.rotation_sensed = from.rotation_sensed();
-  to.rotation_actuated = from.rotation_actuated();
-  to.apparent_mass = from.apparent_mass();
-  to.coulomb_friction = from.coulomb_friction();
-  to.position_resolution = from.position_resolution();
-  to.max_force = from.max_force();
-  to.continuous_force = from.continuous_force();
-  to.max_torque = from.max_torque();
-  if (const auto* extent = from.workspace()) to.workspace = vector(*extent);
-  return read_name(from.name(), to.name) &&
-         read(from.damping(), from.damping_tensor(), to.damping) &&
-         read(from.rotational_damping(), from.rotational_damping_tensor(), to.rotational_damping);
-}
-
-bool read(const wire::SessionParameters& from, SessionParameters& to) {
-  to.servo_period = from.servo_period();
-  to.redundancy = from.redundancy();
-  to.operator_damping = from.operator_damping();
-  to.velocity_cutoff = from.velocity_cutoff();
-  to.hold_time = from.hold_time();
-  if (!std::isnan(from.c1())) to.c1 = from.c1();
-  if (!std::isnan(from.c2())) to.c2 = from.c2();
-  if (!std::isnan(from.coupling_stiffness())) to.coupling_stiffness = from.coupling_stiffness();
-  if (!std::isnan(from.coupling_damping())) to.coupling_damping = from.coupling_damping();
-  to.tool_mass = from.tool_mass();
-  to.packet_interval = from.packet_interval();
-  to.batch = from.batch();
-  to.position_deadband = from.position_deadband();
-  to.force_deadband = from.force_deadband();
-  to.keep_alive = from.keep_alive();
-  to.local_model = from.local_model();
-  return read_enum(from.reference(), to.reference) &&
-         read_name(from.mode(), to.mode, kLongestMethodName) &&
-         read_enum(from.projection(), to.projection) && read_enum(from.storage(), to.storage) &&
-         read_enum(from.side(), to.side) && read_enum(from.predictor(), to.predictor);
-}
-
-/// Absent: there are none.
-bool read(const flatbuffers::Vector<const wire::KeepOutBody*>* from, Workspace& to) {
-  if (from == nullptr) return true;
-  if (!aligned(*from, alignof(wire::KeepOutBody)) || from->size() > Workspace::kMostBodiesGiven)
-    return false;
-  for (const wire::KeepOutBody* sent : *from) {
-    const wire::Turn& turn = sent->orientation();
-    KeepOutBody body{{vector(sent->position()), Quaternion(turn.w(), turn.x(), turn.y(), turn.z())},
-                     vector(sent->half()),
-                     sent->radius()};
-    if (!body.valid(Workspace::kFarthest)) return false;
-    body.pose.orientation.normalize();
-    to.add_body(body);
-  }
-  return true;
-}
-
-/// Absent: it stays without limits.
-bool read(const wire::Workspace* from, Workspace& to) {
-  if (from == nullptr) return true;
-  constexpr unsigned kTurning = 1u << 3;
-  to = {};
-  if (from->locked() >= 2 * kTurning) return false;
-  for (std::size_t axis = 0; axis < to.locked.size(); ++axis)
-    to.locked[axis] = (from->locked() & 1u << axis) != 0;
-  to.turning_locked = (from->locked() & kTurning) != 0;
-  if (!read(from->keep_out(), to)) return false;
-  const auto* walls = from->walls();
-  if (walls == nullptr) return true;
-  if (!aligned(*walls, alignof(wire::Wall)) || walls->size() > Workspace::kMostGiven) return false;
-  for (const wire::Wall* wall : *walls) {
-    const Vec3 normal = vector(wall->normal());
-    // Written so that NaN fails.
-    if (!(std::abs(normal.squaredNorm() - 1.0) <= kUnitTolerance) ||
-        !(std::abs(wall->distance()) <= Workspace::kFarthest))
-      return false;
-    to.add({normal.normalized(), wall->distance()});
-  }
-  return true;
-}
-
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.figures = from.figures();
   to.aes_256_gcm = from.aes_256_gcm();
   to.takes.link = from.link_taken();
   to.lead_share = from.lead_share();
-  return read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
+  return control::read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
          read_name(from.seat(), to.seat) && read_name(from.version(), to.version) &&
          read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
-         read(*from.device(), to.device) && read(*from.parameters(), to.parameters) &&
-         read_enum(from.role(), to.role) && read_enum(from.laws_taken(), to.takes.laws);
+         control::read(*from.device(), to.device) &&
+         control::read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role) &&
+         read_enum(from.laws_taken(), to.takes.laws);
 }
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
@@ -159,9 +48,9 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
       if (!read_name(seat, to.seats.emplace_back())) return false;
   }
   // Numbered from 1: there is no suite of number 0.
-  return read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
+  return control::read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
          from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
-         read_name(from.version(), to.version) && read(*from.parameters(), to.parameters);
+         read_name(from.version(), to.version) && control::read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();
@@ -182,11 +71,11 @@ bool read(const wire::SceneList& from, SceneList& to) {
 }
 bool read(const wire::SetParameters& from, SetParameters& to) {
   to.session = from.session();
-  return read(*from.parameters(), to.parameters);
+  return control::read(*from.parameters(), to.parameters);
 }
 bool read(const wire::ParametersSet& from, ParametersSet& to) {
   to.session = from.session();
-  return read(*from.parameters(), to.parameters);
+  return control::read(*from.parameters(), to.parameters);
 }
 bool read(const wire::Refused& from, Refused& to) {
   to.reason.assign(from.reason()->c_str(), from.reason()->size());
@@ -271,44 +160,8 @@ bool read(const wire::ListSurfaces& from, ListSurfaces& to) {
   to.session = from.session();
   return true;
 }
-bool read(const wire::SurfaceList& from, SurfaceList& to) {
-  to.version = from.version();
-  if (from.surfaces()->size() > kMaxSurfaces) return false;
-  for (const wire::SurfaceEntry* entry : *from.surfaces()) {
-    const wire::Turn& q = *entry->orientation();
-    to.surfaces.push_back(
-        {.surface = {.object = entry->object(),
-                     .pose = {vector(*entry->position()), Quaternion(q.w(), q.x(), q.y(), q.z())},
-                     .origin = vector(*entry->origin()),
-                     .from_inside = entry->from_inside(),
-                     .double_sided = entry->double_sided(),
-                     .smooth = entry->smooth(),
-                     .radius = entry->radius(),
-                     .grain = entry->grain(),
-                     .grain_wavelength = entry->grain_wavelength(),
-                     .vertices = {},
-                     .triangles = {}},
-         .vertices = entry->vertices(),
-         .triangles = entry->triangles()});
-  }
-  return true;
-}
 bool read(const wire::GetSurface& from, GetSurface& to) {
   to = {from.session(), from.version(), from.object(), from.vertices(), from.triangles()};
-  return true;
-}
-bool read(const wire::SurfacePart& from, SurfacePart& to) {
-  if (from.vertices()->size() > kMaxPart || from.triangles()->size() > kMaxPart) return false;
-  if (!aligned(*from.vertices(), alignof(double))) return false;
-  for (const wire::Vector* v : *from.vertices()) to.vertices.push_back(vector(*v));
-  for (const wire::Corners* t : *from.triangles()) to.triangles.push_back({t->a(), t->b(), t->c()});
-  return true;
-}
-bool read(const wire::TakeSurfaces& from, TakeSurfaces& to) {
-  if (from.objects()->size() > kMaxSurfaces) return false;
-  to.session = from.session();
-  to.version = from.version();
-  to.objects.assign(from.objects()->begin(), from.objects()->end());
   return true;
 }
 bool read(const wire::SurfacesTaken& from, SurfacesTaken& to) {
@@ -348,7 +201,7 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     if (!read_name(entry->client(), session.client) ||
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
         !read_name(entry->seat(), session.seat) || !read_enum(entry->role(), session.role) ||
-        !read(*entry->parameters(), session.parameters) ||
+        !control::read(*entry->parameters(), session.parameters) ||
         !read_enum(entry->laws_taken(), session.takes.laws) ||
         !read_name(entry->asked(), session.asked, kMaxReason) ||
         !read_enum(entry->answer(), session.answer))

@@ -3,13 +3,14 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 #include "core/base/little_endian.hpp"
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/control.hpp"
-#include "protocol/wire/control_generated.h"
+#include "protocol/wire/control_values.hpp"
+#include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/surface_codec.hpp"
 
 namespace feltwire::control {
 namespace {
@@ -17,81 +18,10 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
-
-/// The enums of the values have the order of the wire.
-template <class Wire, class Enum>
-Wire wire_enum(Enum value) {
-  return static_cast<Wire>(value);
-}
-
-Offset<flatbuffers::String> name_if_any(FlatBufferBuilder& builder, const std::string& text) {
-  return text.empty() ? 0 : builder.CreateString(text);
-}
-
-wire::Vector vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
 wire::TimesSoFar wire_times(const HandTimesHeard& times) {
   return wire::TimesSoFar(
       flatbuffers::span<const std::uint64_t, HandTimes::kClasses>(times.wakeups()),
       flatbuffers::span<const std::uint64_t, HandTimes::kClasses>(times.round_trips()));
-}
-
-/// Nothing for an isotropic damping, 3 numbers along the axes, 6 for a matrix.
-Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
-  if (damping.isotropic()) return 0;
-  const Mat3& m = damping.matrix();
-  std::vector<double> entries{m(0, 0), m(1, 1), m(2, 2)};
-  if (damping.kind() == Damping::Kind::matrix)
-    entries.insert(entries.end(), {m(0, 1), m(0, 2), m(1, 2)});
-  return builder.CreateVector(entries);
-}
-
-Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) {
-  const wire::Vector workspace = vector(d.workspace);
-  const auto damping = tensor(builder, d.damping);
-  const auto rotational_damping = tensor(builder, d.rotational_damping);
-  const auto name = builder.CreateString(d.name);
-  // A peer that does not know the tensor uses the smallest damping of all directions.
-  return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
-                                static_cast<std::uint8_t>(d.rotation_sensed),
-                                static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),
-                                d.rotational_damping.least(), d.apparent_mass, d.coulomb_friction,
-                                d.position_resolution, d.max_force, d.continuous_force,
-                                d.max_torque, &workspace, damping, rotational_damping);
-}
-
-Offset<wire::SessionParameters> build(FlatBufferBuilder& builder, const SessionParameters& p) {
-  return wire::CreateSessionParameters(
-      builder, builder.CreateString(p.mode), wire_enum<wire::Projection>(p.projection),
-      wire_enum<wire::Storage>(p.storage), wire_enum<wire::BoundingSide>(p.side), p.servo_period,
-      static_cast<std::uint8_t>(p.redundancy), p.operator_damping, p.velocity_cutoff, p.hold_time,
-      p.c1.value_or(kNotGiven), p.c2.value_or(kNotGiven),
-      wire_enum<wire::PassivityReference>(p.reference), p.coupling_stiffness.value_or(kNotGiven),
-      p.coupling_damping.value_or(kNotGiven), p.tool_mass,
-      static_cast<std::uint16_t>(p.packet_interval), static_cast<std::uint8_t>(p.batch),
-      p.position_deadband, p.force_deadband, wire_enum<wire::Predictor>(p.predictor), p.keep_alive,
-      p.local_model);
-}
-
-/// Nothing where there are no limits.
-Offset<wire::Workspace> build(FlatBufferBuilder& builder, const Workspace& w) {
-  if (!w.limits()) return 0;
-  std::vector<wire::Wall> walls;
-  for (const WorkspaceWall& wall : w.view()) walls.emplace_back(vector(wall.normal), wall.distance);
-  std::vector<wire::KeepOutBody> bodies;
-  for (const KeepOutBody& body : w.keep_out()) {
-    const Quaternion& q = body.pose.orientation;
-    bodies.emplace_back(vector(body.pose.position), wire::Turn(q.w(), q.x(), q.y(), q.z()),
-                        vector(body.half), body.radius);
-  }
-  constexpr unsigned kTurning = 1u << 3;
-  unsigned locked = w.turning_locked ? kTurning : 0;
-  for (std::size_t axis = 0; axis < w.locked.size(); ++axis)
-    if (w.locked[axis]) locked |= 1u << axis;
-  return wire::CreateWorkspace(builder, builder.CreateVectorOfStructs(walls),
-                               static_cast<std::uint8_t>(locked),
-                               bodies.empty() ? 0 : builder.CreateVectorOfStructs(bodies));
 }
 
 /// The union's member of each message.
@@ -112,7 +42,8 @@ struct BodyBuilder {
                                    m.takes.link, workspace, m.lead_share, seat);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
-    const wire::Vector position = vector(m.start_position), normal = vector(m.start_normal);
+    const wire::Vector position = wire_vector(m.start_position),
+                       normal = wire_vector(m.start_normal);
     const auto parameters = build(builder, m.parameters);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
@@ -182,7 +113,7 @@ struct BodyBuilder {
         c.viscous_friction.value_or(kNotGiven));
   }
   Offset<wire::SetGravity> operator()(const SetGravity& m) {
-    const wire::Vector gravity = vector(m.gravity);
+    const wire::Vector gravity = wire_vector(m.gravity);
     return wire::CreateSetGravity(builder, builder.CreateString(m.scene), &gravity);
   }
   Offset<wire::SetLink> operator()(const SetLink& m) {
@@ -207,31 +138,11 @@ struct BodyBuilder {
   Offset<wire::ListSurfaces> operator()(const ListSurfaces& m) {
     return wire::CreateListSurfaces(builder, m.session);
   }
-  Offset<wire::SurfaceList> operator()(const SurfaceList& m) {
-    std::vector<Offset<wire::SurfaceEntry>> entries;
-    for (const SurfaceEntry& entry : m.surfaces) {
-      const SurfaceData& s = entry.surface;
-      const Quaternion& q = s.pose.orientation;
-      const wire::Vector position = vector(s.pose.position), origin = vector(s.origin);
-      const wire::Turn orientation(q.w(), q.x(), q.y(), q.z());
-      entries.push_back(wire::CreateSurfaceEntry(
-          builder, s.object, &position, &orientation, &origin, s.from_inside, s.double_sided,
-          s.smooth, s.radius, s.grain, s.grain_wavelength, entry.vertices, entry.triangles));
-    }
-    return wire::CreateSurfaceList(builder, m.version, builder.CreateVector(entries));
-  }
+  Offset<wire::SurfaceList> operator()(const SurfaceList& m) { return control::build(builder, m); }
   Offset<wire::GetSurface> operator()(const GetSurface& m) {
     return wire::CreateGetSurface(builder, m.session, m.version, m.object, m.vertices, m.triangles);
   }
-  Offset<wire::SurfacePart> operator()(const SurfacePart& m) {
-    std::vector<wire::Vector> vertices;
-    for (const Vec3& v : m.vertices) vertices.push_back(vector(v));
-    std::vector<wire::Corners> triangles;
-    for (const Triangle& t : m.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    const auto wire_vertices = builder.CreateVectorOfStructs(vertices);
-    return wire::CreateSurfacePart(builder, wire_vertices,
-                                   builder.CreateVectorOfStructs(triangles));
-  }
+  Offset<wire::SurfacePart> operator()(const SurfacePart& m) { return control::build(builder, m); }
   Offset<wire::TakeSurfaces> operator()(const TakeSurfaces& m) {
     return wire::CreateTakeSurfaces(builder, m.session, m.version, builder.CreateVector(m.objects));
   }
@@ -268,7 +179,7 @@ struct BodyBuilder {
     for (const Material& material : m.materials)
       materials.emplace_back(material.stiffness, material.damping, material.static_friction,
                              material.dynamic_friction, material.viscous_friction);
-    const wire::Vector gravity = vector(m.gravity.value_or(Vec3::Zero()));
+    const wire::Vector gravity = wire_vector(m.gravity.value_or(Vec3::Zero()));
     return wire::CreateSceneDescription(builder, m.version, m.changes,
                                         m.gravity ? &gravity : nullptr, m.objects,
                                         builder.CreateVectorOfStructs(materials));
