@@ -71,7 +71,6 @@ int check(ClientOptions& options) {
 
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
-  if (!options.whole_surfaces) options.build_surfaces = {};
   options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
   if (options.check) return check(options);
   auto device = open_device(options);

@@ -13,7 +13,6 @@ namespace feltwire {
 
 struct ClientOptions : RunOptions {
   bool list = false;                      // only list the scenes
-  bool whole_surfaces = true;             // fetch the scene's meshes for the local model
   bool check = false;                     // test machine and network, and end
   const Driver* driver = nullptr;         // for --device
   DeviceRequest device;                   // the request to that driver

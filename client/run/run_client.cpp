@@ -168,11 +168,12 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
-/// The session for which whole surfaces may be fetched; 0: it has no use for them.
-std::uint64_t fetching_session(const control::JoinAccepted& accepted, Role role) {
-  return accepted.lists_surfaces && accepted.parameters.local_model && feels(role)
-             ? accepted.session
-             : 0;
+/// The session for which whole surfaces may be fetched; 0: none are wanted, or it has no use for
+/// them.
+std::uint64_t fetching_session(const control::JoinAccepted& accepted, const RunOptions& options) {
+  const bool fetches = options.whole_surfaces && accepted.lists_surfaces &&
+                       accepted.parameters.local_model && feels(options.role);
+  return fetches ? accepted.session : 0;
 }
 
 /// Precondition: the run's servo thread has ended.
@@ -273,7 +274,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     RejoinOptions rejoin;
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
-    surfaces.emplace(options.server, options.build_surfaces, all->surfaces);
+    surfaces.emplace(options.server, all->surfaces);
     crash_release.emplace(all->guard, options.flight_recorder.has_value());
     thread.emplace(all);
   } catch (...) {
@@ -288,7 +289,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     if (keys.descriptor() >= 0)
       std::fputs("feltwire-client: the space bar takes all force off at once\n", stderr);
     attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, *surfaces,
-           fetching_session(joined.accepted, options.role), keys);
+           fetching_session(joined.accepted, options), keys);
   }
   const bool ended = thread->end();
   LoopResult& result = all->result;

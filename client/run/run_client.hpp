@@ -16,7 +16,6 @@
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 
@@ -57,9 +56,8 @@ struct RunOptions {
   /// Called with the measurements of the run, after the servo thread has ended. The text that it
   /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};
-  /// Makes whole surfaces for the local model of those that the server sends; empty: none are
-  /// fetched, and the model has patches of meshes only.
-  BuildSurfaces build_surfaces = mesh_surfaces;
+  /// Fetches the scene's meshes for the local model; false: the model has patches of them only.
+  bool whole_surfaces = true;
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

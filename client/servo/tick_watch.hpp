@@ -8,9 +8,9 @@
 
 namespace feltwire {
 
-/// Of the time between two looks at most kMostCounted intervals count. So a watch that is woken
-/// late, as on a loaded machine, is late only once. And a program that was stopped as a whole,
-/// together with its watch, has time to tick again.
+/// Counts the time between two looks, but no more than kMostCounted intervals of it. So a watch
+/// that is woken late, as on a loaded machine, is late only once. And a program that was stopped as
+/// a whole, together with its watch, has time to tick again.
 class TickWatch {
  public:
   static constexpr int kLooks =

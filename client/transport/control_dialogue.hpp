@@ -22,7 +22,8 @@ class ControlDialogue {
   /// would be refused again; the connection is of no use then.
   control::Message ask(const control::Message& question);
 
-  /// The same for an answer of one kind; another one is a bad_answer().
+  /// Asks as ask() does, and returns an answer of the type Expected. Another answer is a
+  /// bad_answer().
   template <class Expected>
   Expected ask_for(const control::Message& question) {
     control::Message answer = ask(question);

@@ -1,10 +1,9 @@
 #include "client/transport/reconnector.hpp"
 
 #include <algorithm>
-#include <future>
-#include <thread>
 #include <utility>
 
+#include "client/transport/detached.hpp"
 #include "protocol/session/grant.hpp"
 
 namespace feltwire {
@@ -89,13 +88,9 @@ void Reconnector::put_off(Clock::time_point now) noexcept {
 }
 
 void Reconnector::begin() {
-  std::packaged_task<Attempt()> task([server = server_, request = request_, options = options_] {
+  attempt_ = run_detached([server = server_, request = request_, options = options_] {
     return attempt(server, request, options);
   });
-  attempt_ = task.get_future();
-  // Detached, and it owns all that it uses: to look up a name can take many seconds, and the end of
-  // the program does not wait for that.
-  std::thread(std::move(task)).detach();
 }
 
 }  // namespace feltwire

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 #include "client/transport/control_dialogue.hpp"
+#include "client/transport/detached.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -55,13 +56,9 @@ std::vector<SurfaceData> fetch(ControlDialogue& dialogue, std::uint64_t session,
 
 }  // namespace
 
-SurfaceFetch::SurfaceFetch(ServerAccess server, BuildSurfaces build,
-                           Ring<const WholeSurfaces*>& out, std::chrono::milliseconds timeout)
-    : server_(std::move(server)),
-      build_(std::move(build)),
-      out_(out),
-      timeout_(timeout),
-      wait_(kFirstWait) {}
+SurfaceFetch::SurfaceFetch(ServerAccess server, Ring<const WholeSurfaces*>& out,
+                           std::chrono::milliseconds timeout)
+    : server_(std::move(server)), out_(out), timeout_(timeout), wait_(kFirstWait) {}
 
 SurfaceFetch::Attempt SurfaceFetch::attempt(const Question& question) {
   try {
@@ -71,7 +68,7 @@ SurfaceFetch::Attempt SurfaceFetch::attempt(const Question& question) {
     if (question.have == nullptr || question.have->version() != list.version) {
       std::vector<SurfaceData> surfaces = fetch(dialogue, session, list);
       if (surfaces.empty() || list.version == 0) return {};
-      return {.surfaces = question.build(list.version, surfaces)};
+      return {.surfaces = mesh_surfaces(list.version, surfaces)};
     }
     control::TakeSurfaces take{session, list.version, {}};
     for (const control::SurfaceEntry& entry : list.surfaces)
@@ -94,7 +91,6 @@ SurfaceFetch::Attempt SurfaceFetch::outcome() noexcept {
 }
 
 void SurfaceFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
-  if (!build_) return;
   if (attempt_.valid()) {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
@@ -136,12 +132,9 @@ void SurfaceFetch::in_use(const WholeSurfaces* surfaces) noexcept {
 void SurfaceFetch::begin(const ScenePlace& place) {
   // Another session may be another server's: it may count other scenes by the same numbers.
   const auto have = of_session_ == place.session ? kept_.back() : nullptr;
-  std::packaged_task<Attempt()> task([question = Question{server_, build_, place.session, have,
-                                                          timeout_}] { return attempt(question); });
-  attempt_ = task.get_future();
+  attempt_ = run_detached(
+      [question = Question{server_, place.session, have, timeout_}] { return attempt(question); });
   asked_for_ = place;
-  // Detached, and it owns all that it uses, as the Reconnector's.
-  std::thread(std::move(task)).detach();
 }
 
 }  // namespace feltwire

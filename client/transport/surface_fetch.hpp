@@ -30,12 +30,12 @@ class SurfaceFetch {
   /// Larger surfaces stay on the server: a client in a scanned city would fetch for minutes.
   static constexpr std::uint32_t kMostTriangles = 200'000;  // of all surfaces together
 
-  /// `build`: empty: nothing is ever fetched. Surfaces for the servo go to `out`; they live as long
-  /// as this, or until in_use() names a newer one.
-  SurfaceFetch(ServerAccess server, BuildSurfaces build, Ring<const WholeSurfaces*>& out,
+  /// Surfaces for the servo go to `out`; they live as long as this, or until in_use() names a newer
+  /// one.
+  SurfaceFetch(ServerAccess server, Ring<const WholeSurfaces*>& out,
                std::chrono::milliseconds timeout = std::chrono::seconds(5));
 
-  /// Call it now and then, with the present place of the loop.
+  /// Call it now and then, with the present place of the loop; session 0: nothing is fetched.
   void look(const ScenePlace& place, Clock::time_point now) noexcept;
   /// The surfaces that the servo has taken; null: none. Older ones are freed.
   void in_use(const WholeSurfaces* surfaces) noexcept;
@@ -53,7 +53,6 @@ class SurfaceFetch {
   };
   struct Question {
     ServerAccess server;
-    BuildSurfaces build;
     std::uint64_t session = 0;
     std::shared_ptr<const WholeSurfaces> have;  // that the servo has; null: none
     std::chrono::milliseconds timeout;
@@ -64,7 +63,6 @@ class SurfaceFetch {
   Attempt outcome() noexcept;
 
   ServerAccess server_;
-  BuildSurfaces build_;
   Ring<const WholeSurfaces*>& out_;
   std::chrono::milliseconds timeout_;
   std::future<Attempt> attempt_;

@@ -37,7 +37,7 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
 /// neither.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
-/// The same with another material than the object's.
+/// The same, but the object has this material instead of its own.
 bool touch(const Object& object, const Material& material, const Tool& tool, ContactMemory& memory,
            double radius, Vec3& elastic, Vec3& frictional) noexcept;
 

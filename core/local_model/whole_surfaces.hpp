@@ -3,8 +3,6 @@
 // contact, at every place and over every delay.
 
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <vector>
 
 #include "core/base/types.hpp"
@@ -45,10 +43,5 @@ struct SurfaceData {
   std::vector<Vec3> vertices;     // [m]
   std::vector<Triangle> triangles;
 };
-
-/// Makes the surfaces ready for touch(). Throws std::invalid_argument if one cannot be made, and
-/// std::bad_alloc.
-using BuildSurfaces = std::function<std::shared_ptr<const WholeSurfaces>(
-    std::uint32_t version, const std::vector<SurfaceData>& surfaces)>;
 
 }  // namespace feltwire

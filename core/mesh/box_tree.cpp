@@ -113,7 +113,7 @@ std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) 
 /// The cheapest cut between the bins of an axis.
 Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   Cut cut{.axis = axis};
-  // What lies behind each cut, then what lies before it.
+  // First the costs of all that lies behind each cut. Then the cuts, with what lies before them.
   std::array<double, kBins> behind{};
   Hull hull;
   std::size_t count = 0;

@@ -19,8 +19,8 @@ std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t inde
 /// With vertices and triangles. Precondition: can_travel(object).
 SurfaceData whole_surface_data(const Object& object, std::uint16_t index);
 
-/// A BuildSurfaces for meshes. Their triangles keep their numbers: it throws std::invalid_argument
-/// if a surface has triangles that a mesh of a scene cannot have.
+/// Makes the surfaces of a scene ready for touch(). Their triangles keep their numbers: it throws
+/// std::invalid_argument if a surface has triangles that a mesh of a scene cannot have.
 std::shared_ptr<const WholeSurfaces> mesh_surfaces(std::uint32_t version,
                                                    const std::vector<SurfaceData>& surfaces);
 

@@ -182,7 +182,7 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     LostRun run(recording);
     Reconnector reconnector(access, anyone(), run.sessions, {.first_wait = 10ms});
     Ring<const WholeSurfaces*> made(1);
-    SurfaceFetch surfaces(access, {}, made);
+    SurfaceFetch surfaces(access, made);
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;

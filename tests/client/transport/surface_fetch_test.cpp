@@ -7,7 +7,6 @@
 
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 
@@ -66,7 +65,7 @@ TEST_F(SurfaceFetchTest, FeelsTheWholeMeshFromThenOn) {
     run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
                    {.status = &statuses, .record = &client.records}, *client.result);
   });
-  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  SurfaceFetch fetch(endpoint, ready);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
        [&] { return fetch.known() == 1; });
   LiveStatus status;
@@ -91,7 +90,7 @@ TEST_F(SurfaceFetchTest, FeelsTheWholeMeshFromThenOn) {
 
 TEST_F(SurfaceFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
   Client client(endpoint, kRest, modelled(), "floor");
-  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  SurfaceFetch fetch(endpoint, ready);
   const ScenePlace place{client.joined.accepted.session, 0};
   look(fetch, place, "a question", [&] { return fetch.asking(); });
   look(fetch, place, "its answer", [&] { return !fetch.asking(); });
@@ -102,7 +101,7 @@ TEST_F(SurfaceFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
 
 /// Another session may be another server's, whose scenes have the same versions.
 TEST_F(SurfaceFetchTest, AnotherSessionFetchesAnew) {
-  SurfaceFetch fetch(endpoint, mesh_surfaces, ready);
+  SurfaceFetch fetch(endpoint, ready);
   const WholeSurfaces *first = nullptr, *second = nullptr;
   for (const WholeSurfaces** got : {&first, &second}) {
     Client client(endpoint, kRest, modelled(), "ball");
@@ -122,7 +121,7 @@ TEST_F(SurfaceFetchTest, ABadServerGivesNothing) {
         control::Message(control::Refused{control::RefusalCode::malformed, "no"}),
         control::Message(control::SurfacesTaken{1})}) {
     testing::ControlPeer peer(control::encode(answer));
-    SurfaceFetch fetch(peer.access(), mesh_surfaces, ready, 2s);
+    SurfaceFetch fetch(peer.access(), ready, 2s);
     look(fetch, {1, 0}, "a question", [&] { return fetch.asking(); });
     test::eventually("its end", [&] {
       fetch.look({}, now);
