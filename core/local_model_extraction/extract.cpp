@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/local_model_extraction/patches.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -162,6 +163,10 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
 }
 
 }  // namespace
+
+bool can_travel(const ToolView& view, std::size_t object) noexcept {
+  return object < view.still() && can_travel(view.objects()[object]);
+}
 
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
                        const KnownSurfaces& known) noexcept {

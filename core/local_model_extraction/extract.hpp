@@ -12,8 +12,11 @@ namespace feltwire {
 /// usual hold time has faded.
 inline constexpr double kModelReach = 0.1;
 
+/// Whether a receiver may have an object's whole surface: a mesh that can_travel() and is still.
+bool can_travel(const ToolView& view, std::size_t object) noexcept;
+
 /// By object of the scene: the receiver has its whole surface (whole_surfaces.hpp). Of objects
-/// beyond the end it has none. Only still objects for which can_travel() holds may be in it.
+/// beyond the end it has none. Only objects that can_travel() may be in it.
 using KnownSurfaces = std::vector<bool>;
 
 /// The surfaces of the scene near a tool position [m, world]: first those that the tool touches,

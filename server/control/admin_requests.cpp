@@ -1,5 +1,5 @@
-// What admins ask: evictions, reloads, live changes and counters. What observers ask, too: the
-// state of a scene and its sessions.
+// Answers to admins: evictions, reloads, live changes and counters. And to observers: the state of
+// a scene and of its sessions.
 
 #include <spdlog/spdlog.h>
 
@@ -14,7 +14,8 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
-/// What an observer is told of a scene beside its views: the materials from one object on.
+/// Describes a scene to an observer, whose views lack its materials: those of the objects from
+/// `from` on.
 control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from) {
   const std::vector<Object>& objects = current.scene->objects();
   control::SceneDescription description{current.version,

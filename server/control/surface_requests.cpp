@@ -1,5 +1,5 @@
-// What hands ask of the surfaces that their clients may have in full. Only the last request, which
-// changes a session, is for the scene's thread.
+// Answers to the clients of hands that want surfaces in full. The control thread answers the list
+// and the parts. TakeSurfaces changes a session, so the scene's thread answers it.
 
 #include <algorithm>
 
@@ -53,11 +53,8 @@ control::Message part_of(const SceneInView::CurrentScene& current,
                          const control::GetSurface& request) {
   if (request.version != current.version) return other_version(request.version);
   const ToolView* view = point_view(*current.scene);
-  if (view == nullptr || request.object >= view->still() ||
-      !can_travel(view->objects()[request.object]))
-    return Refused{RefusalCode::bad_parameters,
-                   "object " + std::to_string(request.object) +
-                       " has no surface to have in full; list the surfaces to see which there are"};
+  if (view == nullptr || !can_travel(*view, request.object))
+    return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
   const TriangleMesh& mesh = std::get<Mesh>(view->objects()[request.object].shape).surface->mesh();
   return control::SurfacePart{part(mesh.vertices(), request.vertices),
                               part(mesh.triangles(), request.triangles)};

@@ -8,7 +8,6 @@
 #include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/extract.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -237,14 +236,16 @@ void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   deadband_ = ReplyDeadband(parameters_);
 }
 
+std::string no_surface(std::uint16_t object) {
+  return "object " + std::to_string(object) +
+         " has no surface to have in full; list the surfaces to see which there are";
+}
+
 std::optional<std::string> Session::take_surfaces(std::uint32_t version,
                                                   const std::vector<std::uint16_t>& objects) {
-  const auto& all = view_->objects();
-  KnownSurfaces known(all.size(), false);
+  KnownSurfaces known(view_->objects().size(), false);
   for (const std::uint16_t object : objects) {
-    if (object >= view_->still() || !can_travel(all[object]))
-      return "object " + std::to_string(object) +
-             " has no surface to have in full; list the surfaces to see which there are";
+    if (!can_travel(*view_, object)) return no_surface(object);
     known[object] = true;
   }
   known_ = std::move(known);

@@ -53,6 +53,9 @@ struct Taken {
   Reply reply;
 };
 
+/// For people: why a client cannot have this object in full.
+std::string no_surface(std::uint16_t object);
+
 class Session {
  public:
   /// The scene's view for the tool of the hand (Scene::view) must outlive the session, and so must

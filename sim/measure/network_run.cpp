@@ -133,7 +133,7 @@ std::shared_ptr<const WholeSurfaces> share_surfaces(const Scene& scene, SceneSes
   control::TakeSurfaces take{kSessionId, sessions.scene_version(), {}};
   std::vector<SurfaceData> surfaces;
   for (std::size_t i = 0; i < view.still() && surfaces.size() < control::kMaxSurfaces; ++i) {
-    if (!can_travel(view.objects()[i])) continue;
+    if (!can_travel(view, i)) continue;
     take.objects.push_back(static_cast<std::uint16_t>(i));
     surfaces.push_back(whole_surface_data(view.objects()[i], take.objects.back()));
   }
