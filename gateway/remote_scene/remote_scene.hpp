@@ -45,7 +45,8 @@ class RemoteScene final : public SceneInView {
   const std::string& name() const override { return name_; }
   CurrentScene current_scene() const override;
   bool take_picture(Picture& picture) override;
-  /// What the server tells observers of its sessions; of an older server numbers and tools only.
+  /// Gives what the server tells observers of its sessions. An older server tells only their
+  /// numbers and tools.
   void describe(asio::io_context& back,
                 std::function<void(std::vector<HandDescription>)> done) override;
   std::optional<std::string> out_of_sight() const override;
@@ -68,8 +69,8 @@ class RemoteScene final : public SceneInView {
   std::vector<HandDescription> hands_;
   std::vector<control::SessionDescription> told_;  // hands of the server, by rising number
   Nanoseconds told_at_{0};
-  /// Of the server's scene: its version, and its live changes, that current_ has. Empty: current_
-  /// is as the file says.
+  /// The version of the server's scene, and the number of its live changes, that current_ has taken
+  /// over. Empty: current_ is as the file says.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> adopted_;
   bool fresh_ = false;  // no viewer has taken the picture
   std::optional<std::string> hidden_;

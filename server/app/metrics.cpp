@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -128,25 +129,26 @@ std::string in_seconds(Nanoseconds time) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), seconds(time)).ptr};
 }
 
-/// The buckets and the count of a histogram: each class has those below it, too. `limits` [ns] are
-/// those of all classes but the last.
+/// A histogram: each class has those below it, too. `limits` [ns] are those of all classes but the
+/// last. `sum` of the times, where it is known.
 void add_classes(std::string& text, const std::string& name, const std::string& labels,
-                 std::span<const std::uint64_t> counts, const auto& limits) {
+                 std::span<const std::uint64_t> counts, const auto& limits,
+                 std::optional<Nanoseconds> sum = {}) {
   std::uint64_t below = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     below += counts[i];
     const std::string limit = i < limits.size() ? in_seconds(Nanoseconds(limits[i])) : "+Inf";
     value(text, name + "_bucket", labels + ",le=\"" + limit + "\"", below);
   }
+  if (sum) text.append(name).append("_sum{").append(labels).append("} ");
+  if (sum) text.append(in_seconds(*sum)).append("\n");
   value(text, name + "_count", labels, below);
 }
 
-/// The counts that clients report have no sum of the times.
 void add_times(std::string& text, const std::string& name, const std::string& labels,
                const TimeCounts& times) {
-  add_classes(text, name, labels, times.counts(), TimeCounts::kLimits);
-  text.append(name).append("_sum{").append(labels).append("} ");
-  text.append(in_seconds(Nanoseconds(static_cast<std::int64_t>(times.sum())))).append("\n");
+  add_classes(text, name, labels, times.counts(), TimeCounts::kLimits,
+              Nanoseconds(static_cast<std::int64_t>(times.sum())));
 }
 
 void add_client_times(std::string& text, const std::vector<SceneSummary>& scenes) {

@@ -29,9 +29,9 @@ TEST(Metrics, AHistogramAddsUp) {
   EXPECT_THAT(text, HasSubstr("# TYPE feltwire_answer_seconds histogram\n" + bucket("1e-05", 0) +
                               bucket("2e-05", 3)));
   EXPECT_THAT(text, HasSubstr(bucket("1e-04", 3) + bucket("2e-04", 4)));
-  EXPECT_THAT(text,
-              HasSubstr(bucket("0.2", 4) + bucket("+Inf", 5) + "feltwire_answer_seconds_count" +
-                        label + "} 5\n" + "feltwire_answer_seconds_sum" + label + "} 0.900195\n"));
+  EXPECT_THAT(
+      text, HasSubstr(bucket("0.2", 4) + bucket("+Inf", 5) + "feltwire_answer_seconds_sum" + label +
+                      "} 0.900195\n" + "feltwire_answer_seconds_count" + label + "} 5\n"));
   EXPECT_THAT(text, HasSubstr("feltwire_world_late_seconds_sum" + label + "} 5e-07\n"));
 }
 
