@@ -37,6 +37,7 @@ TEST(LocalModelRun, TheForceIsThatOfTheTruePositionWhateverTheDelay) {
     EXPECT_GT(model.from_model, 0.95) << task;
     // And no worse than forces that are not delayed at all.
     EXPECT_LE(model.error, 1.05 * cell(task, 0.0, false).error) << task;
+    EXPECT_LE(cell(task, 0.0, true).error, 1.05 * cell(task, 0.0, false).error) << task;
     EXPECT_EQ(forces.from_model, 0.0);
   }
 }
