@@ -18,8 +18,34 @@ SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
   }
   memory.feature = 1;
   memory.normal = out.direction;
-  return {p - field.distance * out.direction, out.direction,
-          (radius - field.distance) * out.length};
+  const double beneath = radius - field.distance;
+  return {p + beneath * out.direction, out.direction, beneath * out.length};
+}
+
+/// A ball outside a solid with edges, which the ball rounds: uses the signed distance while the
+/// centre is outside the solid, and the solid's own proxy while it is inside.
+template <Primitive Solid>
+SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
+  SurfacePoint centre = solid.surface_point(Side::outside, p, memory);
+  if (centre.depth > 0.0) {
+    centre.depth += radius;
+    centre.point += radius * centre.normal;
+    return centre;
+  }
+  const FieldPoint field = solid.signed_distance(p);
+  const Polar<double> out = polar(field.gradient);
+  if (!(field.distance < radius) || !(out.length > 0.0)) return {};
+  memory.normal = out.direction;
+  const double depth = radius - field.distance;
+  return {p + depth * out.direction, out.direction, depth};
+}
+
+template <Primitive Solid>
+SurfacePoint met_by(const Grown<Solid>& grown, Side side, const Vec3& p, FeatureMemory& memory) {
+  if (grown.round > 0.0) return rounded(grown.solid, p, grown.round, memory);
+  SurfacePoint centre = grown.solid.surface_point(side, p - grown.middle, memory);
+  if (centre.depth > 0.0) centre.point += grown.middle;
+  return centre;
 }
 
 }  // namespace
@@ -30,7 +56,7 @@ SurfacePoint ball_surface(const Shape& shape, Side side, const Vec3& p, double r
   if (const auto* mesh = std::get_if<Mesh>(&shape))
     return mesh_surface_point(*mesh->surface, side, p, memory, radius);
   return on_primitive(
-      shape, [&](const auto& solid) { return solid.ball_surface(side, p, radius, memory); },
+      shape, [&](const auto& solid) { return met_by(solid.grown(side, radius), side, p, memory); },
       [&] {
         memory = {};
         return SurfacePoint{};

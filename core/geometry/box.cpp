@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"
 #include "core/geometry/surface_parts.hpp"
 
@@ -79,10 +78,9 @@ SurfacePoint Box::surface_point(Side side, const Vec3& p, FeatureMemory& memory)
                                : box_from_inside(half_extents, p, memory);
 }
 
-SurfacePoint Box::ball_surface(Side side, const Vec3& p, double radius,
-                               FeatureMemory& memory) const noexcept {
-  if (side == Side::outside) return rounded(*this, p, radius, memory);
-  return under(box_from_inside(half_extents - Vec3::Constant(radius), p, memory), radius);
+Grown<Box> Box::grown(Side side, double ball) const noexcept {
+  if (side == Side::outside) return {*this, Vec3::Zero(), ball};
+  return {{half_extents - Vec3::Constant(ball)}};
 }
 
 double Box::room() const noexcept { return half_extents.minCoeff(); }

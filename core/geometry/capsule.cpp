@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
 #include "core/geometry/surface_parts.hpp"
@@ -28,10 +27,8 @@ SurfacePoint Capsule::surface_point(Side side, const Vec3& p,
   return round_from_outside({radius, h}, p, undefined, memory);
 }
 
-SurfacePoint Capsule::ball_surface(Side side, const Vec3& p, double ball,
-                                   FeatureMemory& memory) const noexcept {
-  const Capsule grown{radius + outward_sign(side) * ball, half_length};
-  return under_round(grown.surface_point(side, p, memory), ball, memory, side);
+Grown<Capsule> Capsule::grown(Side side, double ball) const noexcept {
+  return {{radius + outward_sign(side) * ball, half_length}};
 }
 
 double Capsule::room() const noexcept { return radius; }

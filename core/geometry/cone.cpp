@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/bend.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
@@ -215,19 +214,13 @@ SurfacePoint Cone::surface_point(Side side, const Vec3& p, FeatureMemory& memory
                  memory);
 }
 
-SurfacePoint Cone::ball_surface(Side side, const Vec3& p, double ball,
-                                FeatureMemory& memory) const noexcept {
-  if (side == Side::outside) return rounded(*this, p, ball, memory);
-  // The centre has a smaller cone of the same angle, its side and its base by the ball's radius
-  // within.
-  const ConeView view(*this, p);
-  const double top = half_length - ball / view.sine, bottom = ball - half_length;
+Grown<Cone> Cone::grown(Side side, double ball) const noexcept {
+  if (side == Side::outside) return {*this, Vec3::Zero(), ball};
+  // A smaller one of the same angle, its side and its base by the ball's radius within.
+  const double sine = radius / hypotenuse(radius, 2.0 * half_length);
+  const double top = half_length - ball / sine, bottom = ball - half_length;
   const double half = 0.5 * (top - bottom);
-  const Vec3 middle(0.0, 0.0, 0.5 * (top + bottom));
-  const Cone shrunk{2.0 * half * view.sine / view.cosine, half};
-  SurfacePoint centre = cone_from_inside(shrunk, p - middle, memory);
-  if (centre.depth > 0.0) centre.point += middle;
-  return under(centre, ball);
+  return {{radius * half / half_length, half}, Vec3(0.0, 0.0, 0.5 * (top + bottom))};
 }
 
 double Cone::room() const noexcept {

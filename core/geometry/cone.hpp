@@ -24,8 +24,7 @@ struct Cone {
   }
 
   SurfacePoint surface_point(Side side, const Vec3& p, FeatureMemory& memory) const noexcept;
-  SurfacePoint ball_surface(Side side, const Vec3& p, double radius,
-                            FeatureMemory& memory) const noexcept;
+  Grown<Cone> grown(Side side, double ball) const noexcept;
   double room() const noexcept;
   FieldPoint signed_distance(const Vec3& p) const noexcept;
   Vec3 half_box() const noexcept;

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"
@@ -97,10 +96,9 @@ SurfacePoint Cylinder::surface_point(Side side, const Vec3& p,
   return cylinder_side(*this, p, memory);
 }
 
-SurfacePoint Cylinder::ball_surface(Side side, const Vec3& p, double ball,
-                                    FeatureMemory& memory) const noexcept {
-  if (side == Side::outside) return rounded(*this, p, ball, memory);
-  return under(cylinder_from_inside({radius - ball, half_length - ball}, p, memory), ball);
+Grown<Cylinder> Cylinder::grown(Side side, double ball) const noexcept {
+  if (side == Side::outside) return {*this, Vec3::Zero(), ball};
+  return {{radius - ball, half_length - ball}};
 }
 
 double Cylinder::room() const noexcept { return std::min(radius, half_length); }

@@ -1,6 +1,5 @@
 #include "core/geometry/plane.hpp"
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"
 #include "core/geometry/surface_parts.hpp"
 
@@ -12,9 +11,8 @@ SurfacePoint Plane::surface_point(Side side, const Vec3& p, FeatureMemory& memor
   return stand_on(Vec3(p.x(), p.y(), 0.0), Vec3(0.0, 0.0, up), -up * p.z(), 0, memory);
 }
 
-SurfacePoint Plane::ball_surface(Side side, const Vec3& p, double radius,
-                                 FeatureMemory& memory) const noexcept {
-  return under(surface_point(side, p - outward_sign(side) * radius * Vec3::UnitZ(), memory), 0.0);
+Grown<Plane> Plane::grown(Side side, double ball) const noexcept {
+  return {*this, outward_sign(side) * ball * Vec3::UnitZ()};
 }
 
 double Plane::room() const noexcept { return std::numeric_limits<double>::infinity(); }

@@ -12,8 +12,7 @@ struct Plane {
   static void lengths(Self&, Visit) {}
 
   SurfacePoint surface_point(Side side, const Vec3& p, FeatureMemory& memory) const noexcept;
-  SurfacePoint ball_surface(Side side, const Vec3& p, double radius,
-                            FeatureMemory& memory) const noexcept;
+  Grown<Plane> grown(Side side, double ball) const noexcept;
   double room() const noexcept;
   FieldPoint signed_distance(const Vec3& p) const noexcept;
   Vec3 half_box() const noexcept;

@@ -62,6 +62,15 @@ struct PatchGeometry {
   bool joined = false;
 };
 
+/// What the centre of a ball meets at a solid: a solid of the same kind, moved by `middle` [m], and
+/// then rounded by `round` [m].
+template <class Solid>
+struct Grown {
+  Solid solid;
+  Vec3 middle = Vec3::Zero();
+  double round = 0.0;
+};
+
 /// A shape that moving bodies collide with: a geom of the physics engine, or a convex hull of
 /// points.
 struct PhysicsGeom {
@@ -91,9 +100,10 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   /// The proxy of a point; see surface_point() of a Shape (core/contact/surface_point.hpp).
   { shape.surface_point(side, p, memory) }
   noexcept->std::same_as<SurfacePoint>;
-  /// The surface that a ball of a radius [m] > 0 meets; see ball_surface() (core/contact/ball.hpp).
-  { shape.ball_surface(side, p, number, memory) }
-  noexcept->std::same_as<SurfacePoint>;
+  /// What the centre of a ball of a radius [m] > 0 meets from that side. Precondition: from inside
+  /// the radius is less than room().
+  { shape.grown(side, number) }
+  noexcept->std::same_as<Grown<Shape>>;
   /// [m] The radius of the largest ball within the solid.
   { shape.room() }
   noexcept->std::same_as<double>;

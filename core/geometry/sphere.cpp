@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
 #include "core/geometry/surface_parts.hpp"
@@ -14,10 +13,8 @@ SurfacePoint Sphere::surface_point(Side side, const Vec3& p, FeatureMemory& memo
   return round_from_outside({radius, 0.0}, p, memory.normal, memory);
 }
 
-SurfacePoint Sphere::ball_surface(Side side, const Vec3& p, double ball,
-                                  FeatureMemory& memory) const noexcept {
-  const Sphere grown{radius + outward_sign(side) * ball};
-  return under_round(grown.surface_point(side, p, memory), ball, memory, side);
+Grown<Sphere> Sphere::grown(Side side, double ball) const noexcept {
+  return {{radius + outward_sign(side) * ball}};
 }
 
 double Sphere::room() const noexcept { return radius; }

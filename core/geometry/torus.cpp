@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/ball_proxy.hpp"
 #include "core/geometry/bend.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
@@ -169,10 +168,8 @@ SurfacePoint Torus::surface_point(Side side, const Vec3& p, FeatureMemory& memor
   return held_on_ring(*this, p, {facing, or_else(normal, Vec3::UnitY())}, memory);
 }
 
-SurfacePoint Torus::ball_surface(Side side, const Vec3& p, double ball,
-                                 FeatureMemory& memory) const noexcept {
-  const Torus grown{major_radius, minor_radius + outward_sign(side) * ball};
-  return under_round(grown.surface_point(side, p, memory), ball, memory, side);
+Grown<Torus> Torus::grown(Side side, double ball) const noexcept {
+  return {{major_radius, minor_radius + outward_sign(side) * ball}};
 }
 
 double Torus::room() const noexcept { return minor_radius; }

@@ -22,7 +22,8 @@ struct SurfacePatch {
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface
   double radius = 0.0;           // [m] the patch is valid within this distance of the point
   /// [m] The surface that pushes the tool lies this far in front of the patch: the radius of a tool
-  /// that is a ball (it also rounds convex edges), less the mean depth of a texture.
+  /// that is a ball (it also rounds convex edges), less the mean depth of a texture. Of a solid
+  /// that keeps its kind when it grows by a ball the patch is of the grown one, and this is zero.
   double offset = 0.0;
   Material material;
   // The state of friction, if the tool touches this surface.

@@ -55,15 +55,16 @@ class Nearest {
   double reach_;  // [m]
 };
 
-SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_t entered) {
+SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_t entered,
+                        double ball) {
   const Vec3 p = object.pose.orientation.conjugate() * (position - object.pose.position);
-  return surface_parts(object.shape, object.felt_from, p, entered);
+  return surface_parts(object.shape, object.felt_from, p, entered, ball);
 }
 
 /// The patches that were fitted last to meshes and grids: those that are chosen are used again.
 class Fitted {
  public:
-  explicit Fitted(const KnownSurfaces& known) : known_(known) {}
+  Fitted(const KnownSurfaces& known, double ball) : known_(known), ball_(ball) {}
   const FittedPatches& of(const std::vector<Object>& objects, std::size_t object,
                           const Vec3& position, const TouchMemory& memory) noexcept {
     for (const Slot& slot : slots_)
@@ -72,7 +73,7 @@ class Fitted {
     const Pose& pose = objects[object].pose;
     slot = {
         fitted_patches(objects[object], pose.orientation.conjugate() * (position - pose.position),
-                       memory[object].feature, object < known_.size() && known_[object]),
+                       memory[object].feature, ball_, object < known_.size() && known_[object]),
         object, true};
     return slot.patches;
   }
@@ -84,13 +85,14 @@ class Fitted {
     bool used = false;
   };
   const KnownSurfaces& known_;
+  double ball_;  // [m]
   std::array<Slot, kMaxPatches> slots_{};
   std::size_t next_ = 0;
 };
 
 /// The patch of a mesh or a grid that was chosen, with its radius.
 SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, const Near& chosen,
-                          std::span<const Near> all, const ContactMemory& memory) {
+                          std::span<const Near> all, const ContactMemory& memory, double ball) {
   const auto of_object = [&](const Near& near) { return near.object == chosen.object; };
   const auto count = static_cast<int>(std::ranges::count_if(all, of_object));
   int index = 0;
@@ -98,15 +100,15 @@ SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, con
          fitted.patches[static_cast<std::size_t>(index)].feature != chosen.feature)
     ++index;
   SurfacePatch patch = surface_patch(object, fitted, index, memory);
-  patch.radius = std::min(kModelReach, fitted_radius(object, fitted, count, index));
+  patch.radius = std::min(kModelReach, fitted_radius(object, fitted, count, index, ball));
   return patch;
 }
 
 /// [m] from a patch's point to where a part of the same object begins that is not in the model.
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
-                 std::span<const Near> chosen) {
+                 std::span<const Near> chosen, double ball) {
   double radius = kModelReach;
-  const SurfaceParts parts = parts_near(object, patch.point, 0);
+  const SurfaceParts parts = parts_near(object, patch.point + patch.offset * patch.normal, 0, ball);
   for (const SurfacePart& part : parts.view()) {
     const bool described = part.shown && std::ranges::any_of(chosen, [&](const Near& near) {
                              return near.object == index && near.feature == part.feature;
@@ -116,11 +118,29 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
+/// The middle of a ball that stands on a solid with edges is in no face. The ball stands on the one
+/// that looks towards it.
+void set_standing(LocalModel& model, const std::vector<Object>& objects,
+                  const TouchMemory& memory) {
+  const std::span patches{model.patches.data(), static_cast<std::size_t>(model.count)};
+  for (SurfacePatch& patch : patches) {
+    const Object& object = objects[patch.object];
+    const ContactMemory& contact = memory[patch.object];
+    if (is_fitted(object.shape) || !contact.touching || contact.feature.feature != 0) continue;
+    const Vec3 out = object.pose.orientation * contact.feature.normal;
+    const bool faces = std::ranges::none_of(patches, [&](const SurfacePatch& other) {
+      return other.object == patch.object && other.normal.dot(out) > patch.normal.dot(out);
+    });
+    if (faces) set_touched(patch, object, contact);
+  }
+}
+
 /// The view's objects where they now are.
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
-  if (view.tool().body || view.tool().radius > 0.0) return model;  // its patches are for a point
+  if (view.tool().body) return model;  // it has a model of its own kind (body_model.hpp)
+  const double ball = view.tool().radius;
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;
@@ -129,7 +149,7 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
   for (const Guide& guide : view.guides())  // a model has no word for them
     reach = std::min(reach, begins(guide, position));
   Nearest nearest(reach);
-  Fitted fits(known);
+  Fitted fits(known, ball);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (is_fitted(objects[i].shape)) {
       const FittedPatches& fitted = fits.of(objects, i, position, memory);
@@ -140,7 +160,7 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
       nearest.offer({fitted.end, i, 0}, false);
       continue;
     }
-    const SurfaceParts parts = parts_near(objects[i], position, memory[i].feature.feature);
+    const SurfaceParts parts = parts_near(objects[i], position, memory[i].feature.feature, ball);
     for (const SurfacePart& part : parts.view())
       nearest.offer({part.distance, i, part.feature}, part.shown && i <= kMostObjects);
   }
@@ -152,13 +172,14 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
     const Object& object = objects[near.object];
     if (is_fitted(object.shape)) {
       patch = fitted_patch(object, fits.of(objects, near.object, position, memory), near, chosen,
-                           memory[near.object]);
+                           memory[near.object], ball);
     } else {
-      patch = surface_patch(object, position, near.feature, memory[near.object]);
-      patch.radius = radius_of(object, patch, near.object, chosen);
+      patch = surface_patch(object, position, near.feature, memory[near.object], ball);
+      patch.radius = radius_of(object, patch, near.object, chosen, ball);
     }
     patch.object = static_cast<std::uint16_t>(near.object);
   }
+  if (ball > 0.0) set_standing(model, objects, memory);
   return model;
 }
 

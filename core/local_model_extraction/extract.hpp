@@ -23,7 +23,7 @@ using KnownSurfaces = std::vector<bool>;
 /// then those that it would meet first. `memory`: the result of touch() at that position. All other
 /// surfaces are farther away than the model's reach. If the tool touches more than kMaxPatches
 /// surfaces at once, the reach is zero. The model is empty if the position is not finite, the
-/// memory is of another view, or the view's tool is not a point. Objects of `known` have one patch,
+/// memory is of another view, or the view's tool has a body. Objects of `known` have one patch,
 /// a mark, and do not end the reach. It never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
                        const KnownSurfaces& known = {}) noexcept;

@@ -43,23 +43,32 @@ inline bool is_fitted(const Shape& shape) noexcept {
 }
 
 /// The patches of a mesh or a grid near a position [m, object frame]. `memory` is that of the
-/// contact at this position. `whole`: the receiver has the whole surface, which is a mesh.
+/// contact at this position. `ball` [m]: the radius of the tool; 0: a point. `whole`: the receiver
+/// has the whole surface, which is a mesh.
 FittedPatches fitted_patches(const Object& object, const Vec3& position,
-                             const FeatureMemory& memory, bool whole) noexcept;
+                             const FeatureMemory& memory, double ball, bool whole) noexcept;
 
 /// [m] about the point of patch `index`. A surface that the first `count` patches do not describe
-/// may begin only beyond this radius.
-double fitted_radius(const Object& object, const FittedPatches& fitted, int count,
-                     int index) noexcept;
+/// may begin only beyond this radius. `ball`: as above.
+double fitted_radius(const Object& object, const FittedPatches& fitted, int count, int index,
+                     double ball) noexcept;
 
 FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                           const FeatureMemory& memory) noexcept;
+                           const FeatureMemory& memory, double ball) noexcept;
 /// The mark on a mesh that the receiver has in full. None if the tool is farther away than
 /// kMostFitted.
 FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                        const FeatureMemory& memory) noexcept;
+                        const FeatureMemory& memory, double ball) noexcept;
 double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted, int count,
-                         int index) noexcept;
-FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position) noexcept;
+                         int index, double ball) noexcept;
+FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position,
+                           double ball) noexcept;
+
+/// Whether a ball [m] rolls on a surface so curved [1/m] as on the patch that was fitted to it. In
+/// a hollow of less than twice its radius it magnifies what a fit errs by.
+inline bool rolls(double ball, double curvature) noexcept {
+  constexpr double kMostHollow = 0.5;
+  return ball * curvature > -kMostHollow;
+}
 
 }  // namespace feltwire

@@ -84,11 +84,13 @@ bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& pa
 
 }  // namespace
 
-FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position) noexcept {
+FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& position,
+                           double ball) noexcept {
   const DistanceGrid<float>& field = *grid.field;
   const double sign = felt_from == Side::outside ? 1.0 : -1.0;
   FittedPatches all;
-  all.end = std::max(0.0, field.at_least(position, sign, std::numeric_limits<double>::infinity()));
+  const auto earlier = [&](double distance) { return std::max(0.0, distance - ball); };
+  all.end = earlier(field.at_least(position, sign, std::numeric_limits<double>::infinity()));
   const double distance = sign * field.at(position).distance;
   if (!(distance < field.band() && -distance < kGridOpen * field.band())) return all;
   const GridClosest closest = closest_on(field, sign, position);
@@ -96,6 +98,7 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   if (!closest.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
 
   const Bend bent = bend_at(field, sign, closest);
+  if (!rolls(ball, bent.curvature)) return all;
   SurfacePatch patch;
   patch.point = closest.point;
   patch.normal = closest.normal;
@@ -106,10 +109,12 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
        r <= kMostFitted && holds(field, sign, patch, r, -distance); r *= 2.0)
     radius = r;
   if (!(height < kGridOpen * radius)) return all;
-  all.end = all.extent = radius;
+  all.end = earlier(radius);
+  all.extent = radius;
+  all.offset = ball;
   all.count = 1;
-  all.patches[0] = {
-      patch.point, patch.normal, patch.axis, patch.curvature, std::max(0.0, distance), 0.0, 1};
+  all.patches[0] = {patch.point,       patch.normal, patch.axis, patch.curvature,
+                    earlier(distance), 0.0,          1};
   return all;
 }
 

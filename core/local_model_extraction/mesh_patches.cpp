@@ -20,8 +20,6 @@ constexpr double kFittedSides = 3.0;  // of the triangle it begins at: how far i
 // Facets that turn by no more than this [rad] are taken for a smooth surface cut up; the middle of
 // an equilateral one stands kSagitta * angle * side off its corners' ball, of a lopsided one more.
 constexpr double kMostTurned = 0.15, kSagitta = 0.25;
-// A ball in a hollow of less than twice its radius magnifies what a fit errs by.
-constexpr double kMostHollow = 0.5;  // radius times curvature
 constexpr std::uint32_t kNone = TriangleMesh::kNone;
 
 /// The place of the surface that is nearest to a tool.
@@ -34,11 +32,11 @@ struct NearestSurface {
 };
 
 NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
-                               const FeatureMemory& memory) {
+                               const FeatureMemory& memory, double ball) {
   if (memory.side != 0) {
     // A ball's proxy is its middle: it touches below.
     const Vec3 closest =
-        surface.options().radius > 0.0
+        ball > 0.0
             ? nearest_on_triangle(surface.mesh().corners(memory.triangle), memory.proxy).point
             : memory.proxy;
     return {closest, memory.triangle, static_cast<double>(memory.side), 0.0,
@@ -132,22 +130,23 @@ bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, doubl
 }
 
 /// [m] What pushes the tool stands so far in front of the triangles.
-double offset_of(const MeshOptions& options) {
-  double offset = options.radius - options.grain.amplitude;
+double offset_of(const MeshOptions& options, double ball) {
+  double offset = ball - options.grain.amplitude;
   if (options.height_map) offset -= options.height_map->mean();
   return offset;
 }
 
 /// `end` [m] from the position is where triangles begin that are not described: a ball meets them a
 /// radius earlier.
-FittedPatches found(const MeshSurface& surface, const MeshFits& fits, double end, double extent) {
+FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fits, double end,
+                    double extent) {
   const MeshOptions& options = surface.options();
-  const auto earlier = [&](double distance) { return std::max(0.0, distance - options.radius); };
+  const auto earlier = [&](double distance) { return std::max(0.0, distance - ball); };
   FittedPatches all;
   all.joined = fits.joined();
   all.faceted = true;
   all.rough = options.rough();
-  all.offset = offset_of(options);
+  all.offset = offset_of(options, ball);
   all.end = earlier(end);
   all.extent = extent;
   for (int i = 0; i < fits.count(); ++i) {
@@ -174,37 +173,33 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
 }
 
 /// One patch to which nothing near was an exception: how much farther it holds.
-FittedPatches reaching(const MeshSurface& surface, const MeshFits& fits,
+FittedPatches reaching(const MeshSurface& surface, double ball, const MeshFits& fits,
                        const NearestSurface& nearest, const MeshFits::Other& other) {
-  FittedPatches all = found(surface, fits, other.distance, other.looked);
+  FittedPatches all = found(surface, ball, fits, other.distance, other.looked);
   constexpr double kLow = 0.75;  // of the radius: higher than that the rings do not look
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
   while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
     radius *= 2.0;
   if (radius > other.looked && nearest.height < kLow * radius) {
-    all.end = std::max(all.end, radius - surface.options().radius);
+    all.end = std::max(all.end, radius - ball);
     all.extent = radius;
     all.alone = true;
   }
   return all;
 }
 
-/// Whether a ball of the mesh's radius rolls on a patch as on the surface it was fitted to.
-bool rolls(const MeshSurface& surface, const MeshFit& fit) {
-  return fit.curvature * surface.options().radius > -kMostHollow;
-}
-
 }  // namespace
 
 FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                           const FeatureMemory& memory) noexcept {
+                           const FeatureMemory& memory, double tool) noexcept {
   FittedPatches none;
   const Vec3 goal = position - surface.mesh().origin();
   const MeshOptions& options = surface.options();
-  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory);
+  const double ball = options.radius + tool;
+  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory, ball);
   if (!(nearest.distance <= kMostFitted)) return none;
-  none.end = std::max(0.0, nearest.distance - options.radius);
+  none.end = std::max(0.0, nearest.distance - ball);
   if (nearest.side == 0.0) return none;
 
   const double extent = extent_of(surface, nearest.triangle);
@@ -215,25 +210,25 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   MeshFits::Other other = planes.first_other(goal, nearest.height, extent);
   FittedPatches flat;
   if (other.triangle == kNone && !options.smooth) {
-    flat = reaching(surface, planes, nearest, other);
+    flat = reaching(surface, ball, planes, nearest, other);
     if (other.border || 2.0 * flat.extent > kMostFitted) return flat;
   }
 
-  MeshFits ball(surface, nearest.side);
+  MeshFits curve(surface, nearest.side);
   MeshFit fit = curved(surface, nearest);
   fit.distance = nearest.distance;
-  ball.add(fit);
-  const bool round = rolls(surface, fit);
+  curve.add(fit);
+  const bool round = rolls(ball, fit.curvature);
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
-  if (round) beyond = ball.first_other(goal, nearest.height, extent);
+  if (round) beyond = curve.first_other(goal, nearest.height, extent);
   if (flat.count > 0) {  // facets so fine may be a curved surface's
     if (!round || fit.curvature == 0.0) return flat;
-    const FittedPatches bent = reaching(surface, ball, nearest, beyond);
+    const FittedPatches bent = reaching(surface, ball, curve, nearest, beyond);
     return bent.end > flat.end ? bent : flat;
   }
   if (options.smooth || (round && beyond.triangle == kNone && beyond.distance > other.distance))
-    return reaching(surface, ball, nearest, beyond);
+    return reaching(surface, ball, curve, nearest, beyond);
 
   while (other.triangle != kNone) {
     MeshFits more = planes;
@@ -247,16 +242,17 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
     planes = more;
     other = after;
   }
-  if (beyond.distance > other.distance) return found(surface, ball, beyond.distance, extent);
-  return found(surface, planes, other.distance, extent);
+  if (beyond.distance > other.distance) return found(surface, ball, curve, beyond.distance, extent);
+  return found(surface, ball, planes, other.distance, extent);
 }
 
 FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                        const FeatureMemory& memory) noexcept {
+                        const FeatureMemory& memory, double tool) noexcept {
   FittedPatches mark;
   mark.whole = true;
   const Vec3 goal = position - surface.mesh().origin();
-  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory);
+  const double ball = surface.options().radius + tool;
+  const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory, ball);
   if (!(nearest.distance <= kMostFitted)) return mark;
   // Behind a surface that is felt from one side it looks that way, too.
   const double side = nearest.side != 0.0 ? nearest.side : felt_from == Side::outside ? 1.0 : -1.0;
@@ -265,18 +261,18 @@ FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& 
   patch.normal = memory.side != 0 && memory.feature != 0
                      ? memory.normal
                      : Vec3(side * triangle_normal(surface.mesh().corners(nearest.triangle)));
-  patch.distance = std::max(0.0, nearest.distance - surface.options().radius);
+  patch.distance = std::max(0.0, nearest.distance - ball);
   patch.feature = 1;
   mark.count = 1;
   return mark;
 }
 
 double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted, int count,
-                         int index) noexcept {
+                         int index, double tool) noexcept {
   const auto at = [&](int i) -> const FittedPatch& {
     return fitted.patches[static_cast<std::size_t>(i)];
   };
-  const double ball = surface.options().radius;
+  const double ball = surface.options().radius + tool;
   // Beyond that, the surface was sampled on rings.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
   // Which side faces the tool, the patches' own normals say.

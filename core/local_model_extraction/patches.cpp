@@ -1,11 +1,11 @@
 #include "core/local_model_extraction/patches.hpp"
 
+#include <algorithm>
+
 namespace feltwire {
 namespace {
 
-/// touched: what a tool remembers that touches just this, else null.
-SurfacePatch in_world(const Object& object, const PatchGeometry& s, std::uint32_t feature,
-                      const ContactMemory* touched) {
+SurfacePatch in_world(const Object& object, const PatchGeometry& s, std::uint32_t feature) {
   const Quaternion& to_world = object.pose.orientation;
   SurfacePatch patch;
   patch.point = object.pose.position + to_world * s.point;
@@ -17,36 +17,63 @@ SurfacePatch in_world(const Object& object, const PatchGeometry& s, std::uint32_
   patch.feature = feature;
   // Without friction there is no stick point.
   patch.anchor = patch.point;
-  patch.touching = touched != nullptr;
-  if (patch.touching && object.material.static_friction > 0.0) {
-    patch.anchor = object.pose.position + to_world * touched->anchor;
-    patch.slipping = touched->slipping;
-  }
   return patch;
+}
+
+template <Primitive Solid>
+Grown<Solid> grown_by(const Solid& solid, Side side, double ball) {
+  return ball > 0.0 ? solid.grown(side, ball) : Grown<Solid>{solid};
+}
+
+template <Primitive Solid>
+SurfaceParts parts_of(const Grown<Solid>& grown, Side side, const Vec3& p, std::uint32_t entered) {
+  SurfaceParts all = grown.solid.parts(side, p - grown.middle, entered);
+  for (SurfacePart& part : all.parts) part.distance = std::max(0.0, part.distance - grown.round);
+  return all;
+}
+
+struct GrownPatch {
+  PatchGeometry patch;
+  double offset = 0.0;  // [m]
+};
+
+template <Primitive Solid>
+GrownPatch patch_of(const Grown<Solid>& grown, Side side, const Vec3& p, std::uint32_t feature,
+                    const ContactMemory& memory) {
+  GrownPatch of{grown.solid.patch(side, p - grown.middle, static_cast<int>(feature) - 1,
+                                  memory.feature, memory.touching),
+                grown.round};
+  of.patch.point += grown.middle;
+  return of;
 }
 
 }  // namespace
 
 SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
-                           std::uint32_t entered) noexcept {
+                           std::uint32_t entered, double ball) noexcept {
   return on_primitive(
-      shape, [&](const auto& solid) { return solid.parts(side, position, entered); },
+      shape,
+      [&](const auto& solid) {
+        return parts_of(grown_by(solid, side, ball), side, position, entered);
+      },
       [] { return SurfaceParts{}; });
 }
 
 SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
-                           const ContactMemory& memory) noexcept {
+                           const ContactMemory& memory, double ball) noexcept {
   const Quaternion& to_world = object.pose.orientation;
   const Vec3 p = to_world.conjugate() * (position - object.pose.position);
-  const PatchGeometry s = on_primitive(
+  const Side side = object.felt_from;
+  const GrownPatch of = on_primitive(
       object.shape,
       [&](const auto& solid) {
-        return solid.patch(object.felt_from, p, static_cast<int>(feature) - 1, memory.feature,
-                           memory.touching);
+        return patch_of(grown_by(solid, side, ball), side, p, feature, memory);
       },
-      [] { return PatchGeometry{}; });
-  return in_world(object, s, feature,
-                  memory.touching && memory.feature.feature == feature ? &memory : nullptr);
+      [] { return GrownPatch{}; });
+  SurfacePatch patch = in_world(object, of.patch, feature);
+  patch.offset = of.offset;
+  if (memory.touching && memory.feature.feature == feature) set_touched(patch, object, memory);
+  return patch;
 }
 
 SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, int index,
@@ -57,14 +84,21 @@ SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, in
                         .axis = fit.axis,
                         .curvature = fit.curvature,
                         .joined = fitted.joined};
+  SurfacePatch patch = in_world(object, s, fit.feature);
   // The first is what the tool stands on.
-  SurfacePatch patch =
-      in_world(object, s, fit.feature, memory.touching && index == 0 ? &memory : nullptr);
+  if (memory.touching && index == 0) set_touched(patch, object, memory);
   patch.offset = fitted.offset;
   patch.faceted = fitted.faceted;
   patch.rough = fitted.rough;
   patch.whole = fitted.whole;
   return patch;
+}
+
+void set_touched(SurfacePatch& patch, const Object& object, const ContactMemory& memory) noexcept {
+  patch.touching = true;
+  if (!(object.material.static_friction > 0.0)) return;
+  patch.anchor = object.pose.position + object.pose.orientation * memory.anchor;
+  patch.slipping = memory.slipping;
 }
 
 }  // namespace feltwire

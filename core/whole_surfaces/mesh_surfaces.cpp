@@ -100,7 +100,7 @@ bool can_travel(const Object& object) noexcept {
   return mesh != nullptr && mesh->options().height_map == nullptr;
 }
 
-std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index) {
+std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index, double ball) {
   if (!can_travel(object)) return std::nullopt;
   const MeshSurface& mesh = *mesh_of(object);
   const MeshOptions& options = mesh.options();
@@ -110,15 +110,15 @@ std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t inde
                      .from_inside = object.felt_from == Side::inside,
                      .double_sided = options.double_sided,
                      .smooth = options.smooth,
-                     .radius = options.radius,
+                     .radius = options.radius + ball,
                      .grain = options.grain.amplitude,
                      .grain_wavelength = options.grain.wavelength,
                      .vertices = {},
                      .triangles = {}};
 }
 
-SurfaceData whole_surface_data(const Object& object, std::uint16_t index) {
-  SurfaceData data = *surface_data(object, index);
+SurfaceData whole_surface_data(const Object& object, std::uint16_t index, double ball) {
+  SurfaceData data = *surface_data(object, index, ball);
   data.vertices = mesh_of(object)->mesh().vertices();
   data.triangles = mesh_of(object)->mesh().triangles();
   return data;

@@ -13,11 +13,12 @@ namespace feltwire {
 /// Whether surface_data() gives something: a mesh without a height map.
 bool can_travel(const Object& object) noexcept;
 
-/// An object as it travels, without its vertices and triangles; empty: it cannot. Precondition:
-/// `index` is that of the object in its scene.
-std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index);
+/// An object as it travels, without its vertices and triangles; empty: it cannot. `ball` [m]: the
+/// radius of the tool, which the mesh gets besides its own; 0: a point. Precondition: `index` is
+/// that of the object in its scene.
+std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index, double ball);
 /// With vertices and triangles. Precondition: can_travel(object).
-SurfaceData whole_surface_data(const Object& object, std::uint16_t index);
+SurfaceData whole_surface_data(const Object& object, std::uint16_t index, double ball);
 
 /// Makes the surfaces of a scene ready for touch(). Their triangles keep their numbers: it throws
 /// std::invalid_argument if a surface has triangles that a mesh of a scene cannot have.

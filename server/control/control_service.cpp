@@ -156,7 +156,10 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
     spdlog::error("{} could not join: {}", who, error.what());
     return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
   }
-  seated_[id] = {asked.token.id, asked.token.client, scene, request.role, who, monotonic_now(), {}};
+  seated_[id] = {asked.token.id,  asked.token.client,
+                 request.tool,    scene,
+                 request.role,    who,
+                 monotonic_now(), {}};
   if (!asked.token.seat.empty()) request.seat = asked.token.seat;
   request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
   SceneHost& host = *hosts_[scene];

@@ -76,6 +76,7 @@ class ControlService {
   /// A session, from its request on.
   struct ListedSession {
     std::string token, client;  // the token's id, and its holder's name
+    std::string tool;           // as the client asked for it; empty: the first
     std::size_t scene = 0;
     Role role = Role::observer;
     std::string who;               // for the log

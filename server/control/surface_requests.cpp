@@ -14,23 +14,20 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// Objects that a point touches; null: all tools have a body.
-const ToolView* point_view(const Scene& scene) {
-  const auto& views = scene.views();
-  const auto found = std::ranges::find_if(views, [](const ToolView& view) {
-    return view.tool().body == nullptr && view.tool().radius == 0.0;
-  });
-  return found != views.end() ? &*found : nullptr;
+/// The scene for a tool that is a point or a ball; null: the tool has a body, or is gone.
+const ToolView* view_of(const Scene& scene, const std::string& tool) {
+  const ToolView* view = scene.view(tool);
+  return view != nullptr && view->tool().body == nullptr ? view : nullptr;
 }
 
-control::SurfaceList list_of(const SceneInView::CurrentScene& current) {
+control::SurfaceList list_of(const SceneInView::CurrentScene& current, const std::string& tool) {
   control::SurfaceList list{.version = current.version, .surfaces = {}};
-  const ToolView* view = point_view(*current.scene);
+  const ToolView* view = view_of(*current.scene, tool);
   if (view == nullptr) return list;
   const auto& objects = view->objects();
   for (std::size_t i = 0; i < view->still() && list.surfaces.size() < control::kMaxSurfaces; ++i) {
     if (i > std::numeric_limits<std::uint16_t>::max()) break;
-    auto data = surface_data(objects[i], static_cast<std::uint16_t>(i));
+    auto data = surface_data(objects[i], static_cast<std::uint16_t>(i), view->tool().radius);
     if (!data) continue;
     const TriangleMesh& mesh = std::get<Mesh>(objects[i].shape).surface->mesh();
     list.surfaces.push_back({.surface = *std::move(data),
@@ -49,10 +46,10 @@ std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count)};
 }
 
-control::Message part_of(const SceneInView::CurrentScene& current,
+control::Message part_of(const SceneInView::CurrentScene& current, const std::string& tool,
                          const control::GetSurface& request) {
   if (request.version != current.version) return other_version(request.version);
-  const ToolView* view = point_view(*current.scene);
+  const ToolView* view = view_of(*current.scene, tool);
   if (view == nullptr || !can_travel(*view, request.object))
     return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
   const TriangleMesh& mesh = std::get<Mesh>(view->objects()[request.object].shape).surface->mesh();
@@ -81,7 +78,8 @@ bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& req
     return true;
   }
   const auto current = hosts_[seated->scene]->current_scene();
-  asked.answer(get != nullptr ? part_of(current, *get) : control::Message(list_of(current)));
+  asked.answer(get != nullptr ? part_of(current, seated->tool, *get)
+                              : control::Message(list_of(current, seated->tool)));
   return true;
 }
 

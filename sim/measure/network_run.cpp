@@ -129,13 +129,14 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
 /// Gives both ends what a client fetches. Null: there is nothing to fetch.
 std::shared_ptr<const WholeSurfaces> share_surfaces(const Scene& scene, SceneSessions& sessions) {
   const ToolView& view = scene;
-  if (view.tool().body != nullptr || view.tool().radius > 0.0) return nullptr;
+  if (view.tool().body != nullptr) return nullptr;
   control::TakeSurfaces take{kSessionId, sessions.scene_version(), {}};
   std::vector<SurfaceData> surfaces;
   for (std::size_t i = 0; i < view.still() && surfaces.size() < control::kMaxSurfaces; ++i) {
     if (!can_travel(view, i)) continue;
     take.objects.push_back(static_cast<std::uint16_t>(i));
-    surfaces.push_back(whole_surface_data(view.objects()[i], take.objects.back()));
+    surfaces.push_back(
+        whole_surface_data(view.objects()[i], take.objects.back(), view.tool().radius));
   }
   if (surfaces.empty()) return nullptr;
   sessions.answer(take, 0, {}, {});

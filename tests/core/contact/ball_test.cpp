@@ -39,8 +39,10 @@ TEST(Ball, IsAsDeepAsItsSurfaceIsInTheSolid) {
       if (!(s.depth > 1e-9) || field.distance < -0.01)
         continue;  // deeper, two faces may be as near
       EXPECT_LT((s.normal - field.gradient).norm(), 1e-9) << shape.index() << ' ' << p.transpose();
-      EXPECT_NEAR(signed_distance(shape, Side::outside, s.point).distance, 0.0, 1e-12);
-      EXPECT_LT((s.point + (kRadius - s.depth) * s.normal - p).norm(), 1e-12);
+      EXPECT_LT((s.point - s.depth * s.normal - p).norm(), 1e-12);
+      if (field.distance > 0.0) {
+        EXPECT_NEAR(signed_distance(shape, Side::outside, s.point).distance, kRadius, 1e-12);
+      }
     }
 }
 

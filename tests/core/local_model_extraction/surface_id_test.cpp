@@ -34,7 +34,7 @@ TEST(SurfaceId, NoTwoFacesOfAMeshShareOne) {
         const Vec3 out = (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(face / 2);
         const Vec3 place = Vec3(kApart * i, 0.0, 0.0) + (kHalf + 0.001) * out +
                            off * Vec3::Unit((face / 2 + 1) % 3);
-        const FittedPatches fitted = fitted_patches(object, place, {}, false);
+        const FittedPatches fitted = fitted_patches(object, place, {}, 0.0, false);
         ASSERT_GT(fitted.count, 0);
         const FittedPatch& nearest = fitted.patches[0];
         ASSERT_LT((nearest.normal - out).norm(), 1e-9);

@@ -136,7 +136,9 @@ TEST(FieldScene, ABallForATool) {
       parse_scene(scene_text(R"("plane": {})", R"({ "sphere": { "radius": 0.005 } })"), "s.json");
   TouchMemory memory = scene.memory();
   EXPECT_NEAR(scene.touch({Vec3(0, 0, 0.003), Vec3::Zero()}, memory).elastic.z(), 2.0, 1e-12);
-  EXPECT_EQ(local_model(scene, Vec3(0, 0, 0.003), memory).count, 0);
+  const LocalModel model = local_model(scene, Vec3(0, 0, 0.003), memory);
+  ASSERT_EQ(model.count, 1);
+  EXPECT_NEAR(model.patches[0].point.z(), 0.005, 1e-15);  // of the plane where the middle stands
 }
 
 TEST(FieldScene, EveryMistakeIsNamed) {

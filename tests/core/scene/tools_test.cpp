@@ -136,11 +136,16 @@ TEST(Tools, AHandFeelsASceneOfItsToolAlone) {
     const Pose at{hand.step().position, Quaternion::Identity()};
     ASSERT_EQ(held.touch(at, Vec3::Zero(), 1e-3, a), block.touch(at, Vec3::Zero(), 1e-3, b));
   }
-  // A point among other tools has its local model; the others have none.
+  // Each tool has its own local model; a body has one of another kind (body_model.hpp).
   const Vec3 above(0.0, 0.01, 0.02);
-  TouchMemory memory = scene.view("tip")->memory();
-  EXPECT_GT(local_model(*scene.view("tip"), above, memory).reach, 0.0);
-  EXPECT_EQ(local_model(scene, above, memory).reach, 0.0);
+  const TouchMemory memory = scene.view("tip")->memory();
+  const LocalModel tip = local_model(*scene.view("tip"), above, memory);
+  const LocalModel of_ball = local_model(scene, above, memory);
+  EXPECT_GT(tip.reach, 0.0);
+  EXPECT_EQ(tip.patches[0].offset, 0.0);
+  EXPECT_GT(of_ball.reach, 0.0);
+  EXPECT_EQ(of_ball.patches[0].offset, kBall);
+  EXPECT_EQ(local_model(*scene.view("brick"), above, scene.view("brick")->memory()).reach, 0.0);
 }
 
 TEST(Tools, ShareWhatIsLarge) {

@@ -37,7 +37,8 @@ std::shared_ptr<const WholeSurfaces> surfaces_of(const Scene& scene) {
   std::vector<SurfaceData> all;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
     if (can_travel(scene.objects()[i]))
-      all.push_back(whole_surface_data(scene.objects()[i], static_cast<std::uint16_t>(i)));
+      all.push_back(whole_surface_data(scene.objects()[i], static_cast<std::uint16_t>(i),
+                                       scene.tool().radius));
   return mesh_surfaces(kVersion, all);
 }
 
@@ -85,6 +86,14 @@ TEST(MeshSurfaces, AreFeltAsInTheScene) {
   expect_felt_as_the_scene(of(smooth));
   expect_felt_as_the_scene(of(ring({.smooth = true})));
   expect_felt_as_the_scene(of(rough));
+}
+
+TEST(MeshSurfaces, AreFeltByABallAsInTheScene) {
+  Object smooth = ring({.radius = 1e-3});  // which the tool's radius is added to
+  smooth.material.static_friction = smooth.material.dynamic_friction = 0.0;
+  Scene scene = of(smooth);
+  scene.set_tool({.radius = 3e-3, .body = nullptr});
+  expect_felt_as_the_scene(scene);
 }
 
 TEST(MeshSurfaces, TheirFrictionIsTheScenes) {
@@ -165,12 +174,12 @@ TEST(MeshSurfaces, OnlyMeshesWithoutAHeightMapTravel) {
   Object plane;
   plane.shape = Plane{};
   EXPECT_FALSE(can_travel(plane));
-  EXPECT_FALSE(surface_data(plane, 0));
+  EXPECT_FALSE(surface_data(plane, 0, 0.0));
   EXPECT_TRUE(can_travel(ring()));
 }
 
 TEST(MeshSurfaces, WhatNoSceneCanHaveIsRefused) {
-  SurfaceData data = whole_surface_data(ring(), 3);
+  SurfaceData data = whole_surface_data(ring(), 3, 0.0);
   EXPECT_NO_THROW(mesh_surfaces(1, {data}));
   EXPECT_TRUE(mesh_surfaces(1, {data})->has(3));
   EXPECT_FALSE(mesh_surfaces(1, {data})->has(2));

@@ -33,7 +33,10 @@ class SurfaceRequest : public ::testing::Test {
     mesh.pose.position = {0.2, 0.1, 0.3};
     objects.push_back(mesh);
     std::vector<Scene> all;
-    all.push_back(Scene("room", std::move(objects)));
+    Scene scene("room", std::move(objects));
+    scene.set_tools({{.radius = 0.0, .body = nullptr, .name = "tip"},
+                     {.radius = 0.004, .body = nullptr, .name = "ball"}});
+    all.push_back(std::move(scene));
     return all;
   }
 
@@ -67,6 +70,18 @@ TEST_F(SurfaceRequest, ItsPartsMakeUpTheMesh) {
   EXPECT_EQ(
       admin_.ask<control::SurfacesTaken>(control::TakeSurfaces{hand.session(), 1, {2}}).session,
       hand.session());
+}
+
+/// The tool of the session that asks decides.
+TEST_F(SurfaceRequest, ABallsRadiusIsInItsSurfaces) {
+  for (const auto& [tool, radius] : {std::pair("tip", 0.0), std::pair("ball", 0.004)}) {
+    control::JoinRequest join = test::join_request();
+    join.tool = tool;
+    const auto joined = admin_.join(join).accepted;
+    const auto list = admin_.ask<control::SurfaceList>(control::ListSurfaces{joined.session});
+    ASSERT_EQ(list.surfaces.size(), 1u) << tool;
+    EXPECT_EQ(list.surfaces[0].surface.radius, radius) << tool;
+  }
 }
 
 TEST_F(SurfaceRequest, WhatIsNotThereIsRefused) {
