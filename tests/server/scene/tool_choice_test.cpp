@@ -103,9 +103,12 @@ TEST(ToolChoice, EachHandHoldsWhatItAsksFor) {
   EXPECT_EQ(bench.above(kSecond), 0.0);
   for (int n = 0; n < 20; ++n) bench.above(kThird);
   EXPECT_GT(bench.above(kThird), 1.0);
-  // A point has a local model, whatever the others hold.
-  EXPECT_EQ(bench.hand(kFirst, Vec3(0, 0, 0.01)).model.count, 0);
-  EXPECT_EQ(bench.hand(kSecond, Vec3(0, 0, 0.01)).model.count, 1);
+  // A point has the floor for its local model, a ball the plane where its middle stands.
+  const LocalModel of_ball = bench.hand(kFirst, Vec3(0, 0, 0.01)).model;
+  const LocalModel of_tip = bench.hand(kSecond, Vec3(0, 0, 0.01)).model;
+  ASSERT_EQ(of_ball.count, 1);
+  ASSERT_EQ(of_tip.count, 1);
+  EXPECT_NEAR(of_ball.patches[0].point.z() - of_tip.patches[0].point.z(), kBall, 1e-9);
 }
 
 TEST(ToolChoice, WhatIsNotThereIsRefusedWithWhatThereIs) {
