@@ -54,7 +54,8 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
   return on_primitive(
       shape,
       [&](const auto& solid) {
-        return parts_of(grown_by(solid, side, ball), side, position, entered);
+        if (!(ball > 0.0)) return solid.parts(side, position, entered);
+        return parts_of(solid.grown(side, ball), side, position, entered);
       },
       [] { return SurfaceParts{}; });
 }
