@@ -7,7 +7,7 @@ namespace feltwire {
 
 /// The contact of a ball with a shape felt from `side`: the place where its centre is held, the
 /// surface's normal, and how deep the ball is in it. `radius` [m], > 0; `position` of its centre
-/// [m, object frame]. The ball does not turn, so it rubs on the surface by the way of its centre.
+/// [m, object frame]. The ball does not turn, so friction follows the movement of its centre.
 ///
 /// Some solids keep their kind when they grow by the radius (Grown::round is zero): the centre
 /// touches the grown solid. Boxes, cylinders and cones get round edges from outside; while the

@@ -62,8 +62,9 @@ struct PatchGeometry {
   bool joined = false;
 };
 
-/// What the centre of a ball meets at a solid: a solid of the same kind, moved by `middle` [m], and
-/// then rounded by `round` [m].
+/// A solid that has grown by the radius of a ball: the ball touches the first one exactly where its
+/// centre touches this one. It is `solid`, moved by `middle` [m]. If `round` [m] is above zero, its
+/// surface is everywhere that far in front of `solid`, which makes the edges round.
 template <class Solid>
 struct Grown {
   Solid solid;
@@ -100,8 +101,8 @@ concept Primitive = requires(const Shape& shape, Shape& given, Side side, const 
   /// The proxy of a point; see surface_point() of a Shape (core/contact/surface_point.hpp).
   { shape.surface_point(side, p, memory) }
   noexcept->std::same_as<SurfacePoint>;
-  /// What the centre of a ball of a radius [m] > 0 meets from that side. Precondition: from inside
-  /// the radius is less than room().
+  /// The solid that has grown by a ball of this radius [m] > 0, which touches it from that side.
+  /// Precondition: from inside the radius is less than room().
   { shape.grown(side, number) }
   noexcept->std::same_as<Grown<Shape>>;
   /// [m] The radius of the largest ball within the solid.

@@ -81,4 +81,16 @@ class FollowedHand {
   double reach_ = 0.0;
 };
 
+/// Leads a hand from the open to an object until it feels it, and returns that place [m, world].
+/// `core` [m, object's frame] is in the solid, or in the hollow of an object felt from inside.
+inline Vec3 led_to(FollowedHand& hand, const Object& object, const Vec3& core, Random& random) {
+  const bool outside = object.felt_from == Side::outside;
+  const Vec3 middle = object.pose.position + object.pose.orientation * core;
+  Vec3 place = middle + (outside ? 0.15 : 0.01) * random.direction();
+  const Vec3 towards = outside ? Vec3((middle - place).normalized()) : random.direction();
+  for (int n = 0; n < 200 && hand.approach({place, Vec3::Zero()}).elastic.isZero(0.0); ++n)
+    place += 1e-3 * towards;
+  return place;
+}
+
 }  // namespace feltwire::test

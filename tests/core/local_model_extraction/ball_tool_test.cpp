@@ -44,9 +44,8 @@ Scene scene_of(const Object& object) {
 
 struct Rolled {
   int ticks = 0, spoke = 0, touched = 0, slipped = 0, together = 0;
-  double worst = 0.0;  // [N] the error
-  double slope =
-      0.0;  // the largest error in the force that the way since the model would have made
+  double worst = 0.0;  // [N] the largest error
+  double slope = 0.0;  // the same, over the stiffness times the distance moved since the model
 };
 
 /// Hands about places of an object that they come to from the open. A model every 20 ticks.
@@ -57,13 +56,7 @@ Rolled roll(const Object& object, Random& random, double deepest = 1.0,
   Rolled sum;
   for (int run = 0; run < test::rounds(60); ++run) {
     test::FollowedHand hand(scene, 20);
-    const Vec3 middle = object.pose.position + object.pose.orientation * core;
-    const bool outside = object.felt_from == Side::outside;
-    Vec3 place = middle + (outside ? 0.15 : 0.005) * random.direction();
-    const Vec3 towards = outside ? Vec3((middle - place).normalized()) : random.direction();
-    for (int n = 0; n < 200 && hand.approach({place, Vec3::Zero()}).elastic.isZero(0.0); ++n)
-      place += 1e-3 * towards;
-    test::WanderingHand wanderer(random, place, 4e-5, 8e-3);
+    test::WanderingHand wanderer(random, test::led_to(hand, object, core, random), 4e-5, 8e-3);
     for (int n = 0; n < 600; ++n) {
       ++sum.ticks;
       if (!hand.step(wanderer.step())) continue;
@@ -88,7 +81,8 @@ void expect_rolled(const Rolled& rolled, const char* name) {
   EXPECT_GT(rolled.spoke, rolled.ticks / 3) << name;
 }
 
-// What keeps its kind when it grows is as exact as for a point, friction included.
+// On a solid that keeps its kind when it grows, the model of a ball is as exact as that of a point,
+// friction included.
 TEST(BallTool, SolidsThatGrowAreExact) {
   struct Felt {
     const char* name;
@@ -122,7 +116,8 @@ TEST(BallTool, RoundEdgesAreExact) {
   expect_rolled(can, "can");
 }
 
-// What no patch describes exactly: off by a share of the way since the model.
+// Patches only approximate these shapes. The error grows with the distance that the hand has moved
+// since the model was made.
 TEST(BallTool, OthersAreFitted) {
   Random random(3);
   const Vec3 core(0.05, 0.0, 0.0);

@@ -61,16 +61,7 @@ Followed follow(Object object, Random& random, double slope, double exact,
   constexpr int kRuns = 60;
   for (int run = 0; run < kRuns; ++run) {
     test::FollowedHand hand(scene, kEvery);
-    // To a place on the surface, from the open; then about it, in and out.
-    const Vec3 middle = object.pose.position + object.pose.orientation * core;
-    const Vec3 from = object.felt_from == Side::outside ? Vec3(middle + 0.15 * random.direction())
-                                                        : Vec3(middle + 0.01 * random.direction());
-    const Vec3 towards =
-        object.felt_from == Side::outside ? Vec3(middle - from).normalized() : random.direction();
-    Vec3 place = from;
-    for (int n = 0; n < 200 && hand.approach({place, Vec3::Zero()}).elastic.isZero(0.0); ++n)
-      place += 1e-3 * towards;
-    test::WanderingHand wanderer(random, place, 4e-5, 8e-3);
+    test::WanderingHand wanderer(random, test::led_to(hand, object, core, random), 4e-5, 8e-3);
     for (int n = 0; n < 600; ++n) {
       const Tool tool = wanderer.step();
       ++sum.ticks;
