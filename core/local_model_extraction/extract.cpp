@@ -194,6 +194,11 @@ LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMe
   return model_of(view, view.objects(), position, memory, known);
 }
 
+LocalModel local_model(const ToolView& view, const std::vector<Object>& objects,
+                       const Vec3& position, const TouchMemory& memory) noexcept {
+  return model_of(view, objects, position, memory, {});
+}
+
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
                        std::size_t held, const KnownSurfaces& known) noexcept {
   LocalModel model = model_of(world.view(held), world.objects(held), position, memory, known);

@@ -27,6 +27,10 @@ using KnownSurfaces = std::vector<bool>;
 /// a mark, and do not end the reach. It never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
                        const KnownSurfaces& known = {}) noexcept;
+/// The same with the view's objects at these places: of a process that sees bodies move and
+/// simulates none.
+LocalModel local_model(const ToolView& view, const std::vector<Object>& objects,
+                       const Vec3& position, const TouchMemory& memory) noexcept;
 /// The same, with the moving objects at their present poses. Their patches have the velocity of the
 /// surface. `held`: as in BodyContactState.
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,

@@ -160,6 +160,7 @@ void RemoteScene::hide(std::string why) {
 void RemoteScene::show(const ObservedScene& seen) {
   const std::lock_guard lock(mutex_);
   draw(seen, *current_.scene, told_, picture_);
+  near_.add(current_.scene, seen, told_, picture_);
   hands_ = hands_of(seen, *current_.scene, told_, told_at_);
   picture_.version = current_.version;
   picture_.time = monotonic_now();

@@ -14,6 +14,7 @@
 
 #include "client/servo/servo_loop.hpp"
 #include "client/transport/control_client.hpp"
+#include "gateway/remote_scene/near_surfaces.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/picture/scene_in_view.hpp"
 
@@ -66,6 +67,7 @@ class RemoteScene final : public SceneInView {
   mutable std::mutex mutex_;  // guards the next members
   CurrentScene current_;
   Picture picture_;
+  NearSurfaces near_;
   std::vector<HandDescription> hands_;
   std::vector<control::SessionDescription> told_;  // hands of the server, by rising number
   Nanoseconds told_at_{0};

@@ -37,14 +37,6 @@ PictureHand picture_of(const SeenHand& seen) {
   return hand;
 }
 
-/// Null: the server tells nothing of that hand.
-const control::SessionDescription* told_of(std::span<const control::SessionDescription> told,
-                                           std::uint32_t number) {
-  const auto found =
-      std::ranges::lower_bound(told, number, {}, &control::SessionDescription::number);
-  return found != told.end() && found->number == number ? &*found : nullptr;
-}
-
 /// Empty: the server tells impossible ones.
 std::optional<SessionParameters> possible(const SessionParameters& parameters) {
   try {
@@ -62,6 +54,13 @@ bool same(const Material& a, const Material& b) {
 }
 
 }  // namespace
+
+const control::SessionDescription* told_of(std::span<const control::SessionDescription> told,
+                                           std::uint32_t number) {
+  const auto found =
+      std::ranges::lower_bound(told, number, {}, &control::SessionDescription::number);
+  return found != told.end() && found->number == number ? &*found : nullptr;
+}
 
 void draw(const ObservedScene& seen, const Scene& scene,
           std::span<const control::SessionDescription> told, Picture& picture) {

@@ -1,6 +1,7 @@
 #pragma once
 // An observer's data as a picture for viewers. It has no socket and no clock.
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,10 @@ namespace feltwire {
 /// may have another file. `told`: what the server says of its sessions, by rising number.
 void draw(const ObservedScene& seen, const Scene& scene,
           std::span<const control::SessionDescription> told, Picture& picture);
+
+/// What the server tells of a hand. Null: nothing. `told`: by rising number.
+const control::SessionDescription* told_of(std::span<const control::SessionDescription> told,
+                                           std::uint32_t number);
 
 /// A description of each hand: its tool, and what the server tells of its session. `now`: the time
 /// at which it was told, of the pictures' clock.

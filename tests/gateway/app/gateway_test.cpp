@@ -70,9 +70,9 @@ Page page_of(const Gateway& gateway) { return {gateway, std::string(viewer().tex
 /// A hand that is where it is put.
 class Hand {
  public:
-  explicit Hand(const Server& server)
+  explicit Hand(const Server& server, const SessionParameters& parameters = {})
       : control_(server.control_port()),
-        joined_(control_.join(test::join_request(SessionParameters{}))),
+        joined_(control_.join(test::join_request(parameters))),
         socket_(SOCK_DGRAM, joined_.udp_port),
         encoder_(test::Way::up, joined_.keys) {}
   void put(double z, double force = 0.0) {
@@ -142,6 +142,27 @@ TEST(Gateway, ShowsAHandThatMoves) {
   });
   // The gateway is the server's observer, whatever its viewers are here.
   EXPECT_EQ(server.summary().front().sessions, 2u);
+}
+
+TEST(Gateway, ShowsTheSurfacesNearAHandAsTheServerDoes) {
+  ServerConfig config = test::any_port();
+  config.web = "0";
+  Server server(config, one(test::room(0.0)), test::security({observer().token}));
+  SessionParameters renders;
+  renders.local_model = true;
+  Hand hand(server, renders);
+  hand.put(0.003);
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway), original(server, std::string(observer().text.text()));
+  const auto expected = original.surfaces(), seen = page.surfaces();
+  constexpr std::size_t kHead = 12, kPatch = 60, kNumbers = 8;
+  ASSERT_GT(expected.size(), kHead);
+  ASSERT_EQ(seen.size(), expected.size());
+  for (std::size_t patch = kHead; patch < seen.size(); patch += kPatch) {
+    EXPECT_EQ(at<std::uint64_t>(seen, patch), at<std::uint64_t>(expected, patch));  // whose
+    for (std::size_t i = patch + kNumbers; i < patch + kPatch; i += sizeof(float))
+      EXPECT_NEAR(at<float>(seen, i), at<float>(expected, i), 1e-6f);
+  }
 }
 
 /// The page of the gateway has what that of the server has.

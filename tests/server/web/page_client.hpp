@@ -77,10 +77,12 @@ class Page {
           return said;
     return {};
   }
-  /// The next picture.
-  std::vector<std::uint8_t> picture() {
+  std::vector<std::uint8_t> picture() { return binary(2); }
+  std::vector<std::uint8_t> surfaces() { return binary(3); }
+  /// The next binary message of this kind; empty where the connection ends before.
+  std::vector<std::uint8_t> binary(std::uint8_t kind) {
     for (Frame frame = next(); frame.opcode != 0; frame = next())
-      if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == 2)
+      if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == kind)
         return frame.payload;
     return {};
   }
