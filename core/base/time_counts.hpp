@@ -17,6 +17,12 @@ class TimeCounts {
       1'000'000, 2'000'000, 5'000'000, 10'000'000, 50'000'000, 200'000'000};
   static constexpr std::size_t kClasses = kLimits.size() + 1;
 
+  using Counts = std::array<std::uint64_t, kClasses>;
+
+  TimeCounts() = default;
+  /// Of times that were counted elsewhere. `sum`: [ns] of all of them.
+  TimeCounts(const Counts& counts, std::uint64_t sum) noexcept : counts_(counts), sum_(sum) {}
+
   /// Takes a time [ns] that occurred `times` times. A negative one counts as zero.
   void record(std::int64_t time, std::uint64_t times = 1) noexcept {
     const std::int64_t counted = std::max<std::int64_t>(time, 0);
@@ -25,11 +31,12 @@ class TimeCounts {
     sum_ += static_cast<std::uint64_t>(counted) * times;
   }
 
-  const std::array<std::uint64_t, kClasses>& counts() const noexcept { return counts_; }
+  const Counts& counts() const noexcept { return counts_; }
   std::uint64_t sum() const noexcept { return sum_; }  // [ns] of all times
+  bool operator==(const TimeCounts&) const = default;
 
  private:
-  std::array<std::uint64_t, kClasses> counts_{};
+  Counts counts_{};
   std::uint64_t sum_ = 0;
 };
 

@@ -31,12 +31,6 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
-web::WebOptions web_options(const GatewayConfig& config) {
-  web::WebOptions options = page_place(config.web, config.web_names);
-  options.metrics = [](const web::AudienceCounters& page) { return metrics_text(page); };
-  return options;
-}
-
 /// A certificate that is made names the address of the page.
 Security open_page_security(const GatewayConfig& config) {
   SecurityOptions options = config;
@@ -91,12 +85,25 @@ struct Gateway::Parts {
       scenes.push_back(std::make_unique<RemoteScene>(std::move(look), config.server));
       shown.push_back(scenes.back().get());
     }
-    web = std::make_unique<web::WebServer>(web_options(config), shown, std::move(security.tokens),
+    web::WebOptions options = page_place(config.web, config.web_names);
+    options.metrics = [this](const web::AudienceCounters& page) {
+      return metrics_text(page, times());
+    };
+    web = std::make_unique<web::WebServer>(options, shown, std::move(security.tokens),
                                            security.identity);
     for (const auto& scene : scenes) scene->start();
     web->start();
   }
   ~Parts() { stop(); }
+
+  std::vector<SceneTimes> times() const {
+    std::vector<SceneTimes> all;
+    for (const auto& scene : scenes) {
+      const auto& [answers, world_late] = scene->server_times();
+      all.push_back({scene->name(), answers, world_late});
+    }
+    return all;
+  }
 
   void reload() {
     for (std::size_t i = 0; i < files.size(); ++i) {

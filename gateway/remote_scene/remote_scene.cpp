@@ -143,6 +143,11 @@ std::optional<std::string> RemoteScene::out_of_sight() const {
   return hidden_;
 }
 
+RemoteScene::ServerTimes RemoteScene::server_times() const {
+  const std::lock_guard lock(mutex_);
+  return server_times_;
+}
+
 /// What has been seen is as old as the session: viewers are shown no hand where none is known of.
 void RemoteScene::hide(std::string why) {
   std::string text = "Scene " + name_ + " is not seen: " + std::move(why);
@@ -151,6 +156,7 @@ void RemoteScene::hide(std::string why) {
   picture_.hands.clear();
   hands_.clear();
   told_.clear();
+  server_times_ = {};
   adopted_.reset();
   picture_.version = current_.version;
   picture_.time = monotonic_now();
@@ -211,6 +217,7 @@ void RemoteScene::ask_once(ControlDialogue& server) {
   auto scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, kNone});
   {
     const std::lock_guard lock(mutex_);
+    server_times_ = {scene.answers, scene.world_late};
     if (adopted_ == std::pair(scene.version, scene.changes)) return;
   }
   std::vector<Material> materials;

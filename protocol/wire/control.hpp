@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/time_counts.hpp"
 #include "core/device/device_spec.hpp"
 #include "core/local_model/whole_surfaces.hpp"
 #include "core/material/material.hpp"
@@ -206,6 +207,9 @@ struct SceneDescription {
   std::optional<Vec3> gravity;      // [m/s^2]; empty: nothing moves
   std::uint32_t objects = 0;        // of the scene
   std::vector<Material> materials;  // at most kMaxMaterials
+  // Since the server began; empty: not said.
+  std::optional<TimeCounts> answers = {};     // from the processing of a datagram to its answer
+  std::optional<TimeCounts> world_late = {};  // how late the thread woke for what moves
 };
 struct WriteFlightRecord {
   std::string scene;

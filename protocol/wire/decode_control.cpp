@@ -214,11 +214,19 @@ bool read(const wire::DescribeScene& from, DescribeScene& to) {
   to.from = from.from();
   return read_name(from.scene(), to.scene);
 }
+std::optional<TimeCounts> counted(const wire::TimesCounted* times) {
+  if (times == nullptr) return std::nullopt;
+  TimeCounts::Counts counts{};
+  for (std::uint16_t i = 0; i < counts.size(); ++i) counts.at(i) = times->counts()->Get(i);
+  return TimeCounts(counts, times->sum());
+}
 bool read(const wire::SceneDescription& from, SceneDescription& to) {
   to.version = from.version();
   to.changes = from.changes();
   if (from.gravity() != nullptr) to.gravity = vector(*from.gravity());
   to.objects = from.objects();
+  to.answers = counted(from.answers());
+  to.world_late = counted(from.world_late());
   const auto& materials = *from.materials();
   if (!aligned(materials, alignof(wire::FeltMaterial)) || materials.size() > kMaxMaterials)
     return false;

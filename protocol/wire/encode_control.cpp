@@ -24,6 +24,11 @@ wire::TimesSoFar wire_times(const HandTimesHeard& times) {
       flatbuffers::span<const std::uint64_t, HandTimes::kClasses>(times.round_trips()));
 }
 
+wire::TimesCounted wire_times(const TimeCounts& times) {
+  return {flatbuffers::span<const std::uint64_t, TimeCounts::kClasses>(times.counts()),
+          times.sum()};
+}
+
 /// The union's member of each message.
 struct BodyBuilder {
   FlatBufferBuilder& builder;
@@ -180,9 +185,12 @@ struct BodyBuilder {
       materials.emplace_back(material.stiffness, material.damping, material.static_friction,
                              material.dynamic_friction, material.viscous_friction);
     const wire::Vector gravity = wire_vector(m.gravity.value_or(Vec3::Zero()));
-    return wire::CreateSceneDescription(builder, m.version, m.changes,
-                                        m.gravity ? &gravity : nullptr, m.objects,
-                                        builder.CreateVectorOfStructs(materials));
+    const wire::TimesCounted answers = wire_times(m.answers.value_or(TimeCounts()));
+    const wire::TimesCounted late = wire_times(m.world_late.value_or(TimeCounts()));
+    return wire::CreateSceneDescription(
+        builder, m.version, m.changes, m.gravity ? &gravity : nullptr, m.objects,
+        builder.CreateVectorOfStructs(materials), m.answers ? &answers : nullptr,
+        m.world_late ? &late : nullptr);
   }
   Offset<wire::GetCounters> operator()(const GetCounters& m) {
     return wire::CreateGetCounters(builder, name_if_any(builder, m.scene));

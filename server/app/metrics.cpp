@@ -99,9 +99,8 @@ constexpr auto kEnds = std::to_array<End>({
     {"failed", &SceneCounters::failed},
 });
 
-std::string scene_label(const SceneSummary& scene) {
-  return "scene=\"" + escaped(scene.scene) + "\"";
-}
+std::string scene_label(const std::string& scene) { return "scene=\"" + escaped(scene) + "\""; }
+std::string scene_label(const SceneSummary& scene) { return scene_label(scene.scene); }
 
 void add_scenes(std::string& text, const std::vector<SceneSummary>& scenes) {
   for (const SceneMetric& metric : kSceneMetrics) {
@@ -165,15 +164,22 @@ void add_client_times(std::string& text, const std::vector<SceneSummary>& scenes
                 hand_time_limits::kRoundTrips);
 }
 
-void add_times(std::string& text, const std::vector<SceneSummary>& scenes) {
+void add_times(std::string& text, const std::vector<SceneTimes>& scenes) {
   const std::string answers = "feltwire_answer_seconds", late = "feltwire_world_late_seconds";
   begin(text, answers, "histogram",
         "From when a datagram was taken up to its answer, those taken up with it included.");
-  for (const SceneSummary& scene : scenes)
-    add_times(text, answers, scene_label(scene), scene.answers);
+  for (const SceneTimes& times : scenes)
+    if (times.answers) add_times(text, answers, scene_label(times.scene), *times.answers);
   begin(text, late, "histogram", "How late the thread woke for the moving objects.");
+  for (const SceneTimes& times : scenes)
+    if (times.world_late) add_times(text, late, scene_label(times.scene), *times.world_late);
+}
+
+std::vector<SceneTimes> times_of(const std::vector<SceneSummary>& scenes) {
+  std::vector<SceneTimes> times;
   for (const SceneSummary& scene : scenes)
-    add_times(text, late, scene_label(scene), scene.counters.world_late);
+    times.push_back({scene.scene, scene.answers, scene.counters.world_late});
+  return times;
 }
 
 void add(std::string& text, std::string_view name, std::string_view help, std::uint64_t number) {
@@ -187,7 +193,7 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
                          const web::AudienceCounters& page) {
   std::string text;
   add_scenes(text, scenes);
-  add_times(text, scenes);
+  add_times(text, times_of(scenes));
   add_client_times(text, scenes);
   const auto& [connections, requests] = control;
   add(text, "feltwire_control_connections_total", "Control connections accepted.",
@@ -205,11 +211,12 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   add(text, "feltwire_requests_forbidden_total", "Requests beyond their token's role or scene.",
       requests.forbidden);
   add(text, "feltwire_requests_too_many_total", "Requests above a limit.", requests.too_many);
-  return text + metrics_text(page);
+  return text + metrics_text(page, {});
 }
 
-std::string metrics_text(const web::AudienceCounters& page) {
+std::string metrics_text(const web::AudienceCounters& page, const std::vector<SceneTimes>& times) {
   std::string text;
+  if (!times.empty()) add_times(text, times);
   add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);
   add(text, "feltwire_viewers_refused_total", "Viewers without a good token, or too many.",
       page.refused);

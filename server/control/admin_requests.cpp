@@ -15,14 +15,17 @@ using control::Refused;
 namespace {
 
 /// Describes a scene to an observer, whose views lack its materials: those of the objects from
-/// `from` on.
-control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from) {
+/// `from` on. `times`: of the scene's thread.
+control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from,
+                                    const control::SceneDescription& times) {
   const std::vector<Object>& objects = current.scene->objects();
   control::SceneDescription description{current.version,
                                         current.changes,
                                         current.gravity,
                                         static_cast<std::uint32_t>(objects.size()),
-                                        {}};
+                                        {},
+                                        times.answers,
+                                        times.world_late};
   for (std::size_t i = from; i < objects.size(); ++i) {
     if (description.materials.size() == control::kMaxMaterials) break;
     description.materials.push_back(objects[i].material);
@@ -52,7 +55,13 @@ bool ControlService::serve_observer(PendingRequest& asked, const control::Messag
                                                    "' asks for descriptions too often; ask twice "
                                                    "a second at most"));
   } else if (wanted != nullptr) {
-    asked.answer(described(hosts_[std::get<std::size_t>(scene)]->current_scene(), wanted->from));
+    SceneHost& host = *hosts_[std::get<std::size_t>(scene)];
+    host.ask(request, 0, {}, io_,
+             [&host, from = wanted->from, answer = std::move(asked.answer)](control::Message told) {
+               if (const auto* times = std::get_if<control::SceneDescription>(&told))
+                 told = described(host.current_scene(), from, control::SceneDescription(*times));
+               answer(std::move(told));
+             });
   } else {
     hosts_[std::get<std::size_t>(scene)]->ask(request, 0, {}, io_, std::move(asked.answer));
   }

@@ -154,6 +154,11 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   }
   if (const auto* wanted = std::get_if<control::TakeSurfaces>(&request))
     return take_surfaces(*wanted, now);
+  if (std::holds_alternative<control::DescribeScene>(request)) {
+    control::SceneDescription times;
+    times.world_late = counters_.world_late;
+    return times;
+  }
   if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
     return describe_after(wanted->after, now);
   if (std::holds_alternative<control::GetCounters>(request)) return named_counters();

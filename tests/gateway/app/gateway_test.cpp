@@ -304,6 +304,23 @@ TEST(Gateway, RefusesWhatOnlyTheServerCanDo) {
   EXPECT_EQ(page.text("refused")["type"], "refused");
 }
 
+TEST(Gateway, CountsTheServersTimesAsTheServerTellsThem) {
+  Server server = server_at();
+  Hand hand(server);
+  for (int n = 0; n < 3; ++n) hand.put(0.003);
+  const Gateway gateway = gateway_for(server.control_port());
+  test::eventually("the server's answers", [&] {
+    return got(gateway, "/metrics").find("feltwire_answer_seconds_count{scene=\"room\"} 3\n") !=
+           std::string::npos;
+  });
+  EXPECT_THAT(got(gateway, "/metrics"),
+              HasSubstr("feltwire_world_late_seconds_count{scene=\"room\"} 0\n"));
+  server.stop();
+  test::eventually("no times of a server that is gone", [&] {
+    return got(gateway, "/metrics").find("feltwire_answer_seconds_count") == std::string::npos;
+  });
+}
+
 TEST(Gateway, HasViewersOfItsOwn) {
   Server server = server_at();
   const Gateway gateway = gateway_for(server.control_port());
