@@ -124,7 +124,7 @@ TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
   EXPECT_GT(with_damping, kDevices / 3);
 #endif
 }
-INSTANTIATE_TEST_SUITE_P(Parts, IdentifyProperty, ::testing::Range(0, test::rounds(2)));
+INSTANTIATE_TEST_SUITE_P(Parts, IdentifyProperty, ::testing::Range(0, test::rounds(5)));
 
 TEST(Identify, AHandThatHoldsItIsDoubted) {
   HandleTruth truth;
