@@ -77,7 +77,7 @@ struct PlacedPart {
 };
 
 /// Adds the integrals of one pair. `away`: unit, object frame; null: the solid is not thickened.
-/// More than kMostDepthPlanes planes of one part are not looked at. Never allocates; some 450 KiB
+/// More than kMostDepthPlanes planes of one part are not looked at. Never allocates; some 600 KiB
 /// of stack.
 void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, const Vec3* away,
                bool slides, DepthSums& sums) noexcept;
