@@ -32,14 +32,26 @@ struct Cutter {
 
   double outside(const ConvexHull& hull) const { return overhang(hull, surface, tolerance); }
 
+  /// Whether a piece is so thin along a direction that no cut across it brings a hull nearer. Such
+  /// cuts are the most even ones of a thin plate with a hollow in its rim, and would have no end.
+  bool is_thin(const Piece& piece, const Vec3& direction) const {
+    double least = kInfinity, most = -kInfinity;
+    for (const Vec3& v : piece.hull.vertices) {
+      least = std::min(least, direction.dot(v));
+      most = std::max(most, direction.dot(v));
+    }
+    return most - least < tolerance;
+  }
+
   /// The plane that leaves the hulls with the least volume. Of equal ones the more even one, so
   /// that thin slices are not preferred.
-  std::optional<HalfSpaceBelow> best_cut(const ClippedSolid& solid) const {
+  std::optional<HalfSpaceBelow> best_cut(const Piece& piece) const {
     constexpr double kUneven = 0.02;
-    const std::vector<HalfSpaceBelow> cuts = solid.cuts();
+    const std::vector<HalfSpaceBelow> cuts = piece.solid.cuts();
     std::vector<double> cost(cuts.size(), kInfinity);
     parallel_for(cuts.size(), [&](std::size_t i) {
-      const auto sides = solid.points_beside(cuts[i]);
+      if (is_thin(piece, cuts[i].normal)) return;
+      const auto sides = piece.solid.points_beside(cuts[i]);
       const auto below = convex_hull(sides.first), above = convex_hull(sides.second);
       if (!below || !above) return;
       cost[i] = below->volume + above->volume + kUneven * std::abs(below->volume - above->volume);
@@ -66,7 +78,7 @@ struct Cutter {
       Piece next = std::move(open.back());
       open.pop_back();
       const bool enough = next.outside <= tolerance || done.size() + open.size() + 1 >= most;
-      const auto at = enough ? std::nullopt : best_cut(next.solid);
+      const auto at = enough ? std::nullopt : best_cut(next);
       if (!at) {
         done.push_back(std::move(next));
         continue;

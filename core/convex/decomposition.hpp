@@ -22,7 +22,7 @@ inline constexpr double kPartTolerance = 0.02;
 inline constexpr double kLeastPartTolerance = 0.001;
 inline constexpr std::size_t kMostParts = 1024;
 /// Increase it with every change of the result: kept parts are then computed again.
-inline constexpr std::uint32_t kDecompositionVersion = 1;
+inline constexpr std::uint32_t kDecompositionVersion = 2;
 
 /// Convex solids that cover a mesh. Coordinates are relative to the mesh's origin.
 struct ConvexParts {

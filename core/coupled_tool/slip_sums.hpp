@@ -21,6 +21,14 @@ struct SlipSums {
     arms += load * arm_of * arm_of.transpose();
   }
 
+  SlipSums& operator+=(const SlipSums& more) noexcept {
+    weight += more.weight;
+    arm += more.arm;
+    normal += more.normal;
+    arms += more.arms;
+    return *this;
+  }
+
   /// The slip of a motion v, w: that of the centre c along the surface, v + w x c less its part
   /// along the mean normal n, and that of the points about n. Rocking on the surface is not slip.
   Mat6 slip() const noexcept {

@@ -1,6 +1,9 @@
 #include "core/polyhedra/clipped_polyhedron.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "core/polyhedra/wide.hpp"
 
 namespace feltwire {
 namespace {
@@ -8,14 +11,39 @@ namespace {
 /// [m] A corner this little above a plane lies on it: rounding of coordinates of some metres.
 constexpr double kOn = 1e-14;
 
+struct PlaneNumbers {
+  double x, y, z, offset;
+};
+
 }  // namespace
+
+/// Of corners, a multiple of four, all arrays aligned to 32 bytes.
+FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3>& corners,
+                                               std::size_t count, const PlaneNumbers& plane,
+                                               double* height, ClippedPolyhedron::Extent& reach) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto* x = reinterpret_cast<const Four*>(corners[0]);
+  const auto* y = reinterpret_cast<const Four*>(corners[1]);
+  const auto* z = reinterpret_cast<const Four*>(corners[2]);
+  auto* out = reinterpret_cast<Four*>(height);
+  Four least = {kInfinity, kInfinity, kInfinity, kInfinity}, most = -least;
+  for (std::size_t i = 0; 4 * i < count; ++i) {
+    const Four h = plane.x * x[i] + plane.y * y[i] + plane.z * z[i] - plane.offset;
+    out[i] = h;
+    least = h < least ? h : least;
+    most = h > most ? h : most;
+  }
+  reach = {std::min(std::min(least[0], least[1]), std::min(least[2], least[3])),
+           std::max(std::max(most[0], most[1]), std::max(most[2], most[3]))};
+}
 
 ClippedPolyhedron& ClippedPolyhedron::operator=(const ClippedPolyhedron& other) noexcept {
   if (this == &other) return *this;
   count_ = other.count_;
-  std::copy_n(other.x_.begin(), count_, x_.begin());
-  std::copy_n(other.y_.begin(), count_, y_.begin());
-  std::copy_n(other.z_.begin(), count_, z_.begin());
+  const std::size_t padded = (count_ + kTogether - 1) / kTogether * kTogether;
+  std::copy_n(other.x_.begin(), padded, x_.begin());
+  std::copy_n(other.y_.begin(), padded, y_.begin());
+  std::copy_n(other.z_.begin(), padded, z_.begin());
   std::copy_n(other.links_.begin(), count_, links_.begin());
   return *this;
 }
@@ -23,80 +51,118 @@ ClippedPolyhedron& ClippedPolyhedron::operator=(const ClippedPolyhedron& other) 
 void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
                                const Vec3& position) noexcept {
   count_ = 0;
-  if (solid.graph.size() > kCorners) [[unlikely]]
+  std::array<Vec3, kMostPolyhedronVertices> placed;
+  if (solid.graph.size() > kCorners || solid.vertices.size() > placed.size()) [[unlikely]]
     return;  // never: polyhedron() limits the vertices, and so the corners
+  for (std::size_t v = 0; v < solid.vertices.size(); ++v)
+    placed[v] = rotation * solid.vertices[v] + position;
   for (const GraphCorner& corner : solid.graph) {
-    const Vec3 at = rotation * solid.vertices[corner.vertex] + position;
+    const Vec3& at = placed[corner.vertex];
     x_[count_] = at.x();
     y_[count_] = at.y();
     z_[count_] = at.z();
-    links_[count_++] = {corner.next, {kOwn, kOwn, kOwn}, corner.back};
+    Links& links = links_[count_++];
+    for (std::size_t s = 0; s < 3; ++s) links.next[s] = end_of(corner.next[s], corner.back[s]);
+    links.face = {kOwn, kOwn, kOwn};
   }
+  pad();
+}
+
+void ClippedPolyhedron::pad() noexcept {
+  if (count_ == 0) return;
+  for (std::size_t i = count_; i % kTogether != 0; ++i) {
+    x_[i] = x_[count_ - 1];
+    y_[i] = y_[count_ - 1];
+    z_[i] = z_[count_ - 1];
+  }
+}
+
+ClippedPolyhedron::Extent ClippedPolyhedron::heights(const Vec3& normal, double offset,
+                                                     Numbers& height) const noexcept {
+  const PlaneNumbers plane{normal.x(), normal.y(), normal.z(), offset};
+  Extent reach{};
+  compute_heights({x_.data(), y_.data(), z_.data()}, count_, plane, height.data(), reach);
+  return reach;
+}
+
+ClippedPolyhedron::Extent ClippedPolyhedron::extent(const Vec3& normal,
+                                                    double offset) const noexcept {
+  alignas(32) Numbers height;
+  return heights(normal, offset, height);
+}
+
+ClippedPolyhedron::Box ClippedPolyhedron::box() const noexcept {
+  const Vec3 least(x().minCoeff(), y().minCoeff(), z().minCoeff());
+  const Vec3 most(x().maxCoeff(), y().maxCoeff(), z().maxCoeff());
+  return {0.5 * (least + most), 0.5 * (most - least)};
 }
 
 bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept {
   if (count_ == 0) return false;
-  alignas(16) Heights height;
-  Eigen::Map<Eigen::ArrayXd, Eigen::Aligned16> heights(height.data(),
-                                                       static_cast<Eigen::Index>(count_));
-  heights = normal.x() * x() + normal.y() * y() + normal.z() * z() - offset;
-  if (!(heights.maxCoeff() > kOn)) return true;
-  if (heights.minCoeff() >= -kOn) {
+  alignas(32) Numbers height;
+  const Extent reach = heights(normal, offset, height);
+  if (!(reach.most > kOn)) return true;
+  if (reach.least >= -kOn) {
     count_ = 0;
     return false;
   }
-  const std::size_t old_count = count_;
-  if (!has_room(height)) [[unlikely]]
-    return true;
-  std::array<std::uint16_t, kCorners> above;
+  // No branch decides between corners: their order is that of chance.
+  std::array<std::uint16_t, kCorners + 1> above;
   std::size_t above_count = 0;
-  for (std::size_t v = 0; v < old_count; ++v) {
-    if (!(height[v] > kOn)) continue;
-    above[above_count++] = static_cast<std::uint16_t>(v);
-    for (std::size_t s = 0; s < 3; ++s) {
-      const std::uint16_t in = links_[v].next[s];
-      if (height[in] > kOn) continue;
-      // A corner on the edge from `in`; the new face lies between its other two edges.
-      const double part = std::clamp(height[in] / (height[in] - height[v]), 0.0, 1.0);
-      x_[count_] = x_[in] + part * (x_[v] - x_[in]);
-      y_[count_] = y_[in] + part * (y_[v] - y_[in]);
-      z_[count_] = z_[in] + part * (z_[v] - z_[in]);
-      const std::uint8_t slot = links_[v].back[s];
-      Links& kept = links_[in];
-      links_[count_] = {
-          {in, 0, 0}, {kept.face[kAfter[kAfter[slot]]], tag, kept.face[slot]}, {slot, 0, 0}};
-      kept.next[slot] = static_cast<std::uint16_t>(count_++);
-      kept.back[slot] = 0;
-    }
+  for (std::size_t v = 0; v < count_; ++v) {
+    above[above_count] = static_cast<std::uint16_t>(v);
+    above_count += height[v] > kOn ? 1 : 0;
   }
-  close(old_count);
-  remove(std::span(above).first(above_count));
+  std::array<End, 3 * kCorners + 1> edges;  // that the plane cuts, by their ends above it
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < above_count; ++k)
+    for (std::size_t s = 0; s < 3; ++s) {
+      edges[count] = end_of(above[k], s);
+      count += height[corner_of(links_[above[k]].next[s])] > kOn ? 0 : 1;
+    }
+  if (count_ - above_count + count > kCorners) [[unlikely]]
+    return true;
+  struct Corner {
+    double x, y, z;
+    End in;
+  };
+  std::array<Corner, kCorners> corners;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t v = corner_of(edges[i]);
+    const End end = links_[v].next[slot_of(edges[i])];
+    const std::size_t in = corner_of(end);
+    const double part = std::clamp(height[in] / (height[in] - height[v]), 0.0, 1.0);
+    corners[i] = {x_[in] + part * (x_[v] - x_[in]), y_[in] + part * (y_[v] - y_[in]),
+                  z_[in] + part * (z_[v] - z_[in]), end};
+  }
+  // They take the places of those that are gone. A new face lies between their other two edges.
+  std::array<std::uint16_t, kCorners> made;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = i < above_count ? above[i] : count_++;
+    const Corner& corner = corners[i];
+    const std::size_t slot = slot_of(corner.in);
+    Links& kept = links_[corner_of(corner.in)];
+    made[i] = static_cast<std::uint16_t>(at);
+    x_[at] = corner.x;
+    y_[at] = corner.y;
+    z_[at] = corner.z;
+    links_[at] = {{corner.in, 0, 0}, {kept.face[kAfter[kAfter[slot]]], tag, kept.face[slot]}};
+    kept.next[slot] = end_of(at, 0);
+    height[at] = 1.0;
+  }
+  close(std::span(made).first(count), height);
+  if (count < above_count) remove(std::span(above).subspan(count, above_count - count));
+  pad();
   return true;
 }
 
-bool ClippedPolyhedron::has_room(const Heights& height) const noexcept {
-  if (count_ + 3 * count_ / 2 <= kCorners) return true;  // a new corner on every edge
-  std::size_t crossing = 0;
-  for (std::size_t v = 0; v < count_; ++v)
-    for (std::size_t s = 0; s < 3; ++s)
-      crossing += height[v] > kOn && !(height[links_[v].next[s]] > kOn) ? 1 : 0;
-  return count_ + crossing <= kCorners;
-}
-
-void ClippedPolyhedron::close(std::size_t first_new) noexcept {
-  for (std::size_t n = first_new; n < count_; ++n) {
-    std::uint16_t at = links_[n].next[0];
-    std::uint8_t entered = links_[n].back[0];
-    while (at < first_new) {
-      const Links& links = links_[at];
-      const std::size_t out = kAfter[entered];
-      at = links.next[out];
-      entered = links.back[out];
-    }
-    links_[n].next[2] = at;
-    links_[n].back[2] = 1;
-    links_[at].next[1] = static_cast<std::uint16_t>(n);
-    links_[at].back[1] = 2;
+void ClippedPolyhedron::close(std::span<const std::uint16_t> made, const Numbers& height) noexcept {
+  for (const std::uint16_t n : made) {
+    End at = links_[n].next[0];
+    while (!(height[corner_of(at)] > kOn)) at = walked(at);
+    const std::size_t other = corner_of(at);
+    links_[n].next[2] = end_of(other, 1);
+    links_[other].next[1] = end_of(n, 2);
   }
 }
 
@@ -114,7 +180,8 @@ void ClippedPolyhedron::remove(std::span<const std::uint16_t> gone) noexcept {
     y_[place] = y_[count_];
     z_[place] = z_[count_];
     const Links& moved = links_[place] = links_[count_];
-    for (std::size_t s = 0; s < 3; ++s) links_[moved.next[s]].next[moved.back[s]] = place;
+    for (std::size_t s = 0; s < 3; ++s)
+      links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
   }
 }
 

@@ -32,11 +32,23 @@ class ClippedPolyhedron {
 
   /// Keeps the points x with normal . x <= offset; the normal has any length but zero. The face
   /// that the cut makes gets the tag. Returns false if nothing with a volume is left. Without room
-  /// for more corners the cut is left out.
+  /// for more corners the cut is left out. Where no corner is above the plane, all stays the same.
   bool cut(const Vec3& normal, double offset, Tag tag) noexcept;
 
   bool empty() const { return count_ == 0; }
   std::size_t corner_count() const { return count_; }
+  /// [m] The lowest and the highest corner above a plane, times the length of its normal. Without
+  /// corners infinity, and minus infinity.
+  struct Extent {
+    double least, most;
+  };
+  Extent extent(const Vec3& normal, double offset) const noexcept;
+  Vec3 middle() const noexcept { return {x().mean(), y().mean(), z().mean()}; }  // of the corners
+  /// [m] The box along the axes that holds all corners, which may not be none.
+  struct Box {
+    Vec3 middle, half;
+  };
+  Box box() const noexcept;
   Vec3 corner(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
   /// [m] Coordinates of all corners. Several may lie at one place.
   using Coordinates = Eigen::Map<const Eigen::ArrayXd, Eigen::Aligned16>;
@@ -56,42 +68,55 @@ class ClippedPolyhedron {
       for (std::uint8_t entry = 0; entry < 3; ++entry) {
         if ((seen[begin] >> entry & 1) != 0) continue;
         std::size_t length = 0;
-        auto at = static_cast<std::uint16_t>(begin);
-        std::uint8_t entered = entry;
+        const End first = end_of(begin, entry);
+        End at = first;
         do {
-          seen[at] = static_cast<std::uint8_t>(seen[at] | 1U << entered);
-          loop[length++] = at;
-          const Links& links = links_[at];
-          const std::size_t out = kAfter[entered];
-          at = links.next[out];
-          entered = links.back[out];
-        } while ((at != begin || entered != entry) && length < loop.size());
+          const std::size_t corner = corner_of(at);
+          seen[corner] = static_cast<std::uint8_t>(seen[corner] | 1U << slot_of(at));
+          loop[length++] = static_cast<std::uint16_t>(corner);
+          at = walked(at);
+        } while (at != first && length < loop.size());
         visit(links_[begin].face[entry], std::span<const std::uint16_t>(loop.data(), length));
       }
   }
 
  private:
-  /// As GraphCorner; face[s]: the tag of the face whose walk enters by edge s.
+  /// The end of an edge: its corner, and which of the corner's edges it is (GraphCorner).
+  using End = std::uint16_t;
+  static constexpr End end_of(std::size_t corner, std::size_t slot) {
+    return static_cast<End>(corner << 2 | slot);
+  }
+  static constexpr std::size_t corner_of(End end) { return end >> 2; }
+  static constexpr std::size_t slot_of(End end) { return end & 3; }
+  static_assert(kCorners <= 1U << 14);
   struct Links {
-    std::array<std::uint16_t, 3> next;
-    std::array<Tag, 3> face;
-    std::array<std::uint8_t, 3> back;
+    std::array<End, 3> next;  // the other end of each edge
+    std::array<Tag, 3> face;  // the tag of the face whose walk enters by the edge
   };
   static constexpr std::array<std::uint8_t, 3> kAfter = {1, 2, 0};
+  /// The next end at which the walk round a face, counter-clockwise, enters a corner.
+  End walked(End entered) const {
+    return links_[corner_of(entered)].next[kAfter[slot_of(entered)]];
+  }
 
-  Coordinates coordinates(const std::array<double, kCorners>& values) const {
+  Coordinates coordinates(const auto& values) const {
     return {values.data(), static_cast<Eigen::Index>(count_)};
   }
-  using Heights = std::array<double, kCorners>;  // [m] above the plane of a cut, times its length
-  bool has_room(const Heights& height) const noexcept;
-  /// Joins the corners that a cut has made, round each face that it has cut.
-  void close(std::size_t first_new) noexcept;
+  /// Four numbers at a time; those behind the last corner are copies of it.
+  static constexpr std::size_t kTogether = 4;
+  using Numbers = std::array<double, kCorners + kTogether>;
+  /// The extent, and the heights of all corners.
+  Extent heights(const Vec3& normal, double offset, Numbers& height) const noexcept;
+  void pad() noexcept;
+  /// Joins the corners that a cut has made, round each face that it has cut. `height`: above zero
+  /// for those.
+  void close(std::span<const std::uint16_t> made, const Numbers& height) noexcept;
   /// Fills the places of the corners that are gone, in ascending order, with the last ones.
   void remove(std::span<const std::uint16_t> gone) noexcept;
 
-  alignas(16) std::array<double, kCorners> x_;
-  alignas(16) std::array<double, kCorners> y_;
-  alignas(16) std::array<double, kCorners> z_;
+  alignas(32) Numbers x_;
+  alignas(32) Numbers y_;
+  alignas(32) Numbers z_;
   std::array<Links, kCorners> links_;
   std::size_t count_ = 0;
 };

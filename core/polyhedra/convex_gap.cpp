@@ -23,6 +23,7 @@ const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
 /// Up to four points of the difference.
 struct Simplex {
   std::array<Vec3, 4> points;
+  std::array<Vec3, 4> on_b;  // of which each is the difference
   std::size_t count = 0;
 
   /// The point nearest to the origin among those of the faces' interiors. Keeps only the corners of
@@ -42,9 +43,20 @@ struct Simplex {
     }
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i)
-      if ((kept >> i & 1U) != 0) points[left++] = points[i];
+      if ((kept >> i & 1U) != 0) {
+        on_b[left] = on_b[i];
+        points[left++] = points[i];
+      }
     count = left;
     return nearest;
+  }
+
+  /// The point of b at which the difference is zero. Precondition: four points hold the origin.
+  Vec3 shared() const {
+    Mat3 edges;
+    edges << points[1] - points[0], points[2] - points[0], points[3] - points[0];
+    const Vec3 part = edges.inverse() * -points[0];
+    return (1.0 - part.sum()) * on_b[0] + part[0] * on_b[1] + part[1] * on_b[2] + part[2] * on_b[3];
   }
 
  private:
@@ -99,10 +111,13 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
   Simplex simplex;
   for (int round = 0; round < kGapRounds; ++round) {
     const double length = towards.norm();
-    if (!(length > 0.0)) break;  // the origin is in the difference
+    if (!(length > 0.0)) {  // the origin is in the difference
+      if (simplex.count == simplex.points.size()) gap.shared = simplex.shared();
+      break;
+    }
     const Vec3 away = towards / length;
-    const Vec3 point =
-        rotation * support(a, rotation.transpose() * away) + position - support(b, -away);
+    const Vec3& on_b = support(b, -away);
+    const Vec3 point = rotation * support(a, rotation.transpose() * away) + position - on_b;
     const double extent = away.dot(point);
     if (extent > gap.distance) {
       gap.away = away;
@@ -114,6 +129,7 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
     for (std::size_t i = 0; i < simplex.count; ++i) known |= simplex.points[i] == point;
     if (known) break;
     if (simplex.count == simplex.points.size()) break;
+    simplex.on_b[simplex.count] = on_b;
     simplex.points[simplex.count++] = point;
     towards = simplex.reduce();
   }

@@ -1,6 +1,8 @@
 #pragma once
 // The distance of two convex polyhedra, and the plane between them.
 
+#include <optional>
+
 #include "core/polyhedra/polyhedron.hpp"
 
 namespace feltwire {
@@ -10,6 +12,8 @@ struct ConvexGap {
   /// [m] Extent of `away` between the two: never more than their distance, and the distance to
   /// rounding where the search ends before kGapRounds. Zero or less: no plane was found.
   double distance = 0.0;
+  /// [m] A point of both, b's frame, where the search found one: then they overlap.
+  std::optional<Vec3> shared = {};
 };
 
 inline constexpr int kGapRounds = 32;

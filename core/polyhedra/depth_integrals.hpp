@@ -57,6 +57,16 @@ struct DepthSums {
   std::array<SlipSums, 6> sides;  // of the contact, by the axis that the normal is nearest to;
                                   // their weight is the integral of d^2 [m^5]
   std::size_t cells = 0;          // with contact
+
+  DepthSums& operator+=(const DepthSums& more) noexcept {
+    cubes += more.cubes;
+    slope += more.slope;
+    pushed += more.pushed;
+    curvature += more.curvature;
+    for (std::size_t i = 0; i < sides.size(); ++i) sides[i] += more.sides[i];
+    cells += more.cells;
+    return *this;
+  }
 };
 
 /// A convex part of the tool in an object's frame.
@@ -67,7 +77,7 @@ struct PlacedPart {
 };
 
 /// Adds the integrals of one pair. `away`: unit, object frame; null: the solid is not thickened.
-/// More than kMostDepthPlanes planes of one part are not looked at. Never allocates; some 450 KiB
+/// More than kMostDepthPlanes planes of one part are not looked at. Never allocates; some 600 KiB
 /// of stack.
 void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, const Vec3* away,
                bool slides, DepthSums& sums) noexcept;

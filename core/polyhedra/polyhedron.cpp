@@ -221,7 +221,7 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
     throw std::invalid_argument(
         "a convex part has " + std::to_string(hull->vertices.size()) + " corners, more than " +
         std::to_string(kMostPolyhedronVertices) +
-        "; simplify the mesh, or give a smaller tolerance, so that it is cut into more parts");
+        "; simplify the mesh: one that is convex is taken as it is, with all its corners");
   Polyhedron solid;
   solid.vertices = hull->vertices;
   const Bound box = bound(solid.vertices);

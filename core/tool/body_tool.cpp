@@ -22,19 +22,19 @@ void require(bool good, const char* field, double value, const char* unit) {
 class PolygonSolids final : public ToolSurroundings {
  public:
   PolygonSolids(const BodyTool& tool, std::span<const Object> objects,
-                std::span<const ObjectMotion> motions, const PartPairs& near)
+                std::span<const ObjectMotion> motions, PartPairs& near)
       : tool_(tool), objects_(objects), motions_(motions), near_(near) {}
 
   ShellContact contact(const Pose& pose) const noexcept override {
-    return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose,
-                           motions_);
+    return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose, motions_,
+                           &near_.push);
   }
 
  private:
   const BodyTool& tool_;
   std::span<const Object> objects_;
   std::span<const ObjectMotion> motions_;
-  const PartPairs& near_;
+  PartPairs& near_;
 };
 
 void check(const ToolInertia& tool) {

@@ -103,9 +103,15 @@ struct Look {
       pair.gap = known_gap;
       return;
     }
+    if (pair.overlaps && placed.hold(part, shape, pair.shared)) {
+      pair.gap = 0.0;
+      return;
+    }
     const Vec3 guess = pair.thickened ? pair.away : Vec3(centre - shape.centre);
     const ConvexGap found = convex_gap(part, placed.rotation, placed.origin, shape, guess);
     pair.gap = std::max(0.0, found.distance);
+    pair.overlaps = found.shared.has_value();
+    if (pair.overlaps) pair.shared = *found.shared;
     if (!(found.distance > 0.0)) return;
     if (pair.thickened && !(known_gap > 0.0)) {
       // Apart, but maybe not from what the direction thickens.
@@ -132,17 +138,31 @@ struct Look {
   }
 };
 
+/// The push of a pair, from the contact that was computed last if that was here.
+PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
+                 const Pose& tool, const PartPair& pair, const PairPush& last) {
+  constexpr double kRounding = 1e-15;  // of an orientation that is normalized again
+  const PartPair& same = last.pair;
+  const auto turned = last.tool.orientation.coeffs() - tool.orientation.coeffs();
+  if (last.known && key(same) == key(pair) && same.thickened == pair.thickened &&
+      same.away == pair.away && last.tool.position == tool.position &&
+      turned.cwiseAbs().maxCoeff() < kRounding)
+    return last;
+  DepthSums sums;
+  placed.add(body, solid, pair, false, sums);
+  return {true, pair, tool, sums.cubes, sums.slope.head<3>()};
+}
+
 /// A pair that touches: lets its direction follow the force, where nothing else follows from that.
 void follow(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
-            PartPair& pair) {
+            const Pose& tool, const PairPush& last, PartPair& pair) {
   constexpr double kAligned = 0.9998;  // one degree
   if (PlacedTool::is_simple(solid) || placed.gap(body, solid, pair) > 0.0) return;
-  DepthSums old;
-  placed.add(body, solid, pair, false, old);
-  const double length = old.slope.head<3>().norm();
+  const PairPush old = push_of(body, solid, placed, tool, pair, last);
+  const double length = old.slope.norm();
   if (!(old.cubes > 0.0 && length > 0.0)) return;
   PartPair other = pair;
-  other.away = old.slope.head<3>() / -length;
+  other.away = old.slope / -length;
   if (pair.thickened && other.away.dot(pair.away) > kAligned) return;
   other.thickened = true;
   other.reach = -least_along(solid.parts[pair.solid_part].shape, -other.away);
@@ -183,9 +203,11 @@ void look_round(const PolygonBody& body, std::span<const Object> objects, const 
     }
   }
   if (near.count == 0) return;
-  near.turn = (near.turn + 1) % near.count;
+  near.turn = near.next_turn();
+  if (solids_moved) near.push.known = false;
   PartPair& pair = near.pairs[near.turn];
-  follow(body, body.solids[pair.object], PlacedTool(tool, objects[pair.object].pose), pair);
+  follow(body, body.solids[pair.object], PlacedTool(tool, objects[pair.object].pose), tool,
+         near.push, pair);
 }
 
 }  // namespace feltwire

@@ -47,6 +47,17 @@ struct PlacedTool {
     return gap;
   }
 
+  /// Whether a point [m] is in a part and in one of the solid.
+  bool hold(const Polyhedron& part, const Polyhedron& solid, const Vec3& point) const noexcept {
+    const Vec3 own = rotation.transpose() * (point - origin);
+    const auto below = [](const Polyhedron& shape, const Vec3& p) {
+      for (const HalfSpaceBelow& plane : shape.planes)
+        if (plane.normal.dot(p) > plane.offset) return false;
+      return true;
+    };
+    return below(solid, point) && below(part, own);
+  }
+
   void add(const PolygonBody& body, const SolidParts& solid, const PartPair& pair, bool slides,
            DepthSums& sums) const noexcept {
     add_depth({body.parts[pair.tool_part], rotation, origin}, solid.parts[pair.solid_part],

@@ -79,8 +79,9 @@ PolygonBody polygon_body(const std::vector<std::vector<Vec3>>& corners,
 
 ShellContact polygon_contact(const PolygonBody& body, std::span<const Object> objects,
                              double contact_area, const PartPairs& near, const Pose& tool,
-                             std::span<const ObjectMotion> motions) noexcept {
+                             std::span<const ObjectMotion> motions, PairPush* push) noexcept {
   ShellContact sum;
+  if (push != nullptr) push->known = false;
   sum.clearance = near.free - travel(near.from, tool, body.radius) - kToolAdvance - kStayAway;
   for (std::size_t i = 0; i < near.count;) {
     const std::uint32_t index = near.pairs[i].object;
@@ -96,7 +97,14 @@ ShellContact polygon_contact(const PolygonBody& body, std::span<const Object> ob
         continue;
       }
       const std::size_t before = sums.cells;
-      placed.add(body, solid, pair, slides(object.material), sums);
+      if (push != nullptr && i == near.next_turn()) {
+        DepthSums own;
+        placed.add(body, solid, pair, slides(object.material), own);
+        *push = {true, pair, tool, own.cubes, own.slope.head<3>()};
+        sums += own;
+      } else {
+        placed.add(body, solid, pair, slides(object.material), sums);
+      }
       ++sum.looked_at;
       if (sums.cells == before) sum.clearance = std::min(sum.clearance, 0.0);
     }

@@ -28,10 +28,12 @@ PolygonBody polygon_body(const std::vector<std::vector<Vec3>>& corners,
 ///
 /// The clearance is a lower bound of the distance to all parts that are not touched, less what a
 /// step may advance beyond it where a pair is not in `near`: so no pair is reached before it is
-/// remembered. Never allocates.
+/// remembered. `push`, if given, becomes that of the pair which look_round() turns next. Never
+/// allocates.
 ShellContact polygon_contact(const PolygonBody& body, std::span<const Object> objects,
                              double contact_area, const PartPairs& near, const Pose& tool,
-                             std::span<const ObjectMotion> motions = {}) noexcept;
+                             std::span<const ObjectMotion> motions = {},
+                             PairPush* push = nullptr) noexcept;
 
 /// [m] The clearance just after look_round(), at its pose.
 double clearance(const PartPairs& near) noexcept;

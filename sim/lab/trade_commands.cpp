@@ -78,7 +78,7 @@ void add_trade(CLI::App& app) {
       trade_mass);
   add("sixdof", "A body by points or by polygons, without and with mass: error, jumps, time",
       "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
-      "machine took for it,\ntrade_sixdof_cost.csv. Three minutes on two cores.",
+      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores.",
       trade_sixdof);
   add("scene", "Time of each property of a scene for one sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "

@@ -10,9 +10,9 @@
 namespace feltwire::test {
 
 /// The error of the loader for this scene.
-inline std::string error_of(const std::string& scene) {
+inline std::string error_of(const std::string& scene, const std::string& file = "s.json") {
   try {
-    parse_scene(scene, "s.json");
+    parse_scene(scene, file);
   } catch (const FileError& error) {
     return error.what();
   }

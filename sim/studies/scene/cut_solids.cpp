@@ -11,6 +11,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/polyhedra/polyhedron.hpp"
 #include "scenes/bunny_text.hpp"
+#include "sim/studies/scene/finer_surface.hpp"
 
 namespace feltwire {
 namespace {
@@ -145,11 +146,11 @@ CutSolid link_solid(const LinkShape& link) {
   return solid;
 }
 
-CutSolid bunny_solid(double tolerance) {
+CutSolid bunny_solid(double tolerance, std::size_t triangles) {
   constexpr double kCentimetre = 0.01;  // [m] a unit of the file
   constexpr double kLeftOut = 0.25;     // of the tolerance, as of a tool in a scene
   CutSolid solid;
-  solid.surface = parse_mesh(embedded::bunny, "bunny.obj", kCentimetre);
+  solid.surface = finer_surface(parse_mesh(embedded::bunny, "bunny.obj", kCentimetre), triangles);
   Vec3 least = solid.surface.vertices.front(), most = least;
   for (const Vec3& v : solid.surface.vertices) {
     least = least.cwiseMin(v);

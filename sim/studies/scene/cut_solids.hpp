@@ -36,7 +36,7 @@ CutSolid link_solid(const LinkShape& link);
 
 /// The bunny of scenes/bunny.obj, a hand high, about the middle of its bounds. `tolerance` [m]: how
 /// far the parts may reach out of it. As in a scene, corners that stand out by less than a quarter
-/// of that are left out.
-CutSolid bunny_solid(double tolerance);
+/// of that are left out. `triangles`: at least so many, by finer_surface(); the file has 3674.
+CutSolid bunny_solid(double tolerance, std::size_t triangles = 0);
 
 }  // namespace feltwire

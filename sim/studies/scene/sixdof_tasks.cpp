@@ -1,5 +1,6 @@
 #include "sim/studies/scene/sixdof_tasks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -124,11 +125,11 @@ double first_contact(const SixDofTask& task, const Quaternion& orientation) {
   }
 }
 
-SixDofTask bunny(double tolerance) {
+SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangles) {
   constexpr double kFree = 0.5e-3, kPress = 3e-3, kSlide = 4e-3, kTilt = 0.05;  // [m], [rad]
   SixDofTask task;
-  task.name = "bunny";
-  task.tool = task.solid = bunny_solid(tolerance);
+  task.name = name;
+  task.tool = task.solid = bunny_solid(tolerance, triangles);
   task.contact_area = 1e-3;
   task.press = -kX;
   task.time = 0.4;
@@ -144,9 +145,23 @@ SixDofTask bunny(double tolerance) {
 
 }  // namespace
 
-std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance) {
-  return {peg("peg 0.5", 0.5e-3), peg("peg 0.1", 0.1e-3), gears(), chain(), edge(), ridge(),
-          bunny(bunny_tolerance)};
+std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance, std::size_t fine_triangles,
+                                     const std::vector<std::string>& names) {
+  std::vector<SixDofTask> tasks;
+  const auto add = [&](const std::string& name, const auto& made) {
+    if (names.empty() || std::ranges::find(names, name) != names.end()) tasks.push_back(made(name));
+  };
+  add("peg 0.5", [](const auto& name) { return peg(name, 0.5e-3); });
+  add("peg 0.1", [](const auto& name) { return peg(name, 0.1e-3); });
+  add("gears", [](const auto&) { return gears(); });
+  add("chain", [](const auto&) { return chain(); });
+  add("edge", [](const auto&) { return edge(); });
+  add("ridge", [](const auto&) { return ridge(); });
+  add("bunny", [&](const auto& name) { return bunny(name, bunny_tolerance, 0); });
+  if (fine_triangles > 0)
+    add("bunny 20k",
+        [&](const auto& name) { return bunny(name, bunny_tolerance, fine_triangles); });
+  return tasks;
 }
 
 SolidParts solid_parts_of(const SixDofTask& task) {

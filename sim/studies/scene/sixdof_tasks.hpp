@@ -20,6 +20,7 @@ namespace feltwire {
 ///   ridge              the edge of a cube is moved over that of another one, 4 mm too low: on the
 ///                      ridge a tool has no place to rest
 ///   bunny              the Stanford bunny presses on another one, and slides and turns there
+///   bunny 20k          the same with a finer surface
 struct SixDofTask {
   std::string name;
   CutSolid tool;
@@ -34,8 +35,10 @@ struct SixDofTask {
   double time = 0.5;          // [s]
 };
 
-/// `bunny_tolerance` [m]: that of bunny_solid().
-std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance);
+/// `names`: only these tasks; empty: all. `bunny_tolerance` [m]: that of bunny_solid(), and
+/// `fine_triangles` of the finer surface; 0: without this task.
+std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance, std::size_t fine_triangles = 0,
+                                     const std::vector<std::string>& names = {});
 
 /// The solid of a task as what a tool of polygons touches.
 SolidParts solid_parts_of(const SixDofTask& task);

@@ -198,11 +198,8 @@ std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const 
 }  // namespace
 
 std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
-  std::vector<SixDofTask> tasks = sixdof_tasks(grid.bunny_tolerance);
-  if (!grid.tasks.empty())
-    std::erase_if(tasks, [&](const SixDofTask& task) {
-      return std::ranges::find(grid.tasks, task.name) == grid.tasks.end();
-    });
+  const std::vector<SixDofTask> tasks =
+      sixdof_tasks(grid.bunny_tolerance, grid.fine_triangles, grid.tasks);
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
   std::vector<SixDofTool> tools;
   tools.reserve(cells.size());

@@ -12,14 +12,15 @@ namespace feltwire {
 
 /// The size of the study: how finely it measures.
 struct SixDofGrid {
-  std::vector<std::string> tasks{};  // those of sixdof_tasks.hpp with these names; empty: all
-  std::size_t points = 3000;         // on a tool of points
-  double grid_steps = 128.0;         // along a mesh that a tool of points touches; as in a scene
-  int finer = 8;                     // of the reference, below; even
-  double slower = 1.0;               // of the hand in all tasks: their time is that much longer
-  double bunny_tolerance = 2e-3;     // [m] of its convex parts
-  std::size_t cost_laps = 3;         // of each task, for the times
-  double hand_time = 0.4;            // [s] of a hand that leans on the tool, for each stiffness
+  std::vector<std::string> tasks{};    // those of sixdof_tasks.hpp with these names; empty: all
+  std::size_t points = 3000;           // on a tool of points
+  double grid_steps = 128.0;           // along a mesh that a tool of points touches; as in a scene
+  int finer = 8;                       // of the reference, below; even
+  double slower = 1.0;                 // of the hand in all tasks: their time is that much longer
+  double bunny_tolerance = 2e-3;       // [m] of its convex parts
+  std::size_t fine_triangles = 20000;  // of the task "bunny 20k"; 0: without it
+  std::size_t cost_laps = 3;           // of each task, for the times
+  double hand_time = 0.4;              // [s] of a hand that leans on the tool, for each stiffness
   StiffnessRange stiffness{.lowest = 1000.0, .highest = 1e6, .per_decade = 4, .tolerance = 0.1};
 };
 

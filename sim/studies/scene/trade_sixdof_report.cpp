@@ -13,13 +13,13 @@ constexpr double kToMicro = 1e-3, kToKilo = 1e-3;
 
 std::string trade_sixdof_table(const std::vector<SixDofCell>& cells) {
   std::string text =
-      "                                error [%]      reference's      largest    jump [N]        "
+      "                                 error [%]      reference's      largest    jump [N]        "
       "step [us]     memory  stable to\n"
-      "task     contact   mass       force  torque   force  torque   force [N]    own  finer     "
+      "task      contact   mass       force  torque   force  torque   force [N]    own  finer     "
       "p50    p99.9    [kB]     [kN/m]\n";
   for (const SixDofCell& c : cells) {
     if (&c != &cells.front() && c.task != (&c - 1)->task) text += '\n';
-    append(text, "%-8s %-8s  %-8s %7.2f %7.2f %7.2f %7.2f   %9.3f %6.3f %6.3f %7.1f %8.1f %7.1f  ",
+    append(text, "%-9s %-8s  %-8s %7.2f %7.2f %7.2f %7.2f   %9.3f %6.3f %6.3f %7.1f %8.1f %7.1f  ",
            c.task.c_str(), c.contact.c_str(), c.mass.c_str(), kPercent * c.force_error,
            kPercent * c.torque_error, kPercent * c.reference_force_error,
            kPercent * c.reference_torque_error, c.largest_force, c.jump, c.reference_jump,

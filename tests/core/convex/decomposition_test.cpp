@@ -21,23 +21,29 @@ double volume_of(const ConvexParts& parts) {
   return sum;
 }
 
-/// An L of three unit squares, one high, as a prism.
-TriangleSoup l_shape() {
+/// A prism from z = 0 to `high`. The rim is counter-clockwise, `flat` are its triangles.
+TriangleSoup prism(const std::vector<std::pair<double, double>>& rim,
+                   const std::vector<Triangle>& flat, double high) {
   TriangleSoup s;
-  const std::vector<std::pair<double, double>> rim = {{0, 0}, {2, 0}, {2, 1},
-                                                      {1, 1}, {1, 2}, {0, 2}};
-  for (const double z : {0.0, 1.0})
+  const auto count = static_cast<std::uint32_t>(rim.size());
+  for (const double z : {0.0, high})
     for (const auto& [x, y] : rim) s.vertices.emplace_back(x, y, z);
-  for (const auto& [a, b, c] : std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+  for (const auto& [a, b, c] : flat) {
     s.triangles.push_back({a, c, b});
-    s.triangles.push_back({a + 6, b + 6, c + 6});
+    s.triangles.push_back({a + count, b + count, c + count});
   }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const std::uint32_t k = (i + 1) % 6;
-    s.triangles.push_back({i, k, k + 6});
-    s.triangles.push_back({i, k + 6, i + 6});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = (i + 1) % count;
+    s.triangles.push_back({i, k, k + count});
+    s.triangles.push_back({i, k + count, i + count});
   }
   return s;
+}
+
+/// An L of three unit squares, one high.
+TriangleSoup l_shape() {
+  return prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
+               {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}, 1.0);
 }
 
 TEST(ConvexHull, OfABoxIsTheBoxAndFlatPointsHaveNone) {
@@ -122,6 +128,25 @@ TEST(Decomposition, KeepsToTheNumberOfPartsAndSaysWhatThatCosts) {
   }
   // Of the hull of the whole: the middle of the hole, a tube's radius off the ring's middle circle.
   EXPECT_NEAR(convex_parts(ring, {.tolerance = 0.001, .most = 1}).outside, 0.04, 0.04 / 8);
+}
+
+// A small notch in the rim of a plate. Cuts along the plate are the most even ones, and lead
+// nowhere.
+TEST(Decomposition, AThinPlateWithANotchIsNotCutIntoThinnerOnes) {
+  const TriangleSoup plate =
+      prism({{0, 0}, {60, 0}, {60, 20}, {9, 60}, {9, 57}, {5, 57}, {5, 60}, {0, 60}},
+            {{0, 1, 5}, {1, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 6}, {0, 6, 7}}, 0.1);
+  const MeshSurface surface{TriangleMesh(plate)};
+  ASSERT_TRUE(surface.mesh().report().closed());
+  const ConvexParts parts = convex_parts(surface, {.tolerance = 1.0});
+  EXPECT_LE(parts.outside, 1.0);
+  EXPECT_GE(parts.parts.size(), 2u);
+  EXPECT_LE(parts.parts.size(), 8u);
+  for (const auto& part : parts.parts) {
+    const auto [least, most] =
+        std::ranges::minmax_element(part, {}, [](const Vec3& p) { return p.z(); });
+    EXPECT_NEAR(most->z() - least->z(), 0.1, 1e-9);
+  }
 }
 
 TEST(Decomposition, IsTheSameTwice) {

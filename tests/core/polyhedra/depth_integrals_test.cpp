@@ -223,6 +223,39 @@ TEST(DepthIntegrals, ASolidInTwoPiecesIsTheSolid) {
   }
 }
 
+// All faces touch a ball of radius r, so that each cell is a pyramid with its top in the middle:
+// V = r^4 / 60 of the surface. There are more cells than a set of KnownCells holds.
+TEST(DepthIntegrals, OfManyFacesRoundABall) {
+  constexpr double kRadius = 0.02;
+  const Polyhedron tool = polyhedron(box_corners(Vec3::Constant(0.05)));
+  for (const int faces : {6, 30, 63, 64, 65, 150}) {
+    test::Random random(7);
+    ClippedPolyhedron round;
+    round.assign(tool, Mat3::Identity(), Vec3::Zero());
+    for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+      for (const double side : {-1.0, 1.0}) ASSERT_TRUE(round.cut(side * way, kRadius, 0));
+    for (int i = 6; i < faces; ++i) ASSERT_TRUE(round.cut(random.direction(), kRadius, 0));
+    std::vector<Vec3> corners;
+    for (std::size_t c = 0; c < round.corner_count(); ++c) corners.push_back(round.corner(c));
+    SolidParts solid;
+    solid.parts.resize(1);
+    Polyhedron& shape = solid.parts[0].shape = polyhedron(corners);
+    solid.parts[0].inner.assign(shape.planes.size(), 0);
+    double area = 0.0;
+    for (std::size_t f = 0; f < shape.planes.size(); ++f) {
+      const auto loop = shape.face(f);
+      for (std::size_t k = 2; k < loop.size(); ++k) {
+        const Vec3& a = shape.vertices[loop[0]];
+        area += 0.5 * (shape.vertices[loop[k - 1]] - a).cross(shape.vertices[loop[k]] - a).norm();
+      }
+    }
+    const DepthSums sums = sums_of(tool, {Vec3(0.002, 0.001, 0), kUpright}, solid);
+    EXPECT_NEAR(sums.cubes, std::pow(kRadius, 4) * area / 60.0, 1e-9 * sums.cubes) << faces;
+    EXPECT_EQ(sums.cells, shape.planes.size());
+    EXPECT_LT(sums.slope.head<3>().norm(), 1e-9 * sums.cubes / kRadius);
+  }
+}
+
 TEST(DepthIntegrals, AThinWallIsAsDeepAsItsSurfaceIsFar) {
   const SolidParts wall = solid_parts(Box{Vec3(0.05, 0.05, 1e-4)}, Side::outside);
   const Polyhedron tool = polyhedron(box_corners(Vec3::Constant(0.005)));

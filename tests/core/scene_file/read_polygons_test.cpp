@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/dynamics/world.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/scene/scene_cost_report.hpp"
 #include "core/tool/body_tool.hpp"
 #include "tests/core/scene_text.hpp"
@@ -75,6 +76,42 @@ TEST(ReadPolygons, MeshesAreCutIntoParts) {
     volume += (part.most - part.least).prod();
   }
   EXPECT_NEAR(volume, 1e-5, 1e-12);
+}
+
+/// Writes a ball of many triangles, a hand wide. `dent` [m]: how far its pole is pushed in.
+void write_ball(const std::filesystem::path& file, double dent) {
+  TriangleSoup ball = tessellate(Sphere{0.05}, 48);
+  std::ranges::max_element(ball.vertices, {}, [](const Vec3& v) { return v.z(); })->z() -= dent;
+  std::ofstream out(file);
+  out.precision(17);
+  for (const Vec3& v : ball.vertices) out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const auto& [a, b, c] : ball.triangles)
+    out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+}
+
+// A part may be as fine as the mesh: corners that stand out by less than its tolerance allows are
+// left out. A mesh that is convex is exact, and so has a limit.
+TEST(ReadPolygons, FineMeshesHavePartsOfFewCorners) {
+  const test::TemporaryFolder folder;
+  write_ball(folder / "dented.obj", 0.01);
+  const std::string dented =
+      R"("mesh": { "file": "dented.obj", "scale": 1, "convex_parts": { "tolerance": 0.008 } })";
+  const Scene read = parse_scene(
+      scene(
+          R"("file": "dented.obj", "scale": 1, "contact": "polygons", "convex_parts": { "tolerance": 0.008 })",
+          dented),
+      (folder / "s.json").string());
+  const PolygonBody& body = *read.tool().body->polygons();
+  ASSERT_EQ(body.solids.size(), 1u);
+  ASSERT_FALSE(body.parts.empty());
+  for (const Polyhedron& part : body.parts) EXPECT_LE(part.vertices.size(), kMostFewCorners);
+  for (const SolidPart& part : body.solids[0].parts)
+    EXPECT_LE(part.shape.vertices.size(), kMostFewCorners);
+  write_ball(folder / "ball.obj", 0.0);
+  EXPECT_THAT(test::error_of(scene(R"("file": "ball.obj", "scale": 1, "contact": "polygons")"),
+                             (folder / "s.json").string()),
+              AllOf(HasSubstr("corners, more than 512"),
+                    HasSubstr("simplify the mesh: one that is convex")));
 }
 
 // The tool pushes a box that floats: the box gets what the hand gives.

@@ -352,6 +352,34 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   EXPECT_NEAR(now.command.force().x(), -0.5 * now.command.force().z(), 0.02 * load);
 }
 
+// What a step keeps of the one before only saves time.
+TEST(PolygonBody, WhatItRemembersOfAPairChangesNothing) {
+  const BodyTool body =
+      tool({box_corners(kHalf), box_corners(Vec3(0.004, 0.004, 0.02))},
+           {solid_parts({box_corners(Vec3(0.02, 0.02, 0.005)),
+                         box_corners(Vec3(0.005, 0.02, 0.01), Vec3(0.015, 0, 0.015))})});
+  const std::vector<Object> objects = {object()};
+  BodyMemory kept, forgetful;
+  test::Random random(12);
+  Pose device{Vec3(0, 0, 0.04), kUpright};
+  std::size_t used = 0, shared = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Pose before = device;
+    device = moved(device, random.vector(-5.0, -2.7), random.vector(-4.0, -1.5));
+    if (device.position.norm() > 0.04) device = before;
+    const BodyStep one = step(body, objects, device, kept);
+    forgetful.near.push.known = false;
+    for (PartPair& pair : forgetful.near.pairs) pair.overlaps = false;
+    const BodyStep two = step(body, objects, device, forgetful);
+    ASSERT_LE((one.command.force() - two.command.force()).norm(), 1e-6) << i;
+    ASSERT_LE((one.command.torque - two.command.torque).norm(), 1e-8) << i;
+    used += kept.near.push.known ? 1 : 0;
+    for (std::size_t p = 0; p < kept.near.count; ++p) shared += kept.near.pairs[p].overlaps ? 1 : 0;
+  }
+  EXPECT_GT(used, 300u);
+  EXPECT_GT(shared, 300u);
+}
+
 TEST(PolygonBody, IsTheSameTwiceAndAllocatesNothing) {
   const BodyTool body = tool({box_corners(kHalf), box_corners(Vec3(0.004, 0.004, 0.02))},
                              {plate_with_hole(0.0043), solid_parts(Plane{}, Side::outside),

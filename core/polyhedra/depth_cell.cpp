@@ -1,0 +1,232 @@
+#include "core/polyhedra/depth_cell.hpp"
+
+#include <array>
+
+#include "core/polyhedra/wide.hpp"
+
+namespace feltwire {
+namespace {
+
+using Tag = ClippedPolyhedron::Tag;
+
+/// The rule of six points for polynomials of degree four on a triangle (Strang & Fix 1973): weights
+/// of its area, and places by their weights on the corners.
+struct TrianglePoint {
+  double weight;
+  std::array<double, 3> at;
+};
+constexpr double kInnerWeight = 0.22338158967801146570, kInner = 0.44594849091596488632;
+constexpr double kOuterWeight = 0.10995174365532186764, kOuter = 0.091576213509770743460;
+constexpr std::array<TrianglePoint, 6> kRule = {
+    {{kInnerWeight, {kInner, kInner, 1.0 - 2.0 * kInner}},
+     {kInnerWeight, {kInner, 1.0 - 2.0 * kInner, kInner}},
+     {kInnerWeight, {1.0 - 2.0 * kInner, kInner, kInner}},
+     {kOuterWeight, {kOuter, kOuter, 1.0 - 2.0 * kOuter}},
+     {kOuterWeight, {kOuter, 1.0 - 2.0 * kOuter, kOuter}},
+     {kOuterWeight, {1.0 - 2.0 * kOuter, kOuter, kOuter}}}};
+
+/// The corners as a cell sees them: (u, v), two coordinates from the tool's origin along the face,
+/// and the depth d.
+struct SeenCorners {
+  static constexpr std::size_t kMost = ClippedPolyhedron::kCorners;
+  alignas(16) std::array<double, kMost> u;
+  alignas(16) std::array<double, kMost> v;
+  alignas(16) std::array<double, kMost> d;
+
+  SeenCorners(const ClippedPolyhedron& common, const Cell& cell) {
+    const Vec3 &a = cell.across, &b = cell.along, &n = cell.inwards;
+    const auto seen = [&](std::array<double, kMost>& all) {
+      return Eigen::Map<Eigen::ArrayXd, Eigen::Aligned16>(
+          all.data(), static_cast<Eigen::Index>(common.corner_count()));
+    };
+    const auto x = common.x() - cell.origin.x(), y = common.y() - cell.origin.y(),
+               z = common.z() - cell.origin.z();
+    seen(u) = a.x() * x + a.y() * y + a.z() * z;
+    seen(v) = b.x() * x + b.y() * y + b.z() * z;
+    seen(d) = n.x() * common.x() + n.y() * common.y() + n.z() * common.z() + cell.constant;
+  }
+};
+
+/// A triangle of the surface.
+using Facet = std::array<std::uint16_t, 3>;
+
+/// Integrals over what a cell and the tool's part have in common. By Gauss that of f(u, v) d^n is
+/// that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
+struct Moments {
+  double cubes = 0.0;               // of d^3
+  std::array<double, 3> squares{};  // of d^2 (1, u, v)
+  std::array<double, 6> depths{};   // of d (1, u, v, u u, u v, v v)
+};
+
+}  // namespace
+
+/// The integrals of d^2 f g over the surface, for f and g of (1, u, v, d). For f and g linear on a
+/// triangle with corners i,
+///   integral of d^2 f g = area / 180 sum of f_i H_ij g_j,
+/// H the second derivatives of the complete homogeneous polynomial of degree 4 in the depths of
+/// the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j, with
+/// S and Q the sums of the depths and of their squares.
+/// `facets`: a multiple of four; one whose corners are the same adds nothing. The sums are of 1, u,
+/// v, u u, u v, v v, then d (1, u, v), then d d.
+FELTWIRE_ALSO_AVX2 static void add_surface(const SeenCorners& seen, std::span<const Facet> facets,
+                                           std::array<double, 10>& sums) {
+  Four of[10] = {};
+  const double *u = seen.u.data(), *v = seen.v.data(), *d = seen.d.data();
+  for (std::size_t t = 0; t < facets.size(); t += 4) {
+    const Facet &p = facets[t], &q = facets[t + 1], &r = facets[t + 2], &s = facets[t + 3];
+    const Four au = {u[p[0]], u[q[0]], u[r[0]], u[s[0]]}, av = {v[p[0]], v[q[0]], v[r[0]], v[s[0]]},
+               ad = {d[p[0]], d[q[0]], d[r[0]], d[s[0]]}, bu = {u[p[1]], u[q[1]], u[r[1]], u[s[1]]},
+               bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]}, bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
+               cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]}, cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
+               cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
+    const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice
+    const Four sum = ad + bd + cd;
+    const Four aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
+    const Four sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
+    const Four h00 = area * (sa * sa + squared + 2.0 * aa);
+    const Four h11 = area * (sb * sb + squared + 2.0 * bb);
+    const Four h22 = area * (sc * sc + squared + 2.0 * cc);
+    const Four ta = sum + bd + cd, tb = sum + ad + cd, tc = sum + ad + bd;
+    const Four half = 0.5 * area;
+    const Four h12 = half * (ta * ta + squared + bb + cc);
+    const Four h02 = half * (tb * tb + squared + aa + cc);
+    const Four h01 = half * (tc * tc + squared + aa + bb);
+    const Four one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
+    of[0] += one0 + one1 + one2;
+    of[1] += one0 * au + one1 * bu + one2 * cu;
+    of[2] += one0 * av + one1 * bv + one2 * cv;
+    of[6] += one0 * ad + one1 * bd + one2 * cd;
+    const Four u0 = h00 * au + h01 * bu + h02 * cu, u1 = h01 * au + h11 * bu + h12 * cu,
+               u2 = h02 * au + h12 * bu + h22 * cu;
+    of[3] += u0 * au + u1 * bu + u2 * cu;
+    of[4] += u0 * av + u1 * bv + u2 * cv;
+    of[7] += u0 * ad + u1 * bd + u2 * cd;
+    const Four v0 = h00 * av + h01 * bv + h02 * cv, v1 = h01 * av + h11 * bv + h12 * cv,
+               v2 = h02 * av + h12 * bv + h22 * cv;
+    of[5] += v0 * av + v1 * bv + v2 * cv;
+    of[8] += v0 * ad + v1 * bd + v2 * cd;
+    of[9] += (h00 * ad + h01 * bd + h02 * cd) * ad + (h01 * ad + h11 * bd + h12 * cd) * bd +
+             (h02 * ad + h12 * bd + h22 * cd) * cd;
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sums[i] = (of[i][0] + of[i][1]) + (of[i][2] + of[i][3]);
+}
+
+namespace {
+
+Moments surface_moments(const SeenCorners& seen, std::span<const Facet> facets) {
+  constexpr double kPart = 1.0 / 360.0;  // of twice the area
+  std::array<double, 10> sums;
+  add_surface(seen, facets, sums);
+  Moments m;
+  for (std::size_t i = 0; i < m.depths.size(); ++i) m.depths[i] = kPart * sums[i] / 2.0;
+  for (std::size_t i = 0; i < m.squares.size(); ++i) m.squares[i] = kPart * sums[6 + i] / 3.0;
+  m.cubes = kPart * sums[9] / 4.0;
+  return m;
+}
+
+std::size_t side_of(const Vec3& way) {
+  Eigen::Index axis;
+  way.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
+}
+
+/// A motion (t, w) of the tool moves the point at (u, v) out of the solid by (W_0 + v W_1 + u W_2)
+/// . (t, w).
+struct Ways {
+  Vec6 translation, about_across, about_along;
+
+  explicit Ways(const Cell& cell) {
+    translation << -cell.inwards, Vec3::Zero();
+    about_across << Vec3::Zero(), -cell.across;
+    about_along << Vec3::Zero(), cell.along;
+  }
+};
+
+void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
+  const double weight = m.squares[0];
+  const double u = m.squares[1] / weight, v = m.squares[2] / weight;
+  const double d = m.cubes / weight - cell.constant - cell.inwards.dot(cell.origin);
+  const Vec3 centre = u * cell.across + v * cell.along + d * cell.inwards;
+  // The spread along the face, by the depth.
+  const double mean_u = m.depths[1] / m.depths[0], mean_v = m.depths[2] / m.depths[0];
+  const double uu = m.depths[3] / m.depths[0] - mean_u * mean_u;
+  const double uv = m.depths[4] / m.depths[0] - mean_u * mean_v;
+  const double vv = m.depths[5] / m.depths[0] - mean_v * mean_v;
+  SlipSums& side = sums.sides[side_of(-cell.inwards)];
+  side.add(weight, centre, -cell.inwards);
+  side.arms +=
+      weight * (uu * cell.across * cell.across.transpose() +
+                uv * (cell.across * cell.along.transpose() + cell.along * cell.across.transpose()) +
+                vv * cell.along * cell.along.transpose());
+}
+
+/// Of a face at which the part ends inside the solid.
+void add_inner_face(const ClippedPolyhedron& common, std::span<const std::uint16_t> corners,
+                    const Cell& cell, Vec6& slope) {
+  const Vec3 a = common.corner(corners[0]);
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const Vec3 b = common.corner(corners[k - 1]), c = common.corner(corners[k]);
+    const Vec3 area = 0.5 * (b - a).cross(c - a);
+    double cubes = 0.0;
+    Vec3 arm = Vec3::Zero();
+    for (const TrianglePoint& point : kRule) {
+      const Vec3 x = point.at[0] * a + point.at[1] * b + point.at[2] * c;
+      const double d = cell.inwards.dot(x) + cell.constant;
+      cubes += point.weight * d * d * d;
+      arm += point.weight * d * d * d * (x - cell.origin);
+    }
+    slope.head<3>() -= cubes * area;
+    slope.tail<3>() -= arm.cross(area);
+  }
+}
+
+/// Corners at one place, where more than three edges meet. Between them there is no area.
+bool same_place(const ClippedPolyhedron& common, std::size_t a, std::size_t b) {
+  return common.x()[a] == common.x()[b] && common.y()[a] == common.y()[b] &&
+         common.z()[a] == common.z()[b];
+}
+
+}  // namespace
+
+void add_cell(const ClippedPolyhedron& common, const Cell& cell, Tag own, const DepthPlanes& planes,
+              bool slides, DepthSums& sums) noexcept {
+  const SeenCorners seen(common, cell);
+  // Three edges meet at each corner, so that there are fewer than two triangles for each.
+  std::array<Facet, 2 * ClippedPolyhedron::kCorners> facets;
+  std::size_t count = 0;
+  Vec6 ends = Vec6::Zero();
+  common.for_each_face([&](Tag tag, std::span<const std::uint16_t> corners) {
+    if (tag == own) return;  // there the depth is zero
+    std::uint16_t last = corners[0];
+    for (std::size_t k = 1; k < corners.size() && count < facets.size(); ++k) {
+      if (same_place(common, last, corners[k])) continue;
+      facets[count] = {corners[0], last, corners[k]};
+      count += last == corners[0] ? 0 : 1;
+      last = corners[k];
+    }
+    if (tag < planes.size() && planes[tag].inner) add_inner_face(common, corners, cell, ends);
+  });
+  while (count % 4 != 0) facets[count++] = {};
+  const Moments m = surface_moments(seen, std::span(facets).first(count));
+  if (!(m.cubes > 0.0 && m.squares[0] > 0.0 && m.depths[0] > 0.0)) return;
+  ++sums.cells;
+  sums.slope += ends;
+  sums.cubes += m.cubes;
+  const Ways w(cell);
+  const Vec6 out = 3.0 * (m.squares[0] * w.translation + m.squares[2] * w.about_across +
+                          m.squares[1] * w.about_along);
+  sums.slope -= out;
+  sums.pushed -= out;
+  const Vec6 t =
+      m.depths[0] * w.translation + m.depths[2] * w.about_across + m.depths[1] * w.about_along;
+  const Vec6 a =
+      m.depths[2] * w.translation + m.depths[5] * w.about_across + m.depths[4] * w.about_along;
+  const Vec6 b =
+      m.depths[1] * w.translation + m.depths[4] * w.about_across + m.depths[3] * w.about_along;
+  sums.curvature += 6.0 * (w.translation * t.transpose() + w.about_across * a.transpose() +
+                           w.about_along * b.transpose());
+  if (slides) add_slip(cell, m, sums);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,19 @@
+#pragma once
+// Four numbers computed together, in the widest registers that the machine has.
+
+namespace feltwire {
+
+/// May lie on doubles.
+using Four = double __attribute__((vector_size(32), may_alias));
+
+/// A function with this is compiled twice, also for processors with AVX2; the program chooses when
+/// it starts. Both do the same operations in the same order, without fused ones, so that they give
+/// the same bits. Not under sanitizers, which cannot look into the choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define FELTWIRE_ALSO_AVX2 __attribute__((target_clones("avx2", "default")))
+#else
+#define FELTWIRE_ALSO_AVX2
+#endif
+
+}  // namespace feltwire
