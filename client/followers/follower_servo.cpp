@@ -141,15 +141,20 @@ void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexce
          .force = force,
          .elapsed = elapsed,
          .prior = options_.surfaces ? options_.surfaces->nearest(tip, elapsed) : SurfacePrior{}});
+    state_.others = estimate_.others();
     energy_.moved(force, tip - tip_, elapsed);
   } else {
     state_.contact = {};  // not sensed is not zero: nobody knows what there is
+    state_.others = {};
   }
   tip_ = tip;
   state_.energy = energy_.counters();
-  if (state_.contact.surface == 0) return;
-  const double k = state_.contact.stiffness;
-  state_.contact.stiffness = k * spec_.stiffness / (k + spec_.stiffness);
+  const auto in_series = [&](RemoteContact& surface) {
+    const double k = surface.stiffness;
+    if (surface.surface != 0) surface.stiffness = k * spec_.stiffness / (k + spec_.stiffness);
+  };
+  in_series(state_.contact);
+  std::ranges::for_each(state_.others.surfaces, in_series);
 }
 
 void FollowerServo::steer(bool follow, double elapsed) noexcept {
@@ -168,7 +173,9 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
   if (follow) {
     // A hand that engages anew in a contact that it knew must not shake the robot: what the robot
     // holds there was paid for.
-    if (target_.known_surface != 0 || !touching) known_ = target_.known_surface;
+    // A number that this robot has not given yet is of another one.
+    const bool own = target_.known_surface <= estimate_.newest();
+    if (target_.known_surface != 0 || !touching) known_ = own ? target_.known_surface : 0;
     hand_work_ = target_.hand_work;
     wanted_.gripper = gripper_.step(target_.gripper, elapsed);
   }

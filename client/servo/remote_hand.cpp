@@ -42,16 +42,17 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
                         double elapsed) noexcept {
   hand_work_ -= share_ * held.dot(displacement);
   const bool engaged = remote_.state == LinkState::engaged;
-  const bool tied = engaged && remote_.contact.surface != 0;
+  const bool tied = engaged && (remote_.contact.surface != 0 || remote_.others.count > 0);
   const std::span walls(remote_.walls.data(),
                         engaged ? static_cast<std::size_t>(remote_.wall_count) : 0);
   const std::uint32_t known = index_.known_surface();
   index_.step(
       hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
-      {.holds = RobotWalls::reach(hand - index_.offset(), walls), .meets = remote_.meets_surfaces});
+      {.holds = RobotWalls::reach(hand - index_.offset(), walls), .meets = remote_.meets_surfaces},
+      tied ? remote_.others : OtherSurfaces{});
   walls_.step(hand, walls, index_, elapsed);
   // A surface that another hand meets may be in front of this one: its force rises slowly.
-  if (tied && index_.known_surface() != known && !remote_.meets_surfaces) weight_ = 0.0;
+  if (tied && index_.known_surface() > known && !remote_.meets_surfaces) weight_ = 0.0;
   const double rise = remote_.meets_surfaces ? 1.0 : elapsed / fade_;
   weight_ = tied ? std::min(1.0, weight_ + rise) : std::max(0.0, weight_ - elapsed / fade_);
   if (tied)
@@ -61,21 +62,25 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   return energy_.step(elapsed);
 }
 
-/// The surface lies where the hand is to meet it, and follows the hand's offset.
+/// The surfaces lie where the hand is to meet them, and follow the hand's offset.
 void RemoteHand::show(const Vec3& hand) noexcept {
   constexpr double kReach = 1.0;  // [m]
-  const RemoteContact& contact = remote_.contact;
   LocalModel model;
-  SurfacePatch& patch = model.patches.front();
-  patch.point = contact.point + index_.offset();
-  patch.normal = contact.normal.normalized();
-  patch.velocity = contact.velocity;
-  patch.radius = model.reach = kReach + (patch.point - hand).norm();
-  patch.material.stiffness = contact.stiffness;
-  patch.material.static_friction = patch.material.dynamic_friction = contact.friction;
-  patch.feature = contact.surface;
+  const auto add = [&](const RemoteContact& surface) {
+    SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
+    patch.point = surface.point + index_.offset();
+    patch.normal = surface.normal.normalized();
+    patch.velocity = surface.velocity;
+    patch.radius = kReach + (patch.point - hand).norm();
+    patch.material.stiffness = surface.stiffness;
+    patch.material.static_friction = patch.material.dynamic_friction = surface.friction;
+    patch.object = static_cast<std::uint16_t>(surface.surface);
+    patch.feature = surface.surface;
+    model.reach = std::max(model.reach, patch.radius);
+  };
+  if (remote_.contact.surface != 0) add(remote_.contact);
+  for (const RemoteContact& other : remote_.others.view()) add(other);
   model.center = hand;
-  model.count = 1;
   local_.take(model);
 }
 

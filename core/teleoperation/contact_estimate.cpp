@@ -13,6 +13,7 @@ constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
 constexpr double kMostFriction = 1.0;               // mu, likewise
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
 constexpr double kLearns = 0.5;                     // [s] in which a touch tells the stiffness
+constexpr double kOther = 0.5;                      // cosine of 60 degrees
 constexpr double kModelled = 0.02;                  // [N s] of a touch that outweighs a model
 
 bool says(const SurfacePrior& prior) noexcept {
@@ -34,18 +35,28 @@ const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
   if (!s.position.allFinite() || !s.velocity.allFinite() || !s.force.allFinite() ||
       !(s.elapsed > 0.0))
     return contact_;
+  estimate(s);
+  memory_.step(s.position, s.force, s.elapsed, counted_);
+  return contact_;
+}
+
+void ContactEstimate::estimate(const Sample& s) noexcept {
   const double force = length(s.force);
   const bool pressed = force > (pressed_ ? config_.off : config_.on);
   pressed_ = pressed;
   if (!pressed) {
     apart_ += s.elapsed;
     // A tool that slides leaves the surface for some samples: it is the same touch.
-    if (contact_.touching && apart_ < kApart) return contact_;
+    if (contact_.touching && apart_ < kApart) return;
     contact_.touching = false;
     if (!expect(s)) recede(s);
-    return contact_;
+    return;
   }
-  if (!contact_.touching) begin(s);
+  // A force where no friction leans it is of another surface. Of a load that the tool carries,
+  // which shows no stiffness, it is only after a gap: what pushes the load comes on top of its
+  // weight.
+  const bool other = (apart_ > 0.0 || learnt_) && s.force.dot(contact_.normal) < kOther * force;
+  if (!contact_.touching || other) begin(s);
   apart_ = 0.0;
   contact_.touching = true;
   estimate_normal(s, force);
@@ -55,7 +66,6 @@ const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
   estimate_place(s, along_normal);
   if (contact_.surface == expected_ && says(s.prior) && s.prior.key == expected_key_)
     shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
-  return contact_;
 }
 
 /// No force: the surface is not in front of the tip.
@@ -86,7 +96,7 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
     contact_ = {};
     contact_.stiffness = usable ? prior.stiffness : config_.first_stiffness;
     contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
-    known_ = settled_ = false;
+    known_ = settled_ = learnt_ = false;
     touched_ = 0.0;
     impulse_ = kModelled;
   }
@@ -107,15 +117,8 @@ void ContactEstimate::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
   const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
-  const bool same = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
-  if (!same) {
-    contact_ = {};
-    contact_.surface = ++counted_;
-    contact_.normal = normal;
-    contact_.stiffness = config_.first_stiffness;
-    settled_ = false;
-    impulse_ = 0.0;
-  }
+  const bool last = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
+  const bool same = last || change(s, normal);
   // A touch that bounces is one touch: until the stiffness is known its samples stay.
   if (!same || known_ || touched_ == 0.0) {
     fit_.clear();
@@ -126,8 +129,50 @@ void ContactEstimate::begin(const Sample& s) noexcept {
   receded_ = 0.0;
   last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
   const double force = length(s.force);
+  within_ = same ? way_within(s, force) : Vec3::Zero();
+  if (same) contact_.normal = direction(contact_.normal - along(contact_.normal, within_));
   const double measured = height_of(s, force);
   place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
+}
+
+/// The way from the last touch of the surface lies in it; what pushes along it is friction.
+Vec3 ContactEstimate::way_within(const Sample& s, double force) const noexcept {
+  constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
+  constexpr double kSteep = 0.35;  // sine of 20 degrees: more is no error of the normal
+  const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
+  const Polar<double> way = polar(Vec3(here - last_));
+  const bool usable = way.length > kShortest && way.length < kLongest &&
+                      std::abs(way.direction.dot(contact_.normal)) < kSteep;
+  return usable ? way.direction : Vec3::Zero();
+}
+
+/// The touch is of another surface than the last one. Returns whether that is remembered.
+bool ContactEstimate::change(const Sample& s, const Vec3& normal) noexcept {
+  const bool found = contact_.surface != 0 && contact_.surface != expected_;
+  if (found)
+    memory_.keep({.contact = contact_,
+                  .settled = settled_,
+                  .learnt = learnt_,
+                  .impulse = impulse_,
+                  .touched = last_},
+                 s.position);
+  touched_ = 0.0;
+  if (const auto before = memory_.take(s.position, normal, kSame)) {
+    contact_ = before->contact;
+    if (!before->told) contact_.surface = ++counted_;
+    settled_ = before->settled;
+    learnt_ = before->learnt;
+    impulse_ = before->impulse;
+    last_ = before->touched;
+    return true;
+  }
+  contact_ = {};
+  contact_.surface = ++counted_;
+  contact_.normal = normal;
+  contact_.stiffness = config_.first_stiffness;
+  settled_ = learnt_ = false;
+  impulse_ = 0.0;
+  return false;
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
@@ -135,13 +180,18 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   constexpr double kSlow = 3.0;                   // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
+  Vec3 pressing = s.force - along(s.force, within_);
+  if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
+    within_.setZero();  // no friction: the surface has another normal, or there are two
+    pressing = s.force;
+  }
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool sliding = slides(s.velocity, contact_.normal);
-  Vec3 pushes = s.force;
+  Vec3 pushes = pressing;
   bool rubs = false;
   const double against = -s.force.dot(way);  // below zero: no friction, the surface springs back
   if (sliding && against >= 0.0) {
-    const Vec3 across = s.force - along(s.force, way);
+    const Vec3 across = pressing - along(pressing, way);
     const double normal_force = length(across);
     // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
@@ -194,7 +244,7 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
     place_.begin(place, place);
   else if (!known_)
     place_.relearn(place);
-  known_ = true;
+  known_ = learnt_ = true;
 }
 
 /// [m] of the surface along the normal, which answers with that force.
@@ -208,6 +258,7 @@ void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
   contact_.velocity = place_.speed() * contact_.normal;
   contact_.point =
       s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;
+  last_ = contact_.point;
 }
 
 }  // namespace feltwire

@@ -6,19 +6,10 @@
 #include "core/base/types.hpp"
 #include "core/teleoperation/line_fit.hpp"
 #include "core/teleoperation/place_tracker.hpp"
+#include "core/teleoperation/remote_contact.hpp"
+#include "core/teleoperation/surface_memory.hpp"
 
 namespace feltwire {
-
-/// A surface that the robot touches, or touched last. World frame of the robot.
-struct RemoteContact {
-  std::uint32_t surface = 0;     // counts surfaces; 0: none is known
-  bool touching = false;         // now, or less than ContactEstimate::kApart ago
-  Vec3 point = Vec3::Zero();     // [m] on the surface, where the force would be zero
-  Vec3 normal = Vec3::UnitX();   // unit, towards the free side
-  double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal
-  double friction = 0.0;         // mu, from the force while the tool slid; 0: it has not slid yet
-  Vec3 velocity = Vec3::Zero();  // [m/s] of the surface along its normal
-};
 
 /// A surface that is known before it is touched, from a model of the environment: the one that is
 /// nearest to the tool. The model may be wrong.
@@ -59,6 +50,13 @@ struct ContactEstimateConfig {
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
 /// last surface is the same surface again.
 ///
+/// Surfaces that were touched before are remembered (SurfaceMemory), and told as others(). A force
+/// that no friction leans (60 degrees off the normal) is of another surface: a remembered one, or a
+/// new one. If the stiffness of the surface is not known yet, this needs a gap in the force: the
+/// surface may be a load that the tool carries, and what pushes a load comes on top of its weight.
+/// The way between two touches of a surface lies in it. So the normal is made perpendicular to it,
+/// and a force along it counts as friction.
+///
 /// With a prior the surface exists before the touch, at the place of the model plus the correction
 /// of its last touch. The touch starts from place, normal and stiffness of the prior, and corrects
 /// them. A tool that finds no force behind the surface pushes it back; after kSame in all the prior
@@ -83,8 +81,15 @@ class ContactEstimate {
   const RemoteContact& step(const Sample& sample) noexcept;
 
   const RemoteContact& contact() const noexcept { return contact_; }
+  /// Surfaces that were touched before and are still there, besides contact().
+  const OtherSurfaces& others() const noexcept { return memory_.told(); }
+  /// The number of the newest surface; numbers only grow.
+  std::uint32_t newest() const noexcept { return counted_; }
 
  private:
+  void estimate(const Sample& sample) noexcept;
+  bool change(const Sample& sample, const Vec3& normal) noexcept;
+  Vec3 way_within(const Sample& sample, double force) const noexcept;
   void begin(const Sample& sample) noexcept;
   void recede(const Sample& sample) noexcept;
   bool expect(const Sample& sample) noexcept;
@@ -95,16 +100,20 @@ class ContactEstimate {
 
   ContactEstimateConfig config_;
   RemoteContact contact_;
+  SurfaceMemory memory_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
   bool known_ = false;              // the stiffness is known from this touch
   bool settled_ = false;            // the normal is known from a long touch of this surface
+  bool learnt_ = false;             // the stiffness is known from any touch of this surface
   bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
   double touched_ = 0.0;            // [s] in this touch
   double impulse_ = 0.0;            // [N s] of the young touches of this surface
   double apart_ = 0.0;              // [s] without a force
   double receded_ = 0.0;            // [m] since the last touch
   Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
+  Vec3 last_ = Vec3::Zero();        // [m] on the surface, where it was touched last
+  Vec3 within_ = Vec3::Zero();      // unit: lies in the surface; zero: no such direction is known
   double last_height_ = 0.0;        // [m] height in the last sample of the fit
   PlaceTracker place_;              // along the normal
   std::uint32_t expected_key_ = 0;  // of the prior

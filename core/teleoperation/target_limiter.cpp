@@ -66,7 +66,7 @@ const Vec3& TargetLimiter::step(const Sample& s) noexcept {
   Vec3 after = before + way;  // e
   double most = limits_.leash / k;
   if (s.surface != 0) {
-    if (s.known != s.surface) most = std::min(most, limits_.first_touch / k);
+    if (s.known < s.surface) most = std::min(most, limits_.first_touch / k);
     const double felt = limits_.unfelt / k + std::sqrt(2.0 * paid_ / k);
     most = std::min(most, std::max(length(before), felt));
   }

@@ -41,7 +41,7 @@ class TargetLimiter {
     Vec3 robot = Vec3::Zero();   // [m] the present place of the tool
     Vec3 force = Vec3::Zero();   // [N] of the environment on it
     std::uint32_t surface = 0;   // number of the surface that the robot touches; 0: none
-    std::uint32_t known = 0;     // number of the surface that the leader's newest sample knows
+    std::uint32_t known = 0;     // greatest number of those that the leader's newest sample knows
     double hand_work = 0.0;      // [J] total work that the hand paid since the session began
     double elapsed = 1e-3;       // [s]
   };

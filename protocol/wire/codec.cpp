@@ -152,13 +152,14 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
                                                          : flatbuffers::Offset<wire::BodyModel>{};
   const wire::Remote remote = reply.remote ? wire_remote(*reply.remote) : wire::Remote();
   const auto walls = build_walls(builder, reply.remote);
+  const auto others = build_others(builder, reply.remote ? reply.remote->others : OtherSurfaces{});
   const bool turns = reply.remote && reply.remote->turn;
   const wire::Vec3f turn = turns ? wire_float(*reply.remote->turn) : wire::Vec3f();
   return builder_->finish(wire::CreateReply(
       builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
       reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
       &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
-      reply.remote ? &remote : nullptr, change, walls, body, turns ? &turn : nullptr));
+      reply.remote ? &remote : nullptr, change, walls, body, turns ? &turn : nullptr, others));
 }
 
 Bytes Encoder::goodbye(GoodbyeReason reason) {
@@ -274,6 +275,13 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   if (const auto* walls = root->walls(); walls != nullptr && out.remote) {
     if (walls->size() > kMostRemoteWalls) return DropReason::count;
     remote_read = read(*walls, *out.remote) && remote_read;
+  }
+  OtherSurfaces others;
+  const DropReason surfaces = read(root->others(), others);
+  if (surfaces == DropReason::malformed || surfaces == DropReason::count) return surfaces;
+  if (out.remote) {
+    out.remote->others = others;
+    remote_read = remote_read && surfaces == DropReason::none;
   }
   if (root->turn() != nullptr && out.remote)
     remote_read = read(*root->turn(), *out.remote) && remote_read;

@@ -10,8 +10,8 @@
 
 #include "core/base/types.hpp"
 #include "core/teleoperation/authority.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/remote_contact.hpp"
 #include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
@@ -22,8 +22,9 @@ inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(t
 
 /// The part of a sample that a hand adds when it leads a robot.
 struct Lead {
-  bool deadman = false;             // the person holds the switch that lets the hand move the robot
-  std::uint32_t known_surface = 0;  // the robot's surface that the hand renders; 0: none
+  bool deadman = false;  // the person holds the switch that lets the hand move the robot
+  /// The greatest number of the robot's surfaces that the hand renders; 0: none.
+  std::uint32_t known_surface = 0;
   Vec3 offset =
       Vec3::Zero();        // [m] the robot's wanted place is the hand's place less this; float32
   double hand_work = 0.0;  // [J] total that the hand paid into the robot's contacts
@@ -50,6 +51,7 @@ struct Remote {
   bool meets_surfaces = true;
   Pose pose;                                         // of the robot's tool, in its own frame
   RemoteContact contact;                             // at the hand, before its offset
+  OtherSurfaces others = {};                         // the same
   EnergyCounters energy;                             // in the hand's units
   double gripper = 0.0, gripper_force = 0.0;         // [m] opening, [N] holding force
   double age = 0.0;                                  // [s] since that came from the robot
@@ -70,6 +72,7 @@ struct RobotState {
   std::optional<Vec3> force;             // [N] of the environment on the tool; none: not sensed
   Vec3 torque = Vec3::Zero();            // [N m]
   RemoteContact contact;                 // as in Remote, in the robot's frame
+  OtherSurfaces others = {};             // the same
   EnergyCounters energy;
   double gripper = 0.0, gripper_force = 0.0;  // [m], [N]
   bool ok = true;                             // false: it has a fault and holds by itself

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "protocol/wire/aligned_vector.hpp"
 #include "protocol/wire/payload.hpp"
 #include "protocol/wire/wire_values.hpp"
 
@@ -161,6 +162,29 @@ bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) n
   return good;
 }
 
+flatbuffers::Offset<WireSurfaces> build_others(flatbuffers::FlatBufferBuilder& builder,
+                                               const OtherSurfaces& others) {
+  if (others.count == 0) return {};
+  std::array<wire::RobotContact, OtherSurfaces::kMost> surfaces;
+  const auto told = others.view();
+  std::ranges::transform(told, surfaces.begin(), wire_contact);
+  return builder.CreateVectorOfStructs(surfaces.data(), told.size());
+}
+
+DropReason read(const WireSurfaces* from, OtherSurfaces& to) noexcept {
+  to = {};
+  if (from == nullptr) return DropReason::none;
+  if (!aligned(*from, alignof(wire::RobotContact))) return DropReason::malformed;
+  if (from->size() > OtherSurfaces::kMost) return DropReason::count;
+  bool good = true;
+  for (const wire::RobotContact* surface : *from) {
+    const RemoteContact& other = to.surfaces[static_cast<std::size_t>(to.count++)] =
+        contact_of(*surface);
+    good = good && other.surface != 0 && !other.touching && plausible(other);
+  }
+  return good ? DropReason::none : DropReason::not_finite;
+}
+
 bool read(const wire::Vec3f& turn, Remote& to) noexcept {
   constexpr double kMost = 3.1416;  // [rad] just above pi
   to.turn = value(turn);
@@ -178,7 +202,8 @@ Bytes Encoder::state(const RobotState& s) {
       wire_energy(s.energy), static_cast<float>(s.gripper), static_cast<float>(s.gripper_force),
       flags, 0);
   auto& builder = builder_->begin();
-  return builder_->finish(wire::CreateFollowerState(builder, &state));
+  const auto others = build_others(builder, s.others);
+  return builder_->finish(wire::CreateFollowerState(builder, &state, others));
 }
 
 Bytes Encoder::target(const RobotTarget& t) {
@@ -204,13 +229,17 @@ DropReason decode(Bytes payload, RobotState& out) noexcept {
          .force = std::nullopt,
          .torque = value(from.torque()),
          .contact = contact_of(from.contact()),
+         .others = {},
          .energy = energy_of(from.energy()),
          .gripper = from.gripper(),
          .gripper_force = from.gripper_force(),
          .ok = (from.flags() & kFlagOk) != 0,
          .stopped = (from.flags() & kFlagStopped) != 0};
   if ((from.flags() & kFlagSensed) != 0) out.force = value(from.force());
-  return check(out);
+  const DropReason others = read(root->others(), out.others);
+  if (others == DropReason::malformed || others == DropReason::count) return others;
+  const DropReason rest = check(out);
+  return rest != DropReason::none ? rest : others;
 }
 
 DropReason decode(Bytes payload, RobotTarget& out) noexcept {

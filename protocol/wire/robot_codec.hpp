@@ -1,6 +1,7 @@
 #pragma once
 // Internal to the codec: the messages about robots, as values and as structs of the schema.
 
+#include "protocol/wire/datagram.hpp"
 #include "protocol/wire/datagram_generated.h"
 #include "protocol/wire/robot.hpp"
 
@@ -20,6 +21,13 @@ flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
     flatbuffers::FlatBufferBuilder& builder, const std::optional<Remote>& remote);
 /// Precondition: at most kMostRemoteWalls, aligned. False if a number in them is impossible.
 bool read(const flatbuffers::Vector<const wire::RobotWall*>& from, Remote& to) noexcept;
+
+using WireSurfaces = flatbuffers::Vector<const wire::RobotContact*>;
+/// Empty if there are none.
+flatbuffers::Offset<WireSurfaces> build_others(flatbuffers::FlatBufferBuilder& builder,
+                                               const OtherSurfaces& others);
+/// Fills `to`, with none if `from` is null. `malformed`, `count` or `not_finite` if it cannot.
+DropReason read(const WireSurfaces* from, OtherSurfaces& to) noexcept;
 
 /// The `turn` of a reply. False if no rotation vector has this length.
 bool read(const wire::Vec3f& turn, Remote& to) noexcept;

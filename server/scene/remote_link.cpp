@@ -252,7 +252,15 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
   const auto which = static_cast<std::size_t>(leader - leaders_.begin());
   remote.meets_surfaces = which == index_.turns();
   const EngageIndex& index = index_.index(which);
-  remote.contact = tellable(index.at_hand(limit_.free_part(said_.contact)));
+  const auto at_hand = [&](const RemoteContact& surface) {
+    return tellable(index.at_hand(limit_.free_part(surface)));
+  };
+  remote.contact = at_hand(said_.contact);
+  for (const RemoteContact& other : said_.others.view()) {
+    const RemoteContact told = at_hand(other);
+    if (told.surface != 0)
+      remote.others.surfaces[static_cast<std::size_t>(remote.others.count++)] = told;
+  }
   tell_walls(remote, index);
   return remote;
 }
@@ -296,12 +304,12 @@ std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
                    .age = std::max(0.0, seconds(now - robot_heard_))};
 }
 
-/// The surface that all hands know that lead; 0: there is none.
+/// The greatest number of the surfaces that all hands know that lead; 0: there is none.
 std::uint32_t RemoteLink::known_surface() const noexcept {
-  const std::uint32_t known = leaders_[first()].lead.known_surface;
-  const bool all = std::ranges::all_of(
-      leaders_, [&](const Leader& l) { return !l.engaged() || l.lead.known_surface == known; });
-  return all ? known : 0;
+  std::uint32_t known = leaders_[first()].lead.known_surface;
+  for (const Leader& l : leaders_)
+    if (l.engaged()) known = std::min(known, l.lead.known_surface);
+  return known;
 }
 
 /// [m] that the hand with the largest share means, of those that have a lever; < 0: none has.

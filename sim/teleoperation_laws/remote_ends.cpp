@@ -33,31 +33,34 @@ RemoteLeader::RemoteLeader(const Plant& plant)
       account_(account_config(device(plant), plant.period)),
       remote_(RemoteTrust{}) {}
 
-/// The contact as a plane where the hand is to meet it.
-void RemoteLeader::show(const RemoteContact& contact, const Vec3& hand) {
+/// Each surface as a plane where the hand is to meet it.
+void RemoteLeader::show(const RemoteContact& contact, const OtherSurfaces& others,
+                        const Vec3& hand) {
   constexpr double kReach = 1.0;  // [m]
   LocalModel model;
-  if (contact.surface != 0) {
-    SurfacePatch& patch = model.patches.front();
-    patch.point = contact.point + index_.offset();
-    patch.normal = contact.normal;
-    patch.velocity = contact.velocity;
-    patch.radius = model.reach = kReach;
-    patch.material.stiffness = series(contact.stiffness, plant_.stiffness);
-    patch.material.static_friction = patch.material.dynamic_friction = contact.friction;
-    patch.object = static_cast<std::uint16_t>(contact.surface);
-    model.center = hand;
-    model.count = 1;
-  }
+  const auto add = [&](const RemoteContact& surface) {
+    SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
+    patch.point = surface.point + index_.offset();
+    patch.normal = surface.normal;
+    patch.velocity = surface.velocity;
+    patch.radius = kReach;
+    patch.material.stiffness = series(surface.stiffness, plant_.stiffness);
+    patch.material.static_friction = patch.material.dynamic_friction = surface.friction;
+    patch.object = static_cast<std::uint16_t>(surface.surface);
+  };
+  if (contact.surface != 0) add(contact);
+  for (const RemoteContact& other : others.view()) add(other);
+  model.center = hand;
+  if (model.count > 0) model.reach = kReach;
   local_.take(model);
 }
 
 Vec3 RemoteLeader::step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact,
-                        double age) {
+                        const OtherSurfaces& others, double age) {
   const Vec3 displacement = moved(hand_before_, hand);
   hand_work_ -= held_.dot(displacement);
-  index_.step(hand, displacement, contact, plant_.period);
-  show(contact, hand);
+  index_.step(hand, displacement, contact, plant_.period, {}, others);
+  show(contact, others, hand);
 
   account_.credit(remote_.step(plant_.period));
   const Vec3 ahead = midpoint_.probe(displacement, Vec3::Zero()).offset;

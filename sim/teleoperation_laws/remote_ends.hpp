@@ -29,6 +29,7 @@ struct FollowerState {
   std::uint64_t index = 0;
   double time = 0.0;  // [s]; the clocks of both ends agree
   RemoteContact contact;
+  OtherSurfaces others;
   EnergyCounters energy;
 };
 
@@ -43,14 +44,15 @@ class RemoteLeader {
 
   /// `contact` is the newest known one, `age` [s] old. Returns the force on the hand until the next
   /// sample [N].
-  Vec3 step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact, double age);
+  Vec3 step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact,
+            const OtherSurfaces& others, double age);
 
   const Vec3& offset() const noexcept { return index_.offset(); }
   std::uint32_t known_surface() const noexcept { return index_.known_surface(); }
   double hand_work() const noexcept { return hand_work_; }
 
  private:
-  void show(const RemoteContact& contact, const Vec3& hand);
+  void show(const RemoteContact& contact, const OtherSurfaces& others, const Vec3& hand);
 
   Plant plant_;
   SurfaceIndex index_;
@@ -76,6 +78,7 @@ class RemoteFollower {
   const Vec3& target(const LeaderState& newest);
 
   const RemoteContact& contact() const noexcept { return estimate_.contact(); }
+  const OtherSurfaces& others() const noexcept { return estimate_.others(); }
   const EnergyCounters& energy() const noexcept { return counted_.counters(); }
 
  private:

@@ -30,7 +30,7 @@ double RemoteModel::lead(const LeaderSample& s, std::span<const Datagram> arrive
     age = s.time - d.time;
   }
   const Vec3 held =
-      leader_.step(Vec3(s.position, 0.0, 0.0), Vec3(s.velocity, 0.0, 0.0), contact, age);
+      leader_.step(Vec3(s.position, 0.0, 0.0), Vec3(s.velocity, 0.0, 0.0), contact, {}, age);
   out.position = s.position;
   out.velocity = s.velocity;
   out.wave = leader_.offset().x();
@@ -71,6 +71,7 @@ Vec3 SpatialRemoteModel::lead(const SpatialLeaderSample& s,
   const bool known = from_follower_.known();
   const Vec3 held =
       leader_.step(s.position, s.velocity, known ? from_follower_->contact : RemoteContact{},
+                   known ? from_follower_->others : OtherSurfaces{},
                    known ? s.time - from_follower_->time : 0.0);
   out.wanted = {.index = out.index,
                 .wanted = s.position - leader_.offset(),
@@ -86,6 +87,7 @@ SpatialFollowerForce SpatialRemoteModel::follow(const SpatialFollowerSample& s,
   from_leader_.take(arrived);
   const SurfacePrior prior = model_ ? model_(s.position) : SurfacePrior{};
   out.contact = follower_.step(s.position, s.velocity, s.force, prior);
+  out.others = follower_.others();
   out.counted = follower_.energy();
   if (!from_leader_.known()) return {.damping = plant_.controller_damping};
   const Vec3 target = follower_.target(from_leader_->wanted);

@@ -30,6 +30,7 @@ struct SpatialDatagram {
   bool touching = false;              // the robot senses a force
   EnergyCounters counted = {};        // of the follower
   RemoteContact contact = {};         // that the follower estimates
+  OtherSurfaces others = {};          // the same
   LeaderState wanted = {};            // of feltwire's law
 };
 

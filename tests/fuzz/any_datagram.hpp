@@ -85,6 +85,17 @@ inline RemoteContact contact(Input& in) {
   return c;
 }
 
+inline OtherSurfaces others(Input& in) {
+  OtherSurfaces o;
+  for (int i = in.byte() % (OtherSurfaces::kMost + 1); i > 0; --i) {
+    RemoteContact c = contact(in);
+    if (c.surface == 0) break;
+    c.touching = false;
+    o.surfaces[static_cast<std::size_t>(o.count++)] = c;
+  }
+  return o;
+}
+
 inline EnergyCounters energy(Input& in) {
   return {in.any_double(), in.any_double(), in.any_double()};
 }
@@ -197,6 +208,7 @@ inline Reply reply(Input& in) {
                       .meets_surfaces = in.coin(),
                       .pose = {in.vector(kMaxPosition), orientation(in)},
                       .contact = contact(in),
+                      .others = others(in),
                       .energy = energy(in),
                       .gripper = in.any_float(),
                       .gripper_force = in.any_float(),

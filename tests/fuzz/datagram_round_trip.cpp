@@ -1,5 +1,7 @@
 // Bytes become values, values a datagram, and the datagram the same values.
 
+#include <algorithm>
+
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/guard.hpp"
 #include "protocol/wire/scene_view.hpp"
@@ -107,12 +109,13 @@ DropReason expected(const Reply& r) {
   if (!finite) return DropReason::not_finite;
   if (!r.remote) return DropReason::none;
   const Remote& m = *r.remote;
-  const RemoteContact& c = m.contact;
   const bool known = m.state <= kLastLinkState;
-  const bool surface =
-      c.surface == 0 ||
-      (c.velocity.allFinite() && c.velocity.cwiseAbs().maxCoeff() <= 100.0 && c.stiffness > 0.0 &&
-       c.stiffness <= 1e9 && c.friction >= 0.0 && c.friction <= 1e6);
+  const auto possible = [](const RemoteContact& c) {
+    return c.surface == 0 ||
+           (c.velocity.allFinite() && c.velocity.cwiseAbs().maxCoeff() <= 100.0 &&
+            c.stiffness > 0.0 && c.stiffness <= 1e9 && c.friction >= 0.0 && c.friction <= 1e6);
+  };
+  const bool surface = possible(m.contact) && std::ranges::all_of(m.others.view(), possible);
   const auto counts = [](double e) { return e >= 0.0 && std::isfinite(e); };
   const bool counted = counts(m.energy.given) && counts(m.energy.taken) && counts(m.energy.pushed);
   const bool gripper = std::isfinite(m.gripper) && std::isfinite(m.gripper_force);

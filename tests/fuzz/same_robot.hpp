@@ -1,6 +1,8 @@
 #pragma once
 // Whether two datagrams say the same of a robot, to the bit.
 
+#include <algorithm>
+
 #include "protocol/wire/robot.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -14,6 +16,11 @@ inline bool same(const RemoteContact& a, const RemoteContact& b) {
          same(a.normal, b.normal) && same(a.stiffness, b.stiffness) &&
          same(a.friction, b.friction) && same(a.velocity, b.velocity);
 }
+inline bool same(const OtherSurfaces& a, const OtherSurfaces& b) {
+  return std::ranges::equal(a.view(), b.view(), [](const RemoteContact& x, const RemoteContact& y) {
+    return same(x, y);
+  });
+}
 inline bool same_pose(const Pose& a, const Pose& b) {
   return same(a.position, b.position) && same(a.orientation, b.orientation);
 }
@@ -23,18 +30,18 @@ inline bool same(const Lead& a, const Lead& b) {
 }
 inline bool same(const Remote& a, const Remote& b) {
   return a.state == b.state && a.seat == b.seat && same_pose(a.pose, b.pose) &&
-         same(a.contact, b.contact) && same(a.energy, b.energy) && same(a.gripper, b.gripper) &&
-         same(a.gripper_force, b.gripper_force) && same(a.age, b.age) &&
-         a.meets_surfaces == b.meets_surfaces;
+         same(a.contact, b.contact) && same(a.others, b.others) && same(a.energy, b.energy) &&
+         same(a.gripper, b.gripper) && same(a.gripper_force, b.gripper_force) &&
+         same(a.age, b.age) && a.meets_surfaces == b.meets_surfaces;
 }
 inline bool same(const RobotState& a, const RobotState& b) {
   return a.index == b.index && a.time == b.time && same_pose(a.pose, b.pose) &&
          same_pose(a.commanded, b.commanded) && same(a.velocity, b.velocity) &&
          same(a.angular_velocity, b.angular_velocity) &&
          a.force.has_value() == b.force.has_value() && (!a.force || same(*a.force, *b.force)) &&
-         same(a.torque, b.torque) && same(a.contact, b.contact) && same(a.energy, b.energy) &&
-         same(a.gripper, b.gripper) && same(a.gripper_force, b.gripper_force) && a.ok == b.ok &&
-         a.stopped == b.stopped;
+         same(a.torque, b.torque) && same(a.contact, b.contact) && same(a.others, b.others) &&
+         same(a.energy, b.energy) && same(a.gripper, b.gripper) &&
+         same(a.gripper_force, b.gripper_force) && a.ok == b.ok && a.stopped == b.stopped;
 }
 inline bool same(const RobotTarget& a, const RobotTarget& b) {
   return a.index == b.index && a.sample_index == b.sample_index && a.state == b.state &&

@@ -185,7 +185,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
       leader.take(state.energy);
       if (state.index >= seen.index) seen = state;
     }
-    const Vec3 force = leader.step(at, velocity, seen.contact, now - seen.time);
+    const Vec3 force = leader.step(at, velocity, seen.contact, seen.others, now - seen.time);
     Command command;
     command.elastic = force;
     hand.write(command);
@@ -203,7 +203,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
       target.gripper += std::clamp(wanted->gripper - target.gripper, -most, most);
       arm.write(target);
     }
-    back.send({n, now, follower.contact(), follower.energy()}, now);
+    back.send({n, now, follower.contact(), follower.others(), follower.energy()}, now);
     stopped = stopped || reading.stopped || !reading.ok;
     samples.push_back({at, force, arm.contact_force(), leader.offset(), reading.pose.position.z(),
                        arm.place_of(task.scene).value_or(Vec3::Zero()), follower.energy().pushed,

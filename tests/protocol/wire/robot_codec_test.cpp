@@ -200,6 +200,60 @@ TEST(RobotCodec, WhatTheHandHasToTurnTravelsWithTheRobot) {
   EXPECT_FALSE(got.remote->turn);
 }
 
+OtherSurfaces others() {
+  OtherSurfaces other;
+  other.count = OtherSurfaces::kMost;
+  other.surfaces.fill(contact());
+  for (RemoteContact& surface : other.surfaces) surface.touching = false;
+  other.surfaces[1].surface = 3;
+  other.surfaces[1].normal = Vec3(1.0, 0.0, 0.0);
+  return other;
+}
+
+TEST(RobotCodec, SurfacesBesideTheContactArriveAsTheyWere) {
+  Encoder encoder;
+  RobotState state_sent = state(), state_got;
+  Reply reply_sent, reply_got;
+  reply_sent.sample_index = 1;
+  reply_sent.remote = remote();
+  const std::size_t usual = encoder.state(state_sent).size();
+  for (const int count : {2, 1, 0}) {
+    state_sent.others = others();
+    state_sent.others.count = count;
+    reply_sent.remote->others = state_sent.others;
+    EXPECT_EQ(encoder.state(state_sent).size() == usual, count == 0) << "none takes no byte";
+    ASSERT_EQ(decode(encoder.state(state_sent), state_got), DropReason::none);
+    ASSERT_EQ(decode(encoder.reply(reply_sent), reply_got), DropReason::none);
+    ASSERT_EQ(state_got.others.count, count);
+    ASSERT_EQ(reply_got.remote->others.count, count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      expect_same(state_got.others.surfaces[i], others().surfaces[i]);
+      expect_same(reply_got.remote->others.surfaces[i], others().surfaces[i]);
+    }
+  }
+}
+
+TEST(RobotCodec, SurfacesThatCannotBeAreRefused) {
+  using Wrong = void (*)(RemoteContact&);
+  Encoder encoder;
+  for (const Wrong wrong : {Wrong([](RemoteContact& c) { c.surface = 0; }),
+                            Wrong([](RemoteContact& c) { c.touching = true; }),
+                            Wrong([](RemoteContact& c) { c.normal *= 1.1; }),
+                            Wrong([](RemoteContact& c) { c.point.y() = kNan; }),
+                            Wrong([](RemoteContact& c) { c.stiffness = 0.0; }),
+                            Wrong([](RemoteContact& c) { c.friction = kInfinity; })}) {
+    RobotState sent = state(), got;
+    sent.others = others();
+    wrong(sent.others.surfaces[1]);
+    EXPECT_EQ(decode(encoder.state(sent), got), DropReason::not_finite);
+    Reply reply, back;
+    reply.sample_index = 1;
+    reply.remote = remote();
+    reply.remote->others = sent.others;
+    EXPECT_EQ(decode(encoder.reply(reply), back), DropReason::not_finite);
+  }
+}
+
 RemoteWall wall(std::uint32_t number) {
   return {{Vec3(0.0, 0.0, -1.0), -0.25}, 1000.0, 0.0078125, number};
 }
@@ -347,6 +401,7 @@ TEST(RobotCodec, AllThatALeaderSaysAndHearsFitsADatagram) {
   reply.model.count = kMaxPatches;
   for (int i = 0; i < 3; ++i) reply.normals.add(Vec3::Unit(i));
   reply.remote.emplace().contact = contact();
+  reply.remote->others = others();
   reply.remote->wall_count = kMostRemoteWalls;
   for (RemoteWall& w : reply.remote->walls) w = wall(1);
   for (SurfacePatch& patch : reply.model.patches) patch.offset = 1e-3;

@@ -377,6 +377,35 @@ TEST(RemoteLink, LockedAxesKeepTheValueOfEachEngagement) {
   EXPECT_EQ(bench.target.pose.position.y(), 0.15);
 }
 
+/// All surfaces are told where the hand meets them, as far as its axes are free.
+TEST(RemoteLink, TellsTheSurfacesBesideTheContact) {
+  RemoteSeat seat;
+  seat.scale = 2.0;
+  seat.workspace.locked = {false, true, false};
+  Bench bench(seat);
+  bench.press(bench.anna);
+  const Vec3 robot = bench.state.commanded.position;
+  const auto surface = [&](std::uint32_t number, const Vec3& normal) {
+    return RemoteContact{
+        .surface = number, .point = robot - 0.01 * normal, .normal = normal, .stiffness = 700.0};
+  };
+  OtherSurfaces& others = bench.state.others;
+  others.count = 2;
+  bench.state.contact = surface(3, Vec3::UnitZ());
+  others.surfaces = {surface(1, Vec3::UnitX()), surface(2, Vec3::UnitY())};
+  bench.say();
+  const Remote told = bench.link.told(bench.anna.number, bench.now);
+  EXPECT_EQ(told.contact.surface, 3u);
+  ASSERT_EQ(told.others.count, 1) << "nothing is told along a locked axis";
+  const RemoteContact& other = told.others.surfaces[0];
+  EXPECT_EQ(other.surface, 1u);
+  EXPECT_NEAR((bench.anna.at - other.point).dot(other.normal), 0.005, 1e-12);
+  EXPECT_EQ(other.stiffness, 1400.0);
+  bench.anna.pressed = false;
+  bench.send(bench.anna);
+  EXPECT_EQ(bench.link.told(bench.anna.number, bench.now).others.count, 0) << "not engaged";
+}
+
 TEST(RemoteLink, TheTighterOfTwoWorkspacesHolds) {
   Workspace own;
   own.add_box(Vec3(0.0, 0.05, 0.0), Vec3(0.42, 1.0, 1.0));

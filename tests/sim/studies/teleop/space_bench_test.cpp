@@ -155,6 +155,20 @@ TEST(SpaceBench, ThePegGoesInAndWithoutABoundItDoesNot) {
   EXPECT_GT(run("position_force", "peg", 0.1).peak_force, 100.0);
 }
 
+/// The touched side of the hole changes. A hand that is told of one side at a time is told of the
+/// wrong one: 1.41 N, over 100 ms.
+TEST(SpaceBench, AHoleIsFeltWithBothItsSides) {
+  constexpr double kSwings = 30e-6;  // [m]
+  const Measured perfect = run("feltwire", "peg", 0.1);
+  EXPECT_LT(*perfect.force_error, *run("wave_b10", "peg", 0.1).force_error);
+  EXPECT_LT(*perfect.force_error, *run("four_channel", "peg", 0.1).force_error);
+  for (const Measured& m : {perfect, run("feltwire", "peg", 0.1, true)}) {
+    EXPECT_LT(*m.force_error, 0.8);
+    EXPECT_LT(*m.oscillation, kSwings);
+    EXPECT_EQ(m.energy_made, 0.0);
+  }
+}
+
 /// A coordinate without motion and force, of a law that divides energy by both.
 TEST(SpaceBench, TimeDomainPassivityHasNoNumberThatIsNone) {
   const Measured m = run("time_domain_passivity", "peg", 0.0, true);

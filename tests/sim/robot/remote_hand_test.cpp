@@ -1,0 +1,85 @@
+// The robot's surfaces at a hand that leads it.
+
+#include "client/servo/remote_hand.hpp"
+
+#include <gtest/gtest.h>
+
+namespace feltwire::remote_hand_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;                           // [s]
+constexpr double kStiffness = 500.0, kHalfWidth = 0.5e-3;  // [N/m], [m] of a slot across x
+
+RemoteContact wall(double normal, std::uint32_t surface) {
+  return {.surface = surface,
+          .point = Vec3(-normal * kHalfWidth, 0.0, 0.0),
+          .normal = normal * Vec3::UnitX(),
+          .stiffness = kStiffness};
+}
+
+struct Hand {
+  RemoteHand remote{RemoteTrust{}, 0.02};
+  Vec3 before = Vec3::Zero();
+
+  /// The force of the surfaces on a hand that is now at x [m].
+  double at(double x) {
+    const Vec3 place(x, 0.0, 0.0);
+    remote.step(place, place - before, Vec3::Zero(), kPeriod);
+    before = place;
+    return remote.touch({place, Vec3::Zero()}, {}, 0.0, kPeriod).force().x();
+  }
+};
+
+Remote slot() {
+  Remote remote;
+  remote.state = LinkState::engaged;
+  remote.contact = wall(-1.0, 2);
+  remote.others.surfaces[0] = wall(1.0, 1);
+  remote.others.count = 1;
+  return remote;
+}
+
+TEST(RemoteHand, BothWallsOfASlotPress) {
+  Hand hand;
+  hand.remote.take(slot());
+  for (int n = 0; n < 50; ++n) EXPECT_EQ(hand.at(0.0), 0.0);
+  EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 2u);
+  constexpr double kDeep = 1e-3;  // [m]
+  for (const double side : {1.0, -1.0, 1.0, -1.0}) {
+    EXPECT_NEAR(hand.at(side * (kHalfWidth + kDeep)), -side * kStiffness * kDeep, 1e-9);
+    EXPECT_EQ(hand.at(0.0), 0.0);
+  }
+  EXPECT_TRUE(hand.remote.lead(true, {}).offset.isZero(0.0));
+}
+
+TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
+  Hand hand;
+  Remote remote = slot();
+  hand.remote.take(remote);
+  hand.at(0.0);
+  EXPECT_GT(hand.at(-1e-3), 0.0);
+  remote.others = {};
+  hand.remote.take(remote);
+  EXPECT_EQ(hand.at(-1e-3), 0.0);
+  // Told again it is another one, and is met at the hand.
+  remote.others.surfaces[0] = wall(1.0, 3);
+  remote.others.count = 1;
+  hand.remote.take(remote);
+  EXPECT_NEAR(hand.at(-1e-3), 0.0, 1e-12);
+  EXPECT_NEAR(hand.remote.lead(true, {}).offset.x(), -1e-3 + kHalfWidth, 1e-12);
+  EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 3u);
+}
+
+/// The contact itself may be forgotten before the surfaces beside it.
+TEST(RemoteHand, SurfacesPressWithoutAContact) {
+  Hand hand;
+  Remote remote = slot();
+  remote.contact = {};
+  hand.remote.take(remote);
+  hand.at(0.0);
+  EXPECT_NEAR(hand.at(-kHalfWidth - 1e-3), kStiffness * 1e-3, 1e-9);
+  EXPECT_EQ(hand.at(kHalfWidth + 1e-3), 0.0);
+}
+
+}  // namespace
+}  // namespace feltwire::remote_hand_test
