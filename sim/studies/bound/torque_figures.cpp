@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFeltTorque = 1e-4;  // [N m] below it a direction is not worth comparing
+constexpr double kComparable = 1e-4;  // [N m] below it a direction is not worth comparing
 
 std::string csv(const std::vector<SixDofSample>& samples) {
   std::string text = "t,ax,ay,az,ex,ey,ez,rx,ry,rz\n";
@@ -79,7 +79,7 @@ TorqueFigure run_torque_figure(std::string_view mode) {
     const Vec3 &e = figure.samples[n].commanded.torque, &r = figure.samples[n].rendered.torque;
     along += r.dot(e);
     whole += e.squaredNorm();
-    if (e.norm() > kFeltTorque && r.norm() > kFeltTorque) errors.push_back(angle_between(r, e));
+    if (e.norm() > kComparable && r.norm() > kComparable) errors.push_back(angle_between(r, e));
   }
   figure.torque_share = whole > 0.0 ? along / whole : 0.0;
   figure.direction_error = spread(std::move(errors));
