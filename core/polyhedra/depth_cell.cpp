@@ -183,8 +183,7 @@ void add_inner_face(const ClippedPolyhedron& common, std::span<const std::uint16
 
 /// Corners at one place, where more than three edges meet. Between them there is no area.
 bool same_place(const ClippedPolyhedron& common, std::size_t a, std::size_t b) {
-  return common.x()[a] == common.x()[b] && common.y()[a] == common.y()[b] &&
-         common.z()[a] == common.z()[b];
+  return common.corner(a) == common.corner(b);
 }
 
 }  // namespace

@@ -98,6 +98,7 @@ struct Gateway::Parts {
 
   std::vector<SceneTimes> times() const {
     std::vector<SceneTimes> all;
+    all.reserve(scenes.size());
     for (const auto& scene : scenes) {
       const auto& [answers, world_late] = scene->server_times();
       all.push_back({scene->name(), answers, world_late});

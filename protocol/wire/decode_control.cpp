@@ -217,7 +217,8 @@ bool read(const wire::DescribeScene& from, DescribeScene& to) {
 std::optional<TimeCounts> counted(const wire::TimesCounted* times) {
   if (times == nullptr) return std::nullopt;
   TimeCounts::Counts counts{};
-  for (std::uint16_t i = 0; i < counts.size(); ++i) counts.at(i) = times->counts()->Get(i);
+  constexpr auto kClasses = static_cast<std::uint16_t>(TimeCounts::kClasses);
+  for (std::uint16_t i = 0; i < kClasses; ++i) counts.at(i) = times->counts()->Get(i);
   return TimeCounts(counts, times->sum());
 }
 bool read(const wire::SceneDescription& from, SceneDescription& to) {

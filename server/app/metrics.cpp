@@ -177,6 +177,7 @@ void add_times(std::string& text, const std::vector<SceneTimes>& scenes) {
 
 std::vector<SceneTimes> times_of(const std::vector<SceneSummary>& scenes) {
   std::vector<SceneTimes> times;
+  times.reserve(scenes.size());
   for (const SceneSummary& scene : scenes)
     times.push_back({scene.scene, scene.answers, scene.counters.world_late});
   return times;
