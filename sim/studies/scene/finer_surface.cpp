@@ -36,7 +36,7 @@ std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
       edges.emplace_back(-(surface.vertices[e.second] - surface.vertices[e.first]).norm(), e);
     }
   std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<Edge> result;
   for (std::size_t i = 0; i < std::min(most, edges.size()); ++i) result.push_back(edges[i].second);
   return result;
