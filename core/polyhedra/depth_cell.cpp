@@ -161,7 +161,7 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
                 vv * cell.along * cell.along.transpose());
 }
 
-/// Of a face at which the part ends inside the solid.
+/// Adds what a face contributes at which the part ends inside the solid.
 void add_inner_face(const ClippedPolyhedron& common, std::span<const std::uint16_t> corners,
                     const Cell& cell, Vec6& slope) {
   const Vec3 a = common.corner(corners[0]);

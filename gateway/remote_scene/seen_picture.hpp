@@ -20,7 +20,8 @@ namespace feltwire {
 void draw(const ObservedScene& seen, const Scene& scene,
           std::span<const control::SessionDescription> told, Picture& picture);
 
-/// What the server tells of a hand. Null: nothing. `told`: by rising number.
+/// The server's description of a hand, null if there is none. Precondition: `told` is sorted by
+/// number.
 const control::SessionDescription* told_of(std::span<const control::SessionDescription> told,
                                            std::uint32_t number);
 

@@ -352,7 +352,7 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   EXPECT_NEAR(now.command.force().x(), -0.5 * now.command.force().z(), 0.02 * load);
 }
 
-// What a step keeps of the one before only saves time.
+// The memory of the step before only saves time: the result is the same without it.
 TEST(PolygonBody, WhatItRemembersOfAPairChangesNothing) {
   const BodyTool body =
       tool({box_corners(kHalf), box_corners(Vec3(0.004, 0.004, 0.02))},
