@@ -96,13 +96,10 @@ struct Gateway::Parts {
   }
   ~Parts() { stop(); }
 
-  std::vector<SceneTimes> times() const {
-    std::vector<SceneTimes> all;
+  std::vector<NamedTimes> times() const {
+    std::vector<NamedTimes> all;
     all.reserve(scenes.size());
-    for (const auto& scene : scenes) {
-      const auto& [answers, world_late] = scene->server_times();
-      all.push_back({scene->name(), answers, world_late});
-    }
+    for (const auto& scene : scenes) all.emplace_back(scene->name(), scene->server_times());
     return all;
   }
 

@@ -143,7 +143,7 @@ std::optional<std::string> RemoteScene::out_of_sight() const {
   return hidden_;
 }
 
-RemoteScene::ServerTimes RemoteScene::server_times() const {
+control::SceneTimes RemoteScene::server_times() const {
   const std::lock_guard lock(mutex_);
   return server_times_;
 }
@@ -217,7 +217,7 @@ void RemoteScene::ask_once(ControlDialogue& server) {
   auto scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, kNone});
   {
     const std::lock_guard lock(mutex_);
-    server_times_ = {scene.answers, scene.world_late};
+    server_times_ = scene.times;
     if (adopted_ == std::pair(scene.version, scene.changes)) return;
   }
   std::vector<Material> materials;

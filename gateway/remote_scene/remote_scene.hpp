@@ -53,10 +53,7 @@ class RemoteScene final : public SceneInView {
   std::optional<std::string> out_of_sight() const override;
   /// The times that the server counted in this scene, as it told last. Empty: it did not tell them,
   /// or cannot be reached. From any thread.
-  struct ServerTimes {
-    std::optional<TimeCounts> answers, world_late;
-  };
-  ServerTimes server_times() const;
+  control::SceneTimes server_times() const;
 
  private:
   void run();
@@ -75,7 +72,7 @@ class RemoteScene final : public SceneInView {
   Picture picture_;
   NearSurfaces near_;
   std::vector<HandDescription> hands_;
-  ServerTimes server_times_;
+  control::SceneTimes server_times_;
   std::vector<control::SessionDescription> told_;  // hands of the server, by rising number
   Nanoseconds told_at_{0};
   /// The version of the server's scene, and the number of its live changes, that current_ has taken

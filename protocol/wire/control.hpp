@@ -201,15 +201,18 @@ struct DescribeScene {
   std::string scene;
   std::uint32_t from = 0;  // materials of the objects from this index on
 };
+/// The times that a server counted in a scene since it began. Empty: not said.
+struct SceneTimes {
+  std::optional<TimeCounts> answers;     // from the processing of a datagram to its answer
+  std::optional<TimeCounts> world_late;  // how late the thread woke for what moves
+};
 struct SceneDescription {
   std::uint32_t version = 0;        // 1, and one more with each reload
   std::uint32_t changes = 0;        // live ones of materials and gravity so far
   std::optional<Vec3> gravity;      // [m/s^2]; empty: nothing moves
   std::uint32_t objects = 0;        // of the scene
   std::vector<Material> materials;  // at most kMaxMaterials
-  // Since the server began; empty: not said.
-  std::optional<TimeCounts> answers = {};     // from the processing of a datagram to its answer
-  std::optional<TimeCounts> world_late = {};  // how late the thread woke for what moves
+  SceneTimes times = {};
 };
 struct WriteFlightRecord {
   std::string scene;

@@ -226,8 +226,7 @@ bool read(const wire::SceneDescription& from, SceneDescription& to) {
   to.changes = from.changes();
   if (from.gravity() != nullptr) to.gravity = vector(*from.gravity());
   to.objects = from.objects();
-  to.answers = counted(from.answers());
-  to.world_late = counted(from.world_late());
+  to.times = {counted(from.answers()), counted(from.world_late())};
   const auto& materials = *from.materials();
   if (!aligned(materials, alignof(wire::FeltMaterial)) || materials.size() > kMaxMaterials)
     return false;

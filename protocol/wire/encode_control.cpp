@@ -185,12 +185,12 @@ struct BodyBuilder {
       materials.emplace_back(material.stiffness, material.damping, material.static_friction,
                              material.dynamic_friction, material.viscous_friction);
     const wire::Vector gravity = wire_vector(m.gravity.value_or(Vec3::Zero()));
-    const wire::TimesCounted answers = wire_times(m.answers.value_or(TimeCounts()));
-    const wire::TimesCounted late = wire_times(m.world_late.value_or(TimeCounts()));
+    const wire::TimesCounted answers = wire_times(m.times.answers.value_or(TimeCounts()));
+    const wire::TimesCounted late = wire_times(m.times.world_late.value_or(TimeCounts()));
     return wire::CreateSceneDescription(
         builder, m.version, m.changes, m.gravity ? &gravity : nullptr, m.objects,
-        builder.CreateVectorOfStructs(materials), m.answers ? &answers : nullptr,
-        m.world_late ? &late : nullptr);
+        builder.CreateVectorOfStructs(materials), m.times.answers ? &answers : nullptr,
+        m.times.world_late ? &late : nullptr);
   }
   Offset<wire::GetCounters> operator()(const GetCounters& m) {
     return wire::CreateGetCounters(builder, name_if_any(builder, m.scene));

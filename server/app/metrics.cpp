@@ -164,22 +164,22 @@ void add_client_times(std::string& text, const std::vector<SceneSummary>& scenes
                 hand_time_limits::kRoundTrips);
 }
 
-void add_times(std::string& text, const std::vector<SceneTimes>& scenes) {
+void add_times(std::string& text, const std::vector<NamedTimes>& scenes) {
   const std::string answers = "feltwire_answer_seconds", late = "feltwire_world_late_seconds";
   begin(text, answers, "histogram",
         "From when a datagram was taken up to its answer, those taken up with it included.");
-  for (const SceneTimes& times : scenes)
-    if (times.answers) add_times(text, answers, scene_label(times.scene), *times.answers);
+  for (const auto& [scene, times] : scenes)
+    if (times.answers) add_times(text, answers, scene_label(scene), *times.answers);
   begin(text, late, "histogram", "How late the thread woke for the moving objects.");
-  for (const SceneTimes& times : scenes)
-    if (times.world_late) add_times(text, late, scene_label(times.scene), *times.world_late);
+  for (const auto& [scene, times] : scenes)
+    if (times.world_late) add_times(text, late, scene_label(scene), *times.world_late);
 }
 
-std::vector<SceneTimes> times_of(const std::vector<SceneSummary>& scenes) {
-  std::vector<SceneTimes> times;
+std::vector<NamedTimes> times_of(const std::vector<SceneSummary>& scenes) {
+  std::vector<NamedTimes> times;
   times.reserve(scenes.size());
   for (const SceneSummary& scene : scenes)
-    times.push_back({scene.scene, scene.answers, scene.counters.world_late});
+    times.push_back({scene.scene, {scene.answers, scene.counters.world_late}});
   return times;
 }
 
@@ -215,7 +215,7 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   return text + metrics_text(page, {});
 }
 
-std::string metrics_text(const web::AudienceCounters& page, const std::vector<SceneTimes>& times) {
+std::string metrics_text(const web::AudienceCounters& page, const std::vector<NamedTimes>& times) {
   std::string text;
   if (!times.empty()) add_times(text, times);
   add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);

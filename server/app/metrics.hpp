@@ -1,11 +1,11 @@
 #pragma once
 // The counters of a server in the format of Prometheus.
 
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/base/time_counts.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/app/server.hpp"
 #include "server/web/audience.hpp"
 
@@ -15,12 +15,9 @@ namespace feltwire {
 /// format of Prometheus 0.0.4 (docs/live_page.md).
 std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlSummary& control,
                          const web::AudienceCounters& page);
-/// The times that a server counted in one of its scenes. Empty: not known.
-struct SceneTimes {
-  std::string scene;
-  std::optional<TimeCounts> answers, world_late;
-};
+/// The times of a scene, and its name.
+using NamedTimes = std::pair<std::string, control::SceneTimes>;
 /// Only those of the live page, and times that another server counted.
-std::string metrics_text(const web::AudienceCounters& page, const std::vector<SceneTimes>& times);
+std::string metrics_text(const web::AudienceCounters& page, const std::vector<NamedTimes>& times);
 
 }  // namespace feltwire

@@ -17,15 +17,14 @@ namespace {
 /// Describes a scene to an observer, whose views lack its materials: those of the objects from
 /// `from` on. `times`: of the scene's thread.
 control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from,
-                                    const control::SceneDescription& times) {
+                                    const control::SceneTimes& times) {
   const std::vector<Object>& objects = current.scene->objects();
   control::SceneDescription description{current.version,
                                         current.changes,
                                         current.gravity,
                                         static_cast<std::uint32_t>(objects.size()),
                                         {},
-                                        times.answers,
-                                        times.world_late};
+                                        times};
   for (std::size_t i = from; i < objects.size(); ++i) {
     if (description.materials.size() == control::kMaxMaterials) break;
     description.materials.push_back(objects[i].material);
@@ -57,9 +56,10 @@ bool ControlService::serve_observer(PendingRequest& asked, const control::Messag
   } else if (wanted != nullptr) {
     SceneHost& host = *hosts_[std::get<std::size_t>(scene)];
     host.ask(request, 0, {}, io_,
-             [&host, from = wanted->from, answer = std::move(asked.answer)](control::Message told) {
-               if (const auto* times = std::get_if<control::SceneDescription>(&told))
-                 told = described(host.current_scene(), from, control::SceneDescription(*times));
+             [current = host.current_scene(), from = wanted->from,
+              answer = std::move(asked.answer)](control::Message told) {
+               if (const auto* counted = std::get_if<control::SceneDescription>(&told))
+                 told = described(current, from, counted->times);
                answer(std::move(told));
              });
   } else {

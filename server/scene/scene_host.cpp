@@ -110,7 +110,7 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
       if (auto* named = std::get_if<control::Counters>(&asked->answer))
         named->counters.push_back({"unsent", unsent_});
       if (auto* described = std::get_if<control::SceneDescription>(&asked->answer))
-        described->answers = answers_;
+        described->times.answers = answers_;
     } catch (const std::exception& error) {
       spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
                     error.what());

@@ -155,9 +155,9 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   if (const auto* wanted = std::get_if<control::TakeSurfaces>(&request))
     return take_surfaces(*wanted, now);
   if (std::holds_alternative<control::DescribeScene>(request)) {
-    control::SceneDescription times;
-    times.world_late = counters_.world_late;
-    return times;
+    control::SceneDescription described;
+    described.times.world_late = counters_.world_late;
+    return described;
   }
   if (const auto* wanted = std::get_if<control::DescribeSessions>(&request))
     return describe_after(wanted->after, now);

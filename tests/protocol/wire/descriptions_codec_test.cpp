@@ -83,12 +83,12 @@ TEST(Control, ASceneDescriptionIsReadAsWritten) {
   EXPECT_EQ(last.static_friction, 3.0);
   EXPECT_EQ(last.dynamic_friction, 4.0);
   EXPECT_EQ(last.viscous_friction, 5.0);
-  EXPECT_EQ(read.answers, std::nullopt);
-  one.answers.emplace().record(15'000, 3);
-  one.world_late.emplace().record(1'000'000'000, 2);
+  EXPECT_EQ(read.times.answers, std::nullopt);
+  one.times.answers.emplace().record(15'000, 3);
+  one.times.world_late.emplace().record(1'000'000'000, 2);
   const SceneDescription timed = round_trip(one);
-  EXPECT_EQ(timed.answers, one.answers);
-  EXPECT_EQ(timed.world_late, one.world_late);
+  EXPECT_EQ(timed.times.answers, one.times.answers);
+  EXPECT_EQ(timed.times.world_late, one.times.world_late);
   one.gravity.reset();
   EXPECT_EQ(round_trip(one).gravity, std::nullopt);
   one.materials.emplace_back();  // one too many

@@ -107,11 +107,11 @@ TEST_F(AdminRequest, AnObserverIsToldWhoIsThereAndWhatIsInForce) {
   EXPECT_EQ(scene.changes, 1u);
   EXPECT_EQ(scene.gravity, std::nullopt);
   EXPECT_EQ(scene.objects, 2u);
-  ASSERT_TRUE(scene.answers && scene.world_late);
+  ASSERT_TRUE(scene.times.answers && scene.times.world_late);
   std::uint64_t answers = 0;
-  for (const std::uint64_t count : scene.answers->counts()) answers += count;
+  for (const std::uint64_t count : scene.times.answers->counts()) answers += count;
   EXPECT_EQ(answers, list[0].samples);
-  EXPECT_EQ(scene.world_late, TimeCounts());  // nothing moves
+  EXPECT_EQ(scene.times.world_late, TimeCounts());  // nothing moves
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(scene.materials[0].stiffness, 500.0);
   EXPECT_EQ(scene.materials[1].stiffness, 1500.0);
