@@ -100,9 +100,12 @@ test('a drag presses the hand on the floor, which it feels', async () => {
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
   for (let i = 1; (await own()).target[2] > -0.012; ++i) await page.mouse.move(from.x, from.y + 3 * i);
-  await until(() => window.feltwire().own.felt > 1);
+  // A hand that comes fast dips deeper than it rests: the floor lifts it again. Without the floor it would come to its target.
+  await until(() => {
+    const {felt, position, target} = window.feltwire().own;
+    return felt > 1 && position[2] < 0 && position[2] > 0.58 * target[2];
+  });
   const pressed = await own();
-  assert.ok(pressed.position[2] > -0.009 && pressed.position[2] < 0, `the hand is at ${pressed.position}, its target at ${pressed.target}`);
   assert.ok(Math.abs(pressed.proxy[2]) < 1e-4, 'the proxy stays on the floor');
   assert.ok(pressed.felt < 1.15 * STIFFNESS * pressed.depth + 0.2, `${pressed.felt} N at ${pressed.depth} m`);
   assert.ok(pressed.rods > 10, 'the spring is drawn');
