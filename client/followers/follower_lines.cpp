@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/base/number_list.hpp"
+#include "protocol/wire/datagram.hpp"
 
 namespace feltwire::follower_lines {
 namespace {

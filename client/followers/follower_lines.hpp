@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "client/followers/follower.hpp"
+#include "core/teleoperation/follower.hpp"
 
 namespace feltwire::follower_lines {
 

@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "client/followers/follower.hpp"
-#include "client/followers/follower_servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
+#include "core/teleoperation/follower.hpp"
+#include "protocol/follower/follower_servo.hpp"
 
 namespace feltwire {
 

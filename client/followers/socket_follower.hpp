@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "client/followers/follower.hpp"
 #include "client/followers/follower_lines.hpp"
+#include "core/teleoperation/follower.hpp"
 
 namespace feltwire {
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -59,14 +60,17 @@ class Mechanism {
     Pose in_body;  // of the object
   };
 
+  /// `start`: MuJoCo's coordinates (qpos) at the start; empty: those of the model (qpos0).
   Mechanism(std::shared_ptr<const mjModel_> model, std::size_t still, std::vector<Part> parts,
-            std::vector<std::string> warnings)
+            std::vector<std::string> warnings, std::vector<double> start = {})
       : model_(std::move(model)),
         still_(still),
         parts_(std::move(parts)),
-        warnings_(std::move(warnings)) {}
+        warnings_(std::move(warnings)),
+        start_(std::move(start)) {}
 
   const mjModel_& model() const { return *model_; }
+  const std::vector<double>& start() const { return start_; }
   double tick() const;  // [s]
   int bodies() const;   // number of moving bodies
   /// The objects of a scene are `still()` static ones, followed by one for each part.
@@ -80,6 +84,7 @@ class Mechanism {
   std::size_t still_;
   std::vector<Part> parts_;
   std::vector<std::string> warnings_;
+  std::vector<double> start_;
 };
 
 /// Convex solids, each as the points [m] that it is the hull of.
@@ -105,11 +110,15 @@ struct MjcfMaterials {
   std::vector<Named> named;
 };
 
+/// Moves joints to where they start, in `coordinates` (qpos of that model). May throw FileError.
+using SetStart = std::function<void(const mjModel_& model, double* coordinates)>;
+
 /// Reads an MJCF file. Its colliding geoms become objects (added to `objects`, which must be
-/// empty). Geoms that collide with nothing are decoration and are not felt. Throws FileError that
-/// names the file and the geom, or quotes MuJoCo's message.
+/// empty). Geoms that collide with nothing are decoration and are not felt. `set_start` may be
+/// empty. Throws FileError that names the file and the geom, or quotes MuJoCo's message.
 std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            const MjcfMaterials& materials, double tick,
-                                           std::vector<Object>& objects);
+                                           std::vector<Object>& objects,
+                                           const SetStart& set_start = {});
 
 }  // namespace feltwire

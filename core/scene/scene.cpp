@@ -156,6 +156,29 @@ MaybeViolation check(const Alignment& aligned) {
                                number_text(kMost) + " rad"};
 }
 
+MaybeViolation check(const ArmControl& arm) {
+  const struct {
+    const char* field;
+    double value;
+    bool may_be_zero;
+  } numbers[] = {{"stiffness", arm.stiffness, false},
+                 {"turning_stiffness", arm.turning_stiffness, false},
+                 {"damping_ratio", arm.damping_ratio, false},
+                 {"posture_stiffness", arm.posture_stiffness, true},
+                 {"largest_pull", arm.largest_pull, false},
+                 {"largest_turn", arm.largest_turn, false},
+                 {"stop_force", arm.stop_force, false},
+                 {"stop_torque", arm.stop_torque, false},
+                 {"noise", arm.noise, true},
+                 {"torque_noise", arm.torque_noise, true},
+                 {"gripper", arm.gripper.value_or(0.0), true}};
+  for (const auto& [field, value, may_be_zero] : numbers)
+    if (!(std::isfinite(value) && (value > 0.0 || (may_be_zero && value == 0.0))))
+      return Violation{field, "is " + number_text(value) + "; give a finite number " +
+                                  (may_be_zero ? "of 0 or more" : "above 0")};
+  return std::nullopt;
+}
+
 MaybeViolation check(const RemoteSeat& seat) {
   const struct {
     const char* field;
@@ -185,6 +208,9 @@ MaybeViolation check(const RemoteSeat& seat) {
       return Violation{
           "aligned", "has no meaning where workspace.lock has \"rotation\"; leave out one of both"};
   }
+  if (seat.arm)
+    if (auto violation = check(*seat.arm))
+      return Violation{"arm." + violation->field, violation->message};
   if (has_room(seat.workspace, seat.wall_depth * seat.scale)) return std::nullopt;
   return Violation{"workspace",
                    "leaves no place that is " + number_text(seat.wall_depth * seat.scale) +

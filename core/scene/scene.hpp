@@ -12,6 +12,7 @@
 #include "core/base/kept_files.hpp"
 #include "core/scene/tool_view.hpp"
 #include "core/teleoperation/alignment.hpp"
+#include "core/teleoperation/arm_control.hpp"
 #include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
@@ -36,6 +37,8 @@ struct RemoteSeat {
   double wall_stiffness = 1000.0;  // > 0 [N/m]
   double wall_depth = 5e-3;        // > 0 [m] distance before the wall at which the spring begins
   std::optional<Alignment> aligned = {};  // empty: the robot turns by what the hand turns
+  // The robot is an arm of the scene's own world, and the server moves it; empty: a robot joins.
+  std::optional<ArmControl> arm = {};
 };
 
 class Scene {

@@ -44,6 +44,7 @@ std::optional<Violation> check(const Start& start);
 std::optional<Violation> check(const KeepOutBody& body);
 std::optional<Violation> check(const Alignment& aligned);
 std::optional<Violation> check(const RemoteSeat& seat);
+std::optional<Violation> check(const ArmControl& arm);
 /// Checks the name of a scene, an object, a material, a guide or a tool.
 std::optional<Violation> broken_name(const std::string& name);
 

@@ -3,11 +3,10 @@
 // that follows", has their bytes.
 
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 
+#include "core/base/time.hpp"
 #include "core/base/types.hpp"
 #include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/energy_counters.hpp"
@@ -15,10 +14,6 @@
 #include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
-
-using Nanoseconds = std::chrono::nanoseconds;
-inline double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-inline Nanoseconds from_seconds(double time) { return Nanoseconds(std::llround(time * 1e9)); }
 
 /// The part of a sample that a hand adds when it leads a robot.
 struct Lead {

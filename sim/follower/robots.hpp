@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "client/followers/follower.hpp"
-#include "client/followers/surface_model.hpp"
 #include "core/base/types.hpp"
+#include "core/teleoperation/follower.hpp"
+#include "core/teleoperation/surface_model.hpp"
 
 namespace feltwire {
 

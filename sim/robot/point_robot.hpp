@@ -6,8 +6,8 @@
 #include <memory>
 #include <random>
 
-#include "client/followers/follower.hpp"
 #include "core/scene/scene.hpp"
+#include "core/teleoperation/follower.hpp"
 
 namespace feltwire {
 

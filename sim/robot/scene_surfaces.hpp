@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "client/followers/surface_model.hpp"
 #include "core/scene/scene.hpp"
+#include "core/teleoperation/surface_model.hpp"
 
 namespace feltwire {
 

@@ -89,7 +89,7 @@ TEST(ArmNumbers, AreChecked) {
     const Arm arm(config);
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("stiffness is 0.0"), HasSubstr("above 0")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("stiffness: is 0;"), HasSubstr("above 0")));
   }
 }
 

@@ -1,7 +1,7 @@
 // One servo of a robot that follows: what it does with its targets, and with readings that are
 // none.
 
-#include "client/followers/follower_servo.hpp"
+#include "protocol/follower/follower_servo.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "client/followers/follower_servo.hpp"
+#include "protocol/follower/follower_servo.hpp"
 #include "sim/robot/point_robot.hpp"
 
 namespace feltwire::scene_surfaces_test {

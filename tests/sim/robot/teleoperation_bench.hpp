@@ -14,10 +14,10 @@
 
 #include "client/devices/hand_device.hpp"
 #include "client/emulated_link/link.hpp"
-#include "client/followers/follower_servo.hpp"
 #include "client/followers/robot_datagrams.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/datagram_session.hpp"
+#include "protocol/follower/follower_servo.hpp"
 #include "server/scene/scene_sessions.hpp"
 #include "sim/robot/point_robot.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "core/base/time.hpp"
 #include "core/base/types.hpp"
-#include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
 

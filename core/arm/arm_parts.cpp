@@ -1,47 +1,50 @@
-#include "sim/arm/arm_model.hpp"
+#include "core/arm/arm_parts.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include "core/base/file_error.hpp"
-#include "core/base/json_document.hpp"
 
 namespace feltwire::arm {
 namespace {
 
-/// Finds the parts by their names.
+/// Finds the parts by their names, without the prefix.
 class Parts {
  public:
-  Parts(const mjModel& model, std::string file) : model_(model), file_(std::move(file)) {}
+  Parts(const mjModel& model, std::string file, std::string prefix)
+      : model_(model), file_(std::move(file)), prefix_(std::move(prefix)) {}
 
   [[noreturn]] void fail(const std::string& what) const { throw FileError(file_ + ": " + what); }
 
-  int site(const char* name, const char* meaning) const {
-    const int id = mj_name2id(&model_, mjOBJ_SITE, name);
+  int site(const char* own, const char* meaning) const {
+    const std::string name = prefix_ + own;
+    const int id = mj_name2id(&model_, mjOBJ_SITE, name.c_str());
     if (id < 0) fail(missing("site", name) + "; add <site name=\"" + name + "\"/> " + meaning);
     return id;
   }
 
   /// The index of the three numbers of a sensor in sensordata.
-  int sensor(const char* name, mjtSensor type, const char* tag, int site) const {
-    const int id = mj_name2id(&model_, mjOBJ_SENSOR, name);
+  int sensor(const char* own, mjtSensor type, const char* tag, int site) const {
+    const std::string name = prefix_ + own;
+    const int id = mj_name2id(&model_, mjOBJ_SENSOR, name.c_str());
     const std::string at = mj_id2name(&model_, mjOBJ_SITE, site);
     const std::string remedy =
         "<" + std::string(tag) + " name=\"" + name + "\" site=\"" + at + "\"/>";
     if (id < 0) fail(missing("sensor", name) + "; add " + remedy);
     if (model_.sensor_type[id] != type || model_.sensor_objid[id] != site)
-      fail("sensor '" + std::string(name) + "' is of another kind or at another site; write " +
-           remedy);
-    if (model_.sensor_cutoff[id] > 0.0)
-      fail("sensor '" + std::string(name) + "' has a cutoff; remove it");
+      fail("sensor '" + name + "' is of another kind or at another site; write " + remedy);
+    if (model_.sensor_cutoff[id] > 0.0) fail("sensor '" + name + "' has a cutoff; remove it");
     return model_.sensor_adr[id];
   }
 
-  Axis axis(const std::string& name, mjtJoint type, const char* kind) const {
+  Axis axis(const std::string& own, mjtJoint type, const char* kind) const {
+    const std::string name = prefix_ + own;
     Axis a;
     a.joint = mj_name2id(&model_, mjOBJ_JOINT, name.c_str());
     if (a.joint < 0)
-      fail(missing("joint", name) + "; an arm has the " + kind + " joints joint1 to joint7");
+      fail(missing("joint", name) + "; an arm has the " + kind + " joints " + prefix_ +
+           "joint1 to " + prefix_ + "joint7");
     if (model_.jnt_type[a.joint] != type)
       fail("joint '" + name + "' is no " + kind + " joint; give it type=\"" + kind + "\"");
     if (model_.jnt_limited[a.joint] == 0)
@@ -56,9 +59,10 @@ class Parts {
   }
 
   Vec7 home(const std::array<Axis, kAxes>& axes) const {
-    const int id = mj_name2id(&model_, mjOBJ_NUMERIC, "home");
+    const int id = mj_name2id(&model_, mjOBJ_NUMERIC, (prefix_ + "home").c_str());
     if (id < 0 || model_.numeric_size[id] != kAxes)
-      fail("has no <numeric name=\"home\"> of seven angles [rad]; add it to <custom>");
+      fail("has no <numeric name=\"" + prefix_ +
+           "home\"> of seven angles [rad]; add it to <custom>");
     Vec7 home;
     for (int i = 0; i < kAxes; ++i) {
       const Axis& a = axes.at(static_cast<std::size_t>(i));
@@ -71,7 +75,9 @@ class Parts {
     return home;
   }
 
-  bool has_joint(const char* name) const { return mj_name2id(&model_, mjOBJ_JOINT, name) >= 0; }
+  bool has_joint(const char* own) const {
+    return mj_name2id(&model_, mjOBJ_JOINT, (prefix_ + own).c_str()) >= 0;
+  }
 
  private:
   static std::string missing(const char* kind, const std::string& name) {
@@ -102,23 +108,14 @@ class Parts {
   }
 
   const mjModel& model_;
-  std::string file_;
+  std::string file_, prefix_;
 };
 
 }  // namespace
 
-ArmModel load_arm(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  read_text(file);  // MuJoCo's own words for a file that cannot be read say less
-  mujoco::Loaded loaded = mujoco::load_file(name);
-  if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
-  ArmModel arm;
-  arm.model = std::move(loaded.model);
-  mjModel& model = *arm.model;
-  const Parts parts(model, name);
-  // mj_step1 and mj_step2 take a step between them; Runge and Kutta would need more.
-  if (model.opt.integrator != mjINT_EULER)
-    parts.fail("its integrator is not Euler; remove integrator=\"...\" from <option>");
+ArmParts find_arm(const mjModel& model, const std::string& file, const std::string& prefix) {
+  const Parts parts(model, file, prefix);
+  ArmParts arm;
   for (int i = 0; i < kAxes; ++i)
     arm.axes.at(static_cast<std::size_t>(i)) =
         parts.axis("joint" + std::to_string(i + 1), mjJNT_HINGE, "hinge");
@@ -141,6 +138,16 @@ ArmModel load_arm(const std::filesystem::path& file) {
       parts.sensor("tool_acceleration", mjSENS_ACCELEROMETER, "accelerometer", arm.balance);
   arm.tool_mass = model.body_subtreemass[arm.hand];
   return arm;
+}
+
+void go_home(const ArmParts& arm, const std::optional<double>& gripper,
+             mjtNum* coordinates) noexcept {
+  for (int i = 0; i < kAxes; ++i)
+    coordinates[arm.axes.at(static_cast<std::size_t>(i)).position] = arm.home[i];
+  if (!arm.fingers) return;
+  for (const Axis& finger : *arm.fingers)
+    coordinates[finger.position] =
+        gripper ? std::clamp(0.5 * *gripper, finger.low, finger.high) : finger.high;
 }
 
 }  // namespace feltwire::arm

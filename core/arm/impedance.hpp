@@ -1,11 +1,11 @@
 #pragma once
-// Internal to sim/arm: the controller of the arm, one step at a time.
+// Internal to core/arm: the controller of the arm, one step at a time.
 
 #include <vector>
 
-#include "client/followers/follower.hpp"
-#include "sim/arm/arm.hpp"
-#include "sim/arm/arm_model.hpp"
+#include "core/arm/arm_parts.hpp"
+#include "core/teleoperation/arm_control.hpp"
+#include "core/teleoperation/follower.hpp"
 
 namespace feltwire::arm {
 
@@ -21,8 +21,9 @@ struct ToolState {
 
 class Impedance {
  public:
-  /// `data` is evaluated at home. The dampings are chosen here.
-  Impedance(const ArmConfig& config, const ArmModel& arm, const mjData& data);
+  /// `data` is evaluated at home. The dampings are chosen here. All others must outlive it.
+  Impedance(const ArmControl& control, const ArmParts& arm, const mjModel& model,
+            const mjData& data);
 
   double damping() const { return damping_; }  // B [N s/m]
   double mass() const { return mass_; }        // [kg] of the tool at home
@@ -53,8 +54,9 @@ class Impedance {
   Vec7 posture(const Vec7& q, const Vec7& speed) noexcept;
   void drive_gripper(mjData& data) noexcept;
 
-  const ArmConfig& config_;
-  const ArmModel& arm_;
+  const ArmControl& control_;
+  const ArmParts& arm_;
+  const mjModel& model_;
   double damping_ = 0.0, turning_damping_ = 0.0, posture_damping_ = 0.0, mass_ = 0.0;
   double share_ = 0.0;  // of the low pass, in a step
   FollowerTarget target_;

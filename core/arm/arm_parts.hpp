@@ -1,8 +1,7 @@
 #pragma once
-// Internal to sim/arm: a model of MuJoCo, and the indices of the arm's parts in it.
+// Internal to core/arm: the indices of an arm's parts in a model of MuJoCo.
 
 #include <array>
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -21,8 +20,7 @@ struct Axis {
   double most = 0.0;                                  // [N m] or [N] largest value of the motor
 };
 
-struct ArmModel {
-  mujoco::Model model;
+struct ArmParts {
   std::array<Axis, kAxes> axes;
   std::optional<std::array<Axis, 2>> fingers;
   Vec7 home = Vec7::Zero();                     // [rad]
@@ -32,7 +30,12 @@ struct ArmModel {
   double tool_mass = 0.0;                       // [kg] of the hand and the parts fixed to it
 };
 
-/// Reads it. Throws FileError that names the file, the missing or wrong part, and the remedy.
-ArmModel load_arm(const std::filesystem::path& file);
+/// Finds them by their names, each behind `prefix`. Throws FileError that names the file, the
+/// missing or wrong part, and the remedy.
+ArmParts find_arm(const mjModel& model, const std::string& file, const std::string& prefix);
+
+/// Puts the arm to its home. `gripper` [m] opening; empty: open. `coordinates`: qpos.
+void go_home(const ArmParts& arm, const std::optional<double>& gripper,
+             mjtNum* coordinates) noexcept;
 
 }  // namespace feltwire::arm

@@ -1,4 +1,4 @@
-#include "sim/arm/impedance.hpp"
+#include "core/arm/impedance.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -48,31 +48,33 @@ double stored(double stiffness, double stretched, double most) {
 
 }  // namespace
 
-Impedance::Impedance(const ArmConfig& config, const ArmModel& arm, const mjData& data)
-    : config_(config),
+Impedance::Impedance(const ArmControl& control, const ArmParts& arm, const mjModel& model,
+                     const mjData& data)
+    : control_(control),
       arm_(arm),
-      rows_(static_cast<std::size_t>(kWays * arm.model->nv)),
+      model_(model),
+      rows_(static_cast<std::size_t>(kWays * model.nv)),
       solved_(rows_.size()) {
   find_jacobian(data);
-  mj_solveM(arm_.model.get(), const_cast<mjData*>(&data), solved_.data(), rows_.data(), kWays);
+  mj_solveM(&model_, const_cast<mjData*>(&data), solved_.data(), rows_.data(), kWays);
   using Rows = Eigen::Map<const Eigen::Matrix<double, kWays, Eigen::Dynamic, Eigen::RowMajor>>;
-  const int speeds = arm_.model->nv;
+  const int speeds = model_.nv;
   const Mat6 mobility =
       Rows(rows_.data(), kWays, speeds) * Rows(solved_.data(), kWays, speeds).transpose();
   using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // eigenvalues rise
   mass_ = 1.0 / Solver(mobility.topLeftCorner<3, 3>()).eigenvalues().y();
   const double inertia = 1.0 / Solver(mobility.bottomRightCorner<3, 3>()).eigenvalues().y();
-  damping_ = 2.0 * config.damping_ratio * std::sqrt(config.stiffness * mass_);
-  turning_damping_ = 2.0 * config.damping_ratio * std::sqrt(config.turning_stiffness * inertia);
-  posture_damping_ = kPostureDamping * std::sqrt(config.posture_stiffness);
-  share_ = 1.0 - std::exp(-2.0 * std::numbers::pi * kReferenceRate * arm_.model->opt.timestep);
+  damping_ = 2.0 * control.damping_ratio * std::sqrt(control.stiffness * mass_);
+  turning_damping_ = 2.0 * control.damping_ratio * std::sqrt(control.turning_stiffness * inertia);
+  posture_damping_ = kPostureDamping * std::sqrt(control.posture_stiffness);
+  share_ = 1.0 - std::exp(-2.0 * std::numbers::pi * kReferenceRate * model_.opt.timestep);
   hold(tool(data));
 }
 
 void Impedance::find_jacobian(const mjData& data) noexcept {
-  const std::ptrdiff_t speeds = arm_.model->nv;
+  const std::ptrdiff_t speeds = model_.nv;
   mjtNum* const rows = rows_.data();
-  mj_jacSite(arm_.model.get(), &data, rows, rows + kLinear * speeds, arm_.tool);
+  mj_jacSite(&model_, &data, rows, rows + kLinear * speeds, arm_.tool);
   for (int i = 0; i < kAxes; ++i)
     for (int way = 0; way < kWays; ++way)
       jacobian_(way, i) = rows[way * speeds + arm_.axes.at(static_cast<std::size_t>(i)).speed];
@@ -85,7 +87,7 @@ ToolState Impedance::tool(const mjData& data) const noexcept {
   mju_mat2Quat(turned, mujoco::entry<9>(data.site_xmat, arm_.tool));
   state.pose.orientation = mujoco::quaternion(turned);
   mjtNum velocity[kWays];  // angular above linear
-  mj_objectVelocity(arm_.model.get(), &data, mjOBJ_SITE, arm_.tool, velocity, 0);
+  mj_objectVelocity(&model_, &data, mjOBJ_SITE, arm_.tool, velocity, 0);
   state.angular_velocity = mujoco::vector(velocity);
   state.velocity = mujoco::vector(velocity + kLinear);
   return state;
@@ -95,8 +97,8 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
   if (!target.pose.position.allFinite() || !is_orientation(target.pose.orientation)) return;
   const Vec3 way = target.pose.position - tool.pose.position;
   const Vec3 turn = rotation_between(tool.pose.orientation, target.pose.orientation);
-  const double far = config_.largest_pull / config_.stiffness;
-  const double wide = config_.largest_turn / config_.turning_stiffness;
+  const double far = control_.largest_pull / control_.stiffness;
+  const double wide = control_.largest_turn / control_.turning_stiffness;
   const Pose before = target_.pose;
   const double turned = length(turn);
   if (length(way) > far || turned > wide) {
@@ -124,7 +126,7 @@ void Impedance::hold(const ToolState& tool) noexcept {
 
 void Impedance::spread(int steps, bool touching) noexcept {
   if (steps <= 0) return;
-  const double span = steps * arm_.model->opt.timestep;
+  const double span = steps * model_.opt.timestep;
   pace_ = shortened(Vec6(moved_ / span), kFastest, kFastestTurn);
   if (touching) pace_.setZero();
   moved_.setZero();
@@ -132,15 +134,14 @@ void Impedance::spread(int steps, bool touching) noexcept {
 
 /// [N m] The axes carry what hangs on them.
 Vec7 Impedance::gravity(const mjData& data) const noexcept {
-  const mjModel& model = *arm_.model;
-  const Vec3 down = mujoco::vector(model.opt.gravity);
+  const Vec3 down = mujoco::vector(model_.opt.gravity);
   Vec7 torque;
   for (int i = 0; i < kAxes; ++i) {
     const int joint = arm_.axes.at(static_cast<std::size_t>(i)).joint;
-    const int body = model.jnt_bodyid[joint];
+    const int body = model_.jnt_bodyid[joint];
     const Vec3 lever = mujoco::vector(mujoco::entry<3>(data.subtree_com, body)) -
                        mujoco::vector(mujoco::entry<3>(data.xanchor, joint));
-    torque[i] = -model.body_subtreemass[body] *
+    torque[i] = -model_.body_subtreemass[body] *
                 mujoco::vector(mujoco::entry<3>(data.xaxis, joint)).dot(lever.cross(down));
   }
   return torque;
@@ -161,26 +162,26 @@ Vec7 Impedance::walls(const Vec7& q, const Vec7& speed) const noexcept {
 /// space, IEEE J. Robotics and Automation 3(1) 1987).
 Vec7 Impedance::posture(const Vec7& q, const Vec7& speed) noexcept {
   constexpr double kSingular = 1e-6;  // [1/kg] keeps the inverse finite
-  const std::ptrdiff_t speeds = arm_.model->nv;
+  const std::ptrdiff_t speeds = model_.nv;
   const mjtNum* const rows = solved_.data();
   Jacobian solved;
   for (int i = 0; i < kAxes; ++i)
     for (int way = 0; way < kWays; ++way)
       solved(way, i) = rows[way * speeds + arm_.axes.at(static_cast<std::size_t>(i)).speed];
-  const Vec7 drawn = config_.posture_stiffness * (arm_.home - q) - posture_damping_ * speed;
+  const Vec7 drawn = control_.posture_stiffness * (arm_.home - q) - posture_damping_ * speed;
   const Mat6 mobility = jacobian_ * solved.transpose() + kSingular * Mat6::Identity();
   return drawn - jacobian_.transpose() * mobility.ldlt().solve(Vec6(solved * drawn));
 }
 
 void Impedance::drive(mjData& data) noexcept {
   find_jacobian(data);
-  mj_solveM(arm_.model.get(), &data, solved_.data(), rows_.data(), kWays);
+  mj_solveM(&model_, &data, solved_.data(), rows_.data(), kWays);
   const ToolState now = tool(data);
   reference_ += share_ * (pace_ - reference_);
   Vec6 wrench, velocity;
-  wrench << config_.stiffness * (target_.pose.position - now.pose.position),
-      config_.turning_stiffness * rotation_between(now.pose.orientation, target_.pose.orientation);
-  wrench = shortened(wrench, config_.largest_pull, config_.largest_turn);
+  wrench << control_.stiffness * (target_.pose.position - now.pose.position),
+      control_.turning_stiffness * rotation_between(now.pose.orientation, target_.pose.orientation);
+  wrench = shortened(wrench, control_.largest_pull, control_.largest_turn);
   velocity << now.velocity, now.angular_velocity;
   wrench.head<3>() += damping_ * (reference_ - velocity).head<3>();
   wrench.tail<3>() += turning_damping_ * (reference_ - velocity).tail<3>();
@@ -216,16 +217,16 @@ void Impedance::drive_gripper(mjData& data) noexcept {
 
 double Impedance::energy(const mjData& data) const noexcept {
   const ToolState now = tool(data);
-  double sum = stored(config_.stiffness, length(Vec3(target_.pose.position - now.pose.position)),
-                      config_.largest_pull) +
-               stored(config_.turning_stiffness,
+  double sum = stored(control_.stiffness, length(Vec3(target_.pose.position - now.pose.position)),
+                      control_.largest_pull) +
+               stored(control_.turning_stiffness,
                       length(rotation_between(now.pose.orientation, target_.pose.orientation)),
-                      config_.largest_turn);
+                      control_.largest_turn);
   for (int i = 0; i < kAxes; ++i) {
     const Axis& axis = arm_.axes.at(static_cast<std::size_t>(i));
     const double q = data.qpos[axis.position], away = arm_.home[i] - q;
     const double in = std::max({0.0, axis.low + kBefore - q, q - axis.high + kBefore});
-    sum += 0.5 * (config_.posture_stiffness * away * away + kWall * in * in);
+    sum += 0.5 * (control_.posture_stiffness * away * away + kWall * in * in);
   }
   return sum;
 }

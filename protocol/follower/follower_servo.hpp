@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 
-#include "client/followers/follower.hpp"
-#include "client/followers/surface_model.hpp"
 #include "core/teleoperation/contact_estimate.hpp"
 #include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/follower.hpp"
 #include "core/teleoperation/gripper_follow.hpp"
 #include "core/teleoperation/motion_limit.hpp"
+#include "core/teleoperation/surface_model.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 #include "core/teleoperation/workspace.hpp"
 #include "protocol/wire/robot.hpp"

@@ -1,4 +1,4 @@
-#include "client/followers/follower_servo.hpp"
+#include "protocol/follower/follower_servo.hpp"
 
 #include <algorithm>
 #include <cmath>
