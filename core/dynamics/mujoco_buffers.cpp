@@ -148,14 +148,14 @@ std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
          "/>\n";
 }
 
-Simulation::Simulation(const mjModel& model, double most_memory)
+Simulation::Simulation(const mjModel& model, double most_memory, const std::vector<mjtNum>& start)
     : model_(model), most_memory_(most_memory), fixed_(model.nconmax > 0) {
   bring_own_sort();
   if (!fixed_) give(model_, first_room(model));
-  data_ = make_data(model_);
+  data_ = make_data(model_, start);
   if (data_ == nullptr && !fixed_) {  // the stack that it may take later on, all at once
     model_.nstack = numbers(whole_stack(model_, model_.njmax));
-    data_ = make_data(model_);
+    data_ = make_data(model_, start);
   }
   if (data_ == nullptr || !evaluate())
     throw std::runtime_error("MuJoCo cannot evaluate the bodies where they start");
@@ -211,6 +211,7 @@ bool Simulation::grow(bool out_of_stack) noexcept {
   std::copy_n(data_->qpos, model_.nq, made->qpos);
   std::copy_n(data_->qvel, model_.nv, made->qvel);
   std::copy_n(data_->act, model_.na, made->act);
+  std::copy_n(data_->ctrl, model_.nu, made->ctrl);
   std::copy_n(data_->qacc_warmstart, model_.nv, made->qacc_warmstart);
   std::copy_n(data_->qfrc_applied, model_.nv, made->qfrc_applied);
   made->time = data_->time;

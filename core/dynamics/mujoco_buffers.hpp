@@ -48,9 +48,10 @@ inline constexpr double kFirstMemory = 8e6, kMostMemory = 1e9;
 /// contacts that do not fit are left out and counted.
 class Simulation {
  public:
-  /// Evaluates the model's first state. Throws std::runtime_error if MuJoCo cannot. The model must
-  /// outlive it. Sizes in the model's file stay.
-  explicit Simulation(const mjModel& model, double most_memory = kMostMemory);
+  /// Evaluates the model's first state, `start` as for make_data(). Throws std::runtime_error if
+  /// MuJoCo cannot. The model must outlive it. Sizes in the model's file stay.
+  explicit Simulation(const mjModel& model, double most_memory = kMostMemory,
+                      const std::vector<mjtNum>& start = {});
 
   const mjModel& model() const { return model_; }
   mjData* data() const { return data_.get(); }

@@ -105,12 +105,13 @@ std::string too_light(const Object& object, double mass, double tick) {
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const mjModel& model, const std::vector<Object>& objects,
+std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjtNum>& start,
+                                     const std::vector<Object>& objects,
                                      const std::vector<int>& object_of, std::size_t still,
                                      const std::vector<Mechanism::Part>& parts) {
   std::optional<Simulation> simulation;
   try {
-    simulation.emplace(model);
+    simulation.emplace(model, kMostMemory, start);
   } catch (const std::runtime_error& error) {
     return {error.what()};
   }

@@ -292,7 +292,7 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
                      inverse(bodies[b].pose) * objects[i].pose});
   }
   for (std::string& warning : mujoco::warnings_of(
-           *loaded.model, objects, mujoco::objects_of_geoms(*loaded.model), still, parts))
+           *loaded.model, {}, objects, mujoco::objects_of_geoms(*loaded.model), still, parts))
     warnings.push_back(std::move(warning));
   return std::make_shared<Mechanism>(
       std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,

@@ -1,5 +1,6 @@
 #include "core/dynamics/mujoco_error_trap.hpp"
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstdlib>
 #include <cstring>
@@ -51,11 +52,12 @@ Model read_binary(const std::string& file) {
   return Model(model);
 }
 
-Data make_data(const mjModel& model) {
+Data make_data(const mjModel& model, const std::vector<mjtNum>& start) {
   install_handlers();
   mjData* data = nullptr;
   const bool ran = guarded([&] {
     data = mj_makeData(&model);
+    std::copy(start.begin(), start.end(), data->qpos);
     mj_forward(&model, data);
   });
   Data owned(data);

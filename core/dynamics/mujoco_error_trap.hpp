@@ -46,8 +46,9 @@ Loaded load_file(const std::string& file, const std::string& root = {});
 /// Reads a file that mj_saveModel() wrote; null for any other file.
 Model read_binary(const std::string& file);
 
-/// A state of the model, evaluated. Null if MuJoCo refuses.
-Data make_data(const mjModel& model);
+/// A state of the model, evaluated. Null if MuJoCo refuses. `start`: its coordinates (qpos); empty:
+/// those of the model.
+Data make_data(const mjModel& model, const std::vector<mjtNum>& start = {});
 
 /// Calls call(argument). Returns false if MuJoCo failed with an error. An error leaves the call by
 /// longjmp. So the call may use only MuJoCo's engine, which is C, and must own nothing that needs a

@@ -125,7 +125,8 @@ mujoco::Loaded read_model(const std::filesystem::path& file) {
 
 std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            const MjcfMaterials& materials, double tick,
-                                           std::vector<Object>& objects) {
+                                           std::vector<Object>& objects,
+                                           const SetStart& set_start) {
   const std::string name = file.string();
   read_text(file);  // MuJoCo's own words for a file that cannot be read say less
   mujoco::Loaded loaded = read_model(file);
@@ -136,7 +137,13 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
   if (model.opt.integrator == mjINT_RK4) model.opt.integrator = mjINT_EULER;
   model.opt.timestep = tick;
 
-  const mujoco::Data data = mujoco::make_data(model);
+  std::vector<double> start;
+  if (set_start) {
+    start.assign(model.qpos0, model.qpos0 + model.nq);
+    set_start(model, start.data());
+  }
+
+  const mujoco::Data data = mujoco::make_data(model, start);
   if (data == nullptr) throw FileError(name + ": MuJoCo cannot evaluate it where it starts");
   std::vector<int> object_of(static_cast<std::size_t>(model.ngeom), -1);
   std::vector<Mechanism::Part> parts;
@@ -165,10 +172,11 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                     "contype or conaffinity other than 0");
   const std::size_t still = objects.size() - parts.size();
   mujoco::leave_room_open(model);
-  std::vector<std::string> warnings = mujoco::warnings_of(model, objects, object_of, still, parts);
+  std::vector<std::string> warnings =
+      mujoco::warnings_of(model, start, objects, object_of, still, parts);
   return std::make_shared<Mechanism>(
       std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,
-      std::move(parts), std::move(warnings));
+      std::move(parts), std::move(warnings), std::move(start));
 }
 
 }  // namespace feltwire

@@ -19,7 +19,7 @@ constexpr int kFreeCoordinates = 7, kFreeSpeeds = 6;
 
 mujoco::Simulation simulation_of(const Mechanism& mechanism) {
   try {
-    return mujoco::Simulation(mechanism.model());
+    return mujoco::Simulation(mechanism.model(), mujoco::kMostMemory, mechanism.start());
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(std::string(error.what()) + "; check the scene");
   }
@@ -161,6 +161,10 @@ World::World(const Scene& scene)
 }
 
 World::~World() = default;
+
+const mjModel_& World::model() const noexcept { return run_->model(); }
+
+mjData_& World::state() noexcept { return *run_->data(); }
 
 /// Poses and velocities as MuJoCo has them after mj_step1.
 void World::look() noexcept {

@@ -12,6 +12,9 @@
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
 
+struct mjModel_;
+struct mjData_;
+
 namespace feltwire {
 
 /// The state of a moving object for a tool: too far to be in the tool's list of neighbours, in the
@@ -89,6 +92,10 @@ class World {
   void set_gravity(const Vec3& gravity) noexcept;
   /// [N s] linear momentum of the bodies.
   Vec3 momentum() const noexcept;
+  /// For motors of an MJCF file (core/arm): MuJoCo's model, which lives as long as the world, and
+  /// its state, evaluated (mj_step1), until the next step. Only `ctrl` may be changed.
+  const mjModel_& model() const noexcept;
+  mjData_& state() noexcept;
 
   BodyContactState contact_state() const { return contact_state(view()); }
   /// The contacts of a hand before its first touch, with the tool of this view. Throws

@@ -1,5 +1,6 @@
 #include "core/scene_file/load_scene.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "core/base/long_work.hpp"
@@ -89,6 +90,23 @@ Start read_start(const JsonDocument& document, const scene_file::Scene& scene) {
   return start;
 }
 
+ArmControl read_arm(const scene_file::Arm& from) {
+  ArmControl arm{.stiffness = from.stiffness(),
+                 .turning_stiffness = from.turning_stiffness(),
+                 .damping_ratio = from.damping_ratio(),
+                 .posture_stiffness = from.posture_stiffness(),
+                 .largest_pull = from.largest_pull(),
+                 .largest_turn = from.largest_turn(),
+                 .stop_force = from.stop_force(),
+                 .stop_torque = from.stop_torque(),
+                 .noise = from.noise(),
+                 .torque_noise = from.torque_noise(),
+                 .seed = from.seed()};
+  if (from.prefix() != nullptr) arm.prefix = from.prefix()->str();
+  if (!std::isnan(from.gripper())) arm.gripper = from.gripper();
+  return arm;
+}
+
 RemoteSeat read_seat(const JsonDocument& document, const std::string& path,
                      const scene_file::Remote& from) {
   RemoteSeat seat{.scale = from.scale(), .speed = from.speed(), .force = from.force()};
@@ -98,12 +116,13 @@ RemoteSeat read_seat(const JsonDocument& document, const std::string& path,
     aligned.gate = a->gate();
     if (const auto* q = a->orientation()) aligned.offset = quaternion(*q);
   }
+  if (const auto* a = from.arm()) seat.arm = read_arm(*a);
   require(document, path, check(seat));
   if (seat.aligned) make_unit(seat.aligned->offset);
   return seat;
 }
 
-void read_seats(const JsonDocument& document, const scene_file::Scene& scene, Scene& result) {
+std::vector<RemoteSeat> read_seats(const JsonDocument& document, const scene_file::Scene& scene) {
   std::vector<RemoteSeat> seats;
   if (const auto* only = scene.remote()) {
     if (only->name() != nullptr)
@@ -126,7 +145,20 @@ void read_seats(const JsonDocument& document, const scene_file::Scene& scene, Sc
       seats.back().name = from->name()->str();
     }
   }
-  result.set_seats(std::move(seats));
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    if (!seats[i].arm) continue;
+    const std::string path =
+        (scene.remotes() != nullptr ? element("remotes", i) : std::string("remote")) + ".arm";
+    if (scene.mjcf() == nullptr)
+      document.fail(path,
+                    "is an arm of the scene's MJCF file, and the scene has none; give it an "
+                    "mjcf, or leave out the arm: then a robot may join");
+    for (std::size_t other = 0; other < i; ++other)
+      if (seats[other].arm && seats[other].arm->prefix == seats[i].arm->prefix)
+        document.fail(path + ".prefix", "is '" + seats[i].arm->prefix + "' as for the seat '" +
+                                            seats[other].name + "'; an arm has one seat");
+  }
+  return seats;
 }
 
 Side side(scene_file::Side given) {
@@ -136,8 +168,9 @@ Side side(scene_file::Side given) {
 Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
                  const Materials& materials, const std::string& file) {
   std::vector<Object> objects;
+  std::vector<RemoteSeat> seats = read_seats(document, scene);
   const auto mechanism = read_mjcf(
-      document, scene, std::filesystem::path(file).parent_path(),
+      document, scene, std::filesystem::path(file).parent_path(), seats,
       [&](const std::string& path, const std::string& name) -> const Material& {
         return find_material(document, path, materials, name);
       },
@@ -147,7 +180,7 @@ Scene mjcf_scene(const JsonDocument& document, const scene_file::Scene& scene,
                  read_guides(document, scene));
     result.set_mechanism(mechanism);
     read_tools(document, scene, std::filesystem::path(file).parent_path(), result);
-    read_seats(document, scene, result);
+    result.set_seats(std::move(seats));
     return result;
   } catch (const std::invalid_argument& error) {
     document.fail("mjcf.file", error.what());
@@ -193,7 +226,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   read.note(std::move(moving.notes));
   read.set_mechanism(std::move(moving.mechanism));
   read_tools(document, scene, folder, read);
-  read_seats(document, scene, read);
+  read.set_seats(read_seats(document, scene));
   return read;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/arm/driven_arm.hpp"
 #include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
@@ -115,6 +116,7 @@ ReadMechanism read_bodies(const JsonDocument& document, const scene_file::Scene&
 std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
                                            const scene_file::Scene& scene,
                                            const std::filesystem::path& folder,
+                                           const std::vector<RemoteSeat>& seats,
                                            const FindMaterial& find_material,
                                            std::vector<Object>& objects) {
   const scene_file::Mjcf& given = *scene.mjcf();
@@ -136,7 +138,11 @@ std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
   const MechanismOptions options = read_options(document, scene);
   const std::filesystem::path file = folder / given.file()->str();
   try {
-    return load_mjcf(file, materials, options.tick, objects);
+    return load_mjcf(file, materials, options.tick, objects,
+                     [&](const mjModel_& model, double* coordinates) {
+                       for (const RemoteSeat& seat : seats)
+                         if (seat.arm) go_home(model, file.string(), *seat.arm, coordinates);
+                     });
   } catch (const FileError& error) {
     document.fail("mjcf.file", shown_mjcf_error(error.what(), file, folder));
   }

@@ -32,10 +32,11 @@ ReadMechanism read_bodies(const JsonDocument& document, const scene_file::Scene&
                           const std::filesystem::path& folder, std::vector<Object>& objects);
 
 /// Loads the MJCF file that the scene names, relative to `folder`, and adds its objects to
-/// `objects`. Throws FileError.
+/// `objects`. The arms of `seats` begin at home. Throws FileError.
 std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
                                            const scene_file::Scene& scene,
                                            const std::filesystem::path& folder,
+                                           const std::vector<RemoteSeat>& seats,
                                            const FindMaterial& find_material,
                                            std::vector<Object>& objects);
 

@@ -15,6 +15,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
                                     const Origin& origin) noexcept {
   if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
     return drop(wrong);
+  if (!seats_.empty()) slot.session.reach_through_arm(leads_arm(slot));
   const std::uint64_t before = slot.session.counters().samples;
   Taken taken = slot.session.take(batch_, origin.now);
   if (taken.drop != DropReason::none) return drop(taken.drop);

@@ -8,6 +8,9 @@
 namespace feltwire {
 namespace {
 
+/// Arms of the world are numbered behind this; sessions never are.
+constexpr std::uint32_t kFirstArm = 0xFFFF0000;
+
 /// "left, right"
 std::string names_of(const std::vector<RemoteSeat>& seats) {
   std::string names;
@@ -17,12 +20,18 @@ std::string names_of(const std::vector<RemoteSeat>& seats) {
 
 }  // namespace
 
-std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene) const {
+std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene, World* world) const {
   std::vector<Seat> seats;
-  for (const RemoteSeat& seat : scene.seats()) seats.push_back({.link = RemoteLink(seat)});
+  for (const RemoteSeat& seat : scene.seats()) {
+    Seat& made = seats.emplace_back(Seat{.link = RemoteLink(seat)});
+    if (!seat.arm || world == nullptr) continue;
+    made.arm.emplace(seat, *world);
+    made.link.sit(kFirstArm + static_cast<std::uint32_t>(seats.size()));
+  }
   // A robot keeps its seat if the seats are the same.
   if (has_same_seats(scene))
     for (std::size_t i = 0; i < seats.size(); ++i) {
+      if (seats[i].arm) continue;
       seats[i].robot = seats_[i].robot;
       seats[i].own = seats_[i].own;
       if (seats[i].robot != nullptr) seats[i].link.sit(seats[i].robot->number, seats[i].own);
@@ -34,11 +43,13 @@ std::string SceneSessions::seat_name(std::size_t seat) const {
   return seat < scene_->seats().size() ? scene_->seats()[seat].name : std::string();
 }
 
-/// By number and name.
+/// By number and name, and by who sits there: a robot or an arm of the world.
 bool SceneSessions::has_same_seats(const Scene& scene) const noexcept {
   return seats_.size() == scene.seats().size() &&
-         std::ranges::equal(scene_->seats(), scene.seats(), {}, &RemoteSeat::name,
-                            &RemoteSeat::name);
+         std::ranges::equal(scene_->seats(), scene.seats(),
+                            [](const RemoteSeat& a, const RemoteSeat& b) {
+                              return a.name == b.name && a.arm.has_value() == b.arm.has_value();
+                            });
 }
 
 /// Null: there is none. Without a name only the seat of a scene that has no other.
@@ -66,6 +77,12 @@ std::optional<control::Refused> SceneSessions::refuse_robot(
                                 : "; choose with --seat: " + names_of(scene_->seats());
     return control::Refused{control::RefusalCode::bad_parameters, scene + asked + has};
   }
+  if (seat->arm)
+    return control::Refused{control::RefusalCode::full,
+                            (seat->name.empty() ? "the seat" : "the seat '" + seat->name + "'") +
+                                " of " + scene +
+                                " is for the arm of the scene's own mjcf, which the server moves; "
+                                "a robot needs a seat without \"arm\""};
   if (seats_[static_cast<std::size_t>(seat - scene_->seats().data())].link.taken())
     return control::Refused{control::RefusalCode::full,
                             (seat->name.empty() ? "the seat" : "the seat '" + seat->name + "'") +
@@ -100,6 +117,12 @@ void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin
          .time = origin.now,
          .digest = 0,
          .payload = payload});
+}
+
+/// Whether the hand that sent the batch leads an arm of the world, or wants to.
+bool SceneSessions::leads_arm(const SessionSlot& slot) const noexcept {
+  return batch_.lead && covers(slot.role, Role::operator_) && batch_.lead->seat < seats_.size() &&
+         seats_[batch_.lead->seat].arm;
 }
 
 /// The hand leads the robot that it wants to lead. It does not leave another one while it moves it.

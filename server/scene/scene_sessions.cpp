@@ -84,7 +84,9 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
   slots_.reserve(max_sessions);
   hands_.reserve(max_sessions);
   ended_.reserve(max_sessions);
-  take_over(scene, world_of(scene), seats_of(scene));
+  std::unique_ptr<World> world = world_of(scene);
+  std::vector<Seat> seats = seats_of(scene, world.get());
+  take_over(scene, std::move(world), std::move(seats));
 }
 
 /// Null where nothing moves in the scene.
@@ -104,7 +106,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
                                                                  Nanoseconds now) {
   // Everything that may throw comes first. Nothing has changed by then.
   std::unique_ptr<World> world = world_of(scene);
-  std::vector<Seat> seats = seats_of(scene);
+  std::vector<Seat> seats = seats_of(scene, world.get());
   const bool same_seats = has_same_seats(scene);
   std::vector<Session::Place> places(slots_.size());
   std::vector<GoodbyeDatagram> goodbyes;

@@ -24,6 +24,7 @@
 #include "server/scene/remote_link.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
+#include "server/scene/world_arm.hpp"
 
 namespace feltwire {
 
@@ -204,14 +205,16 @@ class SceneSessions {
   /// A seat of the scene for a robot.
   struct Seat {
     RemoteLink link;
-    SessionSlot* robot = nullptr;  // who sits there
-    Workspace own = {};            // the robot's own
+    SessionSlot* robot = nullptr;      // who sits there
+    Workspace own = {};                // the robot's own
+    std::optional<WorldArm> arm = {};  // the robot is of the world, and sits there always
   };
   void hear_answer(SessionSlot& slot) noexcept;
   std::unique_ptr<World> world_of(const Scene& scene) const;
   void take_over(const Scene& scene, std::unique_ptr<World> world,
                  std::vector<Seat> seats) noexcept;
-  std::vector<Seat> seats_of(const Scene& scene) const;
+  std::vector<Seat> seats_of(const Scene& scene, World* world) const;
+  void drive_arms(Nanoseconds now) noexcept;
   bool has_same_seats(const Scene& scene) const noexcept;
   std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,
@@ -227,6 +230,7 @@ class SceneSessions {
   const RemoteSeat* seat_named(const std::string& name) const noexcept;
   void receive_state(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
   Remote lead(SessionSlot& slot, Nanoseconds now) noexcept;
+  bool leads_arm(const SessionSlot& slot) const noexcept;
   std::optional<SeenRobot> seen_robot(std::size_t seat, Nanoseconds now) const noexcept;
   std::optional<SeenRobot> next_robot(SessionSlot& observer, Nanoseconds now) const noexcept;
   void add_figures(SceneView& view, Nanoseconds now) const noexcept;

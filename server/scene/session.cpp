@@ -105,7 +105,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
   const bool modelled = parameters_.local_model && !observes_,
-             has_body = view_->tool().body != nullptr;
+             has_body = view_->tool().body != nullptr && touches();
   reply.modelled = modelled && !has_body;
   if (reply.modelled) reply.model = model();
   if (modelled && has_body) reply.body = body_model();
@@ -223,6 +223,17 @@ void Session::enter(Place place) noexcept {
   deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
 }
 
+void Session::reach_through_arm(bool through) noexcept {
+  if (through == through_arm_) return;
+  through_arm_ = through;
+  for (auto& contact : contacts_) contact = {};
+  body_ = {};
+  body_contacts_.fresh = body_contacts_.placed = false;
+  body_contacts_.resets = ~std::uint64_t{0};  // no world counts so far: the next touch forgets
+  ++scenes_;                                  // nor does a local model keep one
+  deadband_ = ReplyDeadband(parameters_);
+}
+
 void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   ++reloads_;
   const double rubbed = view_->objects()[object].material.static_friction;
@@ -260,6 +271,7 @@ void Session::forget_surfaces() noexcept {
 }
 
 LocalModel Session::model() const noexcept {
+  if (!touches()) return {.center = last_.pose.position, .reach = kModelReach};
   LocalModel model =
       world_ != nullptr
           ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held, known_)
@@ -278,7 +290,7 @@ LocalModel Session::surfaces() const noexcept {
 }
 
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
-  if (observes_) return {};
+  if (!touches()) return {};
   if (view_->tool().body)
     return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, body_contacts_)
                              : view_->touch(device, tool.velocity, elapsed, body_);
@@ -288,7 +300,7 @@ Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noe
 
 ProxyPlace Session::proxy() const noexcept {
   const Vec3& tool = last_.pose.position;
-  if (observes_) return {tool, 0.0};
+  if (!touches()) return {tool, 0.0};
   if (view_->tool().body) {
     const Vec3& held = body_.placed ? body_.pose.position : tool;
     return {held, (held - tool).norm()};
@@ -309,7 +321,7 @@ ProxyPlace Session::proxy() const noexcept {
 }
 
 void Session::push(double age) noexcept {
-  if (last_.index == 0 || observes_) return;  // nobody knows where the hand is, or there is none
+  if (last_.index == 0 || !touches()) return;  // nobody knows where the hand is, or there is none
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
   if (view_->tool().body)

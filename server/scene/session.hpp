@@ -103,6 +103,10 @@ class Session {
   /// The limits of this hand on moving objects.
   HandLimits limits() const { return hand_limits(device_); }
 
+  /// Whether the hand is at an arm of this world from the next sample on: then it touches the scene
+  /// with the arm, and with nothing else. Its contacts begin anew when it comes back.
+  void reach_through_arm(bool through) noexcept;
+
   /// Counts a datagram of this session with a packet number that was seen before.
   void count_duplicate() noexcept { ++counters_.duplicates; }
 
@@ -149,6 +153,7 @@ class Session {
 
  private:
   struct Movement;
+  bool touches() const noexcept { return !observes_ && !through_arm_; }
   LocalModel model() const noexcept;
   void forget_surfaces() noexcept;
   BodyModel body_model() const noexcept;
@@ -161,8 +166,9 @@ class Session {
   std::string client_;
   DeviceSpec device_;
   SessionParameters parameters_;
-  bool observes_;       // it feels nothing and acts on nothing
-  bool sends_normals_;  // the client shapes late forces, wall by wall
+  bool observes_;             // it feels nothing and acts on nothing
+  bool sends_normals_;        // the client shapes late forces, wall by wall
+  bool through_arm_ = false;  // it touches with an arm of the world
 
   const ToolView* view_;
   World* world_;              // null: nothing moves

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 
+#include "core/dynamics/world.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "tests/core/scene_text.hpp"
 
@@ -151,6 +153,52 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
          ": leaves no place that is 0.005 m (depth times scale) inside of all its walls and "
          "outside of all that it keeps out of");
   EXPECT_THAT(error_of(scene(R"("lock": ["w"])")), HasSubstr("remote.workspace.lock"));
+}
+
+/// An arm of the scene's own MJCF file.
+TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
+  const std::string file = FELTWIRE_SOURCE_DIR "/scenes/arm/s.json";
+  const auto scene = [](const std::string& rest) {
+    return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "mjcf": {"file": "box.xml", "material": "m"}, )" +
+           rest + "}";
+  };
+  const auto place = [](const Scene& of, const char* object) {
+    return std::ranges::find(of.objects(), object, &Object::name)->pose.position;
+  };
+  const Scene none = parse_scene(scene(R"("remote": {})"), file);
+  EXPECT_FALSE(none.seats()[0].arm);
+  const Scene told = parse_scene(
+      scene(R"("remote": {"arm": {"stiffness": 500, "gripper": 0.02, "seed": 7}})"), file);
+  const ArmControl arm = told.seats()[0].arm.value();
+  EXPECT_EQ(arm.stiffness, 500.0);
+  EXPECT_EQ(arm.gripper, 0.02);
+  EXPECT_EQ(arm.seed, 7u);
+  EXPECT_EQ(arm.prefix, "");
+  EXPECT_EQ(arm.turning_stiffness, ArmControl{}.turning_stiffness);
+  // It begins at home, with its gripper open by what is told, in the file and in the world.
+  EXPECT_GT(place(none, "palm").z(), 0.8) << "all angles zero: upright";
+  const Vec3 home(0.306891, 0.0, 0.559);
+  EXPECT_LT((place(told, "palm") - home).norm(), 0.01);
+  const World world(told);
+  EXPECT_LT((std::ranges::find(world.objects(), "palm", &Object::name)->pose.position -
+             place(told, "palm"))
+                .norm(),
+            1e-12);
+
+  EXPECT_THAT(error_of(scene(R"("remote": {"arm": {"stiffness": 0}})"), file),
+              HasSubstr("remote.arm.stiffness: is 0; give a finite number above 0"));
+  EXPECT_THAT(error_of(scene(R"("remote": {"arm": {"prefix": "left_"}})"), file),
+              HasSubstr("mjcf.file: " FELTWIRE_SOURCE_DIR
+                        "/scenes/arm/box.xml: has no joint 'left_joint1'; an arm has the hinge "
+                        "joints left_joint1 to left_joint7"));
+  EXPECT_THAT(
+      error_of(scene(R"("remotes": [{"name": "a", "arm": {}}, {"name": "b", "arm": {}}])"), file),
+      HasSubstr("remotes[1].arm.prefix: is '' as for the seat 'a'; an arm has one seat"));
+  EXPECT_THAT(error_of(R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
+      "objects": [{"name": "o", "plane": {}, "material": "m"}], "remote": {"arm": {}}})"),
+              HasSubstr("remote.arm: is an arm of the scene's MJCF file, and the scene has none; "
+                        "give it an mjcf, or leave out the arm: then a robot may join"));
 }
 
 }  // namespace
