@@ -69,7 +69,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "FILE with the maker's firmware, which a Falcon forgets when its power is off");
   app.add_option("--lead", words.lead,
                  "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
-                 "simulated hand holds its enabling switch from this time on, 0.2 or later");
+                 "simulated or recorded hand holds its enabling switch from this time on, 0.2 or later");
   app.add_option("--robot", options.robot,
                  "Name of the seat whose robot it leads, in a scene with several. When not given: "
                  "the scene's first");

@@ -38,7 +38,8 @@ OpenedDevice open_simulated(const DeviceRequest& request) {
 
 OpenedDevice open_replay(const DeviceRequest& request) {
   const SourcedSpec described = requested_spec(request.spec, "simulated");
-  return {make_replay_device(request.name, described.spec), assumptions(described)};
+  return {make_replay_device(request.name, described.spec, request.leads_from),
+          assumptions(described)};
 }
 
 constexpr std::array kDrivers = {

@@ -79,8 +79,9 @@ Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexc
   return pose;
 }
 
-ReplayDevice::ReplayDevice(Recording recording, const DeviceSpec& spec)
-    : recording_(std::move(recording)), spec_(spec) {
+ReplayDevice::ReplayDevice(Recording recording, const DeviceSpec& spec,
+                           std::optional<double> leads_from)
+    : recording_(std::move(recording)), spec_(spec), leads_from_(leads_from) {
   spec_.rotation_sensed = recording_.rotation ? 3 : 0;
   if (!recording_.rotation) {
     spec_.rotation_actuated = 0;
@@ -91,16 +92,18 @@ ReplayDevice::ReplayDevice(Recording recording, const DeviceSpec& spec)
 DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
   if (!started_) start_ = now;
   started_ = true;
-  const double time =
-      recording_.poses.front().time + std::chrono::duration<double>(now - start_).count();
+  const double passed = std::chrono::duration<double>(now - start_).count();
+  const double time = recording_.poses.front().time + passed;
   return {.pose = pose_at(recording_, time, cursor_),
-          .ended = time >= recording_.poses.back().time};
+          .ended = time >= recording_.poses.back().time,
+          .deadman = leads_from_ && passed >= *leads_from_};
 }
 
 std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
-                                           const DeviceSpec& spec) {
+                                           const DeviceSpec& spec,
+                                           std::optional<double> leads_from) {
   return std::make_unique<ReplayDevice>(read_recording(file, "check the path behind 'replay:'"),
-                                        spec);
+                                        spec, leads_from);
 }
 
 }  // namespace feltwire

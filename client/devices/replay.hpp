@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <istream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,8 +40,10 @@ Pose pose_at(const Recording& recording, double time, std::size_t& cursor) noexc
 
 class ReplayDevice final : public Device {
  public:
-  /// Uses the specification `spec`, but senses rotation exactly if the recording does.
-  ReplayDevice(Recording recording, const DeviceSpec& spec);
+  /// Uses the specification `spec`, but senses rotation exactly if the recording does. `leads_from`
+  /// [s] since the first recorded instant: from then on the enabling switch is held; empty: never.
+  ReplayDevice(Recording recording, const DeviceSpec& spec,
+               std::optional<double> leads_from = std::nullopt);
 
   const DeviceSpec& spec() const override { return spec_; }
   /// The first call returns the first recorded instant. `ended` is true from the last recorded
@@ -56,6 +59,7 @@ class ReplayDevice final : public Device {
   std::atomic<bool> released_{false};
   Recording recording_;
   DeviceSpec spec_;
+  std::optional<double> leads_from_;
   bool started_ = false;
   Nanoseconds start_{0};
   std::size_t cursor_ = 0;
@@ -63,6 +67,7 @@ class ReplayDevice final : public Device {
 
 /// Opens a recording. Throws CsvError.
 std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,
-                                           const DeviceSpec& spec);
+                                           const DeviceSpec& spec,
+                                           std::optional<double> leads_from = std::nullopt);
 
 }  // namespace feltwire

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/run/link_states_json.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/choice.hpp"
 #include "core/base/units.hpp"
@@ -218,6 +219,12 @@ Json states(const std::vector<LinkState>& robots) {
   return list;
 }
 
+/// Null where the hand leads no robot.
+Json robot(const Servo& servo) {
+  if (!servo.remote()) return nullptr;
+  return link_states_json(servo.link_states());
+}
+
 Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
   if (!seen) return nullptr;
   return {{"views", seen->views},           {"views_dropped", loop.views_dropped},
@@ -313,6 +320,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"local_model", local_model(servo)},
       {"account", account(servo)},
       {"hand_credit", hand_credit(servo.hand_credit())},
+      {"robot", robot(servo)},
       {"role", run.sight ? name(Role::observer) : name(Role::operator_)},
       {"view", sight(run.sight, loop)},
       {"changes", changes(run.changes)},

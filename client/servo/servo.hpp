@@ -26,6 +26,7 @@
 #include "core/local_model/local_body.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
+#include "core/teleoperation/link_states.hpp"
 #include "protocol/session/session_parameters.hpp"
 #include "protocol/wire/datagram.hpp"
 
@@ -206,6 +207,8 @@ class Servo {
   std::optional<Lead> lead() const noexcept;
   /// The robot's data in the replies; empty: the hand leads no robot.
   const std::optional<RemoteHand>& remote() const { return remote_; }
+  /// The states between this hand and its robot so far.
+  const LinkStates& link_states() const { return link_states_; }
   /// The name of the seat of the robot that the hand leads; empty: the only one, or it leads none.
   std::string_view robot_name() const noexcept {
     return remote_ && remote_->seat() < options_.seats.size()
@@ -312,11 +315,12 @@ class Servo {
   VelocityEstimate velocity_;
   RiseLimit rise_;                    // if the method shapes
   std::optional<RemoteHand> remote_;  // if the hand leads a robot
-  Nanoseconds remote_time_{0};        // our time of the robot's state
-  bool deadman_ = false;              // in the last tick
-  std::uint8_t wanted_seat_ = 0;      // of the robot that the hand wants to lead
-  bool seat_pressed_ = false;         // the button that chooses another, in the last tick
-  std::optional<double> gripper_;     // [m] in the last tick
+  LinkStates link_states_;
+  Nanoseconds remote_time_{0};     // our time of the robot's state
+  bool deadman_ = false;           // in the last tick
+  std::uint8_t wanted_seat_ = 0;   // of the robot that the hand wants to lead
+  bool seat_pressed_ = false;      // the button that chooses another, in the last tick
+  std::optional<double> gripper_;  // [m] in the last tick
   bool near_ = false;
   Vec3 model_moved_ = Vec3::Zero();  // [m] movement of the place where the model was evaluated
   Vec3 last_offset_ = Vec3::Zero();  // [m] from that place to the device

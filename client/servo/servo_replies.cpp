@@ -82,6 +82,7 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   model_time_ = arrival - from_seconds(since);
   if (!remote_) return;
   remote_->take(reply.remote.value_or(Remote{}));
+  if (reply.remote) link_states_.take(reply.remote->state, reply.remote->seat, arrival);
   const double robot = std::min(remote_->remote().age, law_.parameters.hold_time);
   remote_time_ = model_time_ - from_seconds(robot);
 }

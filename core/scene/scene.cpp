@@ -184,6 +184,7 @@ MaybeViolation check(const RemoteSeat& seat) {
     const char* field;
     double value, most;
   } numbers[] = {{"scale", seat.scale, 100.0},
+                 {"force_scale", seat.force_scale, 100.0},
                  {"speed", seat.speed, 10.0},
                  {"force", seat.force, 1e4},
                  {"workspace.stiffness", seat.wall_stiffness, kMaxStiffness},

@@ -30,6 +30,7 @@ struct Start {
 struct RemoteSeat {
   std::string name = {};     // empty: the only seat of its scene
   double scale = 1.0;        // > 0 [m of the robot per m of the hand]
+  double force_scale = 1.0;  // > 0 [N at the hand per N at the robot's tool]
   double speed = 0.25;       // > 0 [m/s] speed of the robot; it also limits the jumps of the hand
   double force = 40.0;       // > 0 [N] on the robot's tool, above which it holds
   Workspace workspace = {};  // of the target, in the robot's frame; at most kMostGiven walls

@@ -109,7 +109,10 @@ ArmControl read_arm(const scene_file::Arm& from) {
 
 RemoteSeat read_seat(const JsonDocument& document, const std::string& path,
                      const scene_file::Remote& from) {
-  RemoteSeat seat{.scale = from.scale(), .speed = from.speed(), .force = from.force()};
+  RemoteSeat seat{.scale = from.scale(),
+                  .force_scale = from.force_scale(),
+                  .speed = from.speed(),
+                  .force = from.force()};
   if (const auto* w = from.workspace()) read_workspace(document, path + ".workspace", *w, seat);
   if (const auto* a = from.aligned()) {
     Alignment& aligned = seat.aligned.emplace();

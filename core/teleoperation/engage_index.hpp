@@ -17,12 +17,15 @@ namespace feltwire {
 /// exactly in position, to rounding in orientation. Turning is never scaled. Where the robot's tool
 /// is turned as the hand is (Alignment), align() takes q_h0^-1 q_t0 to the offset of both.
 ///
-/// Forces are the same at both ends. Other quantities are converted from one end to the other:
-/// places by the index, speeds by 1 / s, stiffness by s, energy of the robot by 1 / s.
+/// The hand's force is the robot's times a scale, F_h = f F_r. What else is the robot's is
+/// converted to the hand: places by the index, speeds by 1 / s, stiffness by f s, energy by f / s,
+/// as F dx is.
 class EngageIndex {
  public:
-  /// `scale` s > 0 [m of the robot per m of the hand].
-  explicit EngageIndex(double scale) : scale_(scale) {}
+  /// `scale` s > 0 [m of the robot per m of the hand], `force_scale` f > 0 [N at the hand per N at
+  /// the robot].
+  explicit EngageIndex(double scale, double force_scale = 1.0)
+      : scale_(scale), force_scale_(force_scale) {}
 
   /// From now on `hand`, less its offset, corresponds to `target`.
   void engage(const Pose& hand, const Pose& target) noexcept {
@@ -53,7 +56,7 @@ class EngageIndex {
     RemoteContact seen = contact;
     seen.point = hand_.position + (contact.point - target_.position) / scale_;
     seen.velocity = contact.velocity / scale_;
-    seen.stiffness = contact.stiffness * scale_;
+    seen.stiffness = contact.stiffness * force_scale_ * scale_;
     return seen;
   }
   WorkspaceWall at_hand(const WorkspaceWall& wall) const noexcept {
@@ -61,13 +64,14 @@ class EngageIndex {
             wall.normal.dot(hand_.position) - wall.clearance(target_.position) / scale_};
   }
   EnergyCounters at_hand(const EnergyCounters& robot) const noexcept {
-    return {robot.given / scale_, robot.taken / scale_, robot.pushed / scale_};
+    const double share = force_scale_ / scale_;
+    return {share * robot.given, share * robot.taken, share * robot.pushed};
   }
   /// Returns the energy [J] that a hand paid, in the robot's units.
-  double at_robot(double hand_work) const noexcept { return scale_ * hand_work; }
+  double at_robot(double hand_work) const noexcept { return scale_ / force_scale_ * hand_work; }
 
  private:
-  double scale_;
+  double scale_, force_scale_;
   Pose hand_, target_;                        // the poses when the hand engaged
   Quaternion turn_ = Quaternion::Identity();  // from the hand's orientation to the target's
 };

@@ -13,7 +13,8 @@ namespace feltwire {
 ///   x_t = x_t0 + s sum a_i (x_i - x_i0)
 /// Each hand has an EngageIndex of scale s a_i, and what the others move shifts it. So a surface of
 /// the robot is told to each hand where that hand alone would have to move the target to it, with
-/// the stiffness that its own movement meets: every hand feels the force on the robot. The hand
+/// the stiffness that its own movement meets: every hand feels the force on the robot,
+/// times f. The hand
 /// with the largest share turns the robot, the first of equals.
 ///
 /// begin() starts anew from the target that there is: for any hands, shares and poses the first
@@ -22,8 +23,11 @@ class SharedIndex {
  public:
   static constexpr std::size_t kMost = 4;
 
-  /// `scale` s > 0 [m of the robot per m of a hand].
-  explicit SharedIndex(double scale) : scale_(scale) { indices_.fill(EngageIndex(scale)); }
+  /// As for EngageIndex.
+  explicit SharedIndex(double scale, double force_scale = 1.0)
+      : scale_(scale), force_scale_(force_scale) {
+    indices_.fill(EngageIndex(scale, force_scale));
+  }
 
   struct Part {
     double weight = 0.0;  // its share is this over the sum; 0: it does not lead
@@ -41,7 +45,7 @@ class SharedIndex {
     for (std::size_t i = 0; i < kMost; ++i) {
       shares_[i] = parts[i].weight > 0.0 ? parts[i].weight / sum : 0.0;
       if (!(shares_[i] > 0.0)) continue;
-      indices_[i] = EngageIndex(scale_ * shares_[i]);
+      indices_[i] = EngageIndex(scale_ * shares_[i], force_scale_);
       indices_[i].engage(parts[i].hand, target);
       if (shares_[i] > largest) turns_ = i;
       largest = std::max(largest, shares_[i]);
@@ -72,7 +76,7 @@ class SharedIndex {
   std::size_t turns() const noexcept { return turns_; }
 
  private:
-  double scale_;
+  double scale_, force_scale_;
   std::array<EngageIndex, kMost> indices_{EngageIndex(1.0), EngageIndex(1.0), EngageIndex(1.0),
                                           EngageIndex(1.0)};
   std::array<double, kMost> shares_{};

@@ -98,6 +98,7 @@ void FollowerServo::take(const RobotTarget& target, Nanoseconds now) noexcept {
     return;
   }
   ++statistics_.targets;
+  statistics_.link_states.take(target.state, 0, now);
   target_ = target;
   heard_ = now;
 }

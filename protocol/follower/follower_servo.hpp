@@ -10,6 +10,7 @@
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/follower.hpp"
 #include "core/teleoperation/gripper_follow.hpp"
+#include "core/teleoperation/link_states.hpp"
 #include "core/teleoperation/motion_limit.hpp"
 #include "core/teleoperation/surface_model.hpp"
 #include "core/teleoperation/target_limiter.hpp"
@@ -42,6 +43,7 @@ struct FollowerStatistics {
   std::uint64_t faults =
       0;  // readings that were faulty, not finite, or far from the target after a jump
   double largest_force = 0.0;  // [N] of the environment on the tool
+  LinkStates link_states;      // as the targets told them
 };
 
 /// The way from a target to the robot, in this order:

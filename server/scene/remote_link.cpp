@@ -237,13 +237,14 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
   const auto leader = std::ranges::find(leaders_, hand, &Leader::hand);
   if (hand == 0 || leader == leaders_.end() || said_.index == 0) return {};
   // Of the environment's energy each hand gets its share: over its own scale that is the same.
-  Remote remote{.state = leader->authority.state(),
-                .pose = said_.pose,
-                .contact = {},
-                .energy = tellable(EngageIndex(seat_.scale).at_hand(said_.energy)),
-                .gripper = said_.gripper,
-                .gripper_force = said_.gripper_force,
-                .age = std::max(0.0, seconds(now - robot_heard_))};
+  Remote remote{
+      .state = leader->authority.state(),
+      .pose = said_.pose,
+      .contact = {},
+      .energy = tellable(EngageIndex(seat_.scale, seat_.force_scale).at_hand(said_.energy)),
+      .gripper = said_.gripper,
+      .gripper_force = said_.gripper_force,
+      .age = std::max(0.0, seconds(now - robot_heard_))};
   // The contact of the hand is known only while hand and robot are engaged.
   if (!leader->engaged()) {
     if (seat_.aligned && leader->sample.index != 0) remote.turn = turn_missing(*leader);

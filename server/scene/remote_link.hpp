@@ -31,7 +31,7 @@ class RemoteLink {
   /// So many hands may lead at the same time, each with a share.
   static constexpr std::size_t kMostLeaders = SharedIndex::kMost;
 
-  explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale) {}
+  explicit RemoteLink(const RemoteSeat& seat) : seat_(seat), index_(seat.scale, seat.force_scale) {}
 
   /// A robot takes the seat. Hands and robots are numbered in one sequence, from 1. `own`: its
   /// limits in addition to those of the seat.

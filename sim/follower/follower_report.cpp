@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "client/run/link_states_json.hpp"
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {
@@ -43,7 +44,8 @@ std::string report_json(const FollowerSpec& robot, const FollowerRun& run,
       {"engagements", s.engagements},
       {"holds", s.holds},
       {"faulty_readings", s.faults},
-      {"largest_force_n", s.largest_force}};
+      {"largest_force_n", s.largest_force},
+      {"link", link_states_json(s.link_states)}};
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

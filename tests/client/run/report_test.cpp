@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -92,6 +93,54 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_EQ(written["hand_credit"]["steps_down"], servo.hand_credit()->steps_down);
   EXPECT_LT(written["hand_credit"]["damping_n_s_per_m"], BoundingConfig{}.hand_damping);
   EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
+}
+
+/// Each change of the state between the hand and its robot, with its time.
+TEST(Report, SaysTheStatesOfTheRobot) {
+  SessionParameters p;
+  p.local_model = true;
+  ServoOptions options;
+  options.leads = RemoteTrust{};
+  Servo servo(builtin_device("simulated"), p, options);
+  EXPECT_TRUE(report(*used_servo())["robot"].is_null());
+  const std::array<LinkState, 6> states = {LinkState::ready,   LinkState::ready, LinkState::engaged,
+                                           LinkState::engaged, LinkState::hold,  LinkState::ready};
+  Nanoseconds now{0};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    now += std::chrono::milliseconds(100);
+    servo.render({}, now);
+    servo.hold({});
+    servo.sent();
+    Reply reply;
+    reply.sample_index = i + 1;
+    reply.modelled = true;
+    reply.remote.emplace().state = states.at(i);
+    servo.take(reply, now);
+  }
+  const json changes = report(servo)["robot"]["changes"];
+  ASSERT_EQ(changes.size(), 4u);
+  EXPECT_EQ(changes[0]["state"], "ready");
+  EXPECT_EQ(changes[0]["time_s"], 0.0);
+  EXPECT_EQ(changes[1]["state"], "engaged");
+  EXPECT_NEAR(changes[1]["time_s"], 0.2, 1e-9);
+  EXPECT_EQ(changes[2]["state"], "hold");
+  EXPECT_EQ(changes[3]["state"], "ready");
+  EXPECT_NEAR(changes[3]["time_s"], 0.5, 1e-9);
+  EXPECT_EQ(report(servo)["robot"]["left_out"], 0);
+}
+
+TEST(LinkStates, KeepsTheFirstChangesAndCountsTheOthers) {
+  LinkStates states;
+  for (std::size_t i = 0; i < LinkStates::kMost + 7; ++i)
+    states.take(i % 2 == 0 ? LinkState::ready : LinkState::engaged, 1, Nanoseconds(i));
+  EXPECT_EQ(states.changes().size(), LinkStates::kMost);
+  EXPECT_EQ(states.left_out(), 7u);
+  EXPECT_EQ(states.changes()[0].state, LinkState::ready);
+  // Another robot's state is a change, also if it is the same.
+  LinkStates seats;
+  seats.take(LinkState::ready, 0, Nanoseconds(0));
+  seats.take(LinkState::ready, 1, Nanoseconds(1));
+  EXPECT_EQ(seats.changes().size(), 2u);
 }
 
 TEST(Report, TakesWhateverTheUsersOwnPortSays) {

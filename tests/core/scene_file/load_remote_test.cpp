@@ -28,6 +28,7 @@ TEST(LoadRemote, ARobotMayFollow) {
   ASSERT_EQ(usual.seats().size(), 1u);
   EXPECT_EQ(usual.seats()[0].name, "");
   EXPECT_EQ(usual.seats()[0].scale, 1.0);
+  EXPECT_EQ(usual.seats()[0].force_scale, 1.0);
   const Scene told =
       parse_scene(scene(R"(, "remote": {"scale": 0.5, "speed": 1, "force": 10})"), "s.json");
   EXPECT_EQ(told.seats()[0].scale, 0.5);
@@ -56,6 +57,11 @@ TEST(LoadRemote, ARobotMayFollow) {
       error_of(scene(R"(, "remote": {"aligned": {}, "workspace": {"lock": ["rotation"]}})")),
       HasSubstr("remote.aligned: has no meaning where workspace.lock has \"rotation\""));
   EXPECT_THAT(error_of(scene(R"(, "remote": {"force": 1e9})")), HasSubstr("remote.force"));
+  EXPECT_EQ(
+      parse_scene(scene(R"(, "remote": {"force_scale": 2})"), "s.json").seats()[0].force_scale,
+      2.0);
+  EXPECT_THAT(error_of(scene(R"(, "remote": {"force_scale": 0})")),
+              HasSubstr("remote.force_scale: is 0; give a number above 0, at most 100"));
 }
 
 TEST(LoadRemote, SeveralRobotsMayFollowEachOnASeatWithAName) {

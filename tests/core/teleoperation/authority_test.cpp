@@ -175,6 +175,22 @@ TEST(EngageIndex, ScalesMovementAndKeepsPower) {
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{kScale, 0.0, 0.0}).given, 1.0);
 }
 
+TEST(EngageIndex, ScalesForcesAndKeepsPower) {
+  constexpr double kScale = 0.25, kForceScale = 3.0;
+  EngageIndex index(kScale, kForceScale);
+  index.engage({}, {});
+  const RemoteContact contact{.surface = 1, .stiffness = 800.0};
+  const double depth = 0.01;                       // [m] of the robot
+  const double force = contact.stiffness * depth;  // [N] on it
+  const double at_hand = index.at_hand(contact).stiffness * depth / kScale;
+  EXPECT_DOUBLE_EQ(at_hand, kForceScale * force);
+  // What the spring holds at the robot, in the measure of the hand, and back.
+  const double held = 0.5 * force * depth, seen = 0.5 * at_hand * depth / kScale;
+  EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).given, seen);
+  EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).pushed, seen);
+  EXPECT_DOUBLE_EQ(index.at_robot(seen), held);
+}
+
 struct Largest {
   double speed = 0.0, acceleration = 0.0, jerk = 0.0;
 };

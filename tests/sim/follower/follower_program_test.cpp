@@ -144,6 +144,8 @@ TEST_F(FollowerProgram, TheArmSitsOnTheSeatAndIsWrittenDown) {
   EXPECT_EQ(report()["end"], "requested");
   EXPECT_EQ(report()["sessions"], 1);
   EXPECT_GT(report()["samples"], 20);
+  ASSERT_EQ(report()["link"]["changes"].size(), 1u);
+  EXPECT_EQ(report()["link"]["changes"][0]["state"], "disabled") << "no hand leads it";
 
   std::istringstream rows(text_of(folder_ / "robot.csv"));
   std::string row;

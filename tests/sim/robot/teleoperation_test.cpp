@@ -66,7 +66,7 @@ TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
 struct Pressed {
   double displayed = 0.0, swing = 0.0, robot_force = 0.0, hand_force = 0.0;
 };
-Pressed press(Teleoperation& bench) {
+Pressed press(Teleoperation& bench, double force_scale = 1.0) {
   bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
   bench.run(1.4);
   double low = 1e9, high = -1e9;
@@ -79,7 +79,8 @@ Pressed press(Teleoperation& bench) {
   const RemoteContact& contact = bench.servo.remote()->remote().contact;
   const double surface = contact.point.z() + lead.offset.z();
   const double depth = surface - bench.hand.true_position().z();
-  return {bench.force() / depth / kSeries, high - low, bench.robot.force().z(), bench.force()};
+  return {bench.force() / depth / (force_scale * kSeries), high - low, bench.robot.force().z(),
+          bench.force()};
 }
 
 TEST(Teleoperation, AWallThatTheServerDoesNotKnowIsFelt) {
@@ -91,6 +92,23 @@ TEST(Teleoperation, AWallThatTheServerDoesNotKnowIsFelt) {
   EXPECT_NEAR(pressed.hand_force, pressed.robot_force, 0.1 * pressed.robot_force);
   EXPECT_LE(pressed.swing, 50e-6);
   EXPECT_LE(bench.made(), 0.0);
+}
+
+TEST(Teleoperation, TheHandsForceMayBeScaled) {
+  for (const double scale : {0.25, 0.5, 3.0}) {
+    for (const char* link : {"delay=0", "delay=25,loss=2,seed=3"}) {
+      SCOPED_TRACE(std::string(link) + ", force_scale " + std::to_string(scale));
+      Teleoperation bench(link, {.force_scale = scale});
+      bench.engage();
+      const Pressed pressed = press(bench, scale);
+      EXPECT_NEAR(pressed.displayed, 1.0, 0.05);
+      EXPECT_GE(pressed.hand_force, 1.0);
+      EXPECT_NEAR(pressed.hand_force, scale * pressed.robot_force,
+                  0.1 * scale * pressed.robot_force);
+      EXPECT_LE(pressed.swing, 50e-6);
+      EXPECT_LE(bench.made(), 0.0);
+    }
+  }
 }
 
 TEST(Teleoperation, IsFeltOverADelayAndLoss) {
