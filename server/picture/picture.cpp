@@ -24,6 +24,7 @@ constexpr std::array<StateText, kHandStates> kStates = {{
     {"client_less", true,
      "The device holds less than the scene asks for: the client's energy bound, its account or one "
      "of its limits takes something off."},
+    {"moves_robot", false, "It moves a robot, and feels what the robot touches."},
 }};
 
 }  // namespace

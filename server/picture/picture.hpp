@@ -26,6 +26,7 @@ enum class HandState : std::uint8_t {
   refused,       // the newest movement was out of range
   recovering,    // moving objects were put back to a good state and are felt in part
   client_less,   // the device holds less than the newest command, and its client gives no reason
+  moves_robot,   // it moves a robot, and feels what the robot touches
   count_of_states
 };
 inline constexpr std::size_t kHandStates = static_cast<std::size_t>(HandState::count_of_states);

@@ -13,15 +13,19 @@ namespace {
 constexpr double kSmallForce = 0.01;  // [N] less is no force
 constexpr double kMuchLess = 0.9;     // share of the force asked for
 
-std::uint32_t states_of(const Session& session, bool recovering, bool silent) noexcept {
+std::uint32_t states_of(const Session& session, bool recovering, bool silent,
+                        bool moves_robot) noexcept {
   if (session.newest().index == 0) return bit(HandState::waiting);
   const SampleOutcome& outcome = session.outcome();
   const double asked = outcome.asked.force().norm();
   const double held = session.newest().held.force().norm();
-  std::uint32_t states = bit(asked > kSmallForce ? HandState::touching : HandState::free_space);
+  std::uint32_t states = 0;
   const auto put = [&](HandState state, bool holds) {
     if (holds) states |= bit(state);
   };
+  put(HandState::touching, asked > kSmallForce);
+  put(HandState::free_space, !(asked > kSmallForce) && !moves_robot);
+  put(HandState::moves_robot, moves_robot);
   put(HandState::silent, silent);
   put(HandState::gap, outcome.gap);
   put(HandState::server_bound, outcome.bounded);
@@ -48,7 +52,10 @@ PictureHand SceneSessions::picture_of(const SessionSlot& slot, Nanoseconds now) 
   PictureHand hand;
   hand.number = slot.number;
   const double age = seconds(now - slot.last_heard);
-  hand.states = states_of(session, recovering, age > session.parameters().hold_time);
+  const bool moves_robot =
+      slot.seat < seats_.size() && seats_[slot.seat].link.engages(slot.number);
+  hand.states =
+      states_of(session, recovering, age > session.parameters().hold_time, moves_robot);
   hand.samples = session.counters().samples;
   hand.missed = session.counters().missed;
   hand.report = session.report();

@@ -143,6 +143,9 @@ TEST(WorldArm, PressesOverADelayAndLoss) {
     bench.run(1.0);
     const SeenRobot pressed = bench.arm();
     const double arm = pressed.force.value_or(Vec3::Zero()).z(), hand = bench.force();
+    Picture picture;
+    bench.server->draw(picture, bench.now);
+    EXPECT_EQ(picture.hands.front().states, bit(HandState::moves_robot)) << "not free space";
     EXPECT_EQ(bench.server->link_state(0), engaged);
     EXPECT_LT(pressed.pose.position.z(), kTable);
     EXPECT_NEAR(bench.servo.remote()->remote().contact.stiffness, kSeries, 0.1 * kSeries);

@@ -5,8 +5,15 @@ import * as words from './words.js';
 
 const TOUCH = 1e-3;  // [N]
 
-/** @param {import('./hands.js').Hand} hand @returns {string} one sentence on what the hand does and feels */
-export function sentence(hand) {
+/**
+ * @param {import('./hands.js').Hand} hand @param {boolean} movesRobot whether it feels what its robot touches
+ * @returns {string} one sentence on what the hand does and feels
+ */
+export function sentence(hand, movesRobot = false) {
+  if (movesRobot) {
+    const beside = hand.commanded < TOUCH ? '' : ` The scene asks for ${words.force(hand.commanded)} beside.`;
+    return `It moves a robot and feels what the robot touches: the device renders ${words.force(hand.rendered)}.${beside}`;
+  }
   if (hand.commanded < TOUCH && hand.rendered < TOUCH) return 'It moves freely and touches nothing.';
   if (hand.commanded < TOUCH) return `The scene asks for no force, but the device still holds ${words.force(hand.rendered)}.`;
   const where = hand.floats[AT.depth] > 0 ? `It presses ${words.depth(hand.floats[AT.depth])} deep. ` : '';
@@ -35,12 +42,14 @@ export class Why {
     this.list = list;
     this.items = [];
     this.smallDebt = 0;
+    this.moving = -1;  // the reason of a hand that moves a robot
   }
 
   /** @param {{reasons?: {name: string, text: string, cuts?: boolean}[], small_debt?: number}} hello of the server; cuts: it takes force off */
   hello({reasons = [], small_debt: smallDebt = 0}) {
     this.smallDebt = smallDebt;
     this.list.replaceChildren();
+    this.moving = reasons.findIndex(({name}) => name === 'moves_robot');
     this.items = reasons.map((reason) => {
       const [item, text, share] = ['li', 'span', 'b'].map((tag) => document.createElement(tag));
       text.textContent = reason.text;
@@ -55,8 +64,9 @@ export class Why {
 
   /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came @param {object | undefined} session of the hand */
   show(hand, seen, session) {
-    this.#write(this.text, hand ? sentence(hand) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
     const active = hand?.activeReasons() ?? [];
+    const movesRobot = active.includes(this.moving);
+    this.#write(this.text, hand ? sentence(hand, movesRobot) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
     this.items.forEach(({item, share}, bit) => {
       item.hidden = !active.includes(bit);
       if (!item.hidden) this.#write(share, `${Math.max(1, Math.round(100 * hand.share[bit]))} % of the time`);
