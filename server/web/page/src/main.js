@@ -1,6 +1,5 @@
 // The live page: connects, keeps the newest picture, and draws.
 
-import './early.js';  // First: it runs before the rest.
 import {Admin, make} from './admin.js';
 import {Connection} from './connection.js';
 import {Foxglove} from './foxglove.js';
