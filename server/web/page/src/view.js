@@ -23,6 +23,7 @@ export class View {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({canvas, context: makeContext(canvas)});
+    this.renderer.debug.checkShaderErrors = false;  // To ask for them waits for each shader.
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
@@ -125,9 +126,19 @@ export class View {
       this.surfaces.show(this.chosen);
       this.robots.show(this.picture, how);
     }
-    this.renderer.render(this.scene, this.camera);
+    if (this.frames === 0 && this.picture) this.#renderFirst();
+    else this.renderer.render(this.scene, this.camera);
     this.frames += 1;
     return true;
+  }
+
+  /** The first picture has the objects, the hands and their forces. What needs more shaders comes with the next frame. */
+  #renderFirst() {
+    const later = [this.axes, this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh].filter(({visible}) => visible);
+    for (const mesh of later) mesh.visible = false;
+    this.renderer.render(this.scene, this.camera);
+    for (const mesh of later) mesh.visible = true;
+    this.stale = later.length > 0;
   }
 
   /** Puts the camera where the whole box is seen, from the side that `direction` points to. */
