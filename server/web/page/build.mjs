@@ -9,11 +9,11 @@ import {build} from 'esbuild';
 const out = process.argv[2];
 mkdirSync(out, {recursive: true});
 
-/** @param {string} entry @returns {Promise<Buffer>} one file that needs no other */
-async function bundle(entry) {
+/** @param {string} entry @param {string[]} [external] files that stay files of their own @returns {Promise<Buffer>} one file with all others in it */
+async function bundle(entry, external = []) {
   const made = await build({
     entryPoints: [entry], bundle: true, minify: true, write: false, format: 'esm', target: ['es2022', 'chrome100', 'firefox100', 'safari15.4'],
-    legalComments: 'none', logLevel: 'warning',
+    legalComments: 'none', logLevel: 'warning', external,
   });
   return Buffer.from(made.outputFiles[0].contents);
 }
@@ -21,12 +21,15 @@ async function bundle(entry) {
 const licenses = ['fzstd', 'three', 'uplot'].map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8')}`);
 const text = (content) => content.toString('utf8');
 const page = text(readFileSync('index.html'));
-const script = text(await bundle('src/main.js'));
+const early = await bundle('src/early.js');
+const script = await bundle('src/main.js', ['./early.js']);
+const wholeScript = text(await bundle('src/main.js'));
 const style = text(await bundle('style.css'));
 const assets = [
   ['/', 'text/html; charset=utf-8', Buffer.from(page)],
   ['/replay', 'text/html; charset=utf-8', Buffer.from(page)],  // The same page, which asks for no token there.
-  ['/app.js', 'text/javascript; charset=utf-8', Buffer.from(script)],
+  ['/early.js', 'text/javascript; charset=utf-8', early],
+  ['/app.js', 'text/javascript; charset=utf-8', script],
   ['/style.css', 'text/css; charset=utf-8', Buffer.from(style)],
   ['/icon.svg', 'image/svg+xml', readFileSync('icon.svg')],
   ['/licenses.txt', 'text/plain; charset=utf-8', Buffer.from(licenses.join('\n\n'))],
@@ -67,7 +70,7 @@ writeFileSync(join(out, 'assets.json'), JSON.stringify(assets.map(({path, type, 
 
 /** The page as one file, which a browser opens without any server. Its policy allows its own script and style, and no connection. */
 function wholePage() {
-  const inner = script.replaceAll('</script', '<\\/script');
+  const inner = wholeScript.replaceAll('</script', '<\\/script');
   const hash = (content) => `'sha256-${createHash('sha256').update(content).digest('base64')}'`;
   const policy = `default-src 'none'; script-src ${hash(inner)}; style-src ${hash(style)}; img-src data:; base-uri 'none'; form-action 'none'`;
   const icon = `data:image/svg+xml;base64,${readFileSync('icon.svg').toString('base64')}`;
@@ -76,7 +79,7 @@ function wholePage() {
     ['<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy}">`],
     ['<link rel="icon" href="icon.svg">', `<link rel="icon" href="${icon}">`],
     ['<link rel="stylesheet" href="style.css">', `<style>${style}</style>`],
-    ['<script type="module" src="app.js"></script>', `<script type="module">${inner}</script>`],
+    ['<script type="module" src="early.js"></script>\n<script type="module" src="app.js"></script>', `<script type="module">${inner}</script>`],
     ['<a href="licenses.txt" target="_blank" rel="noopener">Licences</a>', `<details><summary>Licences</summary><pre>${escaped}</pre></details>`],
   ];
   let whole = page;

@@ -1,6 +1,7 @@
-// Opens the connection before the rest of the script runs: the server's first messages travel while the 3D view is made. main.js imports
-// it first; modules run in the order of imports.
+// Opens the connection and makes the context of the 3D view before app.js has arrived: the server's first messages travel, and the
+// browser's process for graphics starts, while the browser reads that script. A file of its own; app.js imports the same file.
 
+import {makeContext} from './context.js';
 import {openSocket, takeToken} from './socket.js';
 import {standsAlone} from './stands_alone.js';
 
@@ -13,6 +14,7 @@ if (token) {
   socket.onmessage = (event) => events.push(event);
   socket.onclose = (event) => events.push(event);
   early = {token, socket, events};
+  makeContext(document.getElementById('canvas'));
 }
 
 /**

@@ -24,8 +24,8 @@ export class HandView {
   constructor() {
     this.group = new Group();
     const flat = (opacity) => new MeshBasicMaterial({transparent: true, opacity, depthTest: false, depthWrite: false});
-    this.discs = new Pool(disc, new MeshBasicMaterial({transparent: true, opacity: 0.28, depthTest: false, depthWrite: false, side: 2}), this.group, 2);
-    this.pens = new Pool(pen, new MeshLambertMaterial(), this.group, 3);
+    this.discs = new Pool(disc, new MeshBasicMaterial({transparent: true, opacity: 0.28, depthTest: false, depthWrite: false, side: 2, forceSinglePass: true}), this.group, 2);
+    this.pens = new Pool(pen, new MeshLambertMaterial({side: 2}), this.group, 3);
     this.rods = new Pool(rodShape, flat(1), this.group, 4);
     this.tips = new Pool(ball, flat(1), this.group, 8);
     this.proxies = new Pool(ball, flat(0.85), this.group, 4);

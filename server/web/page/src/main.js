@@ -1,6 +1,5 @@
 // The live page: connects, keeps the newest picture, and draws.
 
-import './early.js';  // First: it runs before the rest.
 import {Admin, make} from './admin.js';
 import {Connection} from './connection.js';
 import {Foxglove} from './foxglove.js';
@@ -245,6 +244,7 @@ let written = 0;
 
 function step(now) {
   if (replay.active) return;
+  if (drawn) page.firstPicture ??= performance.now();  // [ms] since the page was asked for: the next frame begins, so it is on the screen
   requestAnimationFrame(step);
   if (arrived) {
     arrived = false;
@@ -259,10 +259,7 @@ function step(now) {
   // Where it is drawn in software, frames of an empty view would put off the first picture.
   if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
     labels.move(view);
-    if (page.pictures > 0 && !drawn) {
-      drawn = true;
-      requestAnimationFrame(() => (page.firstPicture = performance.now()));  // [ms] since the page was asked for: it is on the screen
-    }
+    drawn ||= page.pictures > 0;
   }
   if (page.firstPicture !== null || now > PLOT_PATIENCE) plots.begin();
   if (now - plotted > PLOT_PERIOD && !page.held) {

@@ -41,8 +41,8 @@ export class Objects {
     const object = this.described.get(geometry.index);
     if (!object || geometry.version !== this.version || geometry.corners.length === 0) return;
     if (!object.moves) {
-      const mesh = new Mesh(makeGeometry(geometry), makeMaterial(object));
-      mesh.material.color.copy(colorOf(object));
+      const mesh = new InstancedMesh(makeGeometry(geometry), makeMaterial(object), 1);  // One copy: it needs no other shader than those that move.
+      mesh.setColorAt(0, colorOf(object));
       this.still.push({index: geometry.index, geometry: mesh.geometry});
       this.group.add(mesh);
       return;

@@ -1,6 +1,6 @@
 // Many copies of one shape in one draw call.
 
-import {Color, DynamicDrawUsage, InstancedMesh, Matrix4, Quaternion, Vector3} from 'three';
+import {Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedMesh, Matrix4, Quaternion, Vector3} from 'three';
 
 const matrix = new Matrix4();
 const color = new Color();
@@ -23,6 +23,7 @@ export class Pool {
     this.parent = parent;
     this.renderOrder = renderOrder;
     this.count = 0;
+    this.tinted = false;  // whether a copy has a colour of its own
     this.#grow(16);
   }
 
@@ -34,7 +35,10 @@ export class Pool {
   add(position, quaternion, scale, tint) {
     if (this.count === this.mesh.instanceMatrix.count) this.#grow(2 * this.count);
     this.mesh.setMatrixAt(this.count, matrix.compose(position, quaternion, scale));
-    if (tint) this.mesh.setColorAt(this.count, color.set(tint));
+    if (tint) {
+      this.mesh.setColorAt(this.count, color.set(tint));
+      this.tinted = true;
+    }
     this.count += 1;
   }
 
@@ -49,8 +53,8 @@ export class Pool {
   done() {
     this.mesh.count = this.count;
     this.mesh.visible = this.count > 0;  // Else it costs a draw call.
-    for (const attribute of [this.mesh.instanceMatrix, this.mesh.instanceColor]) {
-      if (!attribute || this.count === 0) continue;
+    for (const attribute of this.tinted ? [this.mesh.instanceMatrix, this.mesh.instanceColor] : [this.mesh.instanceMatrix]) {
+      if (this.count === 0) continue;
       attribute.clearUpdateRanges();
       attribute.addUpdateRange(0, attribute.itemSize * this.count);
       attribute.needsUpdate = true;
@@ -60,6 +64,8 @@ export class Pool {
   #grow(capacity) {
     const mesh = new InstancedMesh(this.geometry, this.material, capacity);
     mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    // White: so all pools have the same shader, with or without colours of the copies.
+    mesh.instanceColor = new InstancedBufferAttribute(new Float32Array(3 * capacity).fill(1), 3).setUsage(DynamicDrawUsage);
     mesh.frustumCulled = false;
     mesh.renderOrder = this.renderOrder;
     mesh.count = this.count;  // None is drawn before done().
@@ -67,7 +73,6 @@ export class Pool {
       for (let i = 0; i < this.count; ++i) {
         this.mesh.getMatrixAt(i, matrix);
         mesh.setMatrixAt(i, matrix);
-        if (!this.mesh.instanceColor) continue;
         this.mesh.getColorAt(i, color);
         mesh.setColorAt(i, color);
       }

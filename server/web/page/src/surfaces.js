@@ -22,7 +22,7 @@ export class Surfaces {
     geometry.setAttribute('position', this.places);
     geometry.setAttribute('color', this.colors);
     geometry.setIndex(cornersOf(MOST));
-    this.mesh = new Mesh(geometry, new MeshBasicMaterial({vertexColors: true, transparent: true, depthTest: false, depthWrite: false, side: 2}));
+    this.mesh = new Mesh(geometry, new MeshBasicMaterial({vertexColors: true, transparent: true, depthTest: false, depthWrite: false, side: 2, forceSinglePass: true}));
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = 1;
     this.words = null;

@@ -5,6 +5,7 @@ import {
   WebGLRenderer,
 } from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {makeContext} from './context.js';
 import {HandView, toolPlace} from './hand_view.js';
 import {AT} from './messages.js';
 import {Objects} from './objects.js';
@@ -21,7 +22,8 @@ export class View {
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({canvas, antialias: true, powerPreference: 'high-performance'});
+    this.renderer = new WebGLRenderer({canvas, context: makeContext(canvas)});
+    this.renderer.debug.checkShaderErrors = false;  // To ask for them waits for each shader.
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
@@ -124,9 +126,19 @@ export class View {
       this.surfaces.show(this.chosen);
       this.robots.show(this.picture, how);
     }
-    this.renderer.render(this.scene, this.camera);
+    if (this.frames === 0 && this.picture) this.#renderFirst();
+    else this.renderer.render(this.scene, this.camera);
     this.frames += 1;
     return true;
+  }
+
+  /** The first picture has the objects, the hands and their forces. What needs more shaders comes with the next frame. */
+  #renderFirst() {
+    const later = [this.axes, this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh].filter(({visible}) => visible);
+    for (const mesh of later) mesh.visible = false;
+    this.renderer.render(this.scene, this.camera);
+    for (const mesh of later) mesh.visible = true;
+    this.stale = later.length > 0;
   }
 
   /** Puts the camera where the whole box is seen, from the side that `direction` points to. */
@@ -255,10 +267,11 @@ export class View {
 
   #resize() {
     const {clientWidth, clientHeight} = this.canvas.parentElement;
-    this.width = Math.max(clientWidth, 1);
-    this.height = Math.max(clientHeight, 1);
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.setSize(this.width, this.height);
+    const [width, height, ratio] = [Math.max(clientWidth, 1), Math.max(clientHeight, 1), Math.min(devicePixelRatio, 2)];
+    if (width === this.width && height === this.height && ratio === this.renderer.getPixelRatio()) return;  // Else the canvas is made anew.
+    [this.width, this.height] = [width, height];
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height);
     this.camera.aspect = this.width / this.height;
     this.camera.updateProjectionMatrix();
     this.stale = true;
