@@ -14,10 +14,9 @@
 #include "client/servo/servo.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/simulated_mass.hpp"
+#include "tests/devices/tick.hpp"
 
 namespace feltwire::testing {
-
-inline constexpr double kTick = 1e-3;  // [s]
 
 inline Vec3 vec(const stand_in::Three& v) { return {v[0], v[1], v[2]}; }
 

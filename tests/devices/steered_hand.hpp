@@ -10,13 +10,13 @@
 #include "client/devices/steered_device.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/input_stand_in.hpp"
+#include "tests/devices/tick.hpp"
 
 namespace feltwire::testing {
 
 using Maker = void (*)(stand_in::InputDevice&);
 
 inline constexpr int kFull = 32767;
-inline constexpr double kTick = 1e-3;  // [s]
 
 struct Steered : ::testing::Test {
   EventNode node() {

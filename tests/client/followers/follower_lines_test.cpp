@@ -12,7 +12,7 @@
 namespace feltwire::follower_lines {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::string kHello = "follower 1 name=arm period=0.005 stiffness=800";
 const std::string kState = "state 7 pose=1,2,3,1,0,0,0 commanded=1,2,4,0,1,0,0";

@@ -25,8 +25,8 @@ namespace feltwire::socket_follower_test {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr Nanoseconds kSoon = std::chrono::seconds(20);
 const std::string kHello = "follower 1 name=arm period=0.005 stiffness=800\n";
@@ -70,7 +70,7 @@ class Driver {
   int socket_;
 };
 
-class SocketFollowerTest : public testing::Test {
+class SocketFollowerTest : public ::testing::Test {
  protected:
   std::filesystem::path path() const { return folder_ / "driver"; }
   std::unique_ptr<SocketFollower> joined() {
@@ -192,7 +192,7 @@ TEST_F(SocketFollowerTest, ADriverThatDoesNotReadGetsFewOldTargetsAndWholeLines)
   follower->read(milliseconds(5));
   follower->write(target_at(0.75));
   text += driver_.heard();
-  ASSERT_THAT(text, testing::EndsWith("pose=0.75,0,0,1,0,0,0 gripper=0\n"));
+  ASSERT_THAT(text, ::testing::EndsWith("pose=0.75,0,0,1,0,0,0 gripper=0\n"));
   for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
     EXPECT_EQ(text.compare(at, 7, "target "), 0) << text.substr(at, 40);
 }
@@ -205,11 +205,11 @@ TEST_F(SocketFollowerTest, AHoldThatFindsNoRoomIsSaidAsSoonAsThereIsSome) {
   follower->hold();
   follower->read(milliseconds(1));
   std::string text = driver_.heard();
-  EXPECT_THAT(text, testing::Not(HasSubstr("hold")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("hold")));
   follower->read(milliseconds(2));
   follower->read(milliseconds(3));
   text += driver_.heard();
-  EXPECT_THAT(text, testing::EndsWith("\nhold\n"));
+  EXPECT_THAT(text, ::testing::EndsWith("\nhold\n"));
 }
 
 TEST_F(SocketFollowerTest, AllocatesNothing) {
