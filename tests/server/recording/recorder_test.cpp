@@ -128,7 +128,8 @@ TEST(Recorder, AFlightRecordThatIsAskedForIsNamed) {
   };
   const auto file = asked();
   ASSERT_TRUE(file.has_value());
-  EXPECT_EQ(messages_of(*file, "/scene/events"), kSamples + 1) << "with the join";
+  // With the join, and a check for each second that the samples took.
+  EXPECT_GE(messages_of(*file, "/scene/events"), kSamples + 1);
   std::filesystem::remove_all(folder / "flights");
   EXPECT_EQ(asked(), std::nullopt);
 }
