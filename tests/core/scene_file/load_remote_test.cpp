@@ -166,7 +166,7 @@ TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
   const std::string file = FELTWIRE_SOURCE_DIR "/scenes/arm/s.json";
   const auto scene = [](const std::string& rest) {
     return R"({"name": "s", "materials": [{"name": "m", "stiffness": 100}],
-      "mjcf": {"file": "cell.xml", "material": "m"}, )" +
+      "mjcf": {"file": "workcell.xml", "material": "m"}, )" +
            rest + "}";
   };
   const auto place = [](const Scene& of, const char* object) {
@@ -196,7 +196,7 @@ TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
               HasSubstr("remote.arm.stiffness: is 0; give a finite number above 0"));
   EXPECT_THAT(error_of(scene(R"("remote": {"arm": {"prefix": "left_"}})"), file),
               HasSubstr("mjcf.file: " FELTWIRE_SOURCE_DIR
-                        "/scenes/arm/cell.xml: has no joint 'left_joint1'; an arm has the hinge "
+                        "/scenes/arm/workcell.xml: has no joint 'left_joint1'; an arm has the hinge "
                         "joints left_joint1 to left_joint7"));
   EXPECT_THAT(
       error_of(scene(R"("remotes": [{"name": "a", "arm": {}}, {"name": "b", "arm": {}}])"), file),

@@ -148,7 +148,7 @@ TEST(ReplayOfARobot, IsBitEqual) {
 
 /// An arm of the scene's own world is computed again, with the noise of its sensor.
 TEST(ReplayOfAnArm, IsBitEqual) {
-  RecordedScene scene(repository_scene("arm/cell.json"));
+  RecordedScene scene(repository_scene("arm/workcell.json"));
   scene.join(kA);
   SceneSessions& sessions = scene.exchange.sessions;
   double lowest = 1.0;

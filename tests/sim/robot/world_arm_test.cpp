@@ -1,4 +1,4 @@
-// A hand leads the arm of the server's own world (scenes/arm/cell.json): it presses on the mat and
+// A hand leads the arm of the server's own world (scenes/arm/workcell.json): it presses on the mat and
 // lifts the box, over sealed datagrams and an emulated link. Nobody else moves the arm.
 
 #include <gmock/gmock.h>
@@ -18,14 +18,14 @@ using enum LinkState;
 using ::testing::HasSubstr;
 
 constexpr double kTable = 0.3;  // [m] height, scenes/arm/table.xml
-constexpr double kMat = 0.3;    // [m] height, scenes/arm/cell.xml
+constexpr double kMat = 0.3;    // [m] height, scenes/arm/workcell.xml
 // The arm's spring and the table's, one behind the other.
 constexpr double kSeries = 1000.0 * 5000.0 / 6000.0;  // [N/m]
 constexpr double kBoxHalf = 0.02;                     // [m]
 constexpr double kOpen = 0.08;                        // [m] of the gripper
 const Vec3 kOverBox(0.45, 0.0, 0.36);                 // [m] of the tool
 
-Scene arm_scene() { return load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/cell.json"); }
+Scene arm_scene() { return load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/workcell.json"); }
 /// With a table of 5 kN/m, 0.3 m high.
 Scene table_scene() {
   return parse_scene(R"({ "name": "arm", "materials": [{ "name": "steel", "stiffness": 2000 }],
