@@ -1,7 +1,6 @@
 // arm_tick/SCENE: a servo period of the simulated arm with its controller (two steps of physics):
 // `arm` in free space, `table` pressing on it, `box` with a box in its gripper.
-// world_arm/*: a step of the server's world of scenes/arm/workcell.json, `driven` with what its arm
-// does in it, `alone` without.
+// world_arm: a step of the server's world of scenes/arm/workcell.json, with its arm at home.
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +36,7 @@ void tick(benchmark::State& state, const std::string& scene, const Vec3& place, 
   for (auto _ : state) benchmark::DoNotOptimize(next());
 }
 
-void world(benchmark::State& state, bool driven) {
+void world_arm(benchmark::State& state) {
   const Scene scene = load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/workcell.json");
   World world(scene);
   WorldArm arm(scene.seats().front(), world);
@@ -45,15 +44,14 @@ void world(benchmark::State& state, bool driven) {
   link.sit(1);
   Nanoseconds now{0};
   for (auto _ : state) {
-    if (driven) arm.drive(world, link, now);
+    arm.drive(world, link, now);
     benchmark::DoNotOptimize(world.step());
-    if (driven) arm.sense(world);
+    arm.sense(world);
     now += std::chrono::milliseconds(1);
   }
 }
 
-BENCHMARK_CAPTURE(world, driven, true)->Name("world_arm/driven");
-BENCHMARK_CAPTURE(world, alone, false)->Name("world_arm/alone");
+BENCHMARK(world_arm);
 BENCHMARK_CAPTURE(tick, arm, "arm", Vec3(0.45, 0.0, 0.4), 0.08)->Name("arm_tick/arm");
 BENCHMARK_CAPTURE(tick, table, "table", Vec3(0.45, 0.0, 0.29), 0.0)->Name("arm_tick/table");
 BENCHMARK_CAPTURE(tick, box, "box", Vec3(0.45, 0.0, 0.225), 0.03)->Name("arm_tick/box");
