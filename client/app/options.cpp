@@ -67,9 +67,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--firmware", words.firmware,
                  "FILE with the maker's firmware, which a Falcon forgets when its power is off");
-  app.add_option("--lead", words.lead,
-                 "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
-                 "simulated or recorded hand holds its enabling switch from this time on, 0.2 or later");
+  app.add_option(
+      "--lead", words.lead,
+      "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
+      "simulated or recorded hand holds its enabling switch from this time on, 0.2 or later");
   app.add_option("--robot", options.robot,
                  "Name of the seat whose robot it leads, in a scene with several. When not given: "
                  "the scene's first");

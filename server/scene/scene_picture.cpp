@@ -52,10 +52,8 @@ PictureHand SceneSessions::picture_of(const SessionSlot& slot, Nanoseconds now) 
   PictureHand hand;
   hand.number = slot.number;
   const double age = seconds(now - slot.last_heard);
-  const bool moves_robot =
-      slot.seat < seats_.size() && seats_[slot.seat].link.engages(slot.number);
-  hand.states =
-      states_of(session, recovering, age > session.parameters().hold_time, moves_robot);
+  const bool moves_robot = slot.seat < seats_.size() && seats_[slot.seat].link.engages(slot.number);
+  hand.states = states_of(session, recovering, age > session.parameters().hold_time, moves_robot);
   hand.samples = session.counters().samples;
   hand.missed = session.counters().missed;
   hand.report = session.report();

@@ -194,10 +194,11 @@ TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
 
   EXPECT_THAT(error_of(scene(R"("remote": {"arm": {"stiffness": 0}})"), file),
               HasSubstr("remote.arm.stiffness: is 0; give a finite number above 0"));
-  EXPECT_THAT(error_of(scene(R"("remote": {"arm": {"prefix": "left_"}})"), file),
-              HasSubstr("mjcf.file: " FELTWIRE_SOURCE_DIR
-                        "/scenes/arm/workcell.xml: has no joint 'left_joint1'; an arm has the hinge "
-                        "joints left_joint1 to left_joint7"));
+  EXPECT_THAT(
+      error_of(scene(R"("remote": {"arm": {"prefix": "left_"}})"), file),
+      HasSubstr("mjcf.file: " FELTWIRE_SOURCE_DIR
+                "/scenes/arm/workcell.xml: has no joint 'left_joint1'; an arm has the hinge "
+                "joints left_joint1 to left_joint7"));
   EXPECT_THAT(
       error_of(scene(R"("remotes": [{"name": "a", "arm": {}}, {"name": "b", "arm": {}}])"), file),
       HasSubstr("remotes[1].arm.prefix: is '' as for the seat 'a'; an arm has one seat"));

@@ -1,5 +1,5 @@
-// A hand leads the arm of the server's own world (scenes/arm/workcell.json): it presses on the mat and
-// lifts the box, over sealed datagrams and an emulated link. Nobody else moves the arm.
+// A hand leads the arm of the server's own world (scenes/arm/workcell.json): it presses on the mat
+// and lifts the box, over sealed datagrams and an emulated link. Nobody else moves the arm.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
