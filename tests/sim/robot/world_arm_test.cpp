@@ -181,10 +181,10 @@ TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   bench.join(other, 0x900);
   bench.others.push_back(&other);
   const Vec3 in_mat(0.4, 0.2, kMat - 0.01);
-  bench.hand.put(in_mat);
+  bench.hand.put(Vec3(0.4, 0.2, kMat + 0.01));
   other.hand.put(Vec3(0.4, 0.2, kMat + 0.01));
   bench.run(0.3);
-  other.hand.meant = in_mat;
+  bench.hand.meant = other.hand.meant = in_mat;
   double felt = 0.0, led = 0.0;
   for (int n = 0; n < 1000; ++n) {
     bench.tick();
