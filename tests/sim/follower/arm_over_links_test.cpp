@@ -33,6 +33,9 @@ struct Ended {
   json hand, robot;
   std::vector<std::string> states;  // between hand and robot, in their order
   bool late() const { return hand["servo_wakeup_late_us"]["max"].get<double>() > kLate; }
+  bool has(const char* state) const { return std::ranges::find(states, state) != states.end(); }
+  /// A pause of a tenth of a second, of any of the programs, ends the engagement.
+  bool disturbed() const { return late() || has("hold") || has("fault"); }
 };
 
 /// A server with a scene for each link, whose only seat is for an arm over a table.
@@ -95,14 +98,15 @@ class ArmOverLinks : public ::testing::Test {
     }
     return ended;
   }
-  /// Again where the machine paused; empty: it always did.
+  /// Again where the machine paused, three times at most; empty: it paused in the last one, too.
   std::vector<Ended> run_in_time(const std::vector<Link>& links,
                                  const std::vector<std::string>& hand) {
-    for (int tries = 0; tries < 3; ++tries) {
-      std::vector<Ended> ended = run(links, hand);
-      if (HasFailure() || std::ranges::none_of(ended, &Ended::late)) return ended;
+    std::vector<Ended> ended = run(links, hand);
+    for (int more = 2; more > 0 && !HasFailure(); --more) {
+      if (std::ranges::none_of(ended, &Ended::disturbed)) return ended;
+      ended = run(links, hand);
     }
-    return {};
+    return std::ranges::any_of(ended, &Ended::late) ? std::vector<Ended>{} : ended;
   }
 
   testing::TemporaryFolder folder_;
@@ -114,7 +118,7 @@ void expect_sound(const Ended& ended) {
   EXPECT_GE(ended.hand["least_energy_margin_j"], 0.0) << "the hand was given energy";
   EXPECT_EQ(ended.hand["bound_violations"], 0);
   EXPECT_LE(ended.robot["largest_force_n"], 20.0);
-  EXPECT_NE(std::ranges::find(ended.states, "engaged"), ended.states.end());
+  EXPECT_TRUE(ended.has("engaged"));
 }
 
 TEST_F(ArmOverLinks, TheTableIsFeltAndARecordedHandIsCutOff) {
@@ -143,7 +147,7 @@ TEST_F(ArmOverLinks, TheTableIsFeltAndARecordedHandIsCutOff) {
       run(cut, {"--device", "replay:" + (folder_ / "recorded.csv").string(), "--lead", "0.3"})
           .front();
   expect_sound(ended);
-  EXPECT_NE(std::ranges::find(ended.states, "hold"), ended.states.end());
+  EXPECT_TRUE(ended.has("hold") || ended.has("fault"));
   EXPECT_GE(ended.robot["holds"], 1);
   // The switch is still held, so the robot stays where it stopped: for the last second.
   std::istringstream rows(text_of(file(0, "robot.csv")));
