@@ -114,16 +114,19 @@ bool DrivenArm::weigh(const mjData& data) noexcept {
   return inside_->force.allFinite() && inside_->torque.allFinite();
 }
 
-bool DrivenArm::judge(bool done, const mjData& data) noexcept {
+void DrivenArm::judge(bool done, const mjData& data) noexcept {
   FollowerReading& reading = inside_->reading;
   reading.ok = done;
   const bool too_much = length(inside_->force) > inside_->control.stop_force ||
                         length(inside_->torque) > inside_->control.stop_torque;
-  if (done && too_much && !reading.stopped) {
-    reading.stopped = true;
-    hold(data);
-  }
-  return done;
+  if (!done || !too_much || reading.stopped) return;
+  reading.stopped = true;
+  hold(data);
+}
+
+bool DrivenArm::is_calm() const noexcept {
+  return length(inside_->force) < 0.5 * inside_->control.stop_force &&
+         length(inside_->torque) < 0.5 * inside_->control.stop_torque;
 }
 
 const FollowerReading& DrivenArm::read(const mjData& data, std::uint64_t n) noexcept {

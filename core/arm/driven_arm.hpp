@@ -63,14 +63,16 @@ class DrivenArm {
   bool drive(mjData_& data) noexcept;
   /// Takes the wrench from the sensors. False: it is not finite.
   bool weigh(const mjData_& data) noexcept;
-  /// Stops the arm if the wrench is too large. False, and the reading is not ok from now on: `done`
-  /// is false.
-  bool judge(bool done, const mjData_& data) noexcept;
+  /// Stops the arm if the wrench is too large. `done`: the step succeeded, and weigh() did; the
+  /// reading is ok only then.
+  void judge(bool done, const mjData_& data) noexcept;
   /// The reading; `n` numbers the noise.
   const FollowerReading& read(const mjData_& data, std::uint64_t n) noexcept;
   /// The last one.
   const FollowerReading& reading() const noexcept;
 
+  /// Whether the force and the torque on the tool are below half of what stops the arm.
+  bool is_calm() const noexcept;
   /// Ends a protective stop.
   void resume() noexcept;
   /// The simulation was put back to an older state: the arm holds its place there, and feels

@@ -27,8 +27,8 @@ using KnownSurfaces = std::vector<bool>;
 /// a mark, and do not end the reach. It never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
                        const KnownSurfaces& known = {}) noexcept;
-/// The same with the view's objects at these places. For a process that is told where the bodies
-/// are and does not simulate them.
+/// The same, with the objects of the view at the places in `objects`. A process that does not
+/// simulate the bodies, and is told their places, calls it.
 LocalModel local_model(const ToolView& view, const std::vector<Object>& objects,
                        const Vec3& position, const TouchMemory& memory) noexcept;
 /// The same, with the moving objects at their present poses. Their patches have the velocity of the

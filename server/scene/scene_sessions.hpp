@@ -214,7 +214,6 @@ class SceneSessions {
   void take_over(const Scene& scene, std::unique_ptr<World> world,
                  std::vector<Seat> seats) noexcept;
   std::vector<Seat> seats_of(const Scene& scene, World* world) const;
-  void drive_arms(Nanoseconds now) noexcept;
   bool has_same_seats(const Scene& scene) const noexcept;
   std::vector<GoodbyeDatagram> end_all(GoodbyeReason reason) noexcept;
   control::Message join(control::JoinRequest request, std::uint64_t id, const SessionKeys& keys,

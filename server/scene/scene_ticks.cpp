@@ -22,17 +22,13 @@ void SceneSessions::tick(Nanoseconds now) noexcept {
   while (now - last_tick_ >= tick_) {
     for (const auto& slot : slots_)
       if (!slot->disturbing) slot->session.push(seconds(last_tick_ - slot->last_heard));
-    drive_arms(last_tick_ + tick_);
+    for (Seat& seat : seats_)
+      if (seat.arm) seat.arm->drive(*world_, seat.link, last_tick_ + tick_);
     if (!world_->step()) blame(now);
     for (Seat& seat : seats_)
       if (seat.arm) seat.arm->sense(*world_);
     last_tick_ += tick_;
   }
-}
-
-void SceneSessions::drive_arms(Nanoseconds now) noexcept {
-  for (Seat& seat : seats_)
-    if (seat.arm) seat.arm->drive(*world_, seat.link, now);
 }
 
 std::optional<Nanoseconds> SceneSessions::next_tick() const {

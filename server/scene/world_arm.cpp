@@ -13,8 +13,7 @@ FollowerOptions options_of(const RemoteSeat& seat) {
 }  // namespace
 
 WorldArm::WorldArm(const RemoteSeat& seat, World& world)
-    : control_(*seat.arm),
-      arm_(control_, world.tick(), "the scene's mjcf", world.model(), world.state()),
+    : arm_(*seat.arm, world.tick(), "the scene's mjcf", world.model(), world.state()),
       servo_(arm_.spec(), options_of(seat)) {}
 
 void WorldArm::drive(World& world, RemoteLink& link, Nanoseconds now) noexcept {
@@ -39,10 +38,7 @@ void WorldArm::sense(World& world) noexcept {
 }
 
 void WorldArm::end_stop(double elapsed) noexcept {
-  const FollowerReading& reading = arm_.reading();
-  const bool calm = reading.force.value_or(Vec3::Zero()).norm() < 0.5 * control_.stop_force &&
-                    reading.torque.norm() < 0.5 * control_.stop_torque;
-  calm_ = calm ? calm_ + elapsed : 0.0;
+  calm_ = arm_.is_calm() ? calm_ + elapsed : 0.0;
   if (calm_ < kStopped) return;
   calm_ = 0.0;
   arm_.resume();

@@ -33,7 +33,6 @@ class WorldArm {
  private:
   void end_stop(double elapsed) noexcept;
 
-  ArmControl control_;
   DrivenArm arm_;
   FollowerServo servo_;
   std::uint64_t resets_ = 0;  // the world's, as far as the arm knows

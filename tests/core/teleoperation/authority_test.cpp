@@ -184,7 +184,7 @@ TEST(EngageIndex, ScalesForcesAndKeepsPower) {
   const double force = contact.stiffness * depth;  // [N] on it
   const double at_hand = index.at_hand(contact).stiffness * depth / kScale;
   EXPECT_DOUBLE_EQ(at_hand, kForceScale * force);
-  // What the spring holds at the robot, in the measure of the hand, and back.
+  // The energy of the spring: at the robot, as the hand counts it, and back.
   const double held = 0.5 * force * depth, seen = 0.5 * at_hand * depth / kScale;
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).given, seen);
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).pushed, seen);

@@ -146,32 +146,6 @@ TEST(ReplayOfARobot, IsBitEqual) {
   EXPECT_EQ(result.replies, 600u);
 }
 
-/// An arm of the scene's own world is computed again, with the noise of its sensor.
-TEST(ReplayOfAnArm, IsBitEqual) {
-  RecordedScene scene(repository_scene("arm/workcell.json"));
-  scene.join(kA);
-  SceneSessions& sessions = scene.exchange.sessions;
-  double lowest = 1.0;
-  for (int n = 0; n < 2500; ++n) {
-    scene.exchange.now += std::chrono::milliseconds(1);
-    scene.exchange.lead = Lead{.deadman = n > 20};
-    Sample sample;
-    sample.pose.position.z() = -1.5e-4 * n;  // at 0.15 m/s down to the mat
-    scene.exchange.send(kA, sample, false);
-    Picture picture;
-    sessions.draw(picture, scene.exchange.now);
-    lowest = std::min(lowest, picture.robots.front().pose.position.z());
-    if (n % 100 == 0) sessions.check(scene.exchange.now);
-    if (n % 10 == 0) scene.write();
-  }
-  EXPECT_LT(lowest, 0.31);  // of 0.49
-  EXPECT_EQ(scene.exchange.allocated, 0u);
-  const Replay result = replay({scene.finish()});
-  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
-                                  << result.difference->event;
-  EXPECT_EQ(result.replies, 2500u);
-}
-
 class ReplayOfParts : public test::PartsScene {};
 
 /// A hollow body: the recording has its convex parts, and without them they are computed again.

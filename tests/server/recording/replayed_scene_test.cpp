@@ -1,9 +1,10 @@
-// Recorded scenes with more than datagrams: a MuJoCo model in several files, and changes that a
-// client is asked for.
+// Recorded scenes with more than datagrams: a MuJoCo model in several files, an arm in the server's
+// world, and changes that a client is asked for.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 
@@ -83,6 +84,32 @@ TEST_F(ReplayOfMjcf, SaysWhichFileIsMissing) {
                 AllOf(HasSubstr("scene.mcap: its scene scene-0: "), HasSubstr("wedge.obj"),
                       HasSubstr("was not kept"), HasSubstr("name the scene's file with --scene")));
   }
+}
+
+/// An arm of the scene's own world is computed again, with the noise of its sensor.
+TEST(ReplayOfAnArm, IsBitEqual) {
+  RecordedScene scene(repository_scene("arm/workcell.json"));
+  scene.join(kA);
+  SceneSessions& sessions = scene.exchange.sessions;
+  double lowest = 1.0;
+  for (int n = 0; n < 2500; ++n) {
+    scene.exchange.now += std::chrono::milliseconds(1);
+    scene.exchange.lead = Lead{.deadman = n > 20};
+    Sample sample;
+    sample.pose.position.z() = -1.5e-4 * n;  // at 0.15 m/s down to the mat
+    scene.exchange.send(kA, sample, false);
+    Picture picture;
+    sessions.draw(picture, scene.exchange.now);
+    lowest = std::min(lowest, picture.robots.front().pose.position.z());
+    if (n % 100 == 0) sessions.check(scene.exchange.now);
+    if (n % 10 == 0) scene.write();
+  }
+  EXPECT_LT(lowest, 0.31);  // of 0.49
+  EXPECT_EQ(scene.exchange.allocated, 0u);
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_EQ(result.replies, 2500u);
 }
 
 /// For tests/recording/check_export.py, which knows these numbers: two hands, of which one sends

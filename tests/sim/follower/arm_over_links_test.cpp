@@ -24,7 +24,7 @@ using testing::text_of;
 const std::string kTable = FELTWIRE_SOURCE_DIR "/scenes/arm/table.xml";
 constexpr double kLate = 50e3;  // [us] a machine that pauses so long shows nothing of a link
 
-/// Of the hand, and of the robot.
+/// The emulated links (--link) of the hand and of the robot.
 struct Link {
   std::string hand, robot;
 };
@@ -113,7 +113,7 @@ class ArmOverLinks : public ::testing::Test {
   std::unique_ptr<Server> server_;
 };
 
-/// What holds whatever the link does.
+/// Checks that hold for every link.
 void expect_sound(const Ended& ended) {
   EXPECT_GE(ended.hand["least_energy_margin_j"], 0.0) << "the hand was given energy";
   EXPECT_EQ(ended.hand["bound_violations"], 0);
