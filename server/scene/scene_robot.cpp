@@ -119,10 +119,12 @@ void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin
          .payload = payload});
 }
 
-/// Whether the hand that sent the batch leads an arm of the world, or wants to.
+/// Whether the hand that sent the batch moves an arm of the world, or wants to lead one.
 bool SceneSessions::leads_arm(const SessionSlot& slot) const noexcept {
-  return batch_.lead && covers(slot.role, Role::operator_) && batch_.lead->seat < seats_.size() &&
-         seats_[batch_.lead->seat].arm;
+  if (!batch_.lead || !covers(slot.role, Role::operator_)) return false;
+  const bool moves = seats_[slot.seat].link.engages(slot.number);
+  const std::size_t seat = moves ? slot.seat : batch_.lead->seat;
+  return seat < seats_.size() && seats_[seat].arm;
 }
 
 /// The hand leads the robot that it wants to lead. It does not leave another one while it moves it.

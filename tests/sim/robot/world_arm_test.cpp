@@ -60,7 +60,10 @@ struct Bench : test::HandSession {
     for (HandSession* other : others) other->reach(*server, now, room);
     hear(now);
     for (HandSession* other : others) other->hear(now);
-    if (!silent) sample(now);
+    if (names_another)
+      name_another();
+    else if (!silent)
+      sample(now);
     for (HandSession* other : others) other->sample(now);
     const SeenRobot robot = arm();
     largest_force = std::max(largest_force, robot.force.value_or(Vec3::Zero()).norm());
@@ -109,13 +112,20 @@ struct Bench : test::HandSession {
   Scene scene;
   std::unique_ptr<SceneSessions> server;
   std::vector<HandSession*> others;
-  bool silent = false;  // the hand sends nothing
+  bool silent = false;         // the hand sends nothing
+  bool names_another = false;  // its samples name the second seat, whatever its servo wants
   Nanoseconds now = std::chrono::seconds(100);
   double largest_force = 0.0;  // [N] on the arm's tool
   double farthest_step = 0.0;  // [m] of its target in a tick
   DatagramBuffer room;
 
  private:
+  void name_another() {
+    const Sample* sample = servo.tick(hand, now);
+    Lead lead = *servo.lead();
+    lead.seat = 1;
+    hand_link.up.enter(hand_datagrams.pack(*sample, {}, lead), now);
+  }
   Pose target_;
 };
 
@@ -193,6 +203,28 @@ TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   }
   EXPECT_GT(felt, 1.0);
   EXPECT_EQ(led, 0.0);
+}
+
+/// The server keeps a hand that moves the arm there, whatever it names, and so it touches nothing.
+TEST(WorldArm, AHandThatMovesItTouchesNothingElseWhateverItNames) {
+  Scene scene = arm_scene();
+  std::vector<RemoteSeat> seats(2);
+  seats[0] = scene.seats().front();
+  seats[0].name = "arm";
+  seats[1].name = "another";
+  scene.set_seats(seats);
+  Bench bench("delay=0", std::move(scene));
+  bench.hand.put(Vec3(0.4, 0.2, kMat + 0.01));
+  bench.engage();
+  ASSERT_EQ(bench.server->link_state(0), engaged);
+  bench.names_another = true;
+  bench.hand.meant.z() = kMat - 0.01;
+  for (int n = 0; n < 500; ++n) {
+    bench.tick();
+    ASSERT_EQ(bench.reply.command.force().norm(), 0.0) << n;
+  }
+  EXPECT_LT(bench.servo.sample().pose.position.z(), kMat);
+  EXPECT_EQ(bench.server->link_state(0), engaged);
 }
 
 /// Others feel the arm's links and push them; what they push the arm's springs bring back.
