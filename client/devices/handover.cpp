@@ -81,7 +81,7 @@ Command Handover::exchange(DeviceReading reading, Nanoseconds patience) noexcept
 }
 
 /// Takes what was offered since. Readings that were slept through tell of the force together,
-/// weighted by time. Whether there is news.
+/// weighted by time, and a fault of one of them is a fault of all. Whether there is news.
 bool Handover::take() noexcept {
   Offer offer;
   while (offers_.pop(offer)) {
@@ -90,6 +90,7 @@ bool Handover::take() noexcept {
       offer.reading.held = weighted(*news_.held, share, *offer.reading.held, 1.0 - share);
     }
     news_span_ += offer.span;
+    offer.reading.ok &= news_.ok;
     news_ = offer.reading;
     taken_ = offer.number;
   }

@@ -232,9 +232,18 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   const std::uint64_t faults = servo.statistics().device_faults;
-  session.strike(board.edge);
-  board.*GetParam().count = 1;
-  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+  std::atomic<int>& wanted = board.*GetParam().count;
+  const auto strike = [&] {
+    session.strike(board.edge);
+    wanted = 1;
+  };
+  strike();
+  session.run(*opened.device, servo, [&] {
+    const bool seen = servo.statistics().device_faults > faults;
+    // After a late tick an arm may have moved that far: it jumps again.
+    if (!seen && wanted == 0 && &wanted == &board.jumps) strike();
+    return seen;
+  });
   EXPECT_EQ(servo.held(), Command{});
   // By that one tick, without another.
   test::eventually("it is let go", [&] { return board.force == 0.0; });

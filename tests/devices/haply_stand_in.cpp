@@ -161,6 +161,7 @@ void HaplyService::understand(std::string_view text) {
   edge.command(wanted != Three{});
   // Last: a test that sees it may look at the rest.
   force.store(std::hypot(applied_[0], applied_[1], applied_[2]));
+  homed_ = !takes_one(homeless);
   answer(told(false));
   mass.advance(kCommandTick, {-applied_[1], applied_[0], applied_[2]});
 }
@@ -185,8 +186,7 @@ std::string HaplyService::device(std::string_view id, bool first) const {
   }
   text += "\"state\": {\"cursor_velocity\": " + xyz(0, 0, 0) +
           ", \"angular_position\": {\"a0\": 0.5, \"a1\": -1e-3, \"a2\": null}";
-  if (homeless.load() == 0)
-    text += ", \"cursor_position\": " + xyz(p[1], kBack - p[0], kHeight + p[2]);
+  if (homed_) text += ", \"cursor_position\": " + xyz(p[1], kBack - p[0], kHeight + p[2]);
   text += ", \"current_cursor_force\": " + xyz(applied_[0], applied_[1], applied_[2]) +
           ", \"control_mode\": \"idle \\\"}\"}, \"status\": {\"calibrated\": " +
           (calibrated.load() ? "true" : "false") +
@@ -226,7 +226,6 @@ std::string HaplyService::told(bool first) const {
 void HaplyService::answer(std::string text) {
   if (takes_one(drops)) return;
   if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
-  takes_one(homeless);  // the text has been made so
   if (takes_one(breaks)) text.resize(text.size() / 2);
   if (takes_one(huge)) text.insert(1, "\"filler\": \"" + std::string(200000, 'x') + "\", ");
   if (takes_one(fragments)) {

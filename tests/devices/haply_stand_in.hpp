@@ -77,6 +77,7 @@ class HaplyService {
   std::uint16_t port_ = 0;
   std::string heard_;
   Three applied_{};  // [N] in the service's axes
+  bool homed_ = true;
   std::atomic<bool> over_{false};
   std::thread thread_;
 };

@@ -148,6 +148,7 @@ void answer() {
   falcon->edge.tick();
   falcon->edge.command(size > 0.0);
   falcon->force = size;  // last: a test that sees it may look at the rest
+  const bool jumps = stand_in::takes_one(falcon->jumps);
   std::vector<Byte> reply(16, 'A');
   reply.front() = '<';
   reply.back() = '>';
@@ -155,13 +156,12 @@ void answer() {
     // A leg that is not homed counts from where it was at power-on.
     const int zero = (falcon->homed >> i & 1) != 0 ? 0 : 517 + i;
     long count = std::lround((told[i] * 360.0 / kTurn - 35.0) / (0.28125 * 14.25 / 110.0)) + zero;
-    if (falcon->jumps > 0 && i == 1) count += 900;
+    if (jumps && i == 1) count += 900;
     for (int n = 0; n < 4; ++n)
       reply[1 + 4 * i + n] =
           static_cast<Byte>('A' + (static_cast<unsigned long>(count) >> (4 * n) & 0xFU));
   }
   reply[13] = static_cast<Byte>('A' + (falcon->homed << 4 | (falcon->buttons & 0xF)));
-  stand_in::takes_one(falcon->jumps);
   if (stand_in::takes_one(falcon->garbles)) reply[6] = 0x7E;
   if (stand_in::takes_one(falcon->wrong_ends)) reply.back() = 'A';
   if (stand_in::takes_one(falcon->late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));

@@ -95,6 +95,21 @@ TEST(Handover, AReadingTellsWhatWasHeldSinceTheOneBefore) {
   EXPECT_LT(handover.newest().held.value_or(pull(9)).force().z(), 4.0);
 }
 
+/// A fault of one tick is told also where the servo thread slept through it, and only once.
+TEST(Handover, AFaultThatWasSleptThroughIsTold) {
+  Handover handover(5);
+  DeviceReading faulty = at(1);
+  faulty.ok = false;
+  handover.exchange(at(0), kNone);
+  handover.exchange(faulty, kNone);
+  handover.exchange(at(2), kNone);
+  const DeviceReading told = handover.newest();
+  EXPECT_FALSE(told.ok);
+  EXPECT_EQ(told.pose.position.x(), 2.0);
+  handover.exchange(at(3), kNone);
+  EXPECT_TRUE(handover.newest().ok);
+}
+
 /// As fast as both threads can, with answers that come in time and answers that do not: what the
 /// device applies is the answer to that very reading, or what it held before; and no thread touches
 /// the heap.
