@@ -8,9 +8,6 @@
 namespace feltwire {
 namespace {
 
-/// [m] A corner this little above a plane lies on it: rounding of coordinates of some metres.
-constexpr double kOn = 1e-14;
-
 struct PlaneNumbers {
   double x, y, z, offset;
 };
@@ -63,7 +60,7 @@ void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
     z_[count_] = at.z();
     Links& links = links_[count_++];
     for (std::size_t s = 0; s < 3; ++s) links.next[s] = end_of(corner.next[s], corner.back[s]);
-    links.face = {kOwn, kOwn, kOwn};
+    for (std::size_t s = 0; s < 3; ++s) links.face[s] = static_cast<Tag>(kOwn + corner.face[s]);
   }
   pad();
 }
@@ -89,12 +86,6 @@ ClippedPolyhedron::Extent ClippedPolyhedron::extent(const Vec3& normal,
                                                     double offset) const noexcept {
   alignas(32) Numbers height;
   return heights(normal, offset, height);
-}
-
-ClippedPolyhedron::Box ClippedPolyhedron::box() const noexcept {
-  const Vec3 least(x().minCoeff(), y().minCoeff(), z().minCoeff());
-  const Vec3 most(x().maxCoeff(), y().maxCoeff(), z().maxCoeff());
-  return {0.5 * (least + most), 0.5 * (most - least)};
 }
 
 bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept {

@@ -20,7 +20,11 @@ class ClippedPolyhedron {
  public:
   static constexpr std::size_t kCorners = 3072;
   using Tag = std::uint16_t;
-  static constexpr Tag kOwn = 0xFFFF;  // the tag of a face of the polyhedron itself
+  /// The tag of face f of the polyhedron itself is kOwn + f. Cuts have lower ones.
+  static constexpr Tag kOwn = 0x1010;
+
+  /// [m] A corner this little above a plane lies on it: rounding of coordinates of some metres.
+  static constexpr double kOn = 1e-14;
 
   ClippedPolyhedron() = default;
   // Only what is in use is copied.
@@ -44,40 +48,20 @@ class ClippedPolyhedron {
   };
   Extent extent(const Vec3& normal, double offset) const noexcept;
   Vec3 middle() const noexcept { return {x().mean(), y().mean(), z().mean()}; }  // of the corners
-  /// [m] The box along the axes that holds all corners, which may not be none.
-  struct Box {
-    Vec3 middle, half;
-  };
-  Box box() const noexcept;
   Vec3 corner(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
   /// [m] Coordinates of all corners. Several may lie at one place.
   using Coordinates = Eigen::Map<const Eigen::ArrayXd, Eigen::Aligned16>;
   Coordinates x() const { return coordinates(x_); }
   Coordinates y() const { return coordinates(y_); }
   Coordinates z() const { return coordinates(z_); }
-  /// The tags of the three faces at a corner.
+  /// The tags of the three faces at a corner: face s lies between the edges s and (s + 1) % 3.
   const std::array<Tag, 3>& tags(std::size_t i) const { return links_[i].face; }
-
-  /// Calls visit(tag, corners) for each face, with its corners counter-clockwise seen from outside.
-  template <class Visit>
-  void for_each_face(const Visit& visit) const {
-    std::array<std::uint8_t, kCorners> seen;  // a bit for each edge by which a walk entered
-    std::array<std::uint16_t, kCorners> loop;
-    std::fill_n(seen.begin(), count_, std::uint8_t{0});
-    for (std::size_t begin = 0; begin < count_; ++begin)
-      for (std::uint8_t entry = 0; entry < 3; ++entry) {
-        if ((seen[begin] >> entry & 1) != 0) continue;
-        std::size_t length = 0;
-        const End first = end_of(begin, entry);
-        End at = first;
-        do {
-          const std::size_t corner = corner_of(at);
-          seen[corner] = static_cast<std::uint8_t>(seen[corner] | 1U << slot_of(at));
-          loop[length++] = static_cast<std::uint16_t>(corner);
-          at = walked(at);
-        } while (at != first && length < loop.size());
-        visit(links_[begin].face[entry], std::span<const std::uint16_t>(loop.data(), length));
-      }
+  /// The other end of edge s of a corner, and which of its edges it is there.
+  struct Neighbour {
+    std::size_t corner, slot;
+  };
+  Neighbour neighbour(std::size_t i, std::size_t s) const {
+    return {corner_of(links_[i].next[s]), slot_of(links_[i].next[s])};
   }
 
  private:

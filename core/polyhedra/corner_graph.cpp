@@ -8,24 +8,31 @@ namespace {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
+/// A vertex beside another one, and the face between it and the next one in the ring.
+struct Spoke {
+  std::uint32_t to;
+  std::uint16_t face;
+};
+
 /// The vertices round each one, clockwise seen from outside.
-std::vector<std::vector<std::uint32_t>> rings(std::size_t vertices,
-                                              std::span<const std::uint32_t> first,
-                                              std::span<const std::uint32_t> loop) {
-  std::map<Ends, std::uint32_t> after;  // of (v, u), where a face goes u, v, w: w
+std::vector<std::vector<Spoke>> rings(std::size_t vertices, std::span<const std::uint32_t> first,
+                                      std::span<const std::uint32_t> loop) {
+  std::map<Ends, Spoke> after;  // of (v, u), where a face goes u, v, w: w, and this face
   for (std::size_t f = 0; f + 1 < first.size(); ++f) {
     const std::size_t begin = first[f], count = first[f + 1] - begin;
     for (std::size_t k = 0; k < count; ++k)
-      after[{loop[begin + (k + 1) % count], loop[begin + k]}] = loop[begin + (k + 2) % count];
+      after[{loop[begin + (k + 1) % count], loop[begin + k]}] = {loop[begin + (k + 2) % count],
+                                                                 static_cast<std::uint16_t>(f)};
   }
-  std::vector<std::vector<std::uint32_t>> around(vertices);
+  std::vector<std::vector<Spoke>> around(vertices);
   for (const auto& [at, w] : after) {
     auto& ring = around[at.first];
     if (!ring.empty()) continue;
     std::uint32_t u = at.second;
     do {
-      ring.push_back(u);
-      u = after.at({at.first, u});
+      const Spoke& next = after.at({at.first, u});
+      ring.push_back({u, next.face});
+      u = next.to;
     } while (u != at.second);
   }
   return around;
@@ -48,8 +55,9 @@ std::vector<GraphCorner> corner_graph(std::size_t vertices, std::span<const std:
     graph[b.corner].next[b.edge] = a.corner;
     graph[b.corner].back[b.edge] = a.edge;
   };
-  const auto add = [&](std::uint32_t v) {
-    graph.push_back({{}, {}, static_cast<std::uint16_t>(v)});
+  const auto add = [&](std::uint32_t v, std::size_t a, std::size_t b, std::size_t c) {
+    const auto number = [](std::size_t face) { return static_cast<std::uint16_t>(face); };
+    graph.push_back({{}, {}, {number(a), number(b), number(c)}, static_cast<std::uint16_t>(v)});
     return static_cast<std::uint16_t>(graph.size() - 1);
   };
   const auto around = rings(vertices, first, loop);
@@ -58,23 +66,26 @@ std::vector<GraphCorner> corner_graph(std::size_t vertices, std::span<const std:
     const std::size_t count = ring.size();
     if (count < 2) continue;
     if (count == 2) {  // a face of two edges lies between the two corners
-      const std::uint16_t a = add(v), b = add(v);
-      slots[{v, ring[0]}] = {a, 0};
-      slots[{v, ring[1]}] = {b, 0};
+      const std::size_t between = first.size() - 1 + v;
+      const std::uint16_t a = add(v, ring[0].face, between, ring[1].face);
+      const std::uint16_t b = add(v, ring[1].face, between, ring[0].face);
+      slots[{v, ring[0].to}] = {a, 0};
+      slots[{v, ring[1].to}] = {b, 0};
       join({a, 1}, {b, 2});
       join({a, 2}, {b, 1});
       continue;
     }
-    std::uint16_t last = add(v);
-    slots[{v, ring[0]}] = {last, 0};
-    slots[{v, ring[1]}] = {last, 1};
+    const std::uint16_t closing = ring[count - 1].face;
+    std::uint16_t last = add(v, ring[0].face, ring[1].face, closing);
+    slots[{v, ring[0].to}] = {last, 0};
+    slots[{v, ring[1].to}] = {last, 1};
     for (std::size_t i = 2; i + 1 < count; ++i) {
-      const std::uint16_t corner = add(v);
+      const std::uint16_t corner = add(v, ring[i - 1].face, ring[i].face, closing);
       join({last, 2}, {corner, 0});
-      slots[{v, ring[i]}] = {corner, 1};
+      slots[{v, ring[i].to}] = {corner, 1};
       last = corner;
     }
-    slots[{v, ring[count - 1]}] = {last, 2};
+    slots[{v, ring[count - 1].to}] = {last, 2};
   }
   for (const auto& [ends, slot] : slots) join(slot, slots.at({ends.second, ends.first}));
   return graph;

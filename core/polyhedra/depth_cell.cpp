@@ -1,13 +1,16 @@
 #include "core/polyhedra/depth_cell.hpp"
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/polyhedra/wide.hpp"
 
 namespace feltwire {
 namespace {
 
-using Tag = ClippedPolyhedron::Tag;
+using Tag = NearestCells::Tag;
+using Corner = std::uint16_t;
 
 /// The rule of six points for polynomials of degree four on a triangle (Strang & Fix 1973): weights
 /// of its area, and places by their weights on the corners.
@@ -25,30 +28,58 @@ constexpr std::array<TrianglePoint, 6> kRule = {
      {kOuterWeight, {kOuter, 1.0 - 2.0 * kOuter, kOuter}},
      {kOuterWeight, {1.0 - 2.0 * kOuter, kOuter, kOuter}}}};
 
+/// A corner of a cell, and which of its four faces the cell is.
+struct CellCorner {
+  Corner corner;
+  std::uint8_t slot;
+};
+
+/// The corners of each of the first cells.
+class CornersByCell {
+ public:
+  CornersByCell(const NearestCells& cells, std::size_t count) {
+    std::fill_n(end_.begin(), count, std::uint16_t{0});
+    for_each(cells, count, [&](std::size_t cell, CellCorner) { ++end_[cell]; });
+    std::uint16_t begin = 0;
+    for (std::size_t k = 0; k < count; ++k) begin += std::exchange(end_[k], begin);
+    for_each(cells, count, [&](std::size_t cell, CellCorner at) { all_[end_[cell]++] = at; });
+  }
+  std::span<const CellCorner> operator[](std::size_t cell) const {
+    const std::size_t begin = cell == 0 ? 0 : end_[cell - 1];
+    return std::span(all_).subspan(begin, end_[cell] - begin);
+  }
+
+ private:
+  template <class Visit>
+  static void for_each(const NearestCells& cells, std::size_t count, const Visit& visit) {
+    for (std::size_t i = 0; i < cells.corner_count(); ++i)
+      for (std::uint8_t slot = 0; slot < 4; ++slot) {
+        const std::size_t cell = std::size_t{cells.faces(i)[slot]} - NearestCells::kCell;
+        if (cell < count) visit(cell, {static_cast<Corner>(i), slot});
+      }
+  }
+  std::array<std::uint16_t, NearestCells::kMostCells> end_;
+  std::array<CellCorner, 4 * NearestCells::kCorners> all_;
+};
+
 /// The corners as a cell sees them: (u, v), two coordinates from the tool's origin along the face,
 /// and the depth d.
 struct SeenCorners {
-  static constexpr std::size_t kMost = ClippedPolyhedron::kCorners;
-  alignas(16) std::array<double, kMost> u;
-  alignas(16) std::array<double, kMost> v;
-  alignas(16) std::array<double, kMost> d;
+  static constexpr std::size_t kMost = NearestCells::kCorners;
+  std::array<double, kMost> u, v, d;
 
-  SeenCorners(const ClippedPolyhedron& common, const Cell& cell) {
-    const Vec3 &a = cell.across, &b = cell.along, &n = cell.inwards;
-    const auto seen = [&](std::array<double, kMost>& all) {
-      return Eigen::Map<Eigen::ArrayXd, Eigen::Aligned16>(
-          all.data(), static_cast<Eigen::Index>(common.corner_count()));
-    };
-    const auto x = common.x() - cell.origin.x(), y = common.y() - cell.origin.y(),
-               z = common.z() - cell.origin.z();
-    seen(u) = a.x() * x + a.y() * y + a.z() * z;
-    seen(v) = b.x() * x + b.y() * y + b.z() * z;
-    seen(d) = n.x() * common.x() + n.y() * common.y() + n.z() * common.z() + cell.constant;
+  SeenCorners(const NearestCells& cells, std::span<const CellCorner> corners, const Cell& cell) {
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec3 at = cells.corner(corners[k].corner);
+      u[k] = cell.across.dot(at - cell.origin);
+      v[k] = cell.along.dot(at - cell.origin);
+      d[k] = cell.inwards.dot(at) + cell.constant;
+    }
   }
 };
 
 /// A triangle of the surface.
-using Facet = std::array<std::uint16_t, 3>;
+using Facet = std::array<Corner, 3>;
 
 /// Integrals over what a cell and the tool's part have in common. By Gauss that of f(u, v) d^n is
 /// that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
@@ -161,56 +192,83 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
                 vv * cell.along * cell.along.transpose());
 }
 
-/// Adds what a face contributes at which the part ends inside the solid.
-void add_inner_face(const ClippedPolyhedron& common, std::span<const std::uint16_t> corners,
-                    const Cell& cell, Vec6& slope) {
-  const Vec3 a = common.corner(corners[0]);
-  for (std::size_t k = 2; k < corners.size(); ++k) {
-    const Vec3 b = common.corner(corners[k - 1]), c = common.corner(corners[k]);
-    const Vec3 area = 0.5 * (b - a).cross(c - a);
-    double cubes = 0.0;
-    Vec3 arm = Vec3::Zero();
-    for (const TrianglePoint& point : kRule) {
-      const Vec3 x = point.at[0] * a + point.at[1] * b + point.at[2] * c;
-      const double d = cell.inwards.dot(x) + cell.constant;
-      cubes += point.weight * d * d * d;
-      arm += point.weight * d * d * d * (x - cell.origin);
-    }
-    slope.head<3>() -= cubes * area;
-    slope.tail<3>() -= arm.cross(area);
+/// Adds what a triangle contributes of a face at which the part ends inside the solid.
+void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope) {
+  const auto& [a, b, c] = corners;
+  const Vec3 area = 0.5 * (b - a).cross(c - a);
+  double cubes = 0.0;
+  Vec3 arm = Vec3::Zero();
+  for (const TrianglePoint& point : kRule) {
+    const Vec3 x = point.at[0] * a + point.at[1] * b + point.at[2] * c;
+    const double d = cell.inwards.dot(x) + cell.constant;
+    cubes += point.weight * d * d * d;
+    arm += point.weight * d * d * d * (x - cell.origin);
   }
+  slope.head<3>() -= cubes * area;
+  slope.tail<3>() -= arm.cross(area);
 }
 
-/// Corners at one place, where more than three edges meet. Between them there is no area.
-bool same_place(const ClippedPolyhedron& common, std::size_t a, std::size_t b) {
-  return common.corner(a) == common.corner(b);
-}
+/// The surface of one cell after the other, in triangles.
+class CellSurface {
+ public:
+  /// Of these cells.
+  explicit CellSurface(const NearestCells& cells) : cells_(cells) {
+    for (std::size_t i = 0; i < cells.corner_count(); ++i)
+      for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
+  }
 
-}  // namespace
-
-void add_cell(const ClippedPolyhedron& common, const Cell& cell, Tag own, const DepthPlanes& planes,
-              bool slides, DepthSums& sums) noexcept {
-  const SeenCorners seen(common, cell);
-  // Three edges meet at each corner, so that there are fewer than two triangles for each.
-  std::array<Facet, 2 * ClippedPolyhedron::kCorners> facets;
-  std::size_t count = 0;
-  Vec6 ends = Vec6::Zero();
-  common.for_each_face([&](Tag tag, std::span<const std::uint16_t> corners) {
-    if (tag == own) return;  // there the depth is zero
-    std::uint16_t last = corners[0];
-    for (std::size_t k = 1; k < corners.size() && count < facets.size(); ++k) {
-      if (same_place(common, last, corners[k])) continue;
-      facets[count] = {corners[0], last, corners[k]};
-      count += last == corners[0] ? 0 : 1;
-      last = corners[k];
+  /// The surface of the cell with these corners, but for what lies on the plane to which depth is
+  /// measured. Adds to `ends` what its faces contribute at which the part ends inside the solid.
+  void take(std::span<const CellCorner> corners, const Cell& cell, const DepthPlanes& planes,
+            Vec6& ends) {
+    const std::uint16_t turn = ++turn_;
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      place_[corners[k].corner] = static_cast<Corner>(k);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const std::size_t at = corners[k].corner;
+      const auto& way = cells_.around(at, corners[k].slot);
+      const std::array<Corner, 3> next = {place_[cells_.beyond(at, way[2])],
+                                          place_[cells_.beyond(at, way[0])],
+                                          place_[cells_.beyond(at, way[1])]};
+      const auto here = static_cast<Corner>(k);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Tag tag = cells_.faces(at)[way[i]];
+        // The triangles of a face have one of its corners in common: that which is seen first.
+        Seen& seen = seen_[tag];
+        const Corner first = seen.turn == turn ? seen.corner : here;
+        seen = {turn, first};
+        facets_[count] = {first, here, next[i]};
+        const bool left_out = (first == here) | (first == next[i]) | (tag == cell.own);
+        count += left_out ? 0 : 1;
+        if (tag < planes.size() && planes[tag].inner && !left_out) [[unlikely]]
+          add_inner({cells_.corner(corners[first].corner), cells_.corner(at),
+                     cells_.corner(corners[next[i]].corner)},
+                    cell, ends);
+      }
     }
-    if (tag < planes.size() && planes[tag].inner) add_inner_face(common, corners, cell, ends);
-  });
-  while (count % 4 != 0) facets[count++] = {};
-  const Moments m = surface_moments(seen, std::span(facets).first(count));
-  if (!(m.cubes > 0.0 && m.squares[0] > 0.0 && m.depths[0] > 0.0)) return;
+    while (count % 4 != 0) facets_[count++] = {};
+    count_ = count;
+  }
+  /// A multiple of four. One whose corners are the same has no area.
+  std::span<const Facet> facets() const { return std::span(facets_).first(count_); }
+
+ private:
+  struct Seen {
+    std::uint16_t turn;
+    Corner corner;
+  };
+  const NearestCells& cells_;
+  std::uint16_t turn_ = 0;  // of the cell
+  std::array<Seen, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
+  std::array<Corner, NearestCells::kCorners> place_;
+  // Three edges meet at each corner, so that there are fewer than two triangles for each.
+  std::array<Facet, 2 * NearestCells::kCorners + 4> facets_;
+  std::size_t count_ = 0;
+};
+
+void add_cell(const Moments& m, const Cell& cell, bool slides, DepthSums& sums) {
   ++sums.cells;
-  sums.slope += ends;
   sums.cubes += m.cubes;
   const Ways w(cell);
   const Vec6 out = 3.0 * (m.squares[0] * w.translation + m.squares[2] * w.about_across +
@@ -226,6 +284,24 @@ void add_cell(const ClippedPolyhedron& common, const Cell& cell, Tag own, const 
   sums.curvature += 6.0 * (w.translation * t.transpose() + w.about_across * a.transpose() +
                            w.about_along * b.transpose());
   if (slides) add_slip(cell, m, sums);
+}
+
+}  // namespace
+
+void add_cells(const NearestCells& cells, std::span<const Cell> of, const DepthPlanes& planes,
+               bool slides, DepthSums& sums) noexcept {
+  const CornersByCell by_cell(cells, of.size());
+  CellSurface surface(cells);
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    const auto corners = by_cell[k];
+    if (corners.empty()) continue;
+    Vec6 ends = Vec6::Zero();
+    surface.take(corners, of[k], planes, ends);
+    const Moments m = surface_moments(SeenCorners(cells, corners, of[k]), surface.facets());
+    if (!(m.cubes > 0.0 && m.squares[0] > 0.0 && m.depths[0] > 0.0)) continue;
+    sums.slope += ends;
+    add_cell(m, of[k], slides, sums);
+  }
 }
 
 }  // namespace feltwire

@@ -1,10 +1,11 @@
 #pragma once
-// Internal to the integrals of depth: those over one cell.
+// Internal to the integrals of depth: those over the cells.
 
 #include <span>
 
 #include "core/polyhedra/depth_integrals.hpp"
 #include "core/polyhedra/depth_planes.hpp"
+#include "core/polyhedra/nearest_cells.hpp"
 
 namespace feltwire {
 
@@ -13,17 +14,18 @@ struct Cell {
   Vec3 inwards, across, along;  // a right-handed frame: (across, along, inwards)
   double constant;              // [m]
   Vec3 origin;                  // [m] of the tool
+  NearestCells::Tag own;        // of faces on the plane to which the depth is measured
 
-  Cell(const Vec3& inwards_of, double constant_of, const Vec3& origin_of)
-      : inwards(inwards_of), constant(constant_of), origin(origin_of) {
+  Cell() = default;
+  Cell(const Vec3& inwards_of, double constant_of, const Vec3& origin_of, NearestCells::Tag own_of)
+      : inwards(inwards_of), constant(constant_of), origin(origin_of), own(own_of) {
     across = inwards.unitOrthogonal();
     along = inwards.cross(across);
   }
 };
 
-/// Adds the integrals over what a cell and the tool's part have in common. `own`: the tag of faces
-/// on the plane to which the depth is measured. Never allocates.
-void add_cell(const ClippedPolyhedron& common, const Cell& cell, ClippedPolyhedron::Tag own,
-              const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept;
+/// Adds the integrals over cells, of which cell k has the number k. Never allocates.
+void add_cells(const NearestCells& cells, std::span<const Cell> of, const DepthPlanes& planes,
+               bool slides, DepthSums& sums) noexcept;
 
 }  // namespace feltwire

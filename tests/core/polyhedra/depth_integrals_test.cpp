@@ -224,7 +224,7 @@ TEST(DepthIntegrals, ASolidInTwoPiecesIsTheSolid) {
 }
 
 // All faces touch a ball of radius r, so that each cell is a pyramid with its top in the middle:
-// V = r^4 / 60 of the surface. There are more cells than a set of KnownCells holds.
+// V = r^4 / 60 of the surface.
 TEST(DepthIntegrals, OfManyFacesRoundABall) {
   constexpr double kRadius = 0.02;
   const Polyhedron tool = polyhedron(box_corners(Vec3::Constant(0.05)));

@@ -1,0 +1,174 @@
+#include "core/polyhedra/nearest_cells.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/polyhedra/wide.hpp"
+
+namespace feltwire {
+namespace {
+
+struct FunctionNumbers {
+  double x, y, z, offset;
+};
+
+}  // namespace
+
+/// How far the corners are above a function, and the largest of these. Of corners, a multiple of
+/// four, all arrays aligned to 32 bytes: x, y, z, t.
+FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4>& corners,
+                                               std::size_t count, const FunctionNumbers& function,
+                                               double* height) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto* x = reinterpret_cast<const Four*>(corners[0]);
+  const auto* y = reinterpret_cast<const Four*>(corners[1]);
+  const auto* z = reinterpret_cast<const Four*>(corners[2]);
+  const auto* t = reinterpret_cast<const Four*>(corners[3]);
+  auto* out = reinterpret_cast<Four*>(height);
+  Four most = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+  for (std::size_t i = 0; 4 * i < count; ++i) {
+    const Four h =
+        t[i] + (function.x * x[i] + function.y * y[i] + function.z * z[i] - function.offset);
+    out[i] = h;
+    most = h > most ? h : most;
+  }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+}
+
+NearestCells::NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, double offset,
+                           std::size_t cell) noexcept
+    : count_(whole.corner_count()) {
+  static_assert(kCorners >= ClippedPolyhedron::kCorners);
+  const auto tag = static_cast<Tag>(kCell + cell);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Vec3 at = whole.corner(i);
+    x_[i] = at.x();
+    y_[i] = at.y();
+    z_[i] = at.z();
+    t_[i] = offset - normal.dot(at);
+    mirrored_[i] = 0;
+    const auto& face = whole.tags(i);
+    Links& links = links_[i];
+    links.face = {face[0], face[1], face[2], tag};
+    // An edge lies on the face of its own number and on the one before, and leaves the third.
+    for (std::size_t s = 0; s < 3; ++s) {
+      const ClippedPolyhedron::Neighbour near = whole.neighbour(i, s);
+      links.next[(s + 1) % 3] = end_of(near.corner, (near.slot + 1) % 3);
+    }
+    links.next[3] = kDown;
+  }
+  pad();
+}
+
+void NearestCells::pad() noexcept {
+  for (std::size_t i = count_; i % kTogether != 0; ++i)
+    for (Numbers* all : {&x_, &y_, &z_, &t_}) (*all)[i] = (*all)[count_ - 1];
+}
+
+void NearestCells::insert(const Vec3& normal, double offset, std::size_t cell) noexcept {
+  alignas(32) Numbers height;
+  const FunctionNumbers function{normal.x(), normal.y(), normal.z(), offset};
+  if (!(heights_above({x_.data(), y_.data(), z_.data(), t_.data()}, count_, function,
+                      height.data()) > ClippedPolyhedron::kOn))
+    return;
+  height[kBelow] = -1.0;
+  // No branch decides between corners: their order is that of chance.
+  std::array<std::uint16_t, kCorners + 1> gone;
+  std::size_t gone_count = 0;
+  for (std::size_t v = 0; v < count_; ++v) {
+    gone[gone_count] = static_cast<std::uint16_t>(v);
+    gone_count += height[v] > ClippedPolyhedron::kOn ? 1 : 0;
+  }
+  std::array<End, 4 * kCorners + 1> cuts;  // the ends of edges that are cut, at corners that go
+  std::size_t cut_count = 0;
+  for (std::size_t k = 0; k < gone_count; ++k)
+    for (std::size_t s = 0; s < 4; ++s) {
+      cuts[cut_count] = end_of(gone[k], s);
+      cut_count += height[corner_of(links_[gone[k]].next[s])] > ClippedPolyhedron::kOn ? 0 : 1;
+    }
+  if (count_ + cut_count > kCorners) [[unlikely]]
+    return;
+  const std::size_t old = count_;
+  const auto tag = static_cast<Tag>(kCell + cell);
+  for (std::size_t k = 0; k < cut_count; ++k) make(cuts[k], tag, height);
+  for (std::size_t k = 0; k < cut_count; ++k) join(old + k, cuts[k], old);
+  remove(std::span(gone).first(gone_count));
+  pad();
+}
+
+/// Places a corner on the edge from one that goes to one that stays.
+void NearestCells::make(End cut, Tag tag, const Numbers& height) noexcept {
+  const std::size_t v = corner_of(cut), at = count_++;
+  const End kept = links_[v].next[slot_of(cut)];
+  const std::size_t u = corner_of(kept);
+  std::size_t slot = slot_of(cut);
+  Links& links = links_[at];
+  if (u == kBelow) {  // straight down
+    x_[at] = x_[v];
+    y_[at] = y_[v];
+    z_[at] = z_[v];
+    t_[at] = t_[v] - height[v];
+    links.face = links_[v].face;
+    mirrored_[at] = mirrored_[v];
+  } else {
+    const double part = std::clamp(height[u] / (height[u] - height[v]), 0.0, 1.0);
+    x_[at] = x_[u] + part * (x_[v] - x_[u]);
+    y_[at] = y_[u] + part * (y_[v] - y_[u]);
+    z_[at] = z_[u] + part * (z_[v] - z_[u]);
+    t_[at] = t_[u] + part * (t_[v] - t_[u]);
+    slot = slot_of(kept);
+    links.face = links_[u].face;
+    mirrored_[at] = mirrored_[u] ^ 1U;
+    links_[u].next[slot] = end_of(at, slot);
+  }
+  links.face[slot] = tag;
+  links.next = {kDown, kDown, kDown, kDown};
+  links.next[slot] = kept;
+  links_[v].next[slot_of(cut)] = end_of(at, slot);  // for walks
+}
+
+/// Joins a new corner to other new ones, each by a walk along a face of two dimensions over corners
+/// that go. `from`: where it begins. `first`: the first of the new corners.
+void NearestCells::join(std::size_t made, End from, std::size_t first) noexcept {
+  Links& links = links_[made];
+  const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);
+  for (std::size_t r = 0; r < 4; ++r) {
+    if (r == own || links.next[r] != kDown) continue;
+    // The new edge is in the new cell and in these two.
+    const std::size_t s = own != 0 && r != 0 ? 0 : own != 1 && r != 1 ? 1 : 2;
+    const Tag p = links.face[s], q = links.face[6 - own - r - s];
+    End at = from;
+    do {
+      const Links& gone = links_[corner_of(at)];
+      at = gone.next[gone.onward(slot_of(at), p, q)];
+    } while (corner_of(at) < first);
+    const std::size_t other = corner_of(at), slot = links_[other].onward(slot_of(at), p, q);
+    links.next[r] = end_of(other, slot);
+    links_[other].next[slot] = end_of(made, r);
+  }
+}
+
+/// Fills the places of the corners that are gone, in ascending order, with the last ones.
+void NearestCells::remove(std::span<const std::uint16_t> gone) noexcept {
+  std::size_t left = gone.size();  // to remove; those behind are beyond the end
+  for (std::size_t k = 0; k < left; ++k) {
+    while (left > k && gone[left - 1] == count_ - 1) {
+      --left;
+      --count_;
+    }
+    if (k == left) return;
+    const std::uint16_t place = gone[k];
+    --count_;
+    x_[place] = x_[count_];
+    y_[place] = y_[count_];
+    z_[place] = z_[count_];
+    t_[place] = t_[count_];
+    mirrored_[place] = mirrored_[count_];
+    const Links& moved = links_[place] = links_[count_];
+    for (std::size_t s = 0; s < 4; ++s)
+      if (moved.next[s] != kDown)
+        links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
+  }
+}
+
+}  // namespace feltwire
