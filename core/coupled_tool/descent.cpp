@@ -1,5 +1,6 @@
 #include "core/coupled_tool/descent.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -24,6 +25,18 @@ struct Spring {
     return stiffness * stretch <= most ? stiffness : most / stretch;
   }
 };
+
+/// The stiffness less as much of the softening as leaves a tenth of it in every direction: all of
+/// it, a half, a quarter or nothing.
+Mat6 softened(const Mat6& stiffness, const Mat6& softening) {
+  constexpr double kLeft = 0.1, kLeast = 0.2;
+  if (softening.isZero(0.0)) return stiffness;
+  for (double share = 1.0; share > kLeast; share *= 0.5) {
+    const Mat6 whole = stiffness - share * softening;
+    if (Mat6(whole - kLeft * stiffness).llt().info() == Eigen::Success) return whole;
+  }
+  return stiffness;
+}
 
 }  // namespace
 
@@ -60,7 +73,8 @@ FrictionSolution Step::model(const State& state, bool slipping) const {
     stiffness.diagonal() += dashpot.drag;
     wrench += term.wrench + dashpot.wrench(done);
   }
-  return solve_friction(stiffness, wrench, gripping(state), slipping);
+  return solve_friction(softened(stiffness, state.contact.softening), wrench, gripping(state),
+                        slipping);
 }
 
 Vec6 Step::allowed(const State& state, const Vec6& way) const {

@@ -50,7 +50,8 @@ struct Damper {
 struct ShellContact {
   double energy = 0.0;            // [J] stored in the solids
   Vec6 wrench = Vec6::Zero();     // [N], [N m] on the tool: minus the gradient of the energy
-  Mat6 stiffness = Mat6::Zero();  // [N/m] ... Gauss-Newton part of the energy's second derivative
+  Mat6 stiffness = Mat6::Zero();  // [N/m] ... the positive part of the energy's second derivative
+  Mat6 softening = Mat6::Zero();  // [N/m] ... what is to be taken off it, as far as it is known
   double clearance = std::numeric_limits<double>::infinity();  // [m] no free point is nearer to a
                                                                // surface than this
   std::size_t touching = 0;                                    // points inside a solid

@@ -97,58 +97,76 @@ struct Moments {
 /// H the second derivatives of the complete homogeneous polynomial of degree 4 in the depths of
 /// the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j, with
 /// S and Q the sums of the depths and of their squares.
-/// `facets`: a multiple of four; one whose corners are the same adds nothing. The sums are of 1, u,
-/// v, u u, u v, v v, then d (1, u, v), then d d.
-FELTWIRE_ALSO_AVX2 static void add_surface(const SeenCorners& seen, std::span<const Facet> facets,
-                                           std::array<double, 10>& sums) {
-  Four of[10] = {};
+/// The sums are of 1, u, v, u u, u v, v v, then d (1, u, v), then d d; each here times 360.
+using SurfaceSums = std::array<double, 10>;
+
+/// Adds those of four facets, each apart. One whose corners are the same adds nothing.
+__attribute__((always_inline)) static inline void add_four(const SeenCorners& seen,
+                                                           const Facet* facets, Four* of) {
   const double *u = seen.u.data(), *v = seen.v.data(), *d = seen.d.data();
-  for (std::size_t t = 0; t < facets.size(); t += 4) {
-    const Facet &p = facets[t], &q = facets[t + 1], &r = facets[t + 2], &s = facets[t + 3];
-    const Four au = {u[p[0]], u[q[0]], u[r[0]], u[s[0]]}, av = {v[p[0]], v[q[0]], v[r[0]], v[s[0]]},
-               ad = {d[p[0]], d[q[0]], d[r[0]], d[s[0]]}, bu = {u[p[1]], u[q[1]], u[r[1]], u[s[1]]},
-               bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]}, bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
-               cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]}, cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
-               cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
-    const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice
-    const Four sum = ad + bd + cd;
-    const Four aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
-    const Four sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
-    const Four h00 = area * (sa * sa + squared + 2.0 * aa);
-    const Four h11 = area * (sb * sb + squared + 2.0 * bb);
-    const Four h22 = area * (sc * sc + squared + 2.0 * cc);
-    const Four ta = sum + bd + cd, tb = sum + ad + cd, tc = sum + ad + bd;
-    const Four half = 0.5 * area;
-    const Four h12 = half * (ta * ta + squared + bb + cc);
-    const Four h02 = half * (tb * tb + squared + aa + cc);
-    const Four h01 = half * (tc * tc + squared + aa + bb);
-    const Four one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
-    of[0] += one0 + one1 + one2;
-    of[1] += one0 * au + one1 * bu + one2 * cu;
-    of[2] += one0 * av + one1 * bv + one2 * cv;
-    of[6] += one0 * ad + one1 * bd + one2 * cd;
-    const Four u0 = h00 * au + h01 * bu + h02 * cu, u1 = h01 * au + h11 * bu + h12 * cu,
-               u2 = h02 * au + h12 * bu + h22 * cu;
-    of[3] += u0 * au + u1 * bu + u2 * cu;
-    of[4] += u0 * av + u1 * bv + u2 * cv;
-    of[7] += u0 * ad + u1 * bd + u2 * cd;
-    const Four v0 = h00 * av + h01 * bv + h02 * cv, v1 = h01 * av + h11 * bv + h12 * cv,
-               v2 = h02 * av + h12 * bv + h22 * cv;
-    of[5] += v0 * av + v1 * bv + v2 * cv;
-    of[8] += v0 * ad + v1 * bd + v2 * cd;
-    of[9] += (h00 * ad + h01 * bd + h02 * cd) * ad + (h01 * ad + h11 * bd + h12 * cd) * bd +
-             (h02 * ad + h12 * bd + h22 * cd) * cd;
-  }
+  const Facet &p = facets[0], &q = facets[1], &r = facets[2], &s = facets[3];
+  const Four au = {u[p[0]], u[q[0]], u[r[0]], u[s[0]]}, av = {v[p[0]], v[q[0]], v[r[0]], v[s[0]]},
+             ad = {d[p[0]], d[q[0]], d[r[0]], d[s[0]]}, bu = {u[p[1]], u[q[1]], u[r[1]], u[s[1]]},
+             bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]}, bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
+             cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]}, cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
+             cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
+  const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice
+  const Four sum = ad + bd + cd;
+  const Four aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
+  const Four sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
+  const Four h00 = area * (sa * sa + squared + 2.0 * aa);
+  const Four h11 = area * (sb * sb + squared + 2.0 * bb);
+  const Four h22 = area * (sc * sc + squared + 2.0 * cc);
+  const Four ta = sum + bd + cd, tb = sum + ad + cd, tc = sum + ad + bd;
+  const Four half = 0.5 * area;
+  const Four h12 = half * (ta * ta + squared + bb + cc);
+  const Four h02 = half * (tb * tb + squared + aa + cc);
+  const Four h01 = half * (tc * tc + squared + aa + bb);
+  const Four one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
+  of[0] += one0 + one1 + one2;
+  of[1] += one0 * au + one1 * bu + one2 * cu;
+  of[2] += one0 * av + one1 * bv + one2 * cv;
+  of[6] += one0 * ad + one1 * bd + one2 * cd;
+  const Four u0 = h00 * au + h01 * bu + h02 * cu, u1 = h01 * au + h11 * bu + h12 * cu,
+             u2 = h02 * au + h12 * bu + h22 * cu;
+  of[3] += u0 * au + u1 * bu + u2 * cu;
+  of[4] += u0 * av + u1 * bv + u2 * cv;
+  of[7] += u0 * ad + u1 * bd + u2 * cd;
+  const Four v0 = h00 * av + h01 * bv + h02 * cv, v1 = h01 * av + h11 * bv + h12 * cv,
+             v2 = h02 * av + h12 * bv + h22 * cv;
+  of[5] += v0 * av + v1 * bv + v2 * cv;
+  of[8] += v0 * ad + v1 * bd + v2 * cd;
+  of[9] += (h00 * ad + h01 * bd + h02 * cd) * ad + (h01 * ad + h11 * bd + h12 * cd) * bd +
+           (h02 * ad + h12 * bd + h22 * cd) * cd;
+}
+
+/// Those of all facets, a multiple of four.
+FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<const Facet> facets,
+                                           SurfaceSums& sums) {
+  Four of[10] = {};
+  for (std::size_t t = 0; t < facets.size(); t += 4) add_four(seen, &facets[t], of);
   for (std::size_t i = 0; i < sums.size(); ++i)
     sums[i] = (of[i][0] + of[i][1]) + (of[i][2] + of[i][3]);
 }
 
+/// Adds those of each facet of a ridge to those of the cell beyond it. `facets`: filled up to a
+/// multiple of four.
+FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<const Facet> facets,
+                                          std::span<const Corner> beyond, SurfaceSums* sums) {
+  for (std::size_t t = 0; t < beyond.size(); t += 4) {
+    Four of[10] = {};
+    add_four(seen, &facets[t], of);
+    for (std::size_t lane = 0; lane < 4 && t + lane < beyond.size(); ++lane) {
+      SurfaceSums& own = sums[beyond[t + lane]];
+      for (std::size_t i = 0; i < own.size(); ++i) own[i] += of[i][lane];
+    }
+  }
+}
+
 namespace {
 
-Moments surface_moments(const SeenCorners& seen, std::span<const Facet> facets) {
+Moments moments_of(const SurfaceSums& sums) {
   constexpr double kPart = 1.0 / 360.0;  // of twice the area
-  std::array<double, 10> sums;
-  add_surface(seen, facets, sums);
   Moments m;
   for (std::size_t i = 0; i < m.depths.size(); ++i) m.depths[i] = kPart * sums[i] / 2.0;
   for (std::size_t i = 0; i < m.squares.size(); ++i) m.squares[i] = kPart * sums[6 + i] / 3.0;
@@ -211,47 +229,53 @@ void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope
 /// The surface of one cell after the other, in triangles.
 class CellSurface {
  public:
-  /// Of these cells.
-  explicit CellSurface(const NearestCells& cells) : cells_(cells) {
+  CellSurface(const NearestCells& cells, const DepthPlanes& planes)
+      : cells_(cells), planes_(planes) {
     for (std::size_t i = 0; i < cells.corner_count(); ++i)
       for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
   }
 
-  /// The surface of the cell with these corners, but for what lies on the plane to which depth is
-  /// measured. Adds to `ends` what its faces contribute at which the part ends inside the solid.
-  void take(std::span<const CellCorner> corners, const Cell& cell, const DepthPlanes& planes,
-            Vec6& ends) {
+  /// Takes the surface of cell k with these corners, but for what lies on the plane to which depth
+  /// is measured. Adds to `ends` what the faces contribute at which the part ends inside the solid.
+  void take(std::size_t k, std::span<const CellCorner> corners, const Cell& cell, Vec6& ends) {
     const std::uint16_t turn = ++turn_;
-    for (std::size_t k = 0; k < corners.size(); ++k)
-      place_[corners[k].corner] = static_cast<Corner>(k);
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const std::size_t at = corners[k].corner;
-      const auto& way = cells_.around(at, corners[k].slot);
-      const std::array<Corner, 3> next = {place_[cells_.beyond(at, way[2])],
-                                          place_[cells_.beyond(at, way[0])],
-                                          place_[cells_.beyond(at, way[1])]};
-      const auto here = static_cast<Corner>(k);
+    for (std::size_t c = 0; c < corners.size(); ++c)
+      place_[corners[c].corner] = static_cast<Corner>(c);
+    std::array<std::size_t, 2> count{};
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const std::size_t at = corners[c].corner;
+      const auto& way = cells_.around(at, corners[c].slot);
+      const auto here = static_cast<Corner>(c);
       for (std::size_t i = 0; i < 3; ++i) {
         const Tag tag = cells_.faces(at)[way[i]];
+        const Corner next = place_[cells_.beyond(at, way[(i + 2) % 3])];
         // The triangles of a face have one of its corners in common: that which is seen first.
         Seen& seen = seen_[tag];
         const Corner first = seen.turn == turn ? seen.corner : here;
         seen = {turn, first};
-        facets_[count] = {first, here, next[i]};
-        const bool left_out = (first == here) | (first == next[i]) | (tag == cell.own);
-        count += left_out ? 0 : 1;
-        if (tag < planes.size() && planes[tag].inner && !left_out) [[unlikely]]
+        const std::size_t ridge = tag > NearestCells::kCell + k && tag < ClippedPolyhedron::kOwn;
+        facets_[ridge][count[ridge]] = {first, here, next};
+        beyond_[count[1]] = static_cast<Corner>(tag - NearestCells::kCell);
+        const bool left_out = (first == here) | (first == next) | (tag == cell.own);
+        count[ridge] += left_out ? 0 : 1;
+        if (tag < planes_.size() && planes_[tag].inner && !left_out) [[unlikely]]
           add_inner({cells_.corner(corners[first].corner), cells_.corner(at),
-                     cells_.corner(corners[next[i]].corner)},
+                     cells_.corner(corners[next].corner)},
                     cell, ends);
       }
     }
-    while (count % 4 != 0) facets_[count++] = {};
-    count_ = count;
+    ridge_count_ = count[1];
+    for (std::size_t ridge = 0; ridge < 2; ++ridge) {
+      while (count[ridge] % 4 != 0) facets_[ridge][count[ridge]++] = {};
+      spans_[ridge] = std::span(facets_[ridge]).first(count[ridge]);
+    }
   }
-  /// A multiple of four. One whose corners are the same has no area.
-  std::span<const Facet> facets() const { return std::span(facets_).first(count_); }
+  /// The triangles but for those of ridges to later cells: a multiple of four. One whose corners
+  /// are the same has no area.
+  std::span<const Facet> facets() const { return spans_[0]; }
+  /// Those of these ridges, as many, and the cells beyond, without those that fill up.
+  std::span<const Facet> ridge_facets() const { return spans_[1]; }
+  std::span<const Corner> beyond() const { return std::span(beyond_).first(ridge_count_); }
 
  private:
   struct Seen {
@@ -259,13 +283,38 @@ class CellSurface {
     Corner corner;
   };
   const NearestCells& cells_;
+  const DepthPlanes& planes_;
   std::uint16_t turn_ = 0;  // of the cell
   std::array<Seen, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
   std::array<Corner, NearestCells::kCorners> place_;
   // Three edges meet at each corner, so that there are fewer than two triangles for each.
-  std::array<Facet, 2 * NearestCells::kCorners + 4> facets_;
-  std::size_t count_ = 0;
+  static constexpr std::size_t kMost = 2 * NearestCells::kCorners + 4;
+  std::array<std::array<Facet, kMost>, 2> facets_;
+  std::array<Corner, kMost> beyond_;
+  std::array<std::span<const Facet>, 2> spans_;
+  std::size_t ridge_count_ = 0;
 };
+
+/// Adds what a ridge takes off the curvature. With S the integrals of d^2 f g over it, f and g of
+/// (1, u, v, d), projected on the face of a cell beside.
+void add_ridge(const Cell& cell, const Cell& beyond, const SurfaceSums& s, Mat6& ridges) {
+  constexpr double kPart = 6.0 / 360.0;  // of twice the area
+  const Vec3 across = (cell.inwards - beyond.inwards).normalized();
+  const double depth = cell.constant + cell.inwards.dot(cell.origin);  // of the tool's origin
+  Eigen::Matrix4d sums;
+  sums << s[0], s[1], s[2], s[6],  //
+      s[1], s[3], s[4], s[7],      //
+      s[2], s[4], s[5], s[8],      //
+      s[6], s[7], s[8], s[9];
+  Eigen::Matrix<double, 3, 4> arms;  // of the place 1, u, v, d: arm x across
+  const Vec3 turned = cell.inwards.cross(across);
+  arms << -depth * turned, cell.across.cross(across), cell.along.cross(across), turned;
+  const Eigen::Matrix<double, 3, 4> weighted = kPart * arms * sums;
+  ridges.topLeftCorner<3, 3>() += kPart * s[0] * across * across.transpose();
+  ridges.topRightCorner<3, 3>() += across * weighted.col(0).transpose();
+  ridges.bottomLeftCorner<3, 3>() += weighted.col(0) * across.transpose();
+  ridges.bottomRightCorner<3, 3>() += weighted * arms.transpose();
+}
 
 void add_cell(const Moments& m, const Cell& cell, bool slides, DepthSums& sums) {
   ++sums.cells;
@@ -291,15 +340,29 @@ void add_cell(const Moments& m, const Cell& cell, bool slides, DepthSums& sums) 
 void add_cells(const NearestCells& cells, std::span<const Cell> of, const DepthPlanes& planes,
                bool slides, DepthSums& sums) noexcept {
   const CornersByCell by_cell(cells, of.size());
-  CellSurface surface(cells);
+  CellSurface surface(cells, planes);
+  std::array<SurfaceSums, NearestCells::kMostCells> beyond;  // of the ridges from one cell
+  std::fill_n(beyond.begin(), of.size(), SurfaceSums{});
   for (std::size_t k = 0; k < of.size(); ++k) {
     const auto corners = by_cell[k];
     if (corners.empty()) continue;
     Vec6 ends = Vec6::Zero();
-    surface.take(corners, of[k], planes, ends);
-    const Moments m = surface_moments(SeenCorners(cells, corners, of[k]), surface.facets());
+    surface.take(k, corners, of[k], ends);
+    const SeenCorners seen(cells, corners, of[k]);
+    SurfaceSums whole;
+    sum_surface(seen, surface.facets(), whole);
+    add_ridges(seen, surface.ridge_facets(), surface.beyond(), beyond.data());
+    Mat6 ridges = Mat6::Zero();
+    for (std::size_t j = k + 1; j < of.size(); ++j) {
+      if (beyond[j][0] == 0.0) continue;
+      const SurfaceSums own = std::exchange(beyond[j], SurfaceSums{});
+      for (std::size_t i = 0; i < own.size(); ++i) whole[i] += own[i];
+      add_ridge(of[k], of[j], own, ridges);
+    }
+    const Moments m = moments_of(whole);
     if (!(m.cubes > 0.0 && m.squares[0] > 0.0 && m.depths[0] > 0.0)) continue;
     sums.slope += ends;
+    sums.ridges += ridges;
     add_cell(m, of[k], slides, sums);
   }
 }

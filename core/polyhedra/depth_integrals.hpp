@@ -26,12 +26,16 @@
 // m the normal of faces at which the part ends inside the solid. On all other faces d^3 vanishes or
 // cancels with the cell beside.
 //
-// Its stiffness. The second derivative of V is 6 integral of d w w^T over the cells, w = (n, r x
-// n), less terms of the ridges between cells and of rotation. With s = 3 integral of d^2 w that of
-// E is
-//   C / (2 sqrt V) (H - s s^T / (2 V)),   H = 6 integral of d w w^T.
-// By Cauchy and Schwarz s s^T <= 3/2 V H, so it is at least a quarter of its first term: positive
-// semidefinite, and exactly k sqrt(A / A_c) for a flat face.
+// Its stiffness. The second derivative of V is H - R, H = 6 integral of d w w^T over the cells, w =
+// (n, r x n), less terms of rotation (force times arm) and of inner faces. R is that of the ridges:
+// across one between cells i and j the gradient of d jumps by n_i - n_j = -|n_i - n_j| q, q the
+// ridge's normal, so that R = 3 |n_i - n_j| integral of d^2 z z^T over its area, z = (q, r x q). On
+// the face of a cell beside, the ridge has |n_i - n_j| / 2 of its area: R = 6 integral of d^2 z z^T
+// there. With s = 3 integral of d^2 w the second derivative of E is
+//   C / (2 sqrt V) (H - R - s s^T / (2 V)).
+// By Cauchy and Schwarz s s^T <= 3/2 V H, so without R it is at least a quarter of its first term:
+// positive semidefinite, and exactly k sqrt(A / A_c) for a flat face. With R it may have negative
+// eigenvalues, where the tool has no place of rest.
 //
 // Passivity. E is a potential of the pose. So step_coupled_tool(), which only goes down, stores no
 // more than the hand's work against the coupling. This holds for any d that is fixed during a step.
@@ -54,6 +58,7 @@ struct DepthSums {
   Vec6 slope = Vec6::Zero();      // [m^5], [m^6/rad] gradient of V for motions of the tool
   Vec6 pushed = Vec6::Zero();     // its part from the cells, -s
   Mat6 curvature = Mat6::Zero();  // [m^4] ... H
+  Mat6 ridges = Mat6::Zero();     // [m^4] ... R
   std::array<SlipSums, 6> sides;  // of the contact, by the axis that the normal is nearest to;
                                   // their weight is the integral of d^2 [m^5]
   std::size_t cells = 0;          // with contact
@@ -63,6 +68,7 @@ struct DepthSums {
     slope += more.slope;
     pushed += more.pushed;
     curvature += more.curvature;
+    ridges += more.ridges;
     for (std::size_t i = 0; i < sides.size(); ++i) sides[i] += more.sides[i];
     cells += more.cells;
     return *this;

@@ -54,6 +54,7 @@ void add_object(const Object& object, const DepthSums& sums, double contact_area
       to_world,
       Mat6(scale * (sums.curvature - sums.pushed * sums.pushed.transpose() / (2.0 * sums.cubes))));
   sum.stiffness += stiffness;
+  sum.softening += turned_by(to_world, Mat6(scale * sums.ridges));
   sum.touching += sums.cells;
   if (sum.part_count < ShellContact::kFrictionPatches)
     sum.parts[sum.part_count++] = {in.index, wrench};

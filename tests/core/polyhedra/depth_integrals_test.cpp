@@ -202,6 +202,47 @@ TEST(DepthIntegrals, TheSlopeIsThatOfTheSum) {
   expect_slope(tool, angle, nullptr, 0.06, 5);
 }
 
+/// The slope's change as the tool moves along each axis is H - R, ridges included.
+void expect_curvature(const Polyhedron& tool, const SolidParts& solid, double reach, int seed) {
+  test::Random random(seed);
+  int touching = 0;
+  double ridges = 0.0;
+  for (int i = 0; i < 30; ++i) {
+    const Pose pose{reach * random.uniform(0.3, 1.0) * random.direction(),
+                    about(random.direction(), random.uniform(-3, 3))};
+    const DepthSums sums = sums_of(tool, pose, solid);
+    if (!(sums.cubes > 1e-14)) continue;
+    ++touching;
+    ridges = std::max(ridges, sums.ridges.norm() / sums.curvature.norm());
+    EXPECT_LT((sums.ridges - sums.ridges.transpose()).norm(), 1e-12 * sums.curvature.norm());
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      constexpr double kWay = 1e-7;
+      const auto slope = [&](double way) {
+        return sums_of(tool, {pose.position + way * Vec3::Unit(axis), pose.orientation}, solid)
+            .slope;
+      };
+      const Vec6 change = (slope(kWay) - slope(-kWay)) / (2.0 * kWay);
+      const Vec6 law = (sums.curvature - sums.ridges).col(axis);
+      EXPECT_LT((change - law).norm(), 1e-4 * sums.curvature.norm()) << i << ' ' << axis;
+    }
+  }
+  EXPECT_GT(touching, 10);
+  EXPECT_GT(ridges, 0.1);  // so that it would be seen if they were left out
+}
+
+TEST(DepthIntegrals, TheCurvatureIsTheSlopesChange) {
+  test::Random random(8);
+  const Polyhedron tool = random_solid(random, 0.03);
+  SolidParts solid;
+  solid.parts.resize(1);
+  solid.parts[0].shape = random_solid(random, 0.04);
+  solid.parts[0].inner.assign(solid.parts[0].shape.planes.size(), 0);
+  expect_curvature(tool, solid, 0.05, 1);
+  expect_curvature(polyhedron(box_corners(kHalf)),
+                   solid_parts(Box{Vec3(0.03, 0.02, 0.04)}, Side::inside), 0.03, 2);
+  expect_curvature(tool, solid_parts(Cylinder{0.02, 0.03}, Side::outside), 0.045, 3);
+}
+
 TEST(DepthIntegrals, ASolidInTwoPiecesIsTheSolid) {
   const SolidParts whole = solid_parts(Box{Vec3(0.04, 0.04, 0.01)}, Side::outside);
   const SolidParts pieces = solid_parts({box_corners(Vec3(0.015, 0.04, 0.01), Vec3(-0.025, 0, 0)),
