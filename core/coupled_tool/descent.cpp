@@ -29,10 +29,10 @@ struct Spring {
 /// The stiffness less as much of the softening as leaves a tenth of it in every direction: all of
 /// it, a half, a quarter or nothing.
 Mat6 softened(const Mat6& stiffness, const Mat6& softening) {
-  constexpr double kLeft = 0.1, kLeast = 0.2;
+  constexpr double kLeft = 0.1;
   if (softening.isZero(0.0)) return stiffness;
-  for (double share = 1.0; share > kLeast; share *= 0.5) {
-    const Mat6 whole = stiffness - share * softening;
+  for (const double share : {1.0, 0.5, 0.25}) {
+    Mat6 whole = stiffness - share * softening;
     if (Mat6(whole - kLeft * stiffness).llt().info() == Eigen::Success) return whole;
   }
   return stiffness;
