@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/polyhedra/wide.hpp"
-
 namespace feltwire {
-namespace {
-
-struct PlaneNumbers {
-  double x, y, z, offset;
-};
-
-}  // namespace
 
 /// Of corners, a multiple of four, all arrays aligned to 32 bytes.
 FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3>& corners,
-                                               std::size_t count, const PlaneNumbers& plane,
+                                               std::size_t count, const LinearFunction& plane,
                                                double* height, ClippedPolyhedron::Extent& reach) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto* x = reinterpret_cast<const Four*>(corners[0]);
@@ -37,7 +28,7 @@ FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3
 ClippedPolyhedron& ClippedPolyhedron::operator=(const ClippedPolyhedron& other) noexcept {
   if (this == &other) return *this;
   count_ = other.count_;
-  const std::size_t padded = (count_ + kTogether - 1) / kTogether * kTogether;
+  const std::size_t padded = (count_ + kFour - 1) / kFour * kFour;
   std::copy_n(other.x_.begin(), padded, x_.begin());
   std::copy_n(other.y_.begin(), padded, y_.begin());
   std::copy_n(other.z_.begin(), padded, z_.begin());
@@ -62,21 +53,16 @@ void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
     for (std::size_t s = 0; s < 3; ++s) links.next[s] = end_of(corner.next[s], corner.back[s]);
     for (std::size_t s = 0; s < 3; ++s) links.face[s] = static_cast<Tag>(kOwn + corner.face[s]);
   }
-  pad();
+  pad_corners();
 }
 
-void ClippedPolyhedron::pad() noexcept {
-  if (count_ == 0) return;
-  for (std::size_t i = count_; i % kTogether != 0; ++i) {
-    x_[i] = x_[count_ - 1];
-    y_[i] = y_[count_ - 1];
-    z_[i] = z_[count_ - 1];
-  }
+void ClippedPolyhedron::pad_corners() noexcept {
+  for (Numbers* all : {&x_, &y_, &z_}) pad(*all, count_);
 }
 
 ClippedPolyhedron::Extent ClippedPolyhedron::heights(const Vec3& normal, double offset,
                                                      Numbers& height) const noexcept {
-  const PlaneNumbers plane{normal.x(), normal.y(), normal.z(), offset};
+  const LinearFunction plane{normal.x(), normal.y(), normal.z(), offset};
   Extent reach{};
   compute_heights({x_.data(), y_.data(), z_.data()}, count_, plane, height.data(), reach);
   return reach;
@@ -92,35 +78,25 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
   if (count_ == 0) return false;
   alignas(32) Numbers height;
   const Extent reach = heights(normal, offset, height);
-  if (!(reach.most > kOn)) return true;
-  if (reach.least >= -kOn) {
+  if (!(reach.most > kOnPlane)) return true;
+  if (reach.least >= -kOnPlane) {
     count_ = 0;
     return false;
   }
-  // No branch decides between corners: their order is that of chance.
-  std::array<std::uint16_t, kCorners + 1> above;
-  std::size_t above_count = 0;
-  for (std::size_t v = 0; v < count_; ++v) {
-    above[above_count] = static_cast<std::uint16_t>(v);
-    above_count += height[v] > kOn ? 1 : 0;
-  }
-  std::array<End, 3 * kCorners + 1> edges;  // that the plane cuts, by their ends above it
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < above_count; ++k)
-    for (std::size_t s = 0; s < 3; ++s) {
-      edges[count] = end_of(above[k], s);
-      count += height[corner_of(links_[above[k]].next[s])] > kOn ? 0 : 1;
-    }
-  if (count_ - above_count + count > kCorners) [[unlikely]]
+  std::array<std::uint16_t, kCorners + 1> places;
+  const std::span above(places.data(), find_above(height, count_, places));
+  std::array<EdgeEnd, 3 * kCorners + 1> edges;
+  const std::size_t count = find_cut_edges(height, above, links_, edges);
+  if (count_ - above.size() + count > kCorners) [[unlikely]]
     return true;
   struct Corner {
     double x, y, z;
-    End in;
+    EdgeEnd in;
   };
   std::array<Corner, kCorners> corners;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t v = corner_of(edges[i]);
-    const End end = links_[v].next[slot_of(edges[i])];
+    const EdgeEnd end = links_[v].next[slot_of(edges[i])];
     const std::size_t in = corner_of(end);
     const double part = std::clamp(height[in] / (height[in] - height[v]), 0.0, 1.0);
     corners[i] = {x_[in] + part * (x_[v] - x_[in]), y_[in] + part * (y_[v] - y_[in]),
@@ -129,7 +105,7 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
   // They take the places of those that are gone. A new face lies between their other two edges.
   std::array<std::uint16_t, kCorners> made;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = i < above_count ? above[i] : count_++;
+    const std::size_t at = i < above.size() ? above[i] : count_++;
     const Corner& corner = corners[i];
     const std::size_t slot = slot_of(corner.in);
     Links& kept = links_[corner_of(corner.in)];
@@ -142,38 +118,28 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
     height[at] = 1.0;
   }
   close(std::span(made).first(count), height);
-  if (count < above_count) remove(std::span(above).subspan(count, above_count - count));
-  pad();
+  if (count < above.size())
+    count_ = fill_places(above.subspan(count), count_,
+                         [&](std::size_t from, std::size_t place) { move(from, place); });
+  pad_corners();
   return true;
 }
 
 void ClippedPolyhedron::close(std::span<const std::uint16_t> made, const Numbers& height) noexcept {
   for (const std::uint16_t n : made) {
-    End at = links_[n].next[0];
-    while (!(height[corner_of(at)] > kOn)) at = walked(at);
+    EdgeEnd at = links_[n].next[0];
+    while (!(height[corner_of(at)] > kOnPlane)) at = walked(at);
     const std::size_t other = corner_of(at);
     links_[n].next[2] = end_of(other, 1);
     links_[other].next[1] = end_of(n, 2);
   }
 }
 
-void ClippedPolyhedron::remove(std::span<const std::uint16_t> gone) noexcept {
-  std::size_t left = gone.size();  // to remove; those behind are beyond the end
-  for (std::size_t k = 0; k < left; ++k) {
-    while (left > k && gone[left - 1] == count_ - 1) {
-      --left;
-      --count_;
-    }
-    if (k == left) return;
-    const std::uint16_t place = gone[k];
-    --count_;
-    x_[place] = x_[count_];
-    y_[place] = y_[count_];
-    z_[place] = z_[count_];
-    const Links& moved = links_[place] = links_[count_];
-    for (std::size_t s = 0; s < 3; ++s)
-      links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
-  }
+void ClippedPolyhedron::move(std::size_t from, std::size_t place) noexcept {
+  for (Numbers* all : {&x_, &y_, &z_}) (*all)[place] = (*all)[from];
+  const Links& moved = links_[place] = links_[from];
+  for (std::size_t s = 0; s < 3; ++s)
+    links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
 }
 
 }  // namespace feltwire

@@ -2,12 +2,13 @@
 // A convex polyhedron that is cut by planes, without memory from the heap.
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 
+#include "core/polyhedra/edge_end.hpp"
 #include "core/polyhedra/polyhedron.hpp"
+#include "core/polyhedra/wide.hpp"
 
 namespace feltwire {
 
@@ -22,9 +23,6 @@ class ClippedPolyhedron {
   using Tag = std::uint16_t;
   /// The tag of face f of the polyhedron itself is kOwn + f. Cuts have lower ones.
   static constexpr Tag kOwn = 0x1010;
-
-  /// [m] A corner this little above a plane lies on it: rounding of coordinates of some metres.
-  static constexpr double kOn = 1e-14;
 
   ClippedPolyhedron() = default;
   // Only what is in use is copied.
@@ -65,38 +63,28 @@ class ClippedPolyhedron {
   }
 
  private:
-  /// The end of an edge: its corner, and which of the corner's edges it is (GraphCorner).
-  using End = std::uint16_t;
-  static constexpr End end_of(std::size_t corner, std::size_t slot) {
-    return static_cast<End>(corner << 2 | slot);
-  }
-  static constexpr std::size_t corner_of(End end) { return end >> 2; }
-  static constexpr std::size_t slot_of(End end) { return end & 3; }
-  static_assert(kCorners <= 1U << 14);
+  static_assert(kCorners <= kMostEndCorners);
   struct Links {
-    std::array<End, 3> next;  // the other end of each edge
-    std::array<Tag, 3> face;  // the tag of the face whose walk enters by the edge
+    std::array<EdgeEnd, 3> next;  // the other end of each edge, in the order of GraphCorner
+    std::array<Tag, 3> face;      // the tag of the face whose walk enters by the edge
   };
   static constexpr std::array<std::uint8_t, 3> kAfter = {1, 2, 0};
   /// The next end at which the walk round a face, counter-clockwise, enters a corner.
-  End walked(End entered) const {
+  EdgeEnd walked(EdgeEnd entered) const {
     return links_[corner_of(entered)].next[kAfter[slot_of(entered)]];
   }
 
   Coordinates coordinates(const auto& values) const {
     return {values.data(), static_cast<Eigen::Index>(count_)};
   }
-  /// Four numbers at a time; those behind the last corner are copies of it.
-  static constexpr std::size_t kTogether = 4;
-  using Numbers = std::array<double, kCorners + kTogether>;
+  using Numbers = PaddedNumbers<kCorners>;
   /// The extent, and the heights of all corners.
   Extent heights(const Vec3& normal, double offset, Numbers& height) const noexcept;
-  void pad() noexcept;
+  void pad_corners() noexcept;
   /// Joins the corners that a cut has made, round each face that it has cut. `height`: above zero
   /// for those.
   void close(std::span<const std::uint16_t> made, const Numbers& height) noexcept;
-  /// Fills the places of the corners that are gone, in ascending order, with the last ones.
-  void remove(std::span<const std::uint16_t> gone) noexcept;
+  void move(std::size_t from, std::size_t place) noexcept;
 
   alignas(32) Numbers x_;
   alignas(32) Numbers y_;

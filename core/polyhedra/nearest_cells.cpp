@@ -2,22 +2,14 @@
 
 #include <algorithm>
 #include <limits>
-
-#include "core/polyhedra/wide.hpp"
+#include <span>
 
 namespace feltwire {
-namespace {
-
-struct FunctionNumbers {
-  double x, y, z, offset;
-};
-
-}  // namespace
 
 /// How far the corners are above a function, and the largest of these. Of corners, a multiple of
 /// four, all arrays aligned to 32 bytes: x, y, z, t.
 FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4>& corners,
-                                               std::size_t count, const FunctionNumbers& function,
+                                               std::size_t count, const LinearFunction& function,
                                                double* height) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto* x = reinterpret_cast<const Four*>(corners[0]);
@@ -57,49 +49,39 @@ NearestCells::NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, d
     }
     links.next[3] = kDown;
   }
-  pad();
+  pad_corners();
 }
 
-void NearestCells::pad() noexcept {
-  for (std::size_t i = count_; i % kTogether != 0; ++i)
-    for (Numbers* all : {&x_, &y_, &z_, &t_}) (*all)[i] = (*all)[count_ - 1];
+void NearestCells::pad_corners() noexcept {
+  for (Numbers* all : {&x_, &y_, &z_, &t_}) pad(*all, count_);
 }
 
 void NearestCells::insert(const Vec3& normal, double offset, std::size_t cell) noexcept {
   alignas(32) Numbers height;
-  const FunctionNumbers function{normal.x(), normal.y(), normal.z(), offset};
+  const LinearFunction function{normal.x(), normal.y(), normal.z(), offset};
   if (!(heights_above({x_.data(), y_.data(), z_.data(), t_.data()}, count_, function,
-                      height.data()) > ClippedPolyhedron::kOn))
+                      height.data()) > kOnPlane))
     return;
   height[kBelow] = -1.0;
-  // No branch decides between corners: their order is that of chance.
-  std::array<std::uint16_t, kCorners + 1> gone;
-  std::size_t gone_count = 0;
-  for (std::size_t v = 0; v < count_; ++v) {
-    gone[gone_count] = static_cast<std::uint16_t>(v);
-    gone_count += height[v] > ClippedPolyhedron::kOn ? 1 : 0;
-  }
-  std::array<End, 4 * kCorners + 1> cuts;  // the ends of edges that are cut, at corners that go
-  std::size_t cut_count = 0;
-  for (std::size_t k = 0; k < gone_count; ++k)
-    for (std::size_t s = 0; s < 4; ++s) {
-      cuts[cut_count] = end_of(gone[k], s);
-      cut_count += height[corner_of(links_[gone[k]].next[s])] > ClippedPolyhedron::kOn ? 0 : 1;
-    }
-  if (count_ + cut_count > kCorners) [[unlikely]]
+  std::array<std::uint16_t, kCorners + 1> places;
+  const std::span gone(places.data(), find_above(height, count_, places));
+  std::array<EdgeEnd, 4 * kCorners + 1> edges;
+  const std::span cuts(edges.data(), find_cut_edges(height, gone, links_, edges));
+  if (count_ + cuts.size() > kCorners) [[unlikely]]
     return;
   const std::size_t old = count_;
   const auto tag = static_cast<Tag>(kCell + cell);
-  for (std::size_t k = 0; k < cut_count; ++k) make(cuts[k], tag, height);
-  for (std::size_t k = 0; k < cut_count; ++k) join(old + k, cuts[k], old);
-  remove(std::span(gone).first(gone_count));
-  pad();
+  for (const EdgeEnd edge : cuts) make(edge, tag, height);
+  for (std::size_t k = 0; k < cuts.size(); ++k) join(old + k, cuts[k], old);
+  count_ =
+      fill_places(gone, count_, [&](std::size_t from, std::size_t place) { move(from, place); });
+  pad_corners();
 }
 
 /// Places a corner on the edge from one that goes to one that stays.
-void NearestCells::make(End cut, Tag tag, const Numbers& height) noexcept {
+void NearestCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
   const std::size_t v = corner_of(cut), at = count_++;
-  const End kept = links_[v].next[slot_of(cut)];
+  const EdgeEnd kept = links_[v].next[slot_of(cut)];
   const std::size_t u = corner_of(kept);
   std::size_t slot = slot_of(cut);
   Links& links = links_[at];
@@ -129,7 +111,7 @@ void NearestCells::make(End cut, Tag tag, const Numbers& height) noexcept {
 
 /// Joins a new corner to other new ones, each by a walk along a face of two dimensions over corners
 /// that go. `from`: where it begins. `first`: the first of the new corners.
-void NearestCells::join(std::size_t made, End from, std::size_t first) noexcept {
+void NearestCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
   Links& links = links_[made];
   const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);
   for (std::size_t r = 0; r < 4; ++r) {
@@ -137,7 +119,7 @@ void NearestCells::join(std::size_t made, End from, std::size_t first) noexcept 
     // The new edge is in the new cell and in these two.
     const std::size_t s = own != 0 && r != 0 ? 0 : own != 1 && r != 1 ? 1 : 2;
     const Tag p = links.face[s], q = links.face[6 - own - r - s];
-    End at = from;
+    EdgeEnd at = from;
     do {
       const Links& gone = links_[corner_of(at)];
       at = gone.next[gone.onward(slot_of(at), p, q)];
@@ -148,27 +130,13 @@ void NearestCells::join(std::size_t made, End from, std::size_t first) noexcept 
   }
 }
 
-/// Fills the places of the corners that are gone, in ascending order, with the last ones.
-void NearestCells::remove(std::span<const std::uint16_t> gone) noexcept {
-  std::size_t left = gone.size();  // to remove; those behind are beyond the end
-  for (std::size_t k = 0; k < left; ++k) {
-    while (left > k && gone[left - 1] == count_ - 1) {
-      --left;
-      --count_;
-    }
-    if (k == left) return;
-    const std::uint16_t place = gone[k];
-    --count_;
-    x_[place] = x_[count_];
-    y_[place] = y_[count_];
-    z_[place] = z_[count_];
-    t_[place] = t_[count_];
-    mirrored_[place] = mirrored_[count_];
-    const Links& moved = links_[place] = links_[count_];
-    for (std::size_t s = 0; s < 4; ++s)
-      if (moved.next[s] != kDown)
-        links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
-  }
+void NearestCells::move(std::size_t from, std::size_t place) noexcept {
+  for (Numbers* all : {&x_, &y_, &z_, &t_}) (*all)[place] = (*all)[from];
+  mirrored_[place] = mirrored_[from];
+  const Links& moved = links_[place] = links_[from];
+  for (std::size_t s = 0; s < 4; ++s)
+    if (moved.next[s] != kDown)
+      links_[corner_of(moved.next[s])].next[slot_of(moved.next[s])] = end_of(place, s);
 }
 
 }  // namespace feltwire

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "core/polyhedra/clipped_polyhedron.hpp"
 
@@ -49,25 +48,17 @@ class NearestCells {
   }
 
  private:
-  /// The end of an edge: its corner, and which of the corner's edges it is. An edge has the number
-  /// of the face that it leaves.
-  using End = std::uint16_t;
-  static constexpr End end_of(std::size_t corner, std::size_t slot) {
-    return static_cast<End>(corner << 2 | slot);
-  }
-  static constexpr std::size_t corner_of(End end) { return end >> 2; }
-  static constexpr std::size_t slot_of(End end) { return end & 3; }
   /// The end of all edges that lead down: no corner. It is never above a function.
   static constexpr std::size_t kBelow = kCorners;
-  static_assert(kBelow < 1U << 14);
-  static constexpr End kDown = kBelow << 2 | 3;
+  static_assert(kBelow < kMostEndCorners);
+  static constexpr EdgeEnd kDown = end_of(kBelow, 3);
   static constexpr std::array<std::array<std::array<std::uint8_t, 3>, 4>, 2> kAround = {
       {{{{2, 1, 3}, {0, 2, 3}, {1, 0, 3}, {0, 1, 2}}},
        {{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {1, 0, 2}}}}};
 
   struct Links {
-    std::array<End, 4> next;  // the other end of each edge
-    std::array<Tag, 4> face;  // and the face that it leaves
+    std::array<EdgeEnd, 4> next;  // the other end of each edge; edges have the number of
+    std::array<Tag, 4> face;      // the face that they leave
     std::size_t slot(Tag tag) const {
       return (face[1] == tag ? 1U : 0U) + (face[2] == tag ? 2U : 0U) + (face[3] == tag ? 3U : 0U);
     }
@@ -75,13 +66,12 @@ class NearestCells {
     /// walk that came by the edge of slot `by`.
     std::size_t onward(std::size_t by, Tag p, Tag q) const { return 6 - by - slot(p) - slot(q); }
   };
-  static constexpr std::size_t kTogether = 4;
-  using Numbers = std::array<double, kCorners + kTogether>;
+  using Numbers = PaddedNumbers<kCorners>;
 
-  void pad() noexcept;
-  void make(End cut, Tag tag, const Numbers& height) noexcept;
-  void join(std::size_t made, End from, std::size_t made_from) noexcept;
-  void remove(std::span<const std::uint16_t> gone) noexcept;
+  void pad_corners() noexcept;
+  void make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept;
+  void join(std::size_t made, EdgeEnd from, std::size_t first) noexcept;
+  void move(std::size_t from, std::size_t place) noexcept;
 
   alignas(32) Numbers x_;
   alignas(32) Numbers y_;
