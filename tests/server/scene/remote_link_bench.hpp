@@ -1,0 +1,60 @@
+#pragma once
+// A link between hands and a robot that does what it is told.
+
+#include "server/scene/remote_link.hpp"
+
+namespace feltwire::remote_link_test {
+
+inline constexpr double kPeriod = 1e-3;  // [s]
+inline constexpr std::uint32_t kRobot = 9;
+
+struct Hand {
+  std::uint32_t number;
+  Vec3 at;
+  bool pressed = false;
+  double work = 0.0;  // [J]
+  std::uint64_t index = 0;
+  Vec3 offset = Vec3::Zero();  // [m]
+  Quaternion turn = Quaternion::Identity();
+};
+
+/// A link whose robot is well and holds what it was told.
+struct Bench {
+  explicit Bench(const RemoteSeat& seat = {}, const Workspace& own = {}) : link(seat) {
+    link.sit(kRobot, own);
+    state.commanded.position = state.pose.position = Vec3(0.4, 0.1, 0.3);
+    say();
+  }
+  void say() {
+    ++state.index;
+    link.follow(state, now);
+  }
+  void send(Hand& hand) {
+    now += std::chrono::milliseconds(1);
+    say();
+    SampleBatch batch;
+    batch.count = 1;
+    batch.samples[0].index = ++hand.index;
+    batch.samples[0].client_time = now;
+    batch.samples[0].pose = {hand.at, hand.turn};
+    batch.lead = Lead{.deadman = hand.pressed, .offset = hand.offset, .hand_work = hand.work};
+    link.lead(hand.number, batch, kPeriod, now);
+    target = link.target(now);
+    if (target.state == LinkState::engaged) state.commanded = target.pose;
+  }
+  void press(Hand& hand) {
+    hand.pressed = false;
+    send(hand);
+    hand.pressed = true;
+    send(hand);
+  }
+  LinkState told(const Hand& hand) const { return link.told(hand.number, now).state; }
+
+  RemoteLink link;
+  RobotState state;
+  RobotTarget target;
+  Nanoseconds now = std::chrono::seconds(1);
+  Hand anna{1, Vec3(1.0, 0.0, 0.0)}, ben{2, Vec3(-3.0, 2.0, 1.0)};
+};
+
+}  // namespace feltwire::remote_link_test
