@@ -1,7 +1,11 @@
 // The trade studies of feltwire-lab: each measures the costs of a setting.
 
+#include <iostream>
+#include <memory>
+
 #include "sim/lab/study_commands.hpp"
 #include "sim/studies/network/trade_network.hpp"
+#include "sim/studies/scene/sixdof_tasks.hpp"
 #include "sim/studies/scene/trade_geometry.hpp"
 #include "sim/studies/scene/trade_mass.hpp"
 #include "sim/studies/scene/trade_scene.hpp"
@@ -29,12 +33,6 @@ std::string trade_mass(const std::string& out) {
   return trade_mass_table(trade);
 }
 
-std::string trade_sixdof(const std::string& out) {
-  const auto cells = run_trade_sixdof({});
-  write_trade_sixdof(out, cells);
-  return trade_sixdof_table(cells);
-}
-
 std::string trade_scene(const std::string& out) {
   constexpr std::size_t kRounds = 101, kBareRounds = 2001;
   const auto cases = scene_cases();
@@ -50,6 +48,30 @@ std::string trade_network(const std::string& out) {
   const auto cells = run_trade_network(settings, kTaskTime);
   write_trade_network(out, settings, cells);
   return trade_network_table(settings, cells) + '\n' + trade_network_cost_table(settings, cells);
+}
+
+/// The one with an option: its tasks.
+void add_trade_sixdof(CLI::App& trade) {
+  struct Options {
+    std::string out = "trade-sixdof";
+    SixDofGrid grid;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = trade.add_subcommand(
+      "sixdof", "A body by points or by polygons, without and with mass: error, jumps, time");
+  command->footer(
+      "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
+      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores. docs/lab/trade.md "
+      "is "
+      "its page.");
+  command->add_option("--task", options->grid.tasks, "Only this task; may be given several times")
+      ->check(CLI::IsMember(sixdof_task_names()));
+  add_out(*command, options->out);
+  command->callback([options] {
+    const auto cells = run_trade_sixdof(options->grid);
+    write_trade_sixdof(options->out, cells);
+    std::cout << trade_sixdof_table(cells) << placed("Tables", options->out);
+  });
 }
 
 }  // namespace
@@ -76,10 +98,7 @@ void add_trade(CLI::App& app) {
       "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, the same bytes every "
       "time, and what this\nmachine took for it, trade_mass_cost.csv. Some minutes of CPU time.",
       trade_mass);
-  add("sixdof", "A body by points or by polygons, without and with mass: error, jumps, time",
-      "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
-      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores.",
-      trade_sixdof);
+  add_trade_sixdof(*trade);
   add("scene", "Time of each property of a scene for one sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
       "Half a minute of CPU\ntime.",

@@ -143,24 +143,40 @@ SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangle
   return task;
 }
 
+struct NamedTask {
+  std::string name;
+  /// `tolerance` [m] and `triangles` (0: as it is) are those of bunny_solid().
+  std::function<SixDofTask(const std::string& name, double tolerance, std::size_t triangles)> made;
+  bool fine = false;
+};
+
+std::vector<NamedTask> named_tasks() {
+  return {{"peg 0.5", [](const auto& name, auto...) { return peg(name, 0.5e-3); }},
+          {"peg 0.1", [](const auto& name, auto...) { return peg(name, 0.1e-3); }},
+          {"gears", [](auto...) { return gears(); }},
+          {"chain", [](auto...) { return chain(); }},
+          {"edge", [](auto...) { return edge(); }},
+          {"ridge", [](auto...) { return ridge(); }},
+          {"bunny", bunny},
+          {"bunny 20k", bunny, true}};
+}
+
 }  // namespace
+
+std::vector<std::string> sixdof_task_names() {
+  std::vector<std::string> names;
+  for (const NamedTask& task : named_tasks()) names.push_back(task.name);
+  return names;
+}
 
 std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance, std::size_t fine_triangles,
                                      const std::vector<std::string>& names) {
   std::vector<SixDofTask> tasks;
-  const auto add = [&](const std::string& name, const auto& made) {
-    if (names.empty() || std::ranges::find(names, name) != names.end()) tasks.push_back(made(name));
-  };
-  add("peg 0.5", [](const auto& name) { return peg(name, 0.5e-3); });
-  add("peg 0.1", [](const auto& name) { return peg(name, 0.1e-3); });
-  add("gears", [](const auto&) { return gears(); });
-  add("chain", [](const auto&) { return chain(); });
-  add("edge", [](const auto&) { return edge(); });
-  add("ridge", [](const auto&) { return ridge(); });
-  add("bunny", [&](const auto& name) { return bunny(name, bunny_tolerance, 0); });
-  if (fine_triangles > 0)
-    add("bunny 20k",
-        [&](const auto& name) { return bunny(name, bunny_tolerance, fine_triangles); });
+  for (const NamedTask& task : named_tasks()) {
+    const bool asked = names.empty() || std::ranges::find(names, task.name) != names.end();
+    if (asked && (!task.fine || fine_triangles > 0))
+      tasks.push_back(task.made(task.name, bunny_tolerance, task.fine ? fine_triangles : 0));
+  }
   return tasks;
 }
 

@@ -35,6 +35,9 @@ struct SixDofTask {
   double time = 0.5;          // [s]
 };
 
+/// Their names, in this order.
+std::vector<std::string> sixdof_task_names();
+
 /// `names`: only these tasks; empty: all. `bunny_tolerance` [m]: that of bunny_solid(), and
 /// `fine_triangles` of the finer surface; 0: without this task.
 std::vector<SixDofTask> sixdof_tasks(double bunny_tolerance, std::size_t fine_triangles = 0,
