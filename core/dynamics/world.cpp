@@ -255,10 +255,10 @@ double World::blame(const BodyContactState& contacts) const noexcept {
   const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
   double hardest = 0.0;
   for (std::size_t i = 0; i < contacts.peak_pushes.size(); ++i) {
-    const PeakPush& strain = contacts.peak_pushes[i];
-    const bool lately = strain.step > reset_before_ && strain.step + age >= last_reset_;
+    const PeakPush& peak = contacts.peak_pushes[i];
+    const bool lately = peak.step > reset_before_ && peak.step + age >= last_reset_;
     if (lately && run_->broken_trees.has(run_->parts[i].body))
-      hardest = std::max(hardest, strain.force);
+      hardest = std::max(hardest, peak.force);
   }
   return hardest;
 }
@@ -317,11 +317,11 @@ void World::apply(std::size_t part, BodyContactState& contacts, const Vec3& at,
   const Vec3 force = -share * contacts.forces[part], torque = -share * contacts.torques[part];
   if ((force.isZero(0.0) && torque.isZero(0.0)) || !force.allFinite() || !torque.allFinite())
     return;
-  PeakPush& strain = contacts.peak_pushes[part];
+  PeakPush& peak = contacts.peak_pushes[part];
   const std::uint64_t next = counters_.steps + 1;  // the step that takes this push
   const auto age = static_cast<std::uint64_t>(std::llround(kBlameAge / tick_));
   const double hard = length(force);
-  if (hard >= strain.force || strain.step + age < next) strain = {hard, next};
+  if (hard >= peak.force || peak.step + age < next) peak = {hard, next};
   mj_applyFT(&run_->model(), run_->data(), force.data(), torque.data(), at.data(),
              run_->parts[part].body, run_->data()->qfrc_applied);
 }

@@ -92,7 +92,7 @@ void SceneHost::stop() {
 
 /// An answer on its way to whoever asked. Made where the question is, so that the scene's thread
 /// needs no memory for it.
-struct SceneHost::Asked {
+struct SceneHost::PendingAnswer {
   control::Message request;
   Completion completion;
   control::Message answer = control::Refused{control::RefusalCode::shutting_down,
@@ -103,21 +103,22 @@ struct SceneHost::Asked {
 
 void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
                     asio::io_context& back, Completion completion) {
-  auto asked = std::make_shared<Asked>(Asked{std::move(request), std::move(completion)});
-  post([this, asked = std::move(asked), id, keys, &back] {
+  auto pending =
+      std::make_shared<PendingAnswer>(PendingAnswer{std::move(request), std::move(completion)});
+  post([this, pending = std::move(pending), id, keys, &back] {
     try {
-      if (!closing_) asked->answer = sessions_.answer(asked->request, id, keys, clock_());
-      if (auto* named = std::get_if<control::Counters>(&asked->answer))
+      if (!closing_) pending->answer = sessions_.answer(pending->request, id, keys, clock_());
+      if (auto* named = std::get_if<control::Counters>(&pending->answer))
         named->counters.push_back({"unsent", unsent_});
-      if (auto* described = std::get_if<control::SceneDescription>(&asked->answer))
+      if (auto* described = std::get_if<control::SceneDescription>(&pending->answer))
         described->times.answers = answers_;
     } catch (const std::exception& error) {
       spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
                     error.what());
-      asked->answer = std::move(asked->failure);
+      pending->answer = std::move(pending->failure);
     }
     publish_size();
-    post_patiently(back, [asked] { asked->completion(std::move(asked->answer)); });
+    post_patiently(back, [pending] { pending->completion(std::move(pending->answer)); });
     await_tick();
     publish();
   });

@@ -122,7 +122,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   void send(std::size_t count) noexcept;
   void await_silence();
   void await_tick();
-  struct Asked;
+  struct PendingAnswer;
   void publish_size() noexcept {
     published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
                               std::memory_order_relaxed);

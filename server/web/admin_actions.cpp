@@ -10,8 +10,8 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/web/seat.hpp"
 #include "server/web/viewer_message.hpp"
+#include "server/web/viewer_slot.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -31,97 +31,97 @@ std::uint64_t session_id(std::string_view digits) {
 }  // namespace
 
 /// The token by which the viewer is an admin of the scene that it watches; null: it is none.
-const Token* Audience::admin_of(const Seat& seat) const {
-  for (const std::string* id : {&seat.token, &seat.admin}) {
+const Token* Audience::admin_of(const ViewerSlot& slot) const {
+  for (const std::string* id : {&slot.token, &slot.admin}) {
     const Token* token = find_token(tokens_.tokens(), *id);
-    if (token != nullptr && seat.stage != nullptr && !expired(*token, calendar_now()) &&
-        covers(token->role, Role::admin) && opens(*token, seat.stage->scene->name()))
+    if (token != nullptr && slot.stage != nullptr && !expired(*token, calendar_now()) &&
+        covers(token->role, Role::admin) && opens(*token, slot.stage->scene->name()))
       return token;
   }
   return nullptr;
 }
 
 /// Does what is an admin's to ask; false where the message asks nothing of that kind.
-bool Audience::act(Seat& seat, const ViewerMessage& message) {
+bool Audience::act(ViewerSlot& slot, const ViewerMessage& message) {
   if (!message.admin && !message.set && !message.evict && !message.reload && !message.record)
     return false;
-  if (only_shown(seat)) return true;
+  if (only_shown(slot)) return true;
   if (message.admin) {
-    become_admin(seat, *message.admin);
+    become_admin(slot, *message.admin);
     return true;
   }
   refresh_tokens();
-  const Token* admin = admin_of(seat);
+  const Token* admin = admin_of(slot);
   if (admin == nullptr) {
-    seat.viewer->send(refused("this is for admins of the scene; enter the token of one"));
+    slot.viewer->send(refused("this is for admins of the scene; enter the token of one"));
   } else if (!changes_.take(admin->client, monotonic_now())) {
-    seat.viewer->send(
+    slot.viewer->send(
         refused("client '" + admin->client + "' changes too much at once; wait a moment"));
   } else if (message.set) {
-    set(seat, *message.set);
+    set(slot, *message.set);
   } else if (message.evict) {
-    evict(seat, *message.evict);
+    evict(slot, *message.evict);
   } else if (message.record) {
-    write_flight(seat);
+    write_flight(slot);
   } else {
-    reload(seat);
+    reload(slot);
   }
   return true;
 }
 
-void Audience::become_admin(Seat& seat, std::string_view text) {
+void Audience::become_admin(ViewerSlot& slot, std::string_view text) {
   const Token* token = good_token(text);
   if (token == nullptr) {
-    if (may_try_again(seat)) seat.viewer->send(refused(kNoGoodToken));
+    if (may_try_again(slot)) slot.viewer->send(refused(kNoGoodToken));
     return;
   }
-  seat.admin = token->id;
-  if (admin_of(seat) == nullptr) {
-    seat.admin.clear();
-    return seat.viewer->send(refused("the token is not of an admin of this scene; its role is " +
+  slot.admin = token->id;
+  if (admin_of(slot) == nullptr) {
+    slot.admin.clear();
+    return slot.viewer->send(refused("the token is not of an admin of this scene; its role is " +
                                      std::string(name(token->role))));
   }
-  seat.viewer->send(admin_text());
+  slot.viewer->send(admin_text());
 }
 
 /// The same for all who ask: whoever they are, nothing can be done here.
-bool Audience::only_shown(const Seat& seat) {
-  if (seat.stage == nullptr || seat.stage->scene->controls() != nullptr) return false;
-  seat.viewer->send(
+bool Audience::only_shown(const ViewerSlot& slot) {
+  if (slot.stage == nullptr || slot.stage->scene->controls() != nullptr) return false;
+  slot.viewer->send(
       refused("this page only looks on at the server; change the scene on the page of the server "
               "itself, or "
               "with feltwire-client admin"));
   return true;
 }
 
-void Audience::set(Seat& seat, const ViewerSet& wanted) {
-  if (wanted.gravity) return change(seat, GravityChange{*wanted.gravity});
-  if (wanted.session.empty()) return change(seat, wanted.material);
+void Audience::set(ViewerSlot& slot, const ViewerSet& wanted) {
+  if (wanted.gravity) return change(slot, GravityChange{*wanted.gravity});
+  if (wanted.session.empty()) return change(slot, wanted.material);
   const std::uint64_t id = session_id(wanted.session);
-  const auto& hands = seat.stage->hands;
+  const auto& hands = slot.stage->hands;
   const auto hand = std::ranges::find(hands, id, &HandDescription::session);
   if (hand == hands.end())
-    return seat.viewer->send(refused("there is no session " + wanted.session + " here"));
-  if (wanted.link) return change(seat, LinkChange{id, *wanted.link});
-  if (wanted.lead_share) return change(seat, LeadChange{id, *wanted.lead_share});
+    return slot.viewer->send(refused("there is no session " + wanted.session + " here"));
+  if (wanted.link) return change(slot, LinkChange{id, *wanted.link});
+  if (wanted.lead_share) return change(slot, LeadChange{id, *wanted.lead_share});
   try {
-    change(seat, ParameterChange{
+    change(slot, ParameterChange{
                      id, with_words(hand->parameters.value_or(SessionParameters{}), wanted.bound)});
   } catch (const std::invalid_argument& error) {
-    seat.viewer->send(refused(error.what()));
+    slot.viewer->send(refused(error.what()));
   }
 }
 
 /// In the scene's thread. A viewer that has left meanwhile hears nothing of it.
-void Audience::change(Seat& seat, LiveChange change) {
-  const std::string by = who(*admin_of(seat)), scene = seat.stage->scene->name();
+void Audience::change(ViewerSlot& slot, LiveChange change) {
+  const std::string by = who(*admin_of(slot)), scene = slot.stage->scene->name();
   const auto* law = std::get_if<ParameterChange>(&change);
   // The next change begins from this one, also before the scene's thread describes the session.
   std::optional<ParameterChange> made;
   if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
-  seat.stage->scene->controls()->change(
+  slot.stage->scene->controls()->change(
       std::move(change), io_,
-      [this, by, scene, id = seat.id, stage = seat.stage, made = std::move(made),
+      [this, by, scene, id = slot.id, stage = slot.stage, made = std::move(made),
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
         const auto* no = std::get_if<control::Refused>(&outcome);
         if (no == nullptr)
@@ -133,49 +133,49 @@ void Audience::change(Seat& seat, LiveChange change) {
               std::ranges::find(stage->hands, made->session, &HandDescription::session);
           if (hand != stage->hands.end()) hand->parameters = made->parameters;
         }
-        if (const auto asker = seats_.find(id); asker != seats_.end())
+        if (const auto asker = slots_.find(id); asker != slots_.end())
           asker->second.viewer->send(no != nullptr ? refused(no->reason)
                                                    : changed_text(std::get<std::string>(outcome)));
       });
 }
 
-void Audience::evict(Seat& seat, const std::string& session) {
+void Audience::evict(ViewerSlot& slot, const std::string& session) {
   const std::uint64_t id = session_id(session);
-  const auto& hands = seat.stage->hands;
+  const auto& hands = slot.stage->hands;
   if (std::ranges::find(hands, id, &HandDescription::session) == hands.end())
-    return seat.viewer->send(refused("there is no session " + session + " here"));
-  seat.stage->scene->controls()->evict(id);
-  spdlog::info("scene {}: session {} was evicted by {}", visible(seat.stage->scene->name()), id,
-               who(*admin_of(seat)));
-  seat.viewer->send(changed_text("the session is evicted"));
+    return slot.viewer->send(refused("there is no session " + session + " here"));
+  slot.stage->scene->controls()->evict(id);
+  spdlog::info("scene {}: session {} was evicted by {}", visible(slot.stage->scene->name()), id,
+               who(*admin_of(slot)));
+  slot.viewer->send(changed_text("the session is evicted"));
 }
 
-void Audience::reload(Seat& seat) {
+void Audience::reload(ViewerSlot& slot) {
   if (!reload_)
-    return seat.viewer->send(
+    return slot.viewer->send(
         refused("the scenes of this server do not come from files, so they cannot be reloaded"));
-  const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
-  spdlog::info("scene {} is reloaded by {}", visible(seat.stage->scene->name()),
-               who(*admin_of(seat)));
+  const auto stage = std::ranges::find(stages_, slot.stage, &std::unique_ptr<Stage>::get);
+  spdlog::info("scene {} is reloaded by {}", visible(slot.stage->scene->name()),
+               who(*admin_of(slot)));
   reload_(static_cast<std::size_t>(stage - stages_.begin()));
 }
 
 /// A viewer that has left meanwhile hears nothing of it.
-void Audience::write_flight(Seat& seat) {
+void Audience::write_flight(ViewerSlot& slot) {
   if (!write_flight_)
-    return seat.viewer->send(
+    return slot.viewer->send(
         refused("this server keeps no flight record; start it with --flight-recorder DIR"));
-  const auto stage = std::ranges::find(stages_, seat.stage, &std::unique_ptr<Stage>::get);
-  spdlog::info("scene {}: {} asks for a flight record", visible(seat.stage->scene->name()),
-               who(*admin_of(seat)));
+  const auto stage = std::ranges::find(stages_, slot.stage, &std::unique_ptr<Stage>::get);
+  spdlog::info("scene {}: {} asks for a flight record", visible(slot.stage->scene->name()),
+               who(*admin_of(slot)));
   write_flight_(
       static_cast<std::size_t>(stage - stages_.begin()),
-      [this, id = seat.id,
+      [this, id = slot.id,
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
         asio::post(io_, [this, id, alive, outcome = std::move(outcome)] {
           if (alive.expired()) return;
-          const auto asker = seats_.find(id);
-          if (asker == seats_.end()) return;
+          const auto asker = slots_.find(id);
+          if (asker == slots_.end()) return;
           const auto* no = std::get_if<control::Refused>(&outcome);
           asker->second.viewer->send(
               no != nullptr ? refused(no->reason)
@@ -189,9 +189,9 @@ void Audience::tell(std::size_t scene, const std::optional<std::string>& wrong) 
   const std::string line =
       wrong ? log_text("error", *wrong)
             : log_text("info", "Scene " + stage->scene->name() + " was reloaded from its file.");
-  for (const auto& [id, seat] : seats_)
-    if (seat.stage == stage && !seat.foxglove && (!wrong || admin_of(seat) != nullptr))
-      seat.viewer->send(line);
+  for (const auto& [id, slot] : slots_)
+    if (slot.stage == stage && !slot.foxglove && (!wrong || admin_of(slot) != nullptr))
+      slot.viewer->send(line);
 }
 
 }  // namespace feltwire::web

@@ -8,7 +8,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
-#include "server/web/seat.hpp"
+#include "server/web/viewer_slot.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -38,53 +38,53 @@ Audience::~Audience() = default;
 
 Audience::Id Audience::join(Viewer& viewer, const asio::ip::address& address) {
   const Id id = next_id_++;
-  seats_.try_emplace(id, id, &viewer, network_of(address));
+  slots_.try_emplace(id, id, &viewer, network_of(address));
   return id;
 }
 
-void Audience::leave(Id id) { seats_.erase(id); }
+void Audience::leave(Id id) { slots_.erase(id); }
 
 void Audience::refuse(Id id, WebSocketClose code, const std::string& reason) {
-  const auto found = seats_.find(id);
-  if (found == seats_.end()) return;
+  const auto found = slots_.find(id);
+  if (found == slots_.end()) return;
   Viewer* viewer = found->second.viewer;
-  seats_.erase(found);
+  slots_.erase(found);
   viewer->close(code, reason);
 }
 
 void Audience::receive(Id id, std::string_view message) {
-  const auto found = seats_.find(id);
-  if (found == seats_.end()) return;
-  Seat& seat = found->second;
-  if (!seat.messages.take(monotonic_now()))
+  const auto found = slots_.find(id);
+  if (found == slots_.end()) return;
+  ViewerSlot& slot = found->second;
+  if (!slot.messages.take(monotonic_now()))
     return refuse(id, WebSocketClose::bad_message, "too many messages");
-  if (seat.foxglove) return seat.foxglove->receive(message);
+  if (slot.foxglove) return slot.foxglove->receive(message);
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
   if (!said) return refuse(id, WebSocketClose::bad_message, "a message is not a JSON object");
-  if (!seat.token.empty()) {
-    if (!act(seat, *said)) follow(seat, *said);
+  if (!slot.token.empty()) {
+    if (!act(slot, *said)) follow(slot, *said);
   } else if (said->token) {
-    admit(seat, *said->token);
+    admit(slot, *said->token);
   } else {
     refuse(id, WebSocketClose::bad_token, "the first message has no token");
   }
 }
 
 /// Of a viewer that was admitted. It may have left when this returns.
-void Audience::follow(Seat& seat, const ViewerMessage& said) {
-  if (said.point) ++(seat.hand.point(*said.point) ? counters_.points : counters_.points_refused);
-  if (said.hand == "release") seat.hand.release();
-  if (said.hand == "take" && seat.stage != nullptr) {
+void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
+  if (said.point) ++(slot.hand.point(*said.point) ? counters_.points : counters_.points_refused);
+  if (said.hand == "release") slot.hand.release();
+  if (said.hand == "take" && slot.stage != nullptr) {
     ++counters_.hands;
-    seat.hand.take(seat.stage->scene->name());
+    slot.hand.take(slot.stage->scene->name());
   }
-  if (said.watch) return watch(seat, *said.watch);
-  if (said.ticket) give_ticket(seat, *said.ticket);
+  if (said.watch) return watch(slot, *said.watch);
+  if (said.ticket) give_ticket(slot, *said.ticket);
 }
 
 bool Audience::is_full() const {
   const auto known =
-      std::ranges::count_if(seats_, [](const auto& entry) { return !entry.second.token.empty(); });
+      std::ranges::count_if(slots_, [](const auto& entry) { return !entry.second.token.empty(); });
   return static_cast<std::size_t>(known) >= kMostViewers;
 }
 
@@ -97,22 +97,22 @@ const Token* Audience::good_token(std::string_view text) {
   return authenticate(tokens_.tokens(), text, calendar_now());
 }
 
-bool Audience::may_try_again(const Seat& seat) {
+bool Audience::may_try_again(const ViewerSlot& slot) {
   ++counters_.refused;
-  if (wrong_tokens_.take(seat.network, monotonic_now())) return true;
-  refuse(seat.id, WebSocketClose::too_many,
+  if (wrong_tokens_.take(slot.network, monotonic_now())) return true;
+  refuse(slot.id, WebSocketClose::too_many,
          "too many wrong tokens from this network; wait a minute");
   return false;
 }
 
-void Audience::admit(Seat& seat, std::string_view text) {
+void Audience::admit(ViewerSlot& slot, std::string_view text) {
   if (is_full()) {
     ++counters_.refused;
-    return refuse(seat.id, WebSocketClose::too_many, kFull);
+    return refuse(slot.id, WebSocketClose::too_many, kFull);
   }
   const Token* token = good_token(text);
   if (token == nullptr) {
-    if (may_try_again(seat)) refuse(seat.id, WebSocketClose::bad_token, kNoGoodToken);
+    if (may_try_again(slot)) refuse(slot.id, WebSocketClose::bad_token, kNoGoodToken);
     return;
   }
   std::vector<std::string> scenes;
@@ -120,20 +120,20 @@ void Audience::admit(Seat& seat, std::string_view text) {
     if (opens(*token, stage->scene->name())) scenes.push_back(stage->scene->name());
   if (scenes.empty()) {
     ++counters_.refused;
-    return refuse(seat.id, WebSocketClose::bad_token, "the token opens no scene of this server");
+    return refuse(slot.id, WebSocketClose::bad_token, "the token opens no scene of this server");
   }
   ++counters_.viewers;
-  seat.token = token->id;
-  seat.viewer->admitted();
+  slot.token = token->id;
+  slot.viewer->admitted();
   spdlog::debug("live page: {} looks on", visible(token->client));
   const bool observes =
       std::ranges::all_of(stages_, [](const auto& s) { return s->scene->controls() == nullptr; });
-  seat.viewer->send(hello(scenes, token->role, observes));
+  slot.viewer->send(hello(scenes, token->role, observes));
   if (hands_ != nullptr && covers(token->role, Role::pointer)) {
-    seat.hand = ViewersHand(*hands_, token->client, Secret(text));
-    seat.messages = TokenBucket(kMessageRate + kPointRate, kMessageBurst + kPointRate);
+    slot.hand = ViewersHand(*hands_, token->client, Secret(text));
+    slot.messages = TokenBucket(kMessageRate + kPointRate, kMessageBurst + kPointRate);
   }
-  watch(seat, scenes.front());
+  watch(slot, scenes.front());
 }
 
 bool Audience::opens_something(std::string_view text, const asio::ip::address& address) {
@@ -143,18 +143,18 @@ bool Audience::opens_something(std::string_view text, const asio::ip::address& a
 }
 
 void Audience::admit(Id id, const ViewTicket& ticket) {
-  const auto found = seats_.find(id);
-  if (found == seats_.end()) return;
+  const auto found = slots_.find(id);
+  if (found == slots_.end()) return;
   if (is_full()) {
     ++counters_.refused;
     return refuse(id, WebSocketClose::too_many, kFull);
   }
-  Seat& seat = found->second;
+  ViewerSlot& slot = found->second;
   ++counters_.viewers;
-  seat.token = ticket.token;
-  seat.viewer->admitted();
-  watch(seat, ticket.scene);  // which refuses where the token was revoked in the meantime
-  if (const auto still = seats_.find(id); still != seats_.end())
+  slot.token = ticket.token;
+  slot.viewer->admitted();
+  watch(slot, ticket.scene);  // which refuses where the token was revoked in the meantime
+  if (const auto still = slots_.find(id); still != slots_.end())
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
 }
 
@@ -183,30 +183,30 @@ std::optional<ViewTicket> Audience::redeem_ticket(std::string_view text,
   return ticket;
 }
 
-void Audience::give_ticket(Seat& seat, std::string_view scene) {
-  const Token* token = find_token(tokens_.tokens(), seat.token);
+void Audience::give_ticket(ViewerSlot& slot, std::string_view scene) {
+  const Token* token = find_token(tokens_.tokens(), slot.token);
   const auto minted = token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
   if (!minted)
-    return refuse(seat.id, WebSocketClose::bad_message,
+    return refuse(slot.id, WebSocketClose::bad_message,
                   "there is no such scene, or the token does not open it");
-  seat.viewer->send(ticket_text(scene, minted->text(), ViewTickets::kLife));
+  slot.viewer->send(ticket_text(scene, minted->text(), ViewTickets::kLife));
 }
 
-void Audience::watch(Seat& seat, std::string_view scene) {
-  const Token* token = find_token(tokens_.tokens(), seat.token);
+void Audience::watch(ViewerSlot& slot, std::string_view scene) {
+  const Token* token = find_token(tokens_.tokens(), slot.token);
   for (const auto& stage : stages_) {
     if (stage->scene->name() != scene || token == nullptr || !opens(*token, scene)) continue;
-    if (seat.stage != stage.get()) seat.hand.release();
-    seat.stage = stage.get();
-    seat.version = 0;
+    if (slot.stage != stage.get()) slot.hand.release();
+    slot.stage = stage.get();
+    slot.version = 0;
     return;
   }
-  refuse(seat.id, WebSocketClose::bad_message,
+  refuse(slot.id, WebSocketClose::bad_message,
          "there is no such scene, or the token does not open it");
 }
 
 bool Audience::watched(const Stage& stage) const {
-  return std::ranges::any_of(seats_,
+  return std::ranges::any_of(slots_,
                              [&](const auto& entry) { return entry.second.stage == &stage; });
 }
 
@@ -216,9 +216,9 @@ void Audience::look_after_tokens(Nanoseconds now) {
   looked_at_tokens_ = now;
   refresh_tokens();
   std::vector<Id> gone;
-  for (const auto& [id, seat] : seats_) {
-    if (seat.token.empty()) continue;
-    const Token* token = find_token(tokens_.tokens(), seat.token);
+  for (const auto& [id, slot] : slots_) {
+    if (slot.token.empty()) continue;
+    const Token* token = find_token(tokens_.tokens(), slot.token);
     if (token == nullptr || expired(*token, calendar_now())) gone.push_back(id);
   }
   for (const Id id : gone)
@@ -227,8 +227,8 @@ void Audience::look_after_tokens(Nanoseconds now) {
 
 void Audience::tick(Nanoseconds now) {
   look_after_tokens(now);
-  for (auto& [id, seat] : seats_)
-    if (const auto news = seat.hand.news()) seat.viewer->send(*news);
+  for (auto& [id, slot] : slots_)
+    if (const auto news = slot.hand.news()) slot.viewer->send(*news);
   for (const auto& stage : stages_)
     if (watched(*stage)) show(*stage, now);
 }
@@ -247,29 +247,29 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   }
   tell_of_sight(stage);
   // A viewer that has not taken what it was sent before is sent nothing now.
-  std::vector<Seat*> ready;
-  for (auto& [id, seat] : seats_) {
-    if (seat.stage != &stage || seat.foxglove) continue;
-    if (seat.viewer->ready())
-      ready.push_back(&seat);
+  std::vector<ViewerSlot*> ready;
+  for (auto& [id, slot] : slots_) {
+    if (slot.stage != &stage || slot.foxglove) continue;
+    if (slot.viewer->ready())
+      ready.push_back(&slot);
     else
       ++counters_.skipped;
   }
-  for (Seat* seat : ready)
-    if (seat->version != stage.version) {
-      show_scene(stage, *seat);
-    } else if (seat->changes != stage.changes) {
-      seat->changes = stage.changes;
-      seat->viewer->send(stage.materials);
+  for (ViewerSlot* slot : ready)
+    if (slot->version != stage.version) {
+      show_scene(stage, *slot);
+    } else if (slot->changes != stage.changes) {
+      slot->changes = stage.changes;
+      slot->viewer->send(stage.materials);
     }
 
   const bool news = stage.scene->take_picture(stage.picture);
   if (news && stage.picture.version == stage.version) {
     const Bytes shown = picture(stage.picture, stage.rates, begin_);
     const Bytes near = surfaces(stage.picture);
-    for (Seat* seat : ready) {
-      seat->viewer->send(shown);
-      if (!near.empty()) seat->viewer->send(near);
+    for (ViewerSlot* slot : ready) {
+      slot->viewer->send(shown);
+      if (!near.empty()) slot->viewer->send(near);
     }
     counters_.pictures += ready.size();
   }
@@ -279,7 +279,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   stage.describing = true;
   count_rates(stage);
   const std::string text = sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_));
-  for (Seat* seat : ready) seat->viewer->send(text);
+  for (ViewerSlot* slot : ready) slot->viewer->send(text);
   stage.scene->describe(
       io_, [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
         if (alive.expired()) return;
@@ -308,16 +308,16 @@ void Audience::tell_of_sight(Stage& stage) {
   const std::string line = hidden ? log_text("error", *hidden)
                                   : log_text("info", "Scene " + stage.scene->name() + " is seen.");
   stage.hidden = std::move(hidden);
-  for (const auto& [id, seat] : seats_)
-    if (seat.stage == &stage && !seat.foxglove && seat.version != 0) seat.viewer->send(line);
+  for (const auto& [id, slot] : slots_)
+    if (slot.stage == &stage && !slot.foxglove && slot.version != 0) slot.viewer->send(line);
 }
 
 /// To those who speak the Foxglove protocol.
 void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
   bool encoded = false;
-  for (auto& [id, seat] : seats_) {
-    if (seat.stage != &stage || !seat.foxglove) continue;
-    if (!seat.viewer->ready()) {
+  for (auto& [id, slot] : slots_) {
+    if (slot.stage != &stage || !slot.foxglove) continue;
+    if (!slot.viewer->ready()) {
       ++counters_.skipped;
       continue;
     }
@@ -325,18 +325,18 @@ void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
       stage.foxglove.set(*stage.scene->current_scene().scene, stage.version, now);
       if (news && stage.picture.version == stage.version) stage.foxglove.set(stage.picture);
     }
-    seat.foxglove->show(stage.foxglove);
+    slot.foxglove->show(stage.foxglove);
     if (news) ++counters_.pictures;
   }
 }
 
-void Audience::show_scene(Stage& stage, Seat& seat) {
-  seat.version = stage.version;
-  seat.changes = stage.changes;
-  seat.viewer->send(stage.text);
-  for (const Bytes& object : stage.geometry) seat.viewer->send(object);
-  seat.viewer->send(stage.materials);
-  if (stage.hidden) seat.viewer->send(log_text("error", *stage.hidden));
+void Audience::show_scene(Stage& stage, ViewerSlot& slot) {
+  slot.version = stage.version;
+  slot.changes = stage.changes;
+  slot.viewer->send(stage.text);
+  for (const Bytes& object : stage.geometry) slot.viewer->send(object);
+  slot.viewer->send(stage.materials);
+  if (stage.hidden) slot.viewer->send(log_text("error", *stage.hidden));
 }
 
 /// From the counters of the newest picture and of the one half a second before.
@@ -361,7 +361,7 @@ void Audience::count_rates(Stage& stage) {
 
 void Audience::close_all() {
   std::vector<Id> all;
-  for (const auto& [id, seat] : seats_) all.push_back(id);
+  for (const auto& [id, slot] : slots_) all.push_back(id);
   for (const Id id : all) refuse(id, WebSocketClose::going_away, "the server ends");
 }
 

@@ -84,41 +84,41 @@ class Audience {
 
   /// Sends the news to all viewers. Call it 60 times a second while there are viewers.
   void tick(Nanoseconds now);
-  bool empty() const { return seats_.empty(); }
+  bool empty() const { return slots_.empty(); }
   /// The server ends.
   void close_all();
   const AudienceCounters& counters() const { return counters_; }
 
  private:
-  struct Seat;
+  struct ViewerSlot;
   struct Stage;
-  void admit(Seat& seat, std::string_view token);
+  void admit(ViewerSlot& slot, std::string_view token);
   void refresh_tokens();
   /// The token with this text, in the present file; null: there is no valid one.
   const Token* good_token(std::string_view text);
   /// Counts a wrong token. False: there were too many, so the viewer was refused.
-  bool may_try_again(const Seat& seat);
-  void watch(Seat& seat, std::string_view scene);
-  void give_ticket(Seat& seat, std::string_view scene);
+  bool may_try_again(const ViewerSlot& slot);
+  void watch(ViewerSlot& slot, std::string_view scene);
+  void give_ticket(ViewerSlot& slot, std::string_view scene);
   bool is_full() const;
   std::optional<Secret> mint_ticket(const Token& by, std::string_view scene);
-  void follow(Seat& seat, const ViewerMessage& said);
+  void follow(ViewerSlot& slot, const ViewerMessage& said);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
   // server/web/admin_actions.cpp
-  const Token* admin_of(const Seat& seat) const;
-  bool act(Seat& seat, const struct ViewerMessage& message);
-  static bool only_shown(const Seat& seat);
-  void become_admin(Seat& seat, std::string_view token);
-  void set(Seat& seat, const struct ViewerSet& wanted);
-  void change(Seat& seat, LiveChange change);
-  void evict(Seat& seat, const std::string& session);
-  void reload(Seat& seat);
-  void write_flight(Seat& seat);
+  const Token* admin_of(const ViewerSlot& slot) const;
+  bool act(ViewerSlot& slot, const struct ViewerMessage& message);
+  static bool only_shown(const ViewerSlot& slot);
+  void become_admin(ViewerSlot& slot, std::string_view token);
+  void set(ViewerSlot& slot, const struct ViewerSet& wanted);
+  void change(ViewerSlot& slot, LiveChange change);
+  void evict(ViewerSlot& slot, const std::string& session);
+  void reload(ViewerSlot& slot);
+  void write_flight(ViewerSlot& slot);
   void look_after_tokens(Nanoseconds now);
   void show(Stage& stage, Nanoseconds now);
   void tell_of_sight(Stage& stage);
   void count_rates(Stage& stage);
-  void show_scene(Stage& stage, Seat& seat);
+  void show_scene(Stage& stage, ViewerSlot& slot);
   void show_elsewhere(Stage& stage, Nanoseconds now, bool news);
   bool watched(const Stage& stage) const;
 
@@ -131,7 +131,7 @@ class Audience {
   RateLimit<Network> wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;
   std::vector<std::unique_ptr<Stage>> stages_;  // one for each scene
-  std::map<Id, Seat> seats_;
+  std::map<Id, ViewerSlot> slots_;
   Id next_id_ = 1;
   Nanoseconds begin_, looked_at_tokens_{0};
   AudienceCounters counters_;

@@ -29,8 +29,9 @@ struct Audience::Stage {
   FoxgloveScene foxglove{clock_offset()};
 };
 
-struct Audience::Seat {
-  Seat(Id number, Viewer* way, const Network& from) : id(number), viewer(way), network(from) {}
+struct Audience::ViewerSlot {
+  ViewerSlot(Id number, Viewer* way, const Network& from)
+      : id(number), viewer(way), network(from) {}
   Id id;
   Viewer* viewer;
   Network network;
