@@ -1,23 +1,24 @@
-// How much the page costs with 16 hands and 1000 bodies: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS]]]
+// How much the page costs with 16 hands and 1000 bodies: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS [SCALE]]]]
 // PAGE_FOLDER is the folder page/out that run-page-tests has made. The calls of WebGL that draw are counted and left out, so that a
 // machine without a graphics card draws nothing and the page has its usual rate. All other calls run. Prints the pictures that
-// came, the frames, the draw calls of a frame, and the time in the page's own script: what a graphics card does not change.
+// came, the frames, the draw calls of a frame, and the time in the page's own script: what a graphics card does not change. SCALE
+// is the number of pixels to a CSS pixel, each way: without a graphics card the processor puts them together for each frame.
 
 import {chromium} from 'playwright-core';
 import {startServer, TOKEN} from './mock_server.mjs';
 
 const PATIENCE = 120_000;  // [ms]
 const WARM = 240;  // frames after which the browser has compiled the script
-const [folder, hands = '16', bodies = '1000', seconds = '10'] = process.argv.slice(2);
+const [folder, hands = '16', bodies = '1000', seconds = '10', scale = '1'] = process.argv.slice(2);
 if (!folder) {
-  console.error('usage: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS]]]');
+  console.error('usage: node measure_page.mjs PAGE_FOLDER [HANDS [BODIES [SECONDS [SCALE]]]]');
   process.exit(2);
 }
 
 const server = await startServer({folder, hands: Number(hands), bodies: Number(bodies)});
 const browser = await chromium.launch({executablePath: process.env.FELTWIRE_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox']});
 try {
-  const page = await browser.newPage({viewport: {width: 1360, height: 860}});
+  const page = await browser.newPage({viewport: {width: 1360, height: 860}, deviceScaleFactor: Number(scale)});
   page.setDefaultTimeout(PATIENCE);
   await page.addInitScript(() => {
     window.times = [];  // [ms] of each call for a frame

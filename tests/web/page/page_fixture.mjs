@@ -33,8 +33,9 @@ afterEach(async () => {
   assert.deepEqual(foreign, [], 'requests to other hosts');
 });
 
+/** Half of the pixels each way: they are drawn in software. */
 async function makePage(options = {}) {
-  const context = await browser.newContext({viewport: {width: 900, height: 640}, ...options});
+  const context = await browser.newContext({viewport: {width: 900, height: 640}, deviceScaleFactor: 0.5, ...options});
   const made = await context.newPage();
   made.setDefaultTimeout(PATIENCE);
   made.on('pageerror', (error) => complaints.push(error.stack));

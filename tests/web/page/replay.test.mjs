@@ -29,7 +29,7 @@ beforeEach(async () => {
   server = await startServer({folder: page_folder});
   complaints = [];
   requests = [];
-  const context = await browser.newContext({viewport: {width: 1000, height: 700}});
+  const context = await browser.newContext({viewport: {width: 1000, height: 700}, deviceScaleFactor: 0.5});
   page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.on('pageerror', (error) => complaints.push(error.stack));

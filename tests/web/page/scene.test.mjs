@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {TOKEN} from './mock_server.mjs';
 import {cupShape, gridShape} from './play.mjs';
-import {hold, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
+import {hold, newPage, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
 
 test('nothing is drawn before there is a scene', async () => {
   await page.goto(server.url);
@@ -26,7 +26,7 @@ test('a scene without pictures is drawn all the same', async () => {
 test('the view has the background of the theme', async () => {
   await open();
   await until(() => window.feltwire().firstPicture !== null);
-  const area = await page.evaluate(() => document.querySelector('#canvas').clientWidth * document.querySelector('#canvas').clientHeight);
+  const area = await page.evaluate(() => document.querySelector('#canvas').width * document.querySelector('#canvas').height);
   for (let theme = 0; theme < 2; ++theme) {
     const share = (await pixels('view')) / area;
     assert.ok(share > 0.2, `${share} of the view`);
@@ -37,6 +37,7 @@ test('the view has the background of the theme', async () => {
 });
 
 test('arrows move and are seen', async () => {
+  await newPage({deviceScaleFactor: 1});
   server.play.still = true;
   await open();
   await until(() => window.feltwire().pictures > 5 && window.feltwire().frames > 2 && window.feltwire().longestArrow === 0);
@@ -186,6 +187,7 @@ test('guides are seen: lines, and shapes that one can look through', async () =>
       return count;
     }, picture.toString('base64'));
   };
+  await newPage({deviceScaleFactor: 1});
   await newServer({hands: 1, bodies: 0});  // Nothing else that is green moves.
   Object.assign(server.play, {modelled: false, still: true});
   await open();
