@@ -3,8 +3,8 @@
 //   scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]
 // waits until HANDS (default 1) are shown, for a minute at most, and SECONDS (default 3) more, for the plots. MORE
 // (default 0) pictures follow, FILE-1.png and so on, each after the page has drawn again. It fails if a hand leaves before. It
-// prints how long the page took from its request to the first picture that was drawn, in a browser that has just begun and once more. It speaks to
-// Chromium by a pipe (the DevTools protocol) and needs no package of npm.
+// prints how long the page took from its request to the first picture that was drawn, in a new browser that has opened no page yet and once more.
+// It speaks to Chromium by a pipe (the DevTools protocol) and needs no package of npm.
 
 import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
@@ -13,6 +13,7 @@ import {join} from 'node:path';
 import {setTimeout as pause} from 'node:timers/promises';
 
 const PATIENCE = 60_000;  // [ms]
+const REST = 500, RESTS = 0.05;  // [ms], [s] a browser rests when it uses no more processor time than that in this time
 const [url, file, hands = '1', seconds = '3', more = '0'] = process.argv.slice(2);
 if (!file) {
   console.error('usage: scripts/page-picture.mjs URL FILE.png [HANDS [SECONDS [MORE]]]');
@@ -48,6 +49,13 @@ function ask(method, params = {}, sessionId = undefined) {
   const answer = new Promise((resolve, reject) => answers.set(id, {resolve, reject}));
   toBrowser.write(`${JSON.stringify({id, method, params, sessionId})}\0`);
   return Promise.race([answer, failed]);
+}
+
+/** Waits until a browser that has just begun has loaded what is its own, which takes about as much time as the page: until it rests. */
+async function settle() {
+  const used = async () => (await ask('SystemInfo.getProcessInfo')).processInfo.reduce((sum, {cpuTime}) => sum + cpuTime, 0);  // [s]
+  const latest = Date.now() + PATIENCE;
+  for (let before = -1, now = await used(); now - before > RESTS && Date.now() < latest; [before, now] = [now, await used()]) await pause(REST);
 }
 
 /** Opens the page in a tab of its own. */
@@ -93,6 +101,7 @@ async function firstPicture(sessionId) {
 }
 
 try {
+  await settle();
   const {targetId, sessionId} = await open();
   await ask('Emulation.setDeviceMetricsOverride', {width: 1360, height: 860, deviceScaleFactor: 1, mobile: false}, sessionId);
   const latest = Date.now() + PATIENCE;
