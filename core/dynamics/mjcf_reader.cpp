@@ -25,6 +25,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "core/build_info/build_info.hpp"
+
 namespace {
 
 const char* error_file = nullptr;
@@ -114,6 +116,10 @@ extern "C" FILE* fopen(const char* name, const char* mode) { return open_regular
 extern "C" FILE* fopen64(const char* name, const char* mode) { return open_regular(name, mode); }
 
 int main(int count, char** words) {
+  if (count == 2 && std::strcmp(words[1], "--version") == 0) {
+    std::puts(feltwire::build_info("feltwire-mjcf").c_str());
+    return 0;
+  }
   if (count != 6) {
     std::fputs("feltwire-mjcf: is run by feltwire-server to read an MJCF file\n", stderr);
     return 2;
