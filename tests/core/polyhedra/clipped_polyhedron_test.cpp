@@ -10,31 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "tests/core/support.hpp"
+#include "tests/core/polyhedra/solids.hpp"
 
 namespace feltwire::clipped_polyhedron_test {
 namespace {
 
-Polyhedron box(const Vec3& half) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.emplace_back((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
-                         (i & 4) != 0 ? half.z() : -half.z());
-  return polyhedron(corners);
-}
-
-Polyhedron random_solid(test::Random& random, double size, int corners) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < corners; ++i)
-    points.push_back(size * random.uniform(0.7, 1.0) * random.direction());
-  return polyhedron(points);
-}
-
-ClippedPolyhedron placed(const Polyhedron& solid) {
-  ClippedPolyhedron whole;
-  whole.assign(solid, Mat3::Identity(), Vec3::Zero());
-  return whole;
-}
+using test::box_corners;
+using test::placed;
+using test::random_solid;
 
 /// Calls visit(tag, corners) for each face, with its corners counter-clockwise seen from outside.
 template <class Visit>
@@ -145,7 +128,7 @@ TEST(ClippedPolyhedron, ACutDividesTheVolume) {
 }
 
 TEST(ClippedPolyhedron, TheNewFaceHasTheTagAndTheOthersKeepTheirs) {
-  ClippedPolyhedron solid = placed(box(Vec3(1.0, 2.0, 3.0)));
+  ClippedPolyhedron solid = placed(polyhedron(box_corners(Vec3(1.0, 2.0, 3.0))));
   ASSERT_TRUE(solid.cut(Vec3(2.0, 0.0, 0.0), 1.0, 7));  // x <= 0.5
   EXPECT_NEAR(volume(solid), 1.5 * 4.0 * 6.0, 1e-12);
   std::set<ClippedPolyhedron::Tag> tags;
@@ -161,7 +144,7 @@ TEST(ClippedPolyhedron, TheNewFaceHasTheTagAndTheOthersKeepTheirs) {
 
 // Planes through corners, along edges and on faces, where only rounding decides the side.
 TEST(ClippedPolyhedron, StaysClosedOnPlanesThatTouch) {
-  const Polyhedron cube = box(Vec3::Constant(0.01));
+  const Polyhedron cube = polyhedron(box_corners(Vec3::Constant(0.01)));
   ClippedPolyhedron solid = placed(cube);
   EXPECT_TRUE(solid.cut(Vec3::UnitX(), 0.01, 0));  // its own face
   EXPECT_EQ(solid.corner_count(), 8u);

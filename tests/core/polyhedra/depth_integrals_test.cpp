@@ -8,26 +8,14 @@
 #include <cmath>
 
 #include "core/coupled_tool/coupled_tool.hpp"
-#include "tests/core/support.hpp"
+#include "tests/core/polyhedra/solids.hpp"
 
 namespace feltwire::depth_integrals_test {
 namespace {
 
-std::vector<Vec3> box_corners(const Vec3& half, const Vec3& at = Vec3::Zero()) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.push_back(at + Vec3((i & 1) != 0 ? half.x() : -half.x(),
-                                (i & 2) != 0 ? half.y() : -half.y(),
-                                (i & 4) != 0 ? half.z() : -half.z()));
-  return corners;
-}
-
-Polyhedron random_solid(test::Random& random, double size, int corners = 20) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < corners; ++i)
-    points.push_back(size * random.uniform(0.7, 1.0) * random.direction());
-  return polyhedron(points);
-}
+using test::box_corners;
+using test::one_part;
+using test::random_solid;
 
 DepthSums sums_of(const Polyhedron& tool, const Pose& pose, const SolidParts& solid,
                   const Vec3* away = nullptr) {
@@ -138,10 +126,7 @@ TEST(DepthIntegrals, AreThoseOfAllPoints) {
   test::Random random(5);
   for (int i = 0; i < kSolids; ++i) {
     const Polyhedron tool = random_solid(random, 0.03);
-    SolidParts solid;
-    solid.parts.resize(1);
-    solid.parts[0].shape = random_solid(random, 0.04);
-    solid.parts[0].inner.assign(solid.parts[0].shape.planes.size(), 0);
+    SolidParts solid = one_part(random_solid(random, 0.04));
     const Pose pose{0.03 * random.direction(), about(random.direction(), random.uniform(-3, 3))};
     const double all = brute_force(tool, pose, solid.parts[0], kSteps);
     ASSERT_GT(all, 0.0);
@@ -186,10 +171,7 @@ void expect_slope(const Polyhedron& tool, const SolidParts& solid, const Vec3* a
 TEST(DepthIntegrals, TheSlopeIsThatOfTheSum) {
   test::Random random(6);
   const Polyhedron tool = random_solid(random, 0.03);
-  SolidParts solid;
-  solid.parts.resize(1);
-  solid.parts[0].shape = random_solid(random, 0.04);
-  solid.parts[0].inner.assign(solid.parts[0].shape.planes.size(), 0);
+  const SolidParts solid = one_part(random_solid(random, 0.04));
   expect_slope(tool, solid, nullptr, 0.06, 1);
   const Vec3 away = Vec3(0.3, -0.2, 0.9).normalized();
   expect_slope(tool, solid, &away, 0.06, 2);
@@ -233,10 +215,7 @@ void expect_curvature(const Polyhedron& tool, const SolidParts& solid, double re
 TEST(DepthIntegrals, TheCurvatureIsTheSlopesChange) {
   test::Random random(8);
   const Polyhedron tool = random_solid(random, 0.03);
-  SolidParts solid;
-  solid.parts.resize(1);
-  solid.parts[0].shape = random_solid(random, 0.04);
-  solid.parts[0].inner.assign(solid.parts[0].shape.planes.size(), 0);
+  const SolidParts solid = one_part(random_solid(random, 0.04));
   expect_curvature(tool, solid, 0.05, 1);
   expect_curvature(polyhedron(box_corners(kHalf)),
                    solid_parts(Box{Vec3(0.03, 0.02, 0.04)}, Side::inside), 0.03, 2);
@@ -278,10 +257,8 @@ TEST(DepthIntegrals, OfManyFacesRoundABall) {
     for (int i = 6; i < faces; ++i) ASSERT_TRUE(round.cut(random.direction(), kRadius, 0));
     std::vector<Vec3> corners;
     for (std::size_t c = 0; c < round.corner_count(); ++c) corners.push_back(round.corner(c));
-    SolidParts solid;
-    solid.parts.resize(1);
-    Polyhedron& shape = solid.parts[0].shape = polyhedron(corners);
-    solid.parts[0].inner.assign(shape.planes.size(), 0);
+    SolidParts solid = one_part(polyhedron(corners));
+    Polyhedron& shape = solid.parts[0].shape;
     double area = 0.0;
     for (std::size_t f = 0; f < shape.planes.size(); ++f) {
       const auto loop = shape.face(f);

@@ -10,11 +10,14 @@
 #include <vector>
 
 #include "core/polyhedra/polyhedron.hpp"
-#include "tests/core/support.hpp"
+#include "tests/core/polyhedra/solids.hpp"
 
 namespace feltwire::nearest_cells_test {
 namespace {
 
+using test::box_corners;
+using test::placed;
+using test::random_solid;
 using Tag = NearestCells::Tag;
 
 /// f(x) = offset - normal . x
@@ -23,27 +26,6 @@ struct Linear {
   double offset;
   double at(const Vec3& x) const { return offset - normal.dot(x); }
 };
-
-Polyhedron cube(double half) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half,
-                         (i & 4) != 0 ? half : -half);
-  return polyhedron(corners);
-}
-
-Polyhedron random_solid(test::Random& random, double size) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < 20; ++i)
-    points.push_back(size * random.uniform(0.7, 1.0) * random.direction());
-  return polyhedron(points);
-}
-
-ClippedPolyhedron placed(const Polyhedron& solid) {
-  ClippedPolyhedron whole;
-  whole.assign(solid, Mat3::Identity(), Vec3::Zero());
-  return whole;
-}
 
 NearestCells cells_of(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
   NearestCells cells(whole, functions[0].normal, functions[0].offset, 0);
@@ -142,7 +124,7 @@ TEST(NearestCells, AreThoseThatAreCutOutOneByOne) {
 }
 
 TEST(NearestCells, OneFunctionIsLeastEverywhere) {
-  const ClippedPolyhedron whole = placed(cube(0.01));
+  const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(0.01))));
   const std::vector<Linear> functions = {{Vec3::UnitX(), 0.5}, {Vec3::UnitY(), 0.2}};
   const NearestCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-15);
@@ -154,7 +136,7 @@ TEST(NearestCells, OneFunctionIsLeastEverywhere) {
 /// The faces' own planes: six pyramids meet in the middle, so that all that decides is rounding.
 TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
   for (const double size : {1e-4, 0.01, 3.0}) {
-    const ClippedPolyhedron whole = placed(cube(size));
+    const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(size))));
     std::vector<Linear> functions;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
       for (const double side : {-1.0, 1.0}) functions.push_back({side * way, size});
@@ -171,7 +153,7 @@ TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
 TEST(NearestCells, FunctionsThatTouchLeaveItClosed) {
   test::Random random(12);
   for (int i = 0; i < 200; ++i) {
-    const ClippedPolyhedron whole = placed(cube(0.01));
+    const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(0.01))));
     std::vector<Linear> functions = {{Vec3::UnitZ(), 0.01}};
     for (int k = 0; k < 8; ++k) {
       const auto coordinate = [&] { return std::floor(random.uniform(-1.0, 2.0)); };

@@ -6,7 +6,7 @@
 
 #include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
-#include "tests/core/support.hpp"
+#include "tests/core/polyhedra/solids.hpp"
 #include "tests/support/same_twice.hpp"
 
 namespace feltwire::polygon_body_test {
@@ -17,16 +17,8 @@ const Vec3 kHalf(0.03, 0.02, 0.01);
 constexpr double kFace = 4.0 * 0.03 * 0.02;  // [m^2]
 const Quaternion kUpright = Quaternion::Identity();
 
+using test::box_corners;
 using Corners = std::vector<Vec3>;
-
-Corners box_corners(const Vec3& half, const Vec3& at = Vec3::Zero()) {
-  Corners corners;
-  for (int i = 0; i < 8; ++i)
-    corners.push_back(at + Vec3((i & 1) != 0 ? half.x() : -half.x(),
-                                (i & 2) != 0 ? half.y() : -half.y(),
-                                (i & 4) != 0 ? half.z() : -half.z()));
-  return corners;
-}
 
 Object object(const Vec3& position = Vec3::Zero()) {
   Object o;

@@ -16,6 +16,7 @@ struct Hand {
   std::uint64_t index = 0;
   Vec3 offset = Vec3::Zero();  // [m]
   Quaternion turn = Quaternion::Identity();
+  double share = 0.0;  // 0: it leads alone
 };
 
 /// A link whose robot is well and holds what it was told.
@@ -37,8 +38,11 @@ struct Bench {
     batch.samples[0].index = ++hand.index;
     batch.samples[0].client_time = now;
     batch.samples[0].pose = {hand.at, hand.turn};
-    batch.lead = Lead{.deadman = hand.pressed, .offset = hand.offset, .hand_work = hand.work};
-    link.lead(hand.number, batch, kPeriod, now);
+    batch.lead = Lead{.deadman = hand.pressed,
+                      .known_surface = known_surface,
+                      .offset = hand.offset,
+                      .hand_work = hand.work};
+    link.lead(hand.number, batch, kPeriod, now, hand.share);
     target = link.target(now);
     if (target.state == LinkState::engaged) state.commanded = target.pose;
   }
@@ -54,6 +58,7 @@ struct Bench {
   RobotState state;
   RobotTarget target;
   Nanoseconds now = std::chrono::seconds(1);
+  std::uint32_t known_surface = 0;  // of the robot's surfaces, to all hands
   Hand anna{1, Vec3(1.0, 0.0, 0.0)}, ben{2, Vec3(-3.0, 2.0, 1.0)};
 };
 

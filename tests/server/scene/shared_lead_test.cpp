@@ -6,66 +6,26 @@
 #include <random>
 #include <vector>
 
-#include "server/scene/remote_link.hpp"
+#include "tests/server/scene/remote_link_bench.hpp"
 
 namespace feltwire::shared_lead_test {
 namespace {
 
+using remote_link_test::Bench;
+using remote_link_test::Hand;
 using enum LinkState;
 
-struct Hand {
-  std::uint32_t number;
-  double share;
-  Vec3 at = Vec3::Zero();
-  bool pressed = false;
-  double work = 0.0;  // [J]
-  Quaternion turn = Quaternion::Identity();
-  std::uint64_t index = 0;
-};
-
-/// A link whose robot is well and holds what it was told.
-struct Bench {
-  explicit Bench(const RemoteSeat& seat = {}) : link(seat) {
-    link.sit(9);
-    state.commanded.position = Vec3(0.4, 0.1, 0.3);
-    state.pose = state.commanded;
-    say();
-  }
-  void say() {
-    ++state.index;
-    link.follow(state, now);
-  }
-  void send(Hand& hand) {
-    now += std::chrono::milliseconds(1);
-    SampleBatch batch;
-    batch.count = 1;
-    batch.samples[0].index = ++hand.index;
-    batch.samples[0].client_time = now;
-    batch.samples[0].pose = {hand.at, hand.turn};
-    batch.lead = Lead{.deadman = hand.pressed, .known_surface = 5, .hand_work = hand.work};
-    link.lead(hand.number, batch, 1e-3, now, hand.share);
-    target = link.target(now);
-    if (target.state == engaged) state.commanded = target.pose;
-    say();
-  }
-  void press(Hand& hand) {
-    hand.pressed = false;
-    send(hand);
-    hand.pressed = true;
-    send(hand);
+struct SharedBench : Bench {
+  explicit SharedBench(const RemoteSeat& seat = {}) : Bench(seat) {
+    anna.share = 0.75;
+    ben.share = 0.25;
+    known_surface = 5;
   }
   Vec3 place() const { return target.pose.position; }
-  LinkState told(const Hand& hand) const { return link.told(hand.number, now).state; }
-
-  RemoteLink link;
-  RobotState state;
-  RobotTarget target;
-  Nanoseconds now = std::chrono::seconds(1);
-  Hand anna{1, 0.75, Vec3(1.0, 0.0, 0.0)}, ben{2, 0.25, Vec3(-3.0, 2.0, 1.0)};
 };
 
 TEST(SharedLead, EachMovesTheTargetByItsShareOfThoseThatAreEngaged) {
-  Bench bench({.scale = 0.5});
+  SharedBench bench({.scale = 0.5});
   bench.press(bench.anna);
   const Vec3 begin = bench.place();
   bench.anna.at.x() += 1e-4;
@@ -95,7 +55,7 @@ TEST(SharedLead, EachMovesTheTargetByItsShareOfThoseThatAreEngaged) {
 }
 
 TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
-  Bench bench({.scale = 2.0});
+  SharedBench bench({.scale = 2.0});
   bench.press(bench.anna);
   bench.press(bench.ben);
   // A surface 3 mm above the target: the springs of 600 N/m press with 1.8 N.
@@ -125,7 +85,7 @@ TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
 }
 
 TEST(SharedLead, TheLargestShareTurnsTheRobot) {
-  Bench bench;
+  SharedBench bench;
   bench.press(bench.anna);
   bench.press(bench.ben);
   const Quaternion before = bench.target.pose.orientation;
@@ -146,8 +106,8 @@ TEST(SharedLead, TheLargestShareTurnsTheRobot) {
 }
 
 TEST(SharedLead, WhoLeadsAloneWaitsForAllAndIsNotJoined) {
-  Bench bench;
-  Hand carl{3, 0.0};
+  SharedBench bench;
+  Hand carl{.number = 3, .at = Vec3::Zero()};
   bench.press(bench.anna);
   bench.press(bench.ben);
   bench.press(carl);
@@ -166,7 +126,7 @@ TEST(SharedLead, WhoLeadsAloneWaitsForAllAndIsNotJoined) {
 }
 
 TEST(SharedLead, AHandThatFallsSilentOrJumpsHoldsItselfAlone) {
-  Bench bench;
+  SharedBench bench;
   bench.press(bench.anna);
   bench.press(bench.ben);
   const Vec3 before = bench.place();
@@ -185,10 +145,11 @@ TEST(SharedLead, AHandThatFallsSilentOrJumpsHoldsItselfAlone) {
 TEST(SharedLead, NothingButAMovementMovesTheTarget) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0), share(0.05, 1.0);
-  Bench bench;
+  SharedBench bench;
   std::vector<Hand> hands;
   for (std::uint32_t n = 1; n <= 6; ++n)
-    hands.push_back({n, share(random), Vec3(any(random), any(random), any(random))});
+    hands.push_back(
+        {.number = n, .at = Vec3(any(random), any(random), any(random)), .share = share(random)});
   int changes = 0, together = 0;
   const auto engaged_now = [&] {
     std::vector<std::uint32_t> numbers;
