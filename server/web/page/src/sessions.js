@@ -10,7 +10,7 @@ const COLUMNS = [
   ['Force', 'rendered by the device now', (s, hand) => (hand ? words.force(hand.rendered) : '–')],
   ['Bounded by', 'why less force is rendered than the scene asks for; the strip says it in words', (s, hand, reasons) => (
     [...new Set(hand?.activeReasons().map((bit) => reasons[bit]).filter((reason) => reason && reason.cuts !== false)
-      .map((reason) => reason.name).sort())].join(', '))],
+      .map((reason) => reason.name).sort())].join(', ') || '–')],
   ['Round trip', 'of a sample and its reply', (s) => words.number(s.round_trip_ms, 1, 'ms')],
   ['Late', 'servo ticks that came a whole period late or more', (s) => (s.late_ticks ?? '–').toLocaleString('en')],
   ['Loss', 'of datagrams', (s) => words.percent(s.loss ?? null)],
