@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/file_error.hpp"
+#include "core/base/private_folder.hpp"
 #include "core/base/state_folder.hpp"
 
 namespace feltwire {
@@ -41,10 +42,7 @@ std::optional<fs::path> state_flight_folder() {
 }
 
 void make_flight_folder(const fs::path& folder) {
-  std::error_code error;
-  const bool made = fs::create_directories(folder, error);
-  if (made && !error) fs::permissions(folder, fs::perms::owner_all, error);
-  if (error)
+  if (const std::error_code error = make_private_folder(folder))
     throw FileError(folder.string() + ": cannot be made: " + error.message() +
                     "; check the path in " + kFlightOption);
 }

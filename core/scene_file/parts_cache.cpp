@@ -12,6 +12,7 @@
 #include "core/base/file_error.hpp"
 #include "core/base/kept_files.hpp"
 #include "core/base/pending_file.hpp"
+#include "core/base/private_folder.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/scene_file/shown_error.hpp"
 
@@ -33,16 +34,6 @@ std::optional<fs::path> cache_folder() {
   if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
     return fs::path(home) / ".cache/feltwire";
   return std::nullopt;
-}
-
-/// For this user alone. What fails is found when the file is written.
-void make_cache_folder(const fs::path& folder) {
-  constexpr mode_t kOwn = 0700;
-  if (folder.has_parent_path()) {
-    std::error_code ignored;
-    fs::create_directories(folder.parent_path(), ignored);
-  }
-  ::mkdir(folder.c_str(), kOwn);
 }
 
 /// In a folder that others may write to, somebody could have left a file here. A file of the
@@ -138,7 +129,8 @@ class Search {
     for (const fs::path& place : places) {
       const bool is_beside = place == beside(named_);
       try {
-        if (!is_beside) make_cache_folder(place.parent_path());
+        // What fails is found when the file is written.
+        if (!is_beside) make_private_folder(place.parent_path());
         replace_file(place, bytes_, is_beside ? kByUmask : std::optional(kPrivate));
         found_.place = place.string();
         return;

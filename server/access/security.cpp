@@ -1,17 +1,15 @@
 #include "server/access/security.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <asio/ip/address.hpp>
-#include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
 #include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
+#include "core/base/private_folder.hpp"
 #include "core/base/state_folder.hpp"
 #include "protocol/crypto/private_file.hpp"
 #include "server/access/file_lock.hpp"
@@ -37,13 +35,9 @@ bool needs_state(const SecurityOptions& config) {
 
 /// For its owner alone from the first moment on. One that others may write to is refused.
 void make_folder(const fs::path& folder) {
-  std::error_code failed;
-  if (!fs::is_directory(folder, failed)) {
-    if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), failed);
-    if (::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST)
-      throw FileError(folder.string() + ": cannot be made: " + std::strerror(errno) +
-                      "; choose another folder with --state");
-  }
+  if (const std::error_code failed = make_private_folder(folder))
+    throw FileError(folder.string() + ": cannot be made: " + failed.message() +
+                    "; choose another folder with --state");
   if (const auto open = open_folder(folder)) throw FileError(*open);
 }
 
