@@ -60,7 +60,7 @@ afterEach(async () => {
 });
 
 async function open(text, script) {
-  const context = await browser.newContext({viewport: {width: 700, height: 520}, deviceScaleFactor: 0.5});
+  const context = await browser.newContext({viewport: {width: 700, height: 520}});
   const made = await context.newPage();
   made.setDefaultTimeout(PATIENCE);
   made.on('pageerror', (error) => complaints.push(error.stack));
