@@ -63,10 +63,12 @@ int check(ClientOptions& options) {
     findings = judge(run, machine_facts(run.server));
     return json(findings);
   };
+  options.on_exit = [&](int ran) {
+    std::printf("%s", table(findings).c_str());
+    return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
+  };
   auto device = open_device(options);
-  const int ran = run_client(std::move(device), options);
-  std::printf("%s", table(findings).c_str());
-  return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
+  return run_client(std::move(device), options);
 }
 
 int run(ClientOptions options) {

@@ -320,7 +320,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     failed = true;
   }
   const int ending = conclude(options, all->servo, result, fault, reported);
-  const int code = failed ? 1 : ending;
+  int code = failed ? 1 : ending;
+  if (options.on_exit) code = options.on_exit(code);
   if (!ended || reconnector->asking() || surfaces->asking()) end_at_once(code);
   return code;
 }

@@ -56,6 +56,10 @@ struct RunOptions {
   /// Called with the measurements of the run, after the servo thread has ended. The text that it
   /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};
+  /// Called last, with the exit code, also where a thread could not be waited for and the program
+  /// must end at once, so that run_client() does not return. Returns the exit code to use. Must not
+  /// throw.
+  std::function<int(int code)> on_exit = {};
   /// Fetches the scene's meshes for the local model; false: the model has patches of them only.
   bool whole_surfaces = true;
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.

@@ -59,8 +59,9 @@ afterEach(async () => {
   assert.deepEqual(complaints, []);
 });
 
-async function open(text, script) {
-  const context = await browser.newContext({viewport: {width: 700, height: 520}});
+/** Half of the pixels each way: they are drawn in software, and a page that is late lets its hand go. */
+async function open(text, script, deviceScaleFactor = 0.5) {
+  const context = await browser.newContext({viewport: {width: 700, height: 520}, deviceScaleFactor});
   const made = await context.newPage();
   made.setDefaultTimeout(PATIENCE);
   made.on('pageerror', (error) => complaints.push(error.stack));
@@ -126,7 +127,7 @@ test('keys, the wheel and a gamepad move it', async () => {
   page = await open(token('pointer'), () => {
     window.pad = null;
     navigator.getGamepads = () => [window.pad];
-  });
+  }, 1);  // A wheel turns by as many pixels of the screen.
   await until(() => window.feltwire().own.state === 'free');
   await page.keyboard.press('g');
   await until(() => window.feltwire().own.number !== null);
