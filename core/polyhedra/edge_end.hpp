@@ -1,7 +1,8 @@
 #pragma once
-// What cuts of a graph of corners share: the ends of its edges, and the places of corners that go.
+// Helpers for the two classes that cut a graph of corners (ClippedPolyhedron, NearestCells): the
+// ends of edges, which corners and edges a plane cuts, and how the places of removed corners are
+// filled.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>

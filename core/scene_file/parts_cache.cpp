@@ -129,7 +129,7 @@ class Search {
     for (const fs::path& place : places) {
       const bool is_beside = place == beside(named_);
       try {
-        // What fails is found when the file is written.
+        // If this fails, writing the file reports it.
         if (!is_beside) make_private_folder(place.parent_path());
         replace_file(place, bytes_, is_beside ? kByUmask : std::optional(kPrivate));
         found_.place = place.string();

@@ -35,14 +35,16 @@ void add_out(CLI::App& command, std::string& out) {
       ->capture_default_str();
 }
 
-void add_study(CLI::App& app, const std::string& name, const std::string& folder,
-               const std::string& question, const std::string& footer, const std::string& files,
-               const std::function<std::string(const std::string& out)>& run) {
+CLI::App* add_study(CLI::App& app, const std::string& name, const std::string& folder,
+                    const std::string& question, const std::string& footer,
+                    const std::string& files,
+                    const std::function<std::string(const std::string& out)>& run) {
   auto out = std::make_shared<std::string>(folder);
   CLI::App* study = app.add_subcommand(name, question);
   study->footer(footer);
   add_out(*study, *out);
   study->callback([out, files, run] { std::cout << run(*out) << placed(files, *out); });
+  return study;
 }
 
 namespace {

@@ -13,11 +13,13 @@ void add_parts(CLI::App& app);
 void add_trade(CLI::App& app);
 void add_studies(CLI::App& app, int& status);
 
-/// A study without options: it runs into a folder, writes its files there and returns the text that
-/// is printed, before `files` says where those are.
-void add_study(CLI::App& app, const std::string& name, const std::string& folder,
-               const std::string& question, const std::string& footer, const std::string& files,
-               const std::function<std::string(const std::string& out)>& run);
+/// A study: it runs into a folder, writes its files there and returns the text that is printed,
+/// before `files` says where those are. Returns its subcommand, to which options of its own may be
+/// added.
+CLI::App* add_study(CLI::App& app, const std::string& name, const std::string& folder,
+                    const std::string& question, const std::string& footer,
+                    const std::string& files,
+                    const std::function<std::string(const std::string& out)>& run);
 
 void add_out(CLI::App& command, std::string& out);
 /// The line that ends what a study prints.

@@ -1,6 +1,5 @@
 // The trade studies of feltwire-lab: each measures the costs of a setting.
 
-#include <iostream>
 #include <memory>
 
 #include "sim/lab/study_commands.hpp"
@@ -50,28 +49,10 @@ std::string trade_network(const std::string& out) {
   return trade_network_table(settings, cells) + '\n' + trade_network_cost_table(settings, cells);
 }
 
-/// The one with an option: its tasks.
-void add_trade_sixdof(CLI::App& trade) {
-  struct Options {
-    std::string out = "trade-sixdof";
-    SixDofGrid grid;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = trade.add_subcommand(
-      "sixdof", "A body by points or by polygons, without and with mass: error, jumps, time");
-  command->footer(
-      "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
-      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores. docs/lab/trade.md "
-      "is "
-      "its page.");
-  command->add_option("--task", options->grid.tasks, "Only this task; may be given several times")
-      ->check(CLI::IsMember(sixdof_task_names()));
-  add_out(*command, options->out);
-  command->callback([options] {
-    const auto cells = run_trade_sixdof(options->grid);
-    write_trade_sixdof(options->out, cells);
-    std::cout << trade_sixdof_table(cells) << placed("Tables", options->out);
-  });
+std::string trade_sixdof(const SixDofGrid& grid, const std::string& out) {
+  const auto cells = run_trade_sixdof(grid);
+  write_trade_sixdof(out, cells);
+  return trade_sixdof_table(cells);
 }
 
 }  // namespace
@@ -80,9 +61,10 @@ void add_trade(CLI::App& app) {
   CLI::App* trade = app.add_subcommand("trade", "Measure the costs of each setting");
   trade->require_subcommand(1);
   const auto add = [&](const std::string& name, const std::string& question,
-                       const std::string& footer, const auto& run) {
-    add_study(*trade, name, "trade-" + name, question, footer + " docs/lab/trade.md is its page.",
-              "Tables and pictures", run);
+                       const std::string& footer, const auto& run,
+                       const char* files = "Tables and pictures") {
+    return add_study(*trade, name, "trade-" + name, question,
+                     footer + " docs/lab/trade.md is its page.", files, run);
   };
   add("geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
       "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
@@ -98,7 +80,14 @@ void add_trade(CLI::App& app) {
       "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, the same bytes every "
       "time, and what this\nmachine took for it, trade_mass_cost.csv. Some minutes of CPU time.",
       trade_mass);
-  add_trade_sixdof(*trade);
+  const auto sixdof = std::make_shared<SixDofGrid>();
+  add(
+      "sixdof", "A body by points or by polygons, without and with mass: error, jumps, time",
+      "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
+      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores.",
+      [sixdof](const std::string& out) { return trade_sixdof(*sixdof, out); }, "Tables")
+      ->add_option("--task", sixdof->tasks, "Only this task; may be given several times")
+      ->check(CLI::IsMember(sixdof_task_names()));
   add("scene", "Time of each property of a scene for one sample, alone",
       "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
       "Half a minute of CPU\ntime.",

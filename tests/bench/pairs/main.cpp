@@ -322,7 +322,7 @@ void print_library(const Pair& pair, const std::string& name, const Query& query
               mm * std::sqrt(squares / found), mm * error, mm * jump, none);
 }
 
-/// What does not depend on the unit only in metres.
+/// Methods whose result does not depend on the unit are measured in metres only.
 void print_libraries(const Pair& pair, const std::string& unit, bool boxes) {
   const FclShape tool = fcl_convex(pair.tool), solid = fcl_convex(pair.solid);
   if (unit == "m" && boxes) {

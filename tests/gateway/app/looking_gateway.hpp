@@ -23,7 +23,7 @@ inline const IssuedToken& observer() {
   static const IssuedToken issued = issue_token("gateway", "*", Role::observer, std::nullopt);
   return issued;
 }
-/// Of the gateway's own viewers: the server does not know it.
+/// The token of the gateway's own viewers. The server does not know it.
 inline const IssuedToken& viewer() {
   static const IssuedToken issued = issue_token("eye", "*", Role::admin, std::nullopt);
   return issued;

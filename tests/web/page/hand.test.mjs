@@ -127,7 +127,7 @@ test('keys, the wheel and a gamepad move it', async () => {
   page = await open(token('pointer'), () => {
     window.pad = null;
     navigator.getGamepads = () => [window.pad];
-  }, 1);  // A wheel turns by as many pixels of the screen.
+  }, 1);  // At another scale Chromium changes the distance that a wheel reports.
   await until(() => window.feltwire().own.state === 'free');
   await page.keyboard.press('g');
   await until(() => window.feltwire().own.number !== null);
