@@ -25,13 +25,18 @@
 
 namespace feltwire::testing {
 
-/// A socket on a port of 127.0.0.1 that the system chose. Receiving gives up after ten seconds, so
-/// that a broken client fails a test instead of hanging it.
+/// A socket on a port of 127.0.0.1 that the system chose, or on one that a server has left.
+/// Receiving gives up after ten seconds, so that a broken client fails a test instead of hanging
+/// it.
 class LocalSocket {
  public:
-  explicit LocalSocket(int type) : descriptor_(::socket(AF_INET, type | SOCK_CLOEXEC, 0)) {
+  explicit LocalSocket(int type, std::uint16_t left = 0)
+      : descriptor_(::socket(AF_INET, type | SOCK_CLOEXEC, 0)) {
+    const int yes = left != 0 ? 1 : 0;
+    ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     sockaddr_in any{};
     any.sin_family = AF_INET;
+    any.sin_port = htons(left);
     any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof any;
     if (descriptor_ < 0 || ::bind(descriptor_, reinterpret_cast<sockaddr*>(&any), size) != 0 ||

@@ -8,7 +8,9 @@
 
 #include "core/base/pending_file.hpp"
 #include "tests/client/loopback.hpp"
+#include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/program.hpp"
 
 namespace feltwire::program_fault_test {
@@ -85,6 +87,28 @@ TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
   EXPECT_EQ(report()["end"], "server_goodbye");
   EXPECT_EQ(report()["disconnections"], 1);
   EXPECT_GT(report()["max_force_n"], 0.5);
+}
+
+/// The thread that asks for a session cannot be waited for, so the program ends at once.
+TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound) {
+  test::Program program(FELTWIRE_CLIENT_PROGRAM,
+                        {"--connect", to_string(access_.endpoint), "--check", "--duration", "600",
+                         "--reconnect", "600", "--token-file", folder_ / "token", "--fingerprint",
+                         to_string(server_->fingerprint())});
+  test::eventually("the session of the check",
+                   [&] { return server_->summary().front().sessions == 1; });
+  const std::uint16_t port = access_.endpoint.port;
+  server_->stop();
+  server_.reset();
+  const testing::LocalSocket deaf(SOCK_STREAM, port);
+  ASSERT_EQ(::listen(deaf.descriptor(), 1), 0);
+  const int asked = ::accept(deaf.descriptor(), nullptr, nullptr);  // and never answered
+  ASSERT_GE(asked, 0);
+  program.signal(SIGINT);
+  const test::Outcome outcome = program.finish();
+  ::close(asked);
+  for (const char* finding : {"session", "round trip", "datagram size"})
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr(finding));
 }
 
 /// A terminal that is closed, and its interrupt key, end a session in order.
