@@ -12,7 +12,8 @@
 //   of area A F ~ sqrt(A) h (Boussinesq 1885). With C = 2 E* / sqrt(pi), that of the round punch,
 //   the sphere's force is 1.19 and the cone's 1.22 times theirs, and a round punch that rocks has
 //   1.12 times its stiffness. So an edge and a corner have a law, though their area is zero. In
-//   Winkler's bed of springs (the points of core/tool/shell_contact) a corner is softer, F ~ h^3.
+//   Winkler's bed of springs (the points of core/point_shell/shell_contact) a corner is softer, F ~
+//   h^3.
 // - d is continuous and zero on the surface. So the gradient of V is continuous in the pose: no
 //   force jumps where the tool comes over a sharp edge, and no edge is rounded for that.
 // - V grows with every d. So no place of the tool is ever pulled into a solid.

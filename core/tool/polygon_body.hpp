@@ -6,8 +6,8 @@
 
 #include "core/contact/contact.hpp"
 #include "core/coupled_tool/coupled_tool.hpp"
+#include "core/point_shell/object_motion.hpp"
 #include "core/polyhedra/solid_parts.hpp"
-#include "core/tool/object_motion.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/tool/point_shell.hpp"
+#include "core/point_shell/point_shell.hpp"
 
 #include <algorithm>
 #include <array>
@@ -158,11 +158,17 @@ PointShell point_shell(const TriangleSoup& surface, std::size_t count) {
   finish(shell);
   for (std::vector<Vec3>& points : sides) {
     if (points.empty()) continue;
-    PointShell& side = shell.sides.emplace_back();
-    side.area = shell.area * static_cast<double>(points.size()) / static_cast<double>(count);
-    side.points = std::move(points);
-    finish(side);
+    const double share = static_cast<double>(points.size()) / static_cast<double>(count);
+    shell.sides.push_back(point_shell(std::move(points), shell.area * share));
   }
+  return shell;
+}
+
+PointShell point_shell(std::vector<Vec3> points, double area) {
+  PointShell shell;
+  shell.area = area;
+  shell.points = std::move(points);
+  finish(shell);
   return shell;
 }
 

@@ -3,7 +3,7 @@
 
 #include "core/contact/contact.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
-#include "core/tool/point_shell.hpp"
+#include "core/point_shell/point_shell.hpp"
 
 namespace feltwire {
 

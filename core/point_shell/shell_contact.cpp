@@ -1,4 +1,4 @@
-#include "core/tool/shell_contact.hpp"
+#include "core/point_shell/shell_contact.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include "core/base/numeric.hpp"
 #include "core/coupled_tool/slip_sums.hpp"
 #include "core/grid/signed_distance.hpp"
-#include "core/tool/object_motion.hpp"
+#include "core/point_shell/object_motion.hpp"
 
 namespace feltwire {
 namespace {

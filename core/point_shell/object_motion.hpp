@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/tool/shell_contact.hpp"
+#include "core/point_shell/shell_contact.hpp"
 
 namespace feltwire {
 

@@ -5,7 +5,8 @@
 
 #include <vector>
 
-#include "core/mesh/triangle_mesh.hpp"
+#include "core/base/types.hpp"
+#include "core/geometry/triangle_soup.hpp"
 
 namespace feltwire {
 
@@ -32,6 +33,9 @@ struct PointShell {
 /// `count` points spread evenly over the area of the surface. Deterministic. Throws
 /// std::invalid_argument if there is no area, or the count is zero or above kMaxShellPoints.
 PointShell point_shell(const TriangleSoup& surface, std::size_t count);
+/// A shell of these points [m, tool frame] on a surface of so much area [m^2], without its sides.
+/// Precondition: 1 to kMaxShellPoints finite points.
+PointShell point_shell(std::vector<Vec3> points, double area);
 
 inline constexpr std::size_t kMaxShellPoints = 1'000'000;
 inline constexpr std::size_t kMaxShellDepth = 8;  // of the tree of so many points

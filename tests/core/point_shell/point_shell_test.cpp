@@ -1,6 +1,6 @@
 // The points of a tool with a body, and their tree.
 
-#include "core/tool/point_shell.hpp"
+#include "core/point_shell/point_shell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A shell against solids: closed forms, brute force, and what is not looked at.
 
-#include "core/tool/shell_contact.hpp"
+#include "core/point_shell/shell_contact.hpp"
 
 #include <gtest/gtest.h>
 
