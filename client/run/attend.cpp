@@ -116,7 +116,7 @@ Signals::Taken Signals::take() const noexcept {
 }
 
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector, SurfaceFetch& surfaces,
+            Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
             std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
   bool connected = true;
@@ -146,10 +146,10 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     const bool lost = fresh && connected && !status.connected;
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());
-    if (fresh) surfaces.in_use(status.surfaces);
+    if (fresh) fetch.in_use(status.fetched);
     if (session != 0 && reconnector.session() != 0) session = reconnector.session();
     if (running && fresh && connected)
-      surfaces.look({session, status.reloads}, SurfaceFetch::Clock::now());
+      fetch.look({session, status.reloads}, SceneFetch::Clock::now());
     if (lost) {
       line.end();
       records.tell_of_flight_record(kLost);

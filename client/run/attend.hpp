@@ -6,7 +6,7 @@
 #include "client/run/records.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/reconnector.hpp"
-#include "client/transport/surface_fetch.hpp"
+#include "client/transport/scene_fetch.hpp"
 
 namespace feltwire {
 
@@ -39,7 +39,7 @@ class Signals {
 /// after it (session 0: for none). No failure in here ends the run: a status line without memory is
 /// not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector, SurfaceFetch& surfaces,
+            Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
             std::uint64_t session, EmergencyKey& keys) noexcept;
 
 }  // namespace feltwire

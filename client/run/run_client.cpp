@@ -99,7 +99,7 @@ struct Run : ServoTask {
   std::optional<Changes> changes;  // that an admin wants
   Ring<SessionAddress> sessions{kSessionRoom};
   Ring<LiveStatus> statuses{kStatusRoom};
-  Ring<const WholeSurfaces*> surfaces{kSessionRoom};
+  Ring<const FetchedScene*> fetched{kSessionRoom};
 };
 
 /// For the metadata of MCAP files.
@@ -157,7 +157,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                   .patience = from_seconds(options.patience),
                   .rejoined = &run->sessions,
                   .changes = &run->changes->ready(),
-                  .surfaces = &run->surfaces,
+                  .fetched = &run->fetched,
                   .busy_poll = busy_poll_time(options.busy_poll)};
   run->outputs = {.status = &run->statuses,
                   .record = run->records->rows(),
@@ -262,7 +262,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   // From here on the server knows of us: whatever fails, it is told.
   std::shared_ptr<Run> all;
   std::optional<Reconnector> reconnector;
-  std::optional<SurfaceFetch> surfaces;
+  std::optional<SceneFetch> fetch;
   std::optional<CrashRelease> crash_release;
   std::optional<ServoThread> thread;
   try {
@@ -274,7 +274,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     RejoinOptions rejoin;
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
-    surfaces.emplace(options.server, all->surfaces);
+    fetch.emplace(options.server, all->fetched);
     crash_release.emplace(all->guard, options.flight_recorder.has_value());
     thread.emplace(all);
   } catch (...) {
@@ -288,7 +288,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0)
       std::fputs("feltwire-client: the space bar takes all force off at once\n", stderr);
-    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, *surfaces,
+    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, *fetch,
            fetching_session(joined.accepted, options), keys);
   }
   const bool ended = thread->end();
@@ -322,7 +322,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   const int ending = conclude(options, all->servo, result, fault, reported);
   int code = failed ? 1 : ending;
   if (options.on_exit) code = options.on_exit(code);
-  if (!ended || reconnector->asking() || surfaces->asking()) end_at_once(code);
+  if (!ended || reconnector->asking() || fetch->asking()) end_at_once(code);
   return code;
 }
 

@@ -45,7 +45,7 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .shapes = servo.shapes(),
           .near = servo.near(),
           .reloads = servo.newest_reply().reloads,
-          .surfaces = servo.surfaces(),
+          .fetched = servo.fetched(),
           .hand_damping = hand_damping_of(servo),
           .balance = balance_of(servo),
           .account_cuts = s.account_cut,

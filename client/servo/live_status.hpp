@@ -32,7 +32,7 @@ struct LiveStatus {
   bool shapes = false;            // the method shapes, and the two below are valid
   bool near = false;              // this tick's force was made here, from the local model
   std::uint32_t reloads = 0;      // Reply::reloads of the newest reply
-  const WholeSurfaces* surfaces = nullptr;  // the whole surfaces in use; null: none
+  const FetchedScene* fetched = nullptr;  // in use; null: nothing
   std::optional<double>
       hand_damping{};  // [N s/m] the assumed damping of the hand, if the method has one
   std::optional<double> balance{};  // [J] of the energy account; empty: there is none

@@ -27,7 +27,7 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
 }
 
 Command RiseLimit::apply(const Command& command, const BodyModel& model, double way, double turn,
-                         double elapsed) noexcept {
+                         double elapsed, const ToolInertia* inertia) noexcept {
   const ToolCoupling& c = model.coupling;
   double fastest = 0.0;  // [m/s]
   for (const BodyPatch& patch : model.surfaces())
@@ -35,9 +35,13 @@ Command RiseLimit::apply(const Command& command, const BodyModel& model, double 
   way += fastest * elapsed;  // a surface that moves takes the tool with it
   // The force that the spring adds if the tool stays, twice: the tool may come towards the device.
   // A way presses a point that is up to a radius beside the tool's origin, and a turn moves it.
-  const double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
-  const double torque = last_torque_ + torque_slew_ * elapsed +
-                        2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);
+  double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
+  double torque = last_torque_ + torque_slew_ * elapsed +
+                  2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);
+  if (inertia != nullptr && elapsed > 0.0) {  // the damper beside the spring
+    force += inertia->damping * way / elapsed;
+    torque += inertia->rotational_damping * turn / elapsed;
+  }
   const double wanted = length(command.force()), wanted_torque = length(command.torque);
   const double scale = std::min(reduction(force, wanted), reduction(torque, wanted_torque));
   last_ = scale * wanted;

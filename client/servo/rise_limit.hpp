@@ -27,8 +27,9 @@ class RiseLimit {
 
   /// The same for a tool with a body, whose spring couples it to the device, and for torque. The
   /// device moved by `way` [m] and turned by `turn` [rad]. One scale for force and torque.
+  /// `inertia`: of a tool with mass; null: it has none.
   Command apply(const Command& command, const BodyModel& model, double way, double turn,
-                double elapsed) noexcept;
+                double elapsed, const ToolInertia* inertia = nullptr) noexcept;
 
   /// Takes the command that the hand holds after a tick without apply().
   void given(const Command& held) noexcept {

@@ -99,7 +99,7 @@ struct ServoStatistics {
       0;  // times that replies began to report that moving objects were put back
   // With a local model: received models, their surfaces, and ticks by the source of the command:
   // the model alone, the model and the reply, or the reply alone because the model did not reach.
-  std::uint64_t whole_models = 0;  // models with a whole surface that is here
+  std::uint64_t whole_models = 0;  // models with a surface or solids that are here in full
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
   std::uint64_t hand_overs = 0;  // times that the use of the model alone began or ended
   std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by reason; `felt` too
@@ -215,9 +215,13 @@ class Servo {
                ? std::string_view(options_.seats[remote_->seat()])
                : std::string_view();
   }
-  /// The surfaces that are here in full, until the next call; null: none. They outlive that time.
-  void use_surfaces(const WholeSurfaces* surfaces) noexcept { local_.use(surfaces); }
-  const WholeSurfaces* surfaces() const noexcept { return local_.surfaces(); }
+  /// What is here in full of the scene, until the next call; null: nothing. It outlives that time.
+  void use(const FetchedScene* fetched) noexcept {
+    fetched_ = fetched;
+    local_.use(fetched != nullptr ? fetched->surfaces.get() : nullptr);
+    local_body_.use(fetched != nullptr ? fetched->body.get() : nullptr);
+  }
+  const FetchedScene* fetched() const noexcept { return fetched_; }
   /// The state of the last tick, for observers of the scene.
   HandReport report() const noexcept;
   const ClockEstimate& server_clock() const { return server_clock_; }
@@ -310,6 +314,7 @@ class Servo {
   Vec3 displacement_ = Vec3::Zero();  // [m] of this tick
 
   // Only for sessions with a local model.
+  const FetchedScene* fetched_ = nullptr;
   LocalContact local_;
   LocalBody local_body_;  // for a tool with a body
   VelocityEstimate velocity_;

@@ -55,7 +55,7 @@ double Servo::follow_body(const BoundingStep& step, double age, Command& command
 Command Servo::rise_limited(const BoundingStep& step) noexcept {
   if (newest_.body_modelled)
     return rise_.apply(step.command, local_body_.model(), length(model_moved_),
-                       length(step.rotation), step.hold_time);
+                       length(step.rotation), step.hold_time, local_body_.inertia());
   return rise_.apply(step.command, local_.model(), length(model_moved_), step.hold_time,
                      remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
 }

@@ -118,7 +118,7 @@ class Loop {
     // Before the tick: a hand that has just been found again must not feel what waited for it.
     if (options_.rejoined != nullptr) regain(now);
     if (options_.changes != nullptr) change(now);
-    if (options_.surfaces != nullptr) take_surfaces();
+    if (options_.fetched != nullptr) take_fetched();
     tick(now);
     if (servo_.device_ended()) return end(EndReason::device_ended);
     if (options_.duration.count() > 0 && now - first_tick_ >= options_.duration)
@@ -212,9 +212,9 @@ class Loop {
     }
   }
 
-  void take_surfaces() noexcept {
-    const WholeSurfaces* surfaces = nullptr;
-    while (options_.surfaces->pop(surfaces)) servo_.use_surfaces(surfaces);
+  void take_fetched() noexcept {
+    const FetchedScene* fetched = nullptr;
+    while (options_.fetched->pop(fetched)) servo_.use(fetched);
   }
 
   /// Replies bring a change until the server has heard of it.

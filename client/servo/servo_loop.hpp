@@ -36,8 +36,8 @@ struct LoopOptions {
   /// Prepared changes of an admin, from LoopOutputs::wanted. They must outlive the loop. Null:
   /// there are none.
   Ring<PreparedChange*>* changes = nullptr;
-  /// Whole surfaces for the local model (SurfaceFetch); null: there are none.
-  Ring<const WholeSurfaces*>* surfaces = nullptr;
+  /// What is fetched of the scene for the local model (SceneFetch); null: nothing is.
+  Ring<const FetchedScene*>* fetched = nullptr;
   /// The time for which the thread polls, instead of sleeping: for the reply after a sample was
   /// sent, and for the next deadline before it comes; kForever: it never sleeps. With 0 it polls
   /// only for the deadline, if the machine has woken it sooner than usual.

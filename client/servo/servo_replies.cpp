@@ -74,7 +74,7 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   if (reply.modelled) local_.take(reply.model, newest_original_ ? &reply.command : nullptr);
   if (body) local_body_.take(reply.body, sample_.index - reply.sample_index + 1);
   ++statistics_.models;
-  statistics_.whole_models += local_.has_whole() ? 1 : 0;
+  statistics_.whole_models += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
   statistics_.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
   // Moving objects have moved on since the server looked. The clocks give the time of the way back;
   // they are believed up to the hold time of a command.

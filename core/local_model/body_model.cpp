@@ -24,7 +24,10 @@ void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double ela
         if (model.patches[k].object == patch.object) whole += sums[k].weight;
       contact.viscosity.add(patch.viscous_friction * load / whole * slip, carried);
     }
-    if (patch.static_friction > 0.0)
+    if (!(patch.static_friction > 0.0)) continue;
+    if (contact.grip_count == ShellContact::kFrictionPatches)
+      contact.patches.back().load += load;
+    else
       contact.patches[contact.grip_count++] = {
           load, patch.static_friction, patch.dynamic_friction, slip, carried, patch.object};
   }
@@ -93,12 +96,20 @@ PressedPart pressed_part(double depth, double half) noexcept {
 }
 
 ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
-  static_assert(kMaxBodyPatches <= ShellContact::kFrictionPatches);
   ShellContact sum;
+  if (solids_ != nullptr) sum = solids_->contact(tool);
+  if (model_.count > 0) add_planes(tool, sum);
+  return sum;
+}
+
+void ModelledSurroundings::add_planes(const Pose& tool, ShellContact& sum) const noexcept {
+  static_assert(kMaxBodyPatches <= ShellContact::kFrictionPatches);
   std::array<SlipSums, kMaxBodyPatches> sums;
   const Mat3 turned = tool.orientation.toRotationMatrix();
   const Mat3 before = model_.tool.orientation.toRotationMatrix();
   const Vec3 moved = tool.position - model_.tool.position;
+  const Vec6 of_solids = sum.wrench;
+  std::size_t touching = 0;
   for (const BodyPoint& point : model_.view()) {
     const BodyPatch& patch = model_.patches[point.patch];
     const Vec3 arm = turned * point.arm;
@@ -119,14 +130,18 @@ ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
       carried.head<3>() = elapsed_ * patch.velocity;
       sum.damping.add(patch.damping_time * resists, carried);
     }
-    ++sum.touching;
+    ++touching;
   }
-  sum.looked_at = static_cast<std::size_t>(model_.count);
-  if (sum.touching == 0) return sum;
-  sum.parts[sum.part_count++] = {0, sum.wrench};
+  sum.looked_at += static_cast<std::size_t>(model_.count);
+  if (touching == 0) return;
+  sum.touching += touching;
+  const Vec6 wrench = sum.wrench - of_solids;
+  if (sum.part_count < ShellContact::kFrictionPatches)
+    sum.parts[sum.part_count++] = {0, wrench};
+  else
+    sum.parts.back().wrench += wrench;
   add_slip(model_, std::span(sums).first(static_cast<std::size_t>(model_.patch_count)), elapsed_,
            sum);
-  return sum;
 }
 
 }  // namespace feltwire

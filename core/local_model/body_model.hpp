@@ -54,12 +54,15 @@ inline constexpr int kMaxBodyPatches = 3;
 /// The contacts of a tool, valid while way / reach + angle / turn of its movement is below 1.
 struct BodyModel {
   std::uint32_t scene = 0;  // as in LocalModel
-  Pose tool;                // the pose at which the contacts held the tool when the model was made
-  double reach = 0.0;       // [m] 0: the model is empty
-  double turn = 0.0;        // [rad]
-  ToolCoupling coupling;    // nothing in it is zero
-  double radius = 0.0;      // [m] of the tool's farthest point from its origin
-  bool slipping = false;    // along a surface
+  /// The version of the solids that the receiver has in full (WholeBody::version): they are met
+  /// besides the points. 0: the points are all that is met.
+  std::uint32_t solids = 0;
+  Pose tool;              // the pose at which the contacts held the tool when the model was made
+  double reach = 0.0;     // [m] 0: the model is empty
+  double turn = 0.0;      // [rad]
+  ToolCoupling coupling;  // nothing in it is zero
+  double radius = 0.0;    // [m] of the tool's farthest point from its origin
+  bool slipping = false;  // along a surface
   std::array<BodyPoint, kMaxBodyPoints> points{};
   int count = 0;
   std::array<BodyPatch, kMaxBodyPatches> patches{};
@@ -73,17 +76,22 @@ struct BodyModel {
   }
 };
 
-/// The contact of the tool with the model's planes. The planes have moved with their surfaces for
-/// `age` [s] since the model was made, and for `elapsed` [s] in this step.
+/// The contact of the tool with the model's planes, and with `solids`; null: there are none. The
+/// planes have moved with their surfaces for `age` [s] since the model was made, and for `elapsed`
+/// [s] in this step.
 class ModelledSurroundings final : public ToolSurroundings {
  public:
-  ModelledSurroundings(const BodyModel& model, double age, double elapsed)
-      : model_(model), age_(age), elapsed_(elapsed) {}
+  ModelledSurroundings(const BodyModel& model, double age, double elapsed,
+                       const ToolSurroundings* solids = nullptr)
+      : model_(model), age_(age), elapsed_(elapsed), solids_(solids) {}
   ShellContact contact(const Pose& tool) const noexcept override;
 
  private:
+  void add_planes(const Pose& tool, ShellContact& sum) const noexcept;
+
   const BodyModel& model_;
   double age_, elapsed_;
+  const ToolSurroundings* solids_;
 };
 
 }  // namespace feltwire

@@ -49,13 +49,16 @@ void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
 BodyForce LocalBody::touch(const Pose& device, double age, double elapsed) noexcept {
   BodyForce force;
   last_weight_ = 0.0;
-  if (!memory_.placed || !(model_.reach > 0.0)) return force;
+  const bool whole = has_whole();
+  if (!memory_.placed || !(model_.reach > 0.0) || (model_.solids != 0 && !whole)) return force;
   memory_.known = false;  // surfaces may have moved
-  const ModelledSurroundings surroundings(model_, age, elapsed);
-  const CoupledTool tool{model_.coupling, model_.radius,
-                         std::ranges::any_of(model_.surfaces(), [](const BodyPatch& patch) {
-                           return !patch.velocity.isZero(0.0);
-                         })};
+  const ModelledSurroundings surroundings(model_, age, elapsed,
+                                          whole ? whole_->solids.get() : nullptr);
+  const CoupledTool tool{
+      model_.coupling, model_.radius,
+      std::ranges::any_of(model_.surfaces(),
+                          [](const BodyPatch& patch) { return !patch.velocity.isZero(0.0); }),
+      whole ? &whole_->inertia : nullptr};
   force.command = step_coupled_tool(tool, surroundings, device, elapsed, memory_).command;
   if (!force.command.finite()) {
     clear();

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/local_model/body_model.hpp"
+#include "core/local_model/whole_body.hpp"
 
 namespace feltwire {
 
@@ -18,10 +19,23 @@ struct BodyForce {
 /// and the pose changes as the tool moves on. No function allocates, throws or reads a clock.
 class LocalBody {
  public:
-  /// Forgets model and tool.
+  /// Forgets model and tool, not what is here in full.
   void clear() noexcept {
     model_.reach = last_weight_ = 0.0;
     memory_ = {};
+  }
+
+  /// The tool and the solids that are here in full, until the next call; null: none. They outlive
+  /// that time.
+  void use(const WholeBody* whole) noexcept { whole_ = whole; }
+  /// Whether the model means solids that are here.
+  bool has_whole() const noexcept {
+    return model_.solids != 0 && whole_ != nullptr && whole_->version == model_.solids;
+  }
+
+  /// Of a tool with mass that is here in full and moves; null: the tool has no mass.
+  const ToolInertia* inertia() const noexcept {
+    return has_whole() && whole_->inertia.mass > 0.0 ? &whole_->inertia : nullptr;
   }
 
   /// Takes a new model. `ticks`: how many calls of touch() ago the device was at the model's pose,
@@ -32,7 +46,7 @@ class LocalBody {
   void take(const BodyModel& model, std::uint64_t ticks = 0) noexcept;
 
   /// The force and torque on the hand. `age` [s]: of the model's state; moving surfaces are moved
-  /// on by it. `elapsed` [s]: since the last call.
+  /// on by it. `elapsed` [s]: since the last call. A model whose solids are not here gives none.
   BodyForce touch(const Pose& device, double age, double elapsed) noexcept;
 
   const BodyModel& model() const { return model_; }
@@ -48,6 +62,7 @@ class LocalBody {
 
   void correct(const BodyModel& model, std::uint64_t ticks) noexcept;
 
+  const WholeBody* whole_ = nullptr;
   BodyModel model_;
   BodyMemory memory_;
   double last_weight_ = 0.0;

@@ -3,11 +3,13 @@
 // contact, at every place and over every delay.
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/base/types.hpp"
 #include "core/geometry/triangle_soup.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/local_model/whole_body.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
@@ -42,6 +44,13 @@ struct SurfaceData {
   double grain_wavelength = 1.0;  // [m]
   std::vector<Vec3> vertices;     // [m]
   std::vector<Triangle> triangles;
+};
+
+/// What a client has of a scene in full, for the tool of its hand. Immutable.
+struct FetchedScene {
+  std::vector<std::uint16_t> objects;             // their numbers in the scene, rising
+  std::shared_ptr<const WholeSurfaces> surfaces;  // for a tool that is a point or a ball; or null
+  std::shared_ptr<const WholeBody> body;          // for a tool with a body; or null
 };
 
 }  // namespace feltwire

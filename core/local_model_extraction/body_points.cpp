@@ -71,9 +71,12 @@ double depth_for(double mean, double half) {
 class Cut {
  public:
   const Mat3& turned() const { return turned_; }
-  Cut(const PointShell& shell, const std::vector<Object>& objects, const Pose& tool)
+  /// Of all objects except those of `known`.
+  Cut(const PointShell& shell, const std::vector<Object>& objects, const KnownSurfaces& known,
+      const Pose& tool)
       : shell_(shell),
         objects_(objects),
+        known_(known),
         tool_(tool),
         turned_(tool.orientation.toRotationMatrix()) {}
 
@@ -82,8 +85,9 @@ class Cut {
   std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
 
   void all() {
+    if (std::ranges::count(known_, true) == std::ssize(objects_)) reach_ = kModelReach;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if (!may_be_near(i)) continue;
+      if ((i < known_.size() && known_[i]) || !may_be_near(i)) continue;
       const auto side = [&](const PointShell& shell) {
         const Part root{.object = i, .shell = &shell, .begin = 0, .end = 1};
         if (i <= kMostNumbered)
@@ -196,6 +200,7 @@ class Cut {
 
   const PointShell& shell_;
   const std::vector<Object>& objects_;
+  const KnownSurfaces& known_;
   const Pose& tool_;
   Mat3 turned_;
   std::array<Part, kParts> parts_{};
@@ -355,13 +360,15 @@ struct Builder {
 
 /// `objects`: the view's, where they now are. `world`: that moves them, or null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
-                   const BodyMemory& memory, const World* world = nullptr) noexcept {
+                   const BodyMemory& memory, std::uint32_t version, const KnownSurfaces& known,
+                   const World* world = nullptr) noexcept {
   BodyModel model;
   if (!view.tool().body || !memory.placed) return model;
   const BodyTool& tool = *view.tool().body;
-  if (tool.inertia().mass > 0.0) return model;  // a model has no word for mass
-  Cut cut(tool.shell(), objects, memory.pose);
+  if (tool.inertia().mass > 0.0 && version == 0) return model;
+  Cut cut(tool.shell(), objects, known, memory.pose);
   cut.all();
+  model.solids = version;
   model.tool = memory.pose;
   model.coupling = tool.coupling();
   model.radius = tool.shell().radius;
@@ -377,13 +384,14 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
 
 }  // namespace
 
-BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory) noexcept {
-  return model_of(view, view.objects(), device, memory);
+BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory,
+                     std::uint32_t version, const KnownSurfaces& known) noexcept {
+  return model_of(view, view.objects(), device, memory, version, known);
 }
 
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
-                     std::size_t held) noexcept {
-  return model_of(world.view(held), world.objects(held), device, memory, &world);
+                     std::size_t held, std::uint32_t version, const KnownSurfaces& known) noexcept {
+  return model_of(world.view(held), world.objects(held), device, memory, version, known, &world);
 }
 
 }  // namespace feltwire

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/local_model_extraction/patches.hpp"
+#include "core/local_model_extraction/whole_body_data.hpp"
 #include "core/whole_surfaces/mesh_surfaces.hpp"
 
 namespace feltwire {
@@ -186,7 +187,9 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
 }  // namespace
 
 bool can_travel(const ToolView& view, std::size_t object) noexcept {
-  return object < view.still() && can_travel(view.objects()[object]);
+  if (!(object < view.still()) || object > kMostObjects) return false;
+  return view.tool().body != nullptr ? travels(*view.tool().body, view.objects()[object])
+                                     : can_travel(view.objects()[object]);
 }
 
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,

@@ -12,7 +12,8 @@ namespace feltwire {
 /// usual hold time has faded.
 inline constexpr double kModelReach = 0.1;
 
-/// Whether a receiver may have an object's whole surface: a mesh that can_travel() and is still.
+/// Whether a receiver may have an object in full: one that is still, and for a point or a ball a
+/// mesh that can_travel(), for a body of points a primitive.
 bool can_travel(const ToolView& view, std::size_t object) noexcept;
 
 /// By object of the scene: the receiver has its whole surface (whole_surfaces.hpp). Of objects

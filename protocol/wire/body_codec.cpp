@@ -111,7 +111,7 @@ flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& build
       static_cast<float>(model.turn), static_cast<float>(c.stiffness),
       static_cast<float>(c.rotational_stiffness), static_cast<float>(c.max_force),
       static_cast<float>(c.max_torque), static_cast<float>(model.radius), model.slipping,
-      wire_points, wire_patches);
+      wire_points, wire_patches, model.solids);
 }
 
 bool read(const wire::BodyModel& from, BodyModel& to) noexcept {
@@ -122,6 +122,7 @@ bool read(const wire::BodyModel& from, BodyModel& to) noexcept {
   const flatbuffers::uoffset_t patch_count = patches == nullptr ? 0 : patches->size();
   if (count > to.points.size() || patch_count > to.patches.size()) return false;
   to.scene = from.scene();
+  to.solids = from.solids();
   to.tool = {value(*from.position()), value(*from.orientation())};
   to.reach = from.reach();
   to.turn = from.turn();

@@ -265,6 +265,26 @@ struct SurfacesTaken {
   std::uint64_t session = 0;
 };
 
+/// Asks which tool and solids the client of a session may have in full.
+struct ListSolids {
+  std::uint64_t session = 0;
+};
+struct SolidList {
+  std::uint32_t version = 0;           // WholeBody::version
+  std::optional<BodyData> body = {};   // without its points; empty: there is nothing to have
+  std::uint32_t points = 0;            // of the body
+  std::vector<SolidData> solids = {};  // at most kMaxSurfaces; of shapes that this program knows
+};
+/// Asks for the points of the body after so many.
+struct GetBodyPoints {
+  std::uint64_t session = 0;
+  std::uint32_t version = 0;
+  std::uint32_t points = 0;
+};
+struct BodyPoints {
+  std::vector<Vec3> points;  // [m] at most kMaxPart
+};
+
 using Message =
     std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
                  SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
@@ -272,7 +292,7 @@ using Message =
                  SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
                  SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, DescribeScene,
                  SceneDescription, ListSurfaces, SurfaceList, GetSurface, SurfacePart, TakeSurfaces,
-                 SurfacesTaken>;
+                 SurfacesTaken, ListSolids, SolidList, GetBodyPoints, BodyPoints>;
 
 const char* name(RefusalCode code);
 

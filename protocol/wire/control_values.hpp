@@ -18,6 +18,14 @@ inline Vec3 vector(const wire::Vector& v) { return {v.x(), v.y(), v.z()}; }
 inline wire::Turn wire_turn(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 inline Quaternion turn(const wire::Turn& t) { return {t.w(), t.x(), t.y(), t.z()}; }
 
+inline wire::FeltMaterial wire_material(const Material& m) {
+  return {m.stiffness, m.damping, m.static_friction, m.dynamic_friction, m.viscous_friction};
+}
+inline Material material(const wire::FeltMaterial& m) {
+  return {m.stiffness(), m.damping(), m.static_friction(), m.dynamic_friction(),
+          m.viscous_friction()};
+}
+
 /// The enums of the values have the order of the wire.
 template <class Wire, class Enum>
 Wire wire_enum(Enum value) {

@@ -8,6 +8,7 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
 #include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/solid_codec.hpp"
 #include "protocol/wire/surface_codec.hpp"
 
 namespace feltwire::control {
@@ -164,6 +165,14 @@ bool read(const wire::GetSurface& from, GetSurface& to) {
   to = {from.session(), from.version(), from.object(), from.vertices(), from.triangles()};
   return true;
 }
+bool read(const wire::ListSolids& from, ListSolids& to) {
+  to.session = from.session();
+  return true;
+}
+bool read(const wire::GetBodyPoints& from, GetBodyPoints& to) {
+  to = {from.session(), from.version(), from.points()};
+  return true;
+}
 bool read(const wire::SurfacesTaken& from, SurfacesTaken& to) {
   to.session = from.session();
   return true;
@@ -230,9 +239,7 @@ bool read(const wire::SceneDescription& from, SceneDescription& to) {
   const auto& materials = *from.materials();
   if (!aligned(materials, alignof(wire::FeltMaterial)) || materials.size() > kMaxMaterials)
     return false;
-  for (const wire::FeltMaterial* m : materials)
-    to.materials.push_back({m->stiffness(), m->damping(), m->static_friction(),
-                            m->dynamic_friction(), m->viscous_friction()});
+  for (const wire::FeltMaterial* m : materials) to.materials.push_back(material(*m));
   return true;
 }
 bool read(const wire::GetCounters& from, GetCounters& to) {
@@ -340,6 +347,14 @@ std::optional<Message> decode(Bytes body) {
       return message<TakeSurfaces>(*root->body_as_TakeSurfaces());
     case wire::Body::SurfacesTaken:
       return message<SurfacesTaken>(*root->body_as_SurfacesTaken());
+    case wire::Body::ListSolids:
+      return message<ListSolids>(*root->body_as_ListSolids());
+    case wire::Body::SolidList:
+      return message<SolidList>(*root->body_as_SolidList());
+    case wire::Body::GetBodyPoints:
+      return message<GetBodyPoints>(*root->body_as_GetBodyPoints());
+    case wire::Body::BodyPoints:
+      return message<BodyPoints>(*root->body_as_BodyPoints());
     case wire::Body::DescribeScene:
       return message<DescribeScene>(*root->body_as_DescribeScene());
     case wire::Body::SceneDescription:

@@ -10,6 +10,7 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
 #include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/solid_codec.hpp"
 #include "protocol/wire/surface_codec.hpp"
 
 namespace feltwire::control {
@@ -154,6 +155,14 @@ struct BodyBuilder {
   Offset<wire::SurfacesTaken> operator()(const SurfacesTaken& m) {
     return wire::CreateSurfacesTaken(builder, m.session);
   }
+  Offset<wire::ListSolids> operator()(const ListSolids& m) {
+    return wire::CreateListSolids(builder, m.session);
+  }
+  Offset<wire::SolidList> operator()(const SolidList& m) { return control::build(builder, m); }
+  Offset<wire::GetBodyPoints> operator()(const GetBodyPoints& m) {
+    return wire::CreateGetBodyPoints(builder, m.session, m.version, m.points);
+  }
+  Offset<wire::BodyPoints> operator()(const BodyPoints& m) { return control::build(builder, m); }
   Offset<wire::DescribeSessions> operator()(const DescribeSessions& m) {
     return wire::CreateDescribeSessions(builder, builder.CreateString(m.scene), m.after);
   }
@@ -181,9 +190,7 @@ struct BodyBuilder {
   }
   Offset<wire::SceneDescription> operator()(const SceneDescription& m) {
     std::vector<wire::FeltMaterial> materials;
-    for (const Material& material : m.materials)
-      materials.emplace_back(material.stiffness, material.damping, material.static_friction,
-                             material.dynamic_friction, material.viscous_friction);
+    for (const Material& material : m.materials) materials.push_back(wire_material(material));
     const wire::Vector gravity = wire_vector(m.gravity.value_or(Vec3::Zero()));
     const wire::TimesCounted answers = wire_times(m.times.answers.value_or(TimeCounts()));
     const wire::TimesCounted late = wire_times(m.times.world_late.value_or(TimeCounts()));

@@ -1,9 +1,12 @@
-// Answers to the clients of hands that want surfaces in full. The control thread answers the list
-// and the parts. TakeSurfaces changes a session, so the scene's thread answers it.
+// Answers to the clients of hands that want surfaces or solids in full. The control thread answers
+// the lists and the parts. TakeSurfaces changes a session, so the scene's thread answers it.
 
 #include <algorithm>
+#include <optional>
 
+#include "core/local_model_extraction/whole_body_data.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/tool/body_tool.hpp"
 #include "core/whole_surfaces/mesh_surfaces.hpp"
 #include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
@@ -57,9 +60,62 @@ control::Message part_of(const SceneInView::CurrentScene& current, const std::st
                               part(mesh.triangles(), request.triangles)};
 }
 
+/// The scene for a tool with a body that can be had in full; null: the tool has none, or is gone.
+const ToolView* body_view_of(const Scene& scene, const std::string& tool) {
+  const ToolView* view = scene.view(tool);
+  return view != nullptr && view->tool().body != nullptr && can_travel(*view->tool().body)
+             ? view
+             : nullptr;
+}
+
+control::SolidList solids_of(const SceneInView::CurrentScene& current, const std::string& tool) {
+  const ToolView* view = body_view_of(*current.scene, tool);
+  if (view == nullptr) return {.version = current.version};
+  const BodyTool& body = *view->tool().body;
+  control::SolidList list{.version = whole_version(*view, current.version, current.changes),
+                          .body = body_data(body, current.gravity),
+                          .points = static_cast<std::uint32_t>(body.shell().points.size())};
+  const auto& objects = view->objects();
+  for (std::size_t i = 0; i < view->still() && list.solids.size() < control::kMaxSurfaces; ++i)
+    if (can_travel(*view, i))
+      list.solids.push_back(solid_data(objects[i], static_cast<std::uint16_t>(i)));
+  return list;
+}
+
+control::Message points_of(const SceneInView::CurrentScene& current, const std::string& tool,
+                           const control::GetBodyPoints& request) {
+  const ToolView* view = body_view_of(*current.scene, tool);
+  if (view == nullptr)
+    return Refused{RefusalCode::bad_parameters,
+                   "this hand's tool has no body to have in full; list the solids first"};
+  if (request.version != whole_version(*view, current.version, current.changes))
+    return other_version(request.version);
+  return control::BodyPoints{part(view->tool().body->shell().points, request.points)};
+}
+
+/// The session that a list or a part is for; empty: the request is for neither.
+std::optional<std::uint64_t> session_of(const control::Message& request) {
+  if (const auto* list = std::get_if<control::ListSurfaces>(&request)) return list->session;
+  if (const auto* get = std::get_if<control::GetSurface>(&request)) return get->session;
+  if (const auto* list = std::get_if<control::ListSolids>(&request)) return list->session;
+  if (const auto* get = std::get_if<control::GetBodyPoints>(&request)) return get->session;
+  return std::nullopt;
+}
+
+/// Precondition: session_of(request) is not empty.
+control::Message answer_to(const control::Message& request,
+                           const SceneInView::CurrentScene& current, const std::string& tool) {
+  if (const auto* get = std::get_if<control::GetSurface>(&request))
+    return part_of(current, tool, *get);
+  if (const auto* get = std::get_if<control::GetBodyPoints>(&request))
+    return points_of(current, tool, *get);
+  if (std::holds_alternative<control::ListSolids>(request)) return solids_of(current, tool);
+  return list_of(current, tool);
+}
+
 }  // namespace
 
-/// Answers what is about surfaces; false where it is no such request.
+/// Answers what is about surfaces and solids; false where it is no such request.
 bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& request) {
   if (const auto* take = std::get_if<control::TakeSurfaces>(&request)) {
     if (auto refused = refuse_hasty(asked))
@@ -68,18 +124,13 @@ bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& req
       pass_on(std::move(asked), take->session, std::move(request));
     return true;
   }
-  const auto* list = std::get_if<control::ListSurfaces>(&request);
-  const auto* get = std::get_if<control::GetSurface>(&request);
-  if (list == nullptr && get == nullptr) return false;
-  const std::uint64_t session = list != nullptr ? list->session : get->session;
-  const ListedSession* seated = own_session(asked, session);
-  if (seated == nullptr) {
-    asked.answer(unknown_session(session));
-    return true;
-  }
-  const auto current = hosts_[seated->scene]->current_scene();
-  asked.answer(get != nullptr ? part_of(current, seated->tool, *get)
-                              : control::Message(list_of(current, seated->tool)));
+  const std::optional<std::uint64_t> session = session_of(request);
+  if (!session) return false;
+  const ListedSession* seated = own_session(asked, *session);
+  if (seated == nullptr)
+    asked.answer(unknown_session(*session));
+  else
+    asked.answer(answer_to(request, hosts_[seated->scene]->current_scene(), seated->tool));
   return true;
 }
 

@@ -86,6 +86,7 @@ struct SceneSessions::Change {
       sessions.slots_[i]->session.adopt(*views[i], object);
     if (sessions.world_ != nullptr) sessions.world_->adopt(*made.scene);
     sessions.scene_ = made.scene.get();
+    ++sessions.live_changes_;
     log(EventKind::change, event);
     return made;
   }
@@ -100,6 +101,8 @@ struct SceneSessions::Change {
                  nullptr};
     const auto event = logged(control::SetGravity{sessions.scene_->name(), change.gravity});
     sessions.world_->set_gravity(change.gravity);
+    for (const auto& slot : sessions.slots_) slot->session.weigh_anew();
+    ++sessions.live_changes_;
     log(EventKind::change, event);
     return made;
   }

@@ -64,7 +64,7 @@ bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   if (reply.recovering || recovering_) return true;
   if (acts(reply.command) != acts(command_)) return true;
   // A contact goes on by friction, which no comparison of two models tells.
-  if (reply.body_modelled && reply.body.count > 0) return true;
+  if (reply.body_modelled && (reply.body.count > 0 || reply.body.solids != 0)) return true;
   if (reply.modelled && reply.model.reach > 0.0) {
     const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;
     if (!describes(model_, reply.model, since_, unfelt)) return true;

@@ -180,16 +180,14 @@ std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& ch
   auto& made = std::get<Changed>(outcome);
   if (made.scene != nullptr) scene_ = std::move(made.scene);
   if (std::holds_alternative<MaterialChange>(change) ||
-      std::holds_alternative<GravityChange>(change)) {
-    ++changes_;
+      std::holds_alternative<GravityChange>(change))
     publish_scene();
-  }
   return std::move(made.what);
 }
 
 void SceneHost::publish_scene() noexcept {
   const std::lock_guard lock(published_);
-  current_ = {scene_, sessions_.scene_version(), changes_, sessions_.gravity()};
+  current_ = {scene_, sessions_.scene_version(), sessions_.live_changes(), sessions_.gravity()};
 }
 
 void SceneHost::evict(std::uint64_t session) {

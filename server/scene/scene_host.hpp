@@ -154,7 +154,6 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::string name_;
   std::atomic<std::uint32_t> objects_;
   std::shared_ptr<const Scene> scene_;
-  std::uint32_t changes_ = 0;     // live ones of materials and gravity
   mutable std::mutex published_;  // guards the next member, which the scene's thread writes
   CurrentScene current_;          // changes only at a reload or a live change
   PictureExchange pictures_, recorded_pictures_;

@@ -59,6 +59,11 @@ control::Refused unknown_session(std::uint64_t id) {
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
 
+/// The data of a body has the materials and the gravity, which the patches of a point have.
+std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes) {
+  return view.tool().body != nullptr ? version + changes : version;
+}
+
 control::Refused other_version(std::uint32_t version) {
   return {control::RefusalCode::bad_scene, "the scene has no version " + std::to_string(version) +
                                                " any more; list its surfaces again"};
@@ -173,7 +178,9 @@ control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& reque
                                               Nanoseconds now) {
   SessionSlot** slot = by_id_.find(request.session);
   if (slot == nullptr) return unknown_session(request.session);
-  if (request.version != version_) return other_version(request.version);
+  const ToolView* view = scene_->view((*slot)->tool);
+  if (view == nullptr || request.version != whole_version(*view, version_, live_changes_))
+    return other_version(request.version);
   control::TakeSurfaces logged = request;
   logged.session = (*slot)->number;
   const std::vector<std::uint8_t> event =

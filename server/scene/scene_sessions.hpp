@@ -70,8 +70,11 @@ struct SceneCounters {
 
 /// A session that does not exist, or no longer.
 control::Refused unknown_session(std::uint64_t id);
-/// The scene was loaded again since.
+/// The scene was loaded again since, or what a client has of it in full was changed.
 control::Refused other_version(std::uint32_t version);
+/// The version of what clients with this tool have in full of the scene of `version` after so many
+/// live `changes`.
+std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes);
 
 class SceneSessions {
  public:
@@ -191,6 +194,8 @@ class SceneSessions {
 
   /// Counts the scenes, from 1: one more with each enter().
   std::uint32_t scene_version() const noexcept { return version_; }
+  /// Live changes of materials and gravity so far.
+  std::uint32_t live_changes() const noexcept { return live_changes_; }
 
   std::size_t size() const { return slots_.size(); }
   /// Running sessions included.
@@ -249,7 +254,7 @@ class SceneSessions {
   GoodbyeDatagram goodbye(SessionSlot& slot, GoodbyeReason reason);
 
   const Scene* scene_;
-  std::uint32_t version_ = 1;
+  std::uint32_t version_ = 1, live_changes_ = 0;
   Nanoseconds silence_timeout_;
   std::size_t max_sessions_;
   const NetworkProfile* line_;

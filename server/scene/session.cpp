@@ -8,6 +8,8 @@
 #include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/extract.hpp"
+#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
@@ -243,7 +245,8 @@ void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   }
   if (!view_->requirements().velocity) velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
   view_ = &view;
-  body_.known = false;  // it holds forces
+  body_.known = false;                                 // it holds forces
+  if (view.tool().body != nullptr) forget_surfaces();  // its client has the materials, too
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -260,9 +263,18 @@ std::optional<std::string> Session::take_surfaces(std::uint32_t version,
     known[object] = true;
   }
   known_ = std::move(known);
-  surfaces_ = objects.empty() ? 0 : version;
+  const BodyTool* body = view_->tool().body.get();
+  surfaces_ = (body != nullptr ? can_travel(*body) : !objects.empty()) ? version : 0;
   deadband_ = ReplyDeadband(parameters_);  // the next model is another one
   return std::nullopt;
+}
+
+void Session::weigh_anew() noexcept {
+  const BodyTool* body = view_->tool().body.get();
+  if (body == nullptr || !(body->inertia().mass > 0.0)) return;
+  ++reloads_;
+  forget_surfaces();  // its client has the gravity, too
+  deadband_ = ReplyDeadband(parameters_);
 }
 
 void Session::forget_surfaces() noexcept {
@@ -281,8 +293,9 @@ LocalModel Session::model() const noexcept {
 }
 
 BodyModel Session::body_model() const noexcept {
-  return world_ != nullptr ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held)
-                           : feltwire::body_model(*view_, last_.pose, body_);
+  return world_ != nullptr ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held,
+                                                  surfaces_, known_)
+                           : feltwire::body_model(*view_, last_.pose, body_, surfaces_, known_);
 }
 
 LocalModel Session::surfaces() const noexcept {

@@ -96,8 +96,12 @@ class Session {
   /// reload, because the surface under its hand has changed. A stick point begins anew if a surface
   /// without friction gets friction. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
-  /// From the next sample on the client has these objects' surfaces in full, of this version, and
-  /// no others. Returns the error of a false object, and then changes nothing. Allocates.
+  /// The same scene with another gravity from the next sample on. A client that moves a tool with
+  /// mass itself is told, as by adopt().
+  void weigh_anew() noexcept;
+  /// From the next sample on the client has these objects in full, of this version, and no others;
+  /// with a tool that has a body it has the tool, too. Returns the error of a false object, and
+  /// then changes nothing. Allocates.
   std::optional<std::string> take_surfaces(std::uint32_t version,
                                            const std::vector<std::uint16_t>& objects);
   /// The limits of this hand on moving objects.
@@ -175,7 +179,7 @@ class Session {
   std::uint32_t scenes_ = 1;  // number of scenes so far, with this one
   TouchMemory contacts_;
   KnownSurfaces known_;         // by the client
-  std::uint32_t surfaces_ = 0;  // their version; 0: it has none
+  std::uint32_t surfaces_ = 0;  // their version, and that of the tool's body; 0: it has none
   BodyContactState body_contacts_;
   BodyMemory body_;
   Bounding bounding_;

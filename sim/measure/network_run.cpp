@@ -7,8 +7,10 @@
 #include <variant>
 
 #include "client/transport/datagram_session.hpp"
+#include "core/local_model_extraction/whole_body_data.hpp"
 #include "core/tool/body_tool.hpp"
 #include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/whole_surfaces/whole_body.hpp"
 
 namespace feltwire {
 namespace {
@@ -127,20 +129,31 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
 }
 
 /// Gives both ends what a client fetches. Null: there is nothing to fetch.
-std::shared_ptr<const WholeSurfaces> share_surfaces(const Scene& scene, SceneSessions& sessions) {
+std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& sessions) {
   const ToolView& view = scene;
-  if (view.tool().body != nullptr) return nullptr;
-  control::TakeSurfaces take{kSessionId, sessions.scene_version(), {}};
+  const BodyTool* body = view.tool().body.get();
+  if (body != nullptr && !can_travel(*body)) return nullptr;
+  FetchedScene fetched;
   std::vector<SurfaceData> surfaces;
-  for (std::size_t i = 0; i < view.still() && surfaces.size() < control::kMaxSurfaces; ++i) {
+  std::vector<SolidData> solids;
+  for (std::size_t i = 0; i < view.still() && fetched.objects.size() < control::kMaxSurfaces; ++i) {
     if (!can_travel(view, i)) continue;
-    take.objects.push_back(static_cast<std::uint16_t>(i));
-    surfaces.push_back(
-        whole_surface_data(view.objects()[i], take.objects.back(), view.tool().radius));
+    const auto index = static_cast<std::uint16_t>(i);
+    fetched.objects.push_back(index);
+    if (body != nullptr)
+      solids.push_back(solid_data(view.objects()[i], index));
+    else
+      surfaces.push_back(whole_surface_data(view.objects()[i], index, view.tool().radius));
   }
-  if (surfaces.empty()) return nullptr;
-  sessions.answer(take, 0, {}, {});
-  return mesh_surfaces(sessions.scene_version(), surfaces);
+  if (body == nullptr && surfaces.empty()) return nullptr;
+  const std::uint32_t version =
+      whole_version(view, sessions.scene_version(), sessions.live_changes());
+  sessions.answer(control::TakeSurfaces{kSessionId, version, fetched.objects}, 0, {}, {});
+  if (body != nullptr)
+    fetched.body = whole_body(version, body_data(*body, sessions.gravity()), solids);
+  else
+    fetched.surfaces = mesh_surfaces(version, surfaces);
+  return std::make_unique<const FetchedScene>(std::move(fetched));
 }
 
 class NetworkRun {
@@ -162,9 +175,9 @@ class NetworkRun {
         result_{.measured_port = port_of(options),
                 .true_port = port_of(options),
                 .observed_port = servo_.port()} {
-    if (!accepted_.parameters.local_model || !options.whole_surfaces) return;
-    surfaces_ = share_surfaces(scene, sessions_);
-    servo_.use_surfaces(surfaces_.get());
+    if (!accepted_.parameters.local_model || !options.whole_scene) return;
+    fetched_ = share(scene, sessions_);
+    servo_.use(fetched_.get());
   }
 
   NetworkRunResult run(double duration) {
@@ -296,7 +309,7 @@ class NetworkRun {
   DeviceSpec told_;
   SceneSessions sessions_;
   control::JoinAccepted accepted_;
-  std::shared_ptr<const WholeSurfaces> surfaces_;
+  std::unique_ptr<const FetchedScene> fetched_;
   Servo servo_;
   DatagramSession datagrams_;
   TwoWayLink link_;

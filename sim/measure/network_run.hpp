@@ -29,9 +29,9 @@ struct NetworkRunOptions {
   TwoWayLinkOptions link;
   double duration = 4.0;         // [s], longer than a servo period
   double silence_timeout = 2.0;  // [s] of the server, > 0
-  /// A client with a local model has the scene's meshes in full, as the real one does once it has
-  /// fetched them (SurfaceFetch); false: it has patches of them.
-  bool whole_surfaces = true;
+  /// A client with a local model has the scene in full as far as it can travel, as the real one
+  /// does once it has fetched it (SceneFetch); false: it has patches and planes of it.
+  bool whole_scene = true;
   bool timed = false;  // computing times are measured, by this machine's clock
 };
 

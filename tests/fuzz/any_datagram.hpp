@@ -145,6 +145,7 @@ inline LocalModel model(Input& in) {
 inline BodyModel body(Input& in) {
   BodyModel m;
   m.scene = in.whole<std::uint32_t>();
+  m.solids = in.coin() ? in.whole<std::uint32_t>() : 0;
   m.tool = {in.vector(kMaxPosition), orientation(in)};
   m.reach = at_least_zero(in, 1.0);
   m.turn = at_least_zero(in, 1.0);

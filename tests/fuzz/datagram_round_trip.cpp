@@ -53,8 +53,9 @@ void try_batch(Input& in, const Header& header) {
 
 bool near_body(const BodyModel& a, const BodyModel& b) {
   const double unit = 2.0 * a.radius / 32767.0;  // [m]
-  if (a.scene != b.scene || a.slipping != b.slipping || a.count != b.count ||
-      a.patch_count != b.patch_count || !same(a.tool.position, b.tool.position))
+  if (a.scene != b.scene || a.solids != b.solids || a.slipping != b.slipping ||
+      a.count != b.count || a.patch_count != b.patch_count ||
+      !same(a.tool.position, b.tool.position))
     return false;
   for (std::size_t i = 0; i < a.view().size(); ++i) {
     const BodyPoint &p = a.points[i], &q = b.points[i];

@@ -49,6 +49,7 @@ struct TorqueSession {
   std::string task, mode, link;
   NamedHand hand = kEightHands[0];
   bool local_model = false;  // replies bring the model of the body
+  bool whole = false;        // and the client has body and solids in full; false: planes
   double duration = 3.0;     // [s]
   // Results.
   double energy_made = 0.0;                  // [J] at the encoders, beyond what was burned
@@ -56,6 +57,7 @@ struct TorqueSession {
   std::uint64_t violations = 0;              // samples
   double torque_rms = 0.0, ideal_rms = 0.0;  // [N m] on the hand, and of the scene there
   double torque_error = 0.0;                 // [N m] RMS of their difference
+  double usual_error = 0.0;                  // [N m] median over time of its size
   double oscillation = 0.0;                  // [rad] as above
   double largest_jump = 0.0;  // [N m] a sample, of the torque on the hand beyond the ideal
 };

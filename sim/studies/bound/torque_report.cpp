@@ -82,6 +82,12 @@ OverCases over(const std::vector<TorqueRow>& rows,
   return sum;
 }
 
+/// What the client has of body and solids.
+const char* model_name(const TorqueSession& s) {
+  if (!s.local_model) return "no";
+  return s.whole ? "whole" : "planes";
+}
+
 bool is_joint(const TorqueCase& c) { return c.stiffness > 0.0; }
 
 /// The laws in the order in which they first stand in the rows.
@@ -130,29 +136,29 @@ std::string torque_table(const std::vector<TorqueRow>& rows) {
 std::string torque_sessions_table(const std::vector<TorqueSession>& sessions) {
   std::string text =
       "\nSessions of a body, eight hands each: medians; energy and violations the most\n"
-      "task         mode           link                                   model  torque error  "
-      "oscillation  largest jump  energy made  true     viol.\n"
-      "                                                                          [%]           "
-      "[mrad]       [mN m]        [mJ]         [mJ]\n";
+      "task         mode           link                                   model   torque error  "
+      "usual   oscillation  largest jump  energy made  true     viol.\n"
+      "                                                                           [%]           "
+      "[mN m]  [mrad]       [mN m]        [mJ]         [mJ]\n";
   for (std::size_t i = 0; i + kEightHands.size() <= sessions.size(); i += kEightHands.size()) {
     const TorqueSession& first = sessions[i];
-    std::vector<double> error, swing;
+    std::vector<double> error, usual, swing;
     double energy = 0.0, real = 0.0, jump = 0.0;
     std::uint64_t violations = 0;
     for (std::size_t n = i; n < i + kEightHands.size(); ++n) {
       const TorqueSession& s = sessions[n];
       error.push_back(s.ideal_rms > 0.0 ? s.torque_error / s.ideal_rms : 0.0);
+      usual.push_back(s.usual_error);
       swing.push_back(s.oscillation);
       jump = std::max(jump, s.largest_jump);
       energy = std::max(energy, s.energy_made);
       real = std::max(real, s.energy_made_true);
       violations = std::max(violations, s.violations);
     }
-    append(text, "%-11s  %-13s  %-37s  %-5s  %12.1f  %11.3f  %12.2f  %11.4f  %7.4f  %llu\n",
-           first.task.c_str(), first.mode.c_str(), first.link.c_str(),
-           first.local_model ? "yes" : "no", 100.0 * median(error), median(swing) * kMilli,
-           jump * kMilli, energy * kMilli, real * kMilli,
-           static_cast<unsigned long long>(violations));
+    append(text, "%-11s  %-13s  %-37s  %-6s  %12.1f  %6.3f  %11.3f  %12.2f  %11.4f  %7.4f  %llu\n",
+           first.task.c_str(), first.mode.c_str(), first.link.c_str(), model_name(first),
+           100.0 * median(error), median(usual) * kMilli, median(swing) * kMilli, jump * kMilli,
+           energy * kMilli, real * kMilli, static_cast<unsigned long long>(violations));
   }
   return text;
 }
@@ -165,14 +171,15 @@ void write_torque(const std::filesystem::path& directory, const std::vector<Torq
   write_text(directory / "torque.json", all.dump(1) + '\n');
   write_text(directory / "torque.csv", csv(rows));
   std::string text =
-      "task,mode,link,local_model,hand,energy_made_j,energy_made_true_j,violations,torque_rms_nm,"
+      "task,mode,link,model,hand,energy_made_j,energy_made_true_j,violations,torque_rms_nm,"
       "ideal_rms_nm,"
-      "torque_error_nm,oscillation_mrad,largest_jump_nm\n";
+      "torque_error_nm,usual_error_nm,oscillation_mrad,largest_jump_nm\n";
   for (const TorqueSession& s : sessions)
-    append(text, "%s,%s,\"%s\",%d,%s,%.5g,%.5g,%llu,%.5g,%.5g,%.5g,%.5g,%.5g\n", s.task.c_str(),
-           s.mode.c_str(), s.link.c_str(), s.local_model ? 1 : 0, std::string(s.hand.name).c_str(),
-           s.energy_made, s.energy_made_true, static_cast<unsigned long long>(s.violations),
-           s.torque_rms, s.ideal_rms, s.torque_error, s.oscillation * kMilli, s.largest_jump);
+    append(text, "%s,%s,\"%s\",%s,%s,%.5g,%.5g,%llu,%.5g,%.5g,%.5g,%.5g,%.5g,%.5g\n",
+           s.task.c_str(), s.mode.c_str(), s.link.c_str(), model_name(s),
+           std::string(s.hand.name).c_str(), s.energy_made, s.energy_made_true,
+           static_cast<unsigned long long>(s.violations), s.torque_rms, s.ideal_rms, s.torque_error,
+           s.usual_error, s.oscillation * kMilli, s.largest_jump);
   write_text(directory / "torque_sessions.csv", text);
 }
 

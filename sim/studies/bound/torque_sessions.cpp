@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/parallel.hpp"
 #include "sim/measure/metrics.hpp"
@@ -15,6 +16,9 @@ namespace {
 
 constexpr std::array kSessionLinks = {"delay=0", "delay=25,jitter=5,order=free,loss=5,seed=7"};
 constexpr std::array kSessionModes = {kSessionMethod, kDefaultMethod};
+/// What the client has: replies alone, planes, body and solids.
+constexpr std::array kModels = {std::pair(false, false), std::pair(true, false),
+                                std::pair(true, true)};
 
 void run_session(TorqueSession& session, TorqueTask task) {
   const Hand hand = with_wrist(session.hand.hand);
@@ -26,6 +30,7 @@ void run_session(TorqueSession& session, TorqueTask task) {
                   .wrist = task.wrist};
   options.parameters.mode = session.mode;
   options.parameters.local_model = session.local_model;
+  options.whole_scene = session.whole;
   options.servo = protect_hand(options.parameters);
   options.link = parse_link(session.link);
   options.duration = session.duration;
@@ -34,12 +39,14 @@ void run_session(TorqueSession& session, TorqueTask task) {
   session.energy_made_true = std::max(0.0, -run.least_device_margin);
   session.violations = run.observed_port.violations();
   std::array<std::vector<double>, 3> turns;
+  std::vector<double> errors;
   Vec3 last_off = Vec3::Zero();
   for (const NetworkSample& s : run.samples) {
     session.torque_rms += s.held.torque.squaredNorm();
     session.ideal_rms += s.ideal.torque.squaredNorm();
     const Vec3 off = s.held.torque - s.ideal.torque;
     session.torque_error += off.squaredNorm();
+    errors.push_back(off.norm());
     session.largest_jump = std::max(session.largest_jump, (off - last_off).norm());
     last_off = off;
     const Vec3 turn = rotation_between(Quaternion::Identity(), s.orientation);
@@ -49,6 +56,7 @@ void run_session(TorqueSession& session, TorqueTask task) {
   const auto count = static_cast<double>(run.samples.size());
   for (double* sum : {&session.torque_rms, &session.ideal_rms, &session.torque_error})
     *sum = std::sqrt(*sum / count);
+  session.usual_error = median(errors);
   session.oscillation = 0.0;
   for (const auto& turn : turns)
     session.oscillation =
@@ -62,7 +70,7 @@ std::vector<TorqueSession> torque_sessions() {
   for (const TorqueTask& task : body_tasks())
     for (const std::string_view mode : kSessionModes)
       for (const char* link : kSessionLinks)
-        for (const bool local_model : {false, true}) {
+        for (const auto& [local_model, whole] : kModels) {
           // Only a method that shapes renders a model as it is.
           if (local_model && mode != kSessionMethod) continue;
           for (const NamedHand& hand : kEightHands)
@@ -70,7 +78,8 @@ std::vector<TorqueSession> torque_sessions() {
                                 .mode = std::string(mode),
                                 .link = link,
                                 .hand = hand,
-                                .local_model = local_model});
+                                .local_model = local_model,
+                                .whole = whole});
         }
   return sessions;
 }

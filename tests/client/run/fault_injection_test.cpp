@@ -181,8 +181,8 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
   for (long nth = 0; reached; ++nth) {
     LostRun run(recording);
     Reconnector reconnector(access, anyone(), run.sessions, {.first_wait = 10ms});
-    Ring<const WholeSurfaces*> made(1);
-    SurfaceFetch surfaces(access, made);
+    Ring<const FetchedScene*> made(1);
+    SceneFetch surfaces(access, made);
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;

@@ -4,6 +4,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "client/servo/servo.hpp"
+#include "core/whole_surfaces/whole_body.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/seeds.hpp"
@@ -46,8 +47,37 @@ BodyModel any_model(test::Random& random, const Pose& about) {
 
 constexpr std::uint64_t kTicks = test::rounds(1500);
 
+/// A body, as whole_body() lets it through: any solids, any mass.
+FetchedScene any_body(test::Random& random) {
+  BodyData body;
+  body.coupling = {std::pow(10.0, random.uniform(1, 5)), std::pow(10.0, random.uniform(-2, 2)),
+                   random.uniform(0.1, 50.0), random.uniform(0.01, 5.0)};
+  body.area = body.contact_area = 1e-3;
+  for (int i = 0; i < 60; ++i) body.points.push_back(0.04 * random.direction());
+  if (random.uniform(0, 1) < 0.5) {
+    body.inertia.mass = std::pow(10.0, random.uniform(-3, 1));
+    body.inertia.inertia = 1e-3 * body.inertia.mass * Mat3::Identity();
+    body.inertia.gravity = random.uniform(0.0, 100.0) * random.direction();
+    body.inertia.damping = random.uniform(0.0, 100.0);
+    body.inertia.rotational_damping = random.uniform(0.0, 0.1);
+    if (random.uniform(0, 1) < 0.5) body.inertia.integration = ToolIntegration::midpoint;
+  }
+  std::vector<SolidData> solids;
+  for (const Shape& shape : {Shape(Plane{}), Shape(Sphere{0.03}), Shape(Torus{0.05, 0.02})})
+    solids.push_back({.object = static_cast<std::uint16_t>(solids.size()),
+                      .shape = shape,
+                      .from_inside = random.uniform(0, 1) < 0.2,
+                      .pose = moved({}, 0.02 * random.direction(), random.direction()),
+                      .material = {.stiffness = std::pow(10.0, random.uniform(0, 7)),
+                                   .damping = random.uniform(0.0, 100.0),
+                                   .static_friction = random.uniform(0.5, 2.0),
+                                   .dynamic_friction = random.uniform(0.0, 0.5)}});
+  return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = whole_body(1, body, solids)};
+}
+
 double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque) {
   test::Random random(seed);
+  const FetchedScene fetched = any_body(random);
   SimulatedHandOptions hand;
   hand.spec = builtin_device("simulated_6dof");
   hand.hand = with_wrist(kEightHands[seed % kEightHands.size()].hand);
@@ -57,6 +87,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
   parameters.mode = mode;
   parameters.local_model = true;
   Servo servo(device.spec(), parameters);
+  servo.use(&fetched);
   const std::uint64_t delay = seed % 3 * 20, every = 1 + seed % 4;
   for (std::uint64_t n = 1; n <= kTicks; ++n) {
     const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
@@ -72,9 +103,11 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
     reply.body = any_model(random, servo.sample().pose);
     reply.body.scene = static_cast<std::uint32_t>(n / 200);
+    if (n / 200 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version that is not here
     servo.take(reply, now);
   }
   EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);
+  EXPECT_GT(servo.statistics().whole_models, 0u);
   return -servo.port().least_margin();
 }
 

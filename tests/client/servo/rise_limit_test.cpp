@@ -89,6 +89,20 @@ TEST(RiseLimit, ATorqueOfABodyIsLimitedAsItsForceIs) {
               0.1 + 2.0 * 1000.0 * 0.05 * 1e-3, 1e-9);
 }
 
+TEST(RiseLimit, ADamperBesideTheSpringAddsItsForce) {
+  ToolInertia inertia;
+  inertia.mass = 0.1;
+  inertia.damping = 20.0;
+  inertia.rotational_damping = 0.03;
+  RiseLimit limit(kSlew, 10.0);
+  EXPECT_NEAR(
+      limit.apply({.elastic = Vec3(9, 0, 0)}, body(), 1e-4, 0.0, kTick, &inertia).force().x(),
+      0.1 + 2.0 * 1000.0 * 1e-4 + 20.0 * 1e-4 / kTick, 1e-9);
+  RiseLimit turns(kSlew, 10.0);
+  EXPECT_NEAR(turns.apply({.torque = Vec3(1, 0, 0)}, body(), 0.0, 1e-3, kTick, &inertia).torque.x(),
+              0.01 + 2.0 * 2.0 * 1e-3 + 0.03 * 1e-3 / kTick, 1e-9);
+}
+
 TEST(RiseLimit, ASurfaceThatMovesTakesABodyWithIt) {
   BodyModel model = body();
   model.patches[0].velocity = Vec3(0, 0, 0.5);

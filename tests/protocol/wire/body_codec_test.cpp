@@ -30,6 +30,7 @@ Reply random_reply(Generator& random) {
   reply.rotation = reply.predicted = reply.body_modelled = true;
   BodyModel& m = reply.body;
   m.scene = static_cast<std::uint32_t>(random());
+  m.solids = static_cast<std::uint32_t>(random());
   m.tool = {vector(random, 1.0), Quaternion(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
   m.reach = 0.03F;
   m.turn = 0.5F;
@@ -65,6 +66,7 @@ TEST(BodyCodec, RoundTrip) {
     ASSERT_EQ(verdict(sent, received), DropReason::none);
     ASSERT_TRUE(received.body_modelled);
     const BodyModel &a = sent.body, &b = received.body;
+    EXPECT_EQ(a.solids, b.solids);
     EXPECT_EQ(a.scene, b.scene);
     EXPECT_EQ(a.tool.position, b.tool.position);
     EXPECT_EQ(a.tool.orientation.coeffs(), b.tool.orientation.coeffs());

@@ -1,11 +1,12 @@
-// How a client gets surfaces in full, over TLS: what is listed, that the parts make up the mesh,
-// and who may ask.
+// How a client gets surfaces and solids in full, over TLS: what is listed, that the parts make up
+// the mesh or the body, and who may ask.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
+#include "core/tool/body_tool.hpp"
 #include "server/app/server.hpp"
 #include "tests/server/resting_hand.hpp"
 
@@ -19,6 +20,12 @@ using test::ControlClient;
 const TriangleMesh& ball() {
   static const TriangleMesh mesh(icosphere(0.05, 4));  // 5120 triangles: five parts
   return mesh;
+}
+
+std::shared_ptr<const BodyTool> body() {
+  static const auto tool = std::make_shared<const BodyTool>(
+      point_shell(tessellate(Box{Vec3(0.03, 0.02, 0.01)}, 3), 2500), ToolCoupling{}, 0.0);
+  return tool;
 }
 
 class SurfaceRequest : public ::testing::Test {
@@ -35,7 +42,8 @@ class SurfaceRequest : public ::testing::Test {
     std::vector<Scene> all;
     Scene scene("room", std::move(objects));
     scene.set_tools({{.radius = 0.0, .body = nullptr, .name = "tip"},
-                     {.radius = 0.004, .body = nullptr, .name = "ball"}});
+                     {.radius = 0.004, .body = nullptr, .name = "ball"},
+                     {.radius = 0.0, .body = body(), .name = "body"}});
     all.push_back(std::move(scene));
     return all;
   }
@@ -84,6 +92,53 @@ TEST_F(SurfaceRequest, ABallsRadiusIsInItsSurfaces) {
   }
 }
 
+TEST_F(SurfaceRequest, PartsMakeUpTheBody) {
+  control::JoinRequest join = test::join_request();
+  join.tool = "body";
+  const std::uint64_t session = admin_.join(join).accepted.session;
+  EXPECT_TRUE(admin_.ask<control::SurfaceList>(control::ListSurfaces{session}).surfaces.empty());
+  const auto list = admin_.ask<control::SolidList>(control::ListSolids{session});
+  EXPECT_EQ(list.version, 1u);
+  ASSERT_TRUE(list.body.has_value());
+  EXPECT_EQ(list.body->contact_area, body()->contact_area());
+  EXPECT_EQ(list.points, 2500u);
+  ASSERT_EQ(list.solids.size(), 2u);  // without the mesh
+  std::vector<Vec3> points;
+  while (points.size() < list.points) {
+    const auto part = admin_.ask<control::BodyPoints>(
+        control::GetBodyPoints{session, 1, static_cast<std::uint32_t>(points.size())});
+    ASSERT_FALSE(part.points.empty());
+    points.insert(points.end(), part.points.begin(), part.points.end());
+  }
+  EXPECT_EQ(points, body()->shell().points);
+  EXPECT_TRUE(
+      admin_.ask<control::BodyPoints>(control::GetBodyPoints{session, 1, 2500}).points.empty());
+  EXPECT_EQ(admin_.ask<Refused>(control::GetBodyPoints{session, 2, 0}).code,
+            RefusalCode::bad_scene);
+  const auto take = [&](std::uint32_t version, std::vector<std::uint16_t> objects) {
+    return control::TakeSurfaces{session, version, std::move(objects)};
+  };
+  EXPECT_EQ(admin_.ask<Refused>(take(1, {2})).code, RefusalCode::bad_parameters);  // the mesh
+  EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(1, {0, 1})).session, session);
+  // Another material is another version: the body's client has the materials.
+  admin_.ask<control::SceneChanged>(
+      control::SetMaterial{"room", {.object = "floor", .stiffness = 321.0}});
+  const auto next = admin_.ask<control::SolidList>(control::ListSolids{session});
+  EXPECT_EQ(next.version, 2u);
+  EXPECT_EQ(next.solids[0].material.stiffness, 321.0);
+  EXPECT_EQ(admin_.ask<Refused>(take(1, {0})).code, RefusalCode::bad_scene);
+  EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(2, {0})).session, session);
+}
+
+TEST_F(SurfaceRequest, APointHasNoBodyToHave) {
+  test::RestingHand hand(admin_);
+  const auto list = admin_.ask<control::SolidList>(control::ListSolids{hand.session()});
+  EXPECT_FALSE(list.body.has_value());
+  EXPECT_TRUE(list.solids.empty());
+  EXPECT_EQ(admin_.ask<Refused>(control::GetBodyPoints{hand.session(), 1, 0}).code,
+            RefusalCode::bad_parameters);
+}
+
 TEST_F(SurfaceRequest, WhatIsNotThereIsRefused) {
   test::RestingHand hand(admin_);
   const auto refused = [&](const control::Message& request) {
@@ -106,6 +161,8 @@ TEST_F(SurfaceRequest, AreForTheSessionsClientOnly) {
   for (const control::Message& request :
        {control::Message(control::ListSurfaces{hand.session()}),
         control::Message(control::GetSurface{hand.session(), 1, 2, 0, 0}),
+        control::Message(control::ListSolids{hand.session()}),
+        control::Message(control::GetBodyPoints{hand.session(), 1, 0}),
         control::Message(control::TakeSurfaces{hand.session(), 1, {2}})})
     EXPECT_EQ(other.ask<Refused>(request).code, RefusalCode::unknown_session);
 }

@@ -94,6 +94,58 @@ TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
   EXPECT_EQ(reply.command.elastic, Vec3::Zero());
 }
 
+control::JoinRequest modelled() {
+  control::JoinRequest client_bounds = request(3);
+  client_bounds.parameters.side = BoundingSide::client;
+  client_bounds.parameters.local_model = true;
+  return client_bounds;
+}
+
+// A client that has tool and solids in full gets the tool's place, and no planes, until a material
+// changes.
+TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
+  Scene desk = scene();
+  Session session(modelled(), desk);
+  const auto model = [&](std::uint64_t index) {
+    const Reply reply = session.take(lowered(index, 0.1, true), Nanoseconds{0}).reply;
+    EXPECT_TRUE(reply.body_modelled);
+    return reply.body;
+  };
+  EXPECT_GT(model(1).count, 0);
+  EXPECT_TRUE(session.take_surfaces(5, {1}).has_value());  // there is no such object
+  EXPECT_EQ(model(2).solids, 0u);
+  EXPECT_EQ(session.take_surfaces(5, {0}), std::nullopt);
+  EXPECT_EQ(model(3).solids, 5u);
+  EXPECT_EQ(model(4).count, 0);
+  Scene other = desk;
+  other.set_material(0, {.stiffness = 500.0});
+  session.adopt(other, 0);
+  EXPECT_EQ(model(5).solids, 0u);
+  EXPECT_GT(model(6).count, 0);
+}
+
+// The solids' client can have a model of a tool with mass; another gravity ends that.
+TEST(BodySession, AToolWithMassHasAModelOnceItsClientHasIt) {
+  const Scene heavy = parse_scene(R"({
+    "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
+    "objects": [{ "name": "top", "plane": {}, "material": "m" }],
+    "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 500, "mass": 0.2 } } })",
+                                  "desk.json");
+  Session session(modelled(), heavy);
+  const auto reply = [&](std::uint64_t index) {
+    return session.take(lowered(index, 0.1, true), Nanoseconds{0}).reply;
+  };
+  EXPECT_FALSE(reply(1).body_modelled);
+  EXPECT_EQ(session.take_surfaces(7, {0}), std::nullopt);
+  const Reply modelled = reply(2);
+  EXPECT_TRUE(modelled.body_modelled);
+  EXPECT_EQ(modelled.body.solids, 7u);
+  session.weigh_anew();
+  const Reply weighed = reply(3);
+  EXPECT_FALSE(weighed.body_modelled);
+  EXPECT_NE(weighed.reloads, modelled.reloads);  // so that its client asks again
+}
+
 TEST(BodySession, NeverAllocates) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "sanitizers allocate by themselves";

@@ -88,7 +88,7 @@ TEST(ShapedSession, AFineMeshIsFeltAtAnyRoundTripWhereItTravelsWhole) {
   }
   NetworkRunOptions patches = options_of({}, "delay=50", true, HandPath::slide);
   patches.hand.task.center = bunny.start().position;
-  patches.whole_surfaces = false;
+  patches.whole_scene = false;
   const NetworkRunResult result = run_network(bunny, patches);
   EXPECT_EQ(result.servo.whole_models, 0u);
   EXPECT_LT(felt(result), 0.8 * near);

@@ -16,7 +16,7 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   std::erase_if(sessions,
                 [](const TorqueSession& s) { return s.link.find("loss") == std::string::npos; });
   for (TorqueSession& s : sessions) s.duration = 2.0;
-  ASSERT_EQ(sessions.size(), 6 * 3 * kEightHands.size());
+  ASSERT_EQ(sessions.size(), 6 * 4 * kEightHands.size());
   run_sessions(sessions);
   std::size_t felt = 0;
   for (const TorqueSession& s : sessions) {
@@ -26,6 +26,26 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
     felt += s.torque_rms > 1e-4 ? 1 : 0;
   }
   EXPECT_GT(felt, sessions.size() / 2) << "sessions in which a torque is felt";
+}
+
+/// With body and solids at the client a delay costs nothing: the torque of a peg in its ring and of
+/// a bar on an edge, which planes do not tell, is that of a session without delay.
+TEST(Torque, OverADelayAWholeBodyIsFeltAsWithoutOne) {
+  for (const char* task : {"peg", "roll"}) {
+    std::vector<TorqueSession> sessions;
+    for (const bool whole : {false, true})
+      for (const char* link : {"delay=0", "delay=25,jitter=5,order=free,loss=5,seed=7"})
+        sessions.push_back({.task = task,
+                            .mode = std::string(kSessionMethod),
+                            .link = link,
+                            .local_model = true,
+                            .whole = whole});
+    run_sessions(sessions);
+    const double planes_late = sessions[1].torque_error, at_once = sessions[2].torque_error,
+                 late = sessions[3].torque_error;
+    EXPECT_LT(late, 1.3 * at_once) << task;
+    EXPECT_LT(3.0 * late, planes_late) << task;
+  }
 }
 
 /// Without a bound the bar is missed: so the test above can fail.

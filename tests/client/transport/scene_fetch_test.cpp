@@ -1,16 +1,17 @@
-// A client fetches the meshes of its scene while it feels them, from a whole server over real
-// sockets.
+// A client fetches the meshes or the solids of its scene while it feels them, from a whole server
+// over real sockets.
 
-#include "client/transport/surface_fetch.hpp"
+#include "client/transport/scene_fetch.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
+#include "core/scene_file/load_scene.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 
-namespace feltwire::surface_fetch_test {
+namespace feltwire::scene_fetch_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -26,6 +27,15 @@ Scene ball_scene() {
   return Scene("ball", {ball});
 }
 
+/// A box of 2500 points, which are three parts, held against a ring.
+Scene ring_scene() {
+  return parse_scene(R"({ "name": "ring",
+    "materials": [{ "name": "m", "stiffness": 500, "static_friction": 0.4, "dynamic_friction": 0.3 }],
+    "objects": [{ "name": "ring", "torus": { "major_radius": 0.05, "minor_radius": 0.02 }, "material": "m" }],
+    "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 2500 } } })",
+                     "ring.json");
+}
+
 SessionParameters modelled() {
   SessionParameters parameters;
   parameters.side = BoundingSide::client;
@@ -33,18 +43,19 @@ SessionParameters modelled() {
   return parameters;
 }
 
-class SurfaceFetchTest : public ::testing::Test {
+class SceneFetchTest : public ::testing::Test {
  protected:
-  SurfaceFetchTest() {
+  SceneFetchTest() {
     std::vector<Scene> scenes;
     scenes.push_back(ball_scene());
     scenes.push_back(testing::floor_scene());
+    scenes.push_back(ring_scene());
     server = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
     endpoint = test::access(server->control_port());
   }
   /// Looks until it holds; the clock goes on by an hour a look, so that nothing is waited out.
   template <class Until>
-  void look(SurfaceFetch& fetch, const ScenePlace& place, const char* what, Until until) {
+  void look(SceneFetch& fetch, const ScenePlace& place, const char* what, Until until) {
     test::eventually(what, [&] {
       fetch.look(place, now += 1h);
       return until();
@@ -52,26 +63,26 @@ class SurfaceFetchTest : public ::testing::Test {
   }
   std::unique_ptr<Server> server;
   ServerAccess endpoint;
-  SurfaceFetch::Clock::time_point now{};
-  Ring<const WholeSurfaces*> ready{4};
+  SceneFetch::Clock::time_point now{};
+  Ring<const FetchedScene*> ready{4};
 };
 
-TEST_F(SurfaceFetchTest, FeelsTheWholeMeshFromThenOn) {
+TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   Client client(endpoint, kRest, modelled(), "ball");
   ASSERT_TRUE(client.joined.accepted.lists_surfaces);
   Ring<LiveStatus> statuses(16);
-  const LoopOptions options{.silence_timeout = testing::kPatience, .surfaces = &ready};
+  const LoopOptions options{.silence_timeout = testing::kPatience, .fetched = &ready};
   client.thread = std::thread([&] {
     run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
                    {.status = &statuses, .record = &client.records}, *client.result);
   });
-  SurfaceFetch fetch(endpoint, ready);
+  SceneFetch fetch(endpoint, ready);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
        [&] { return fetch.known() == 1; });
   LiveStatus status;
   test::eventually("the servo has it", [&] {
-    while (statuses.pop(status)) fetch.in_use(status.surfaces);
-    return status.surfaces != nullptr && status.near;
+    while (statuses.pop(status)) fetch.in_use(status.fetched);
+    return status.fetched != nullptr && status.near;
   });
   // Nothing more is asked while the scene stays.
   for (int i = 0; i < 10; ++i) fetch.look({client.joined.accepted.session, 0}, now += 1h);
@@ -83,14 +94,40 @@ TEST_F(SurfaceFetchTest, FeelsTheWholeMeshFromThenOn) {
   client.stop.set();
   client.finish();
   EXPECT_GT(client.servo.statistics().whole_models, 0u);
-  const WholeSurfaces* more = nullptr;
+  const FetchedScene* more = nullptr;
   EXPECT_FALSE(ready.pop(more));
-  EXPECT_TRUE(status.surfaces->has(0));
+  EXPECT_TRUE(status.fetched->surfaces->has(0));
 }
 
-TEST_F(SurfaceFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
+TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
+  Client client(endpoint, kRest, modelled(), "ring");
+  Ring<LiveStatus> statuses(16);
+  const LoopOptions options{.silence_timeout = testing::kPatience, .fetched = &ready};
+  client.thread = std::thread([&] {
+    run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
+                   {.status = &statuses, .record = &client.records}, *client.result);
+  });
+  SceneFetch fetch(endpoint, ready);
+  look(fetch, {client.joined.accepted.session, 0}, "the server knows of the ring",
+       [&] { return fetch.known() == 1; });
+  LiveStatus status;
+  test::eventually("the servo renders it", [&] {
+    while (statuses.pop(status)) fetch.in_use(status.fetched);
+    return status.fetched != nullptr && status.near;
+  });
+  EXPECT_EQ(status.fetched->objects, std::vector<std::uint16_t>{0});
+  ASSERT_NE(status.fetched->body, nullptr);
+  const ShellContact contact =
+      status.fetched->body->solids->contact({Vec3(0.03, 0, 0.02), {1, 0, 0, 0}});
+  EXPECT_GT(contact.touching, 100u);
+  client.stop.set();
+  client.finish();
+  EXPECT_GT(client.servo.statistics().whole_models, 0u);
+}
+
+TEST_F(SceneFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
   Client client(endpoint, kRest, modelled(), "floor");
-  SurfaceFetch fetch(endpoint, ready);
+  SceneFetch fetch(endpoint, ready);
   const ScenePlace place{client.joined.accepted.session, 0};
   look(fetch, place, "a question", [&] { return fetch.asking(); });
   look(fetch, place, "its answer", [&] { return !fetch.asking(); });
@@ -100,37 +137,38 @@ TEST_F(SurfaceFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
 }
 
 /// Another session may be another server's, whose scenes have the same versions.
-TEST_F(SurfaceFetchTest, AnotherSessionFetchesAnew) {
-  SurfaceFetch fetch(endpoint, ready);
-  const WholeSurfaces *first = nullptr, *second = nullptr;
-  for (const WholeSurfaces** got : {&first, &second}) {
+TEST_F(SceneFetchTest, AnotherSessionFetchesAnew) {
+  SceneFetch fetch(endpoint, ready);
+  const FetchedScene *first = nullptr, *second = nullptr;
+  for (const FetchedScene** got : {&first, &second}) {
     Client client(endpoint, kRest, modelled(), "ball");
     look(fetch, {client.joined.accepted.session, 0}, "surfaces", [&] { return ready.pop(*got); });
     look(fetch, {client.joined.accepted.session, 0}, "the end of all questions",
          [&] { return !fetch.asking() && fetch.known() == 1; });
   }
   EXPECT_NE(first, second);
-  EXPECT_EQ(first->version(), second->version());
+  EXPECT_EQ(first->surfaces->version(), second->surfaces->version());
 }
 
 /// A server that sends what is no surface, or sends without end, gives the servo nothing.
-TEST_F(SurfaceFetchTest, ABadServerGivesNothing) {
+TEST_F(SceneFetchTest, ABadServerGivesNothing) {
   control::SurfaceEntry entry{.surface = {}, .vertices = 3, .triangles = 1};
   for (const control::Message& answer :
        {control::Message(control::SurfaceList{1, {entry}}),  // and then no SurfacePart
         control::Message(control::Refused{control::RefusalCode::malformed, "no"}),
+        control::Message(control::SolidList{.version = 1}),
         control::Message(control::SurfacesTaken{1})}) {
     testing::ControlPeer peer(control::encode(answer));
-    SurfaceFetch fetch(peer.access(), ready, 2s);
+    SceneFetch fetch(peer.access(), ready, 2s);
     look(fetch, {1, 0}, "a question", [&] { return fetch.asking(); });
     test::eventually("its end", [&] {
       fetch.look({}, now);
       return !fetch.asking();
     });
-    const WholeSurfaces* none = nullptr;
+    const FetchedScene* none = nullptr;
     EXPECT_FALSE(ready.pop(none));
   }
 }
 
 }  // namespace
-}  // namespace feltwire::surface_fetch_test
+}  // namespace feltwire::scene_fetch_test

@@ -1,0 +1,42 @@
+#pragma once
+// A tool with a body that a client has in full, with still solids of its scene. With them the
+// client finds the tool's balance, or its movement, as the server does, over every delay.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/geometry/shapes.hpp"
+#include "core/material/material.hpp"
+
+namespace feltwire {
+
+/// Immutable. What it is made of never allocates when it is asked.
+struct WholeBody {
+  std::uint32_t version = 0;  // of tool and solids together; never 0
+  ToolCoupling coupling;      // nothing in it is zero
+  double radius = 0.0;        // [m] of the tool's farthest point from its origin
+  ToolInertia inertia;        // of mass 0: it has none
+  std::unique_ptr<const ToolSurroundings> solids;  // never null
+};
+
+/// A tool with a body, as it travels.
+struct BodyData {
+  ToolCoupling coupling;      // nothing in it is zero
+  ToolInertia inertia;        // of mass 0: it has none
+  double contact_area = 0.0;  // [m^2] A_c of add_contact()
+  double area = 0.0;          // [m^2] of the whole surface; each point stands for the same share
+  std::vector<Vec3> points;   // [m, tool frame]
+};
+
+/// A still solid, as it travels.
+struct SolidData {
+  std::uint16_t object = 0;  // its number in the scene
+  Shape shape;               // a primitive
+  bool from_inside = false;
+  Pose pose;  // [m, world]
+  Material material;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,99 @@
+#include "core/whole_surfaces/whole_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "core/coupled_tool/tool_checks.hpp"
+#include "core/point_shell/shell_surroundings.hpp"
+
+namespace feltwire {
+namespace {
+
+/// With all that it is made of.
+class OwnSurroundings final : public ToolSurroundings {
+ public:
+  OwnSurroundings(PointShell shell, double contact_area, std::vector<Object> objects)
+      : shell_(std::move(shell)),
+        objects_(std::move(objects)),
+        surroundings_(shell_, contact_area, objects_) {}
+  OwnSurroundings(const OwnSurroundings&) = delete;
+  OwnSurroundings& operator=(const OwnSurroundings&) = delete;
+
+  ShellContact contact(const Pose& tool) const noexcept override {
+    return surroundings_.contact(tool);
+  }
+
+ private:
+  PointShell shell_;
+  std::vector<Object> objects_;
+  ShellSurroundings surroundings_;
+};
+
+/// Written so that NaN fails.
+bool not_below_zero(double x) { return x >= 0.0 && std::isfinite(x); }
+
+bool possible(const Material& m) {
+  return m.stiffness > 0.0 && std::isfinite(m.stiffness) && not_below_zero(m.damping) &&
+         not_below_zero(m.viscous_friction) && not_below_zero(m.dynamic_friction) &&
+         not_below_zero(m.static_friction) && m.dynamic_friction <= m.static_friction;
+}
+
+bool possible(const Shape& shape) {
+  bool good = true;
+  const auto look = [&](const auto& primitive) {
+    primitive.lengths(primitive, [&](const Length& length, double value) {
+      good = good && not_below_zero(value) && (value > 0.0 || length.may_be_zero) &&
+             value <= length.share * length.most;
+    });
+    return good;
+  };
+  return on_primitive(shape, look, [] { return false; });
+}
+
+void check(const SolidData& solid) {
+  if (!possible(solid.material) || !possible(solid.shape) || !solid.pose.position.allFinite())
+    throw std::invalid_argument("object " + std::to_string(solid.object) +
+                                ": its numbers are not those of a solid");
+}
+
+void check(const BodyData& tool) {
+  check(tool.coupling);
+  check(tool.inertia);
+  require_above_zero("contact_area", tool.contact_area, "[m^2]");
+  require_above_zero("area", tool.area, "[m^2]");
+  const auto finite = [](const Vec3& p) { return p.allFinite(); };
+  if (tool.points.empty() || tool.points.size() > kMaxShellPoints ||
+      !std::ranges::all_of(tool.points, finite))
+    throw std::invalid_argument("points: are not those of a body");
+}
+
+}  // namespace
+
+std::shared_ptr<const WholeBody> whole_body(std::uint32_t version, const BodyData& tool,
+                                            const std::vector<SolidData>& solids) {
+  check(tool);
+  std::vector<Object> objects;
+  for (const SolidData& solid : solids) {
+    check(solid);
+    objects.push_back({.name = {},
+                       .shape = solid.shape,
+                       .felt_from = solid.from_inside ? Side::inside : Side::outside,
+                       .pose = solid.pose,
+                       .material = solid.material});
+  }
+  PointShell shell = point_shell(tool.points, tool.area);
+  const double radius = shell.radius;
+  require_above_zero("radius", radius, "[m]");
+  return std::make_shared<const WholeBody>(
+      WholeBody{.version = version,
+                .coupling = tool.coupling,
+                .radius = radius,
+                .inertia = tool.inertia,
+                .solids = std::make_unique<const OwnSurroundings>(
+                    std::move(shell), tool.contact_area, std::move(objects))});
+}
+
+}  // namespace feltwire

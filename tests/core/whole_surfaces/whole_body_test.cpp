@@ -1,0 +1,284 @@
+// A tool with a body that a client has in full: it is the scene's own, over every delay.
+
+#include "core/whole_surfaces/whole_body.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/local_model/local_body.hpp"
+#include "core/local_model_extraction/body_points.hpp"
+#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/point_shell/shell_surroundings.hpp"
+#include "tests/core/massive_tool.hpp"
+#include "tests/core/support.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace feltwire::whole_body_test {
+namespace {
+
+constexpr std::uint32_t kVersion = 3;
+
+/// A box in the hand between a ring, a ball and the floor, all with friction and damping.
+Scene room(const BodyTool& tool) {
+  std::vector<Object> objects = {test::object(Plane{}),
+                                 test::object(Torus{0.05, 0.02}, Vec3(0.02, 0.0, 0.01)),
+                                 test::object(Sphere{0.03}, Vec3(-0.03, 0.02, 0.0))};
+  for (Object& o : objects) {
+    o.name = "o" + std::to_string(&o - objects.data());
+    o.material.damping = 2.0;
+    o.material.static_friction = 0.4;
+    o.material.dynamic_friction = 0.3;
+    o.material.viscous_friction = 1.0;
+  }
+  objects[1].pose.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized()));
+  Scene scene("room", objects);
+  scene.set_tool({.body = std::make_shared<BodyTool>(tool)});
+  return scene;
+}
+
+std::vector<SolidData> solids_of(const ToolView& view, const KnownSurfaces& known) {
+  std::vector<SolidData> solids;
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (known[i]) solids.push_back(solid_data(view.objects()[i], static_cast<std::uint16_t>(i)));
+  return solids;
+}
+
+std::shared_ptr<const WholeBody> fetched(const ToolView& view, const KnownSurfaces& known) {
+  return whole_body(kVersion, body_data(*view.tool().body, std::nullopt), solids_of(view, known));
+}
+
+ShellContact of_scene(const ToolView& view, const Pose& tool) {
+  return ShellSurroundings(view.tool().body->shell(), view.tool().body->contact_area(),
+                           view.objects())
+      .contact(tool);
+}
+
+TEST(WholeBody, MeetsItsSolidsAsTheSceneDoes) {
+  const Scene scene = room(test::tool(1500));
+  const auto whole = fetched(scene, {true, true, true});
+  EXPECT_EQ(whole->radius, scene.tool().body->shell().radius);
+  EXPECT_EQ(whole->coupling.stiffness, scene.tool().body->coupling().stiffness);
+  test::Random random(4);
+  int touched = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Pose tool = moved({}, 0.02 * random.direction(), random.direction());
+    const ShellContact a = of_scene(scene, tool), b = whole->solids->contact(tool);
+    touched += a.touching > 0 ? 1 : 0;
+    EXPECT_EQ(a.touching, b.touching);
+    EXPECT_LE((a.wrench - b.wrench).norm(), 1e-9 * a.wrench.norm());
+    EXPECT_LE((a.stiffness - b.stiffness).norm(), 1e-9 * a.stiffness.norm());
+    ASSERT_EQ(a.grip_count, b.grip_count);
+    for (std::size_t k = 0; k < a.grip_count; ++k)
+      EXPECT_NEAR(a.patches[k].load, b.patches[k].load, 1e-9 * a.patches[k].load);
+  }
+  EXPECT_GT(touched, 250);
+}
+
+// The objects that are known have no points in the model, and do not end its reach.
+TEST(WholeBody, ItsModelHasOnlyWhatTheReceiverHasNot) {
+  const Scene scene = room(test::tool(1500));
+  const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
+  BodyMemory memory;
+  for (int i = 0; i < 50; ++i) scene.touch(device, Vec3::Zero(), 1e-3, memory);
+  const BodyModel planes = body_model(scene, device, memory);
+  EXPECT_EQ(planes.solids, 0u);
+  EXPECT_GT(planes.patch_count, 1);
+  const BodyModel none = body_model(scene, device, memory, kVersion, {true, true, true});
+  EXPECT_EQ(none.solids, kVersion);
+  EXPECT_EQ(none.count, 0);
+  EXPECT_EQ(none.reach, kModelReach);
+  const BodyModel some = body_model(scene, device, memory, kVersion, {false, true, true});
+  EXPECT_EQ(some.solids, kVersion);
+  EXPECT_GT(some.count, 0);
+  EXPECT_LE(some.reach, kBodyReach);
+  for (const BodyPatch& patch : some.surfaces()) EXPECT_EQ(patch.object, 0);
+}
+
+// What is known in full and what are planes add up to the scene at the model's pose.
+TEST(WholeBody, AddsThePlanesOfTheRest) {
+  const Scene scene = room(test::tool(1500));
+  const Pose device{Vec3(0, 0, 0.008), Quaternion(Eigen::AngleAxisd(0.1, Vec3::UnitX()))};
+  BodyMemory memory;
+  for (int i = 0; i < 50; ++i) scene.touch(device, Vec3::Zero(), 1e-3, memory);
+  const ShellContact all = of_scene(scene, memory.pose);
+  ASSERT_EQ(all.part_count, 3u);  // every object is touched
+  const KnownSurfaces known = {false, true, true};
+  const auto whole = fetched(scene, known);
+  const BodyModel model = body_model(scene, device, memory, kVersion, known);
+  const ShellContact sum =
+      ModelledSurroundings(model, 0.0, 1e-3, whole->solids.get()).contact(memory.pose);
+  EXPECT_LE((sum.wrench - all.wrench).norm(), 1e-6 * all.wrench.norm());
+  ASSERT_EQ(sum.part_count, 3u);
+  Vec6 parts = Vec6::Zero();
+  for (const ObjectWrench& part : sum.touched()) parts += part.wrench;
+  EXPECT_LE((parts - sum.wrench).norm(), 1e-9 * all.wrench.norm());
+}
+
+/// A hand that rocks and slides among the solids.
+Pose hand_at(double t) {
+  const double a = 2.0 * std::numbers::pi * t;
+  return {Vec3(0.01 * std::sin(a), 0.004 * std::cos(2.0 * a), 0.009 + 0.003 * std::sin(3.0 * a)),
+          turned(Quaternion::Identity(), 0.3 * Vec3(std::sin(a), std::cos(1.5 * a), 0.2))};
+}
+
+/// 2 s of that movement, models `delay` ticks late: RMS error of the torque over its RMS, of the
+/// late reply and of the whole body.
+struct Errors {
+  double late = 0.0, whole = 0.0;
+};
+Errors followed(const Scene& scene, std::size_t delay) {
+  const KnownSurfaces known(scene.objects().size(), true);
+  const auto whole = fetched(scene, known);
+  LocalBody local;
+  local.use(whole.get());
+  std::deque<std::pair<Command, BodyModel>> on_the_way;
+  BodyMemory memory;
+  Errors sum;
+  double size = 0.0;
+  Command late;
+  for (int n = 0; n < 2000; ++n) {
+    const Pose device = hand_at(1e-3 * n);
+    const Command now = scene.touch(device, Vec3::Zero(), 1e-3, memory);
+    on_the_way.emplace_back(now, body_model(scene, device, memory, kVersion, known));
+    if (on_the_way.size() > delay) {
+      late = on_the_way.front().first;
+      local.take(on_the_way.front().second, delay);
+      on_the_way.pop_front();
+    }
+    const BodyForce force = local.touch(device, 1e-3 * static_cast<double>(delay), 1e-3);
+    if (n < 300) continue;
+    EXPECT_EQ(force.weight, 1.0);
+    sum.late += (late.torque - now.torque).squaredNorm();
+    sum.whole += (force.command.torque - now.torque).squaredNorm();
+    size += now.torque.squaredNorm();
+  }
+  return {std::sqrt(sum.late / size), std::sqrt(sum.whole / size)};
+}
+
+// Curved solids and edges, which planes tell badly; the friction's history is what is left.
+TEST(WholeBody, OverADelayIsTheScene) {
+  const Scene scene = room(test::tool(600));
+  const Errors errors = followed(scene, 50);
+  EXPECT_GT(errors.late, 0.3);
+  EXPECT_LT(errors.whole, 0.01 * errors.late);
+}
+
+TEST(WholeBody, AToolWithMassIsMovedAtTheClient) {
+  for (const auto rule : {ToolIntegration::implicit, ToolIntegration::midpoint}) {
+    ToolInertia inertia;
+    inertia.gravity = Vec3(0, 0, -test::kGravity);
+    inertia.damping = 5.0;
+    inertia.rotational_damping = 0.002;
+    inertia.integration = rule;
+    const Scene scene = room(test::massive(0.1, {}, inertia, 600));
+    BodyMemory placed;
+    placed.placed = true;
+    EXPECT_EQ(body_model(scene, {}, placed).reach, 0.0);  // for a client that has it not
+    const Errors errors = followed(scene, 50);
+    EXPECT_LT(10.0 * errors.whole, errors.late);
+  }
+}
+
+// A model that counts on another version says nothing here: the reply is felt instead.
+TEST(WholeBody, OfAnotherVersionIsNotUsed) {
+  const Scene scene = room(test::tool(600));
+  const auto whole = fetched(scene, {true, true, true});
+  const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
+  BodyMemory memory;
+  scene.touch(device, Vec3::Zero(), 1e-3, memory);
+  LocalBody local;
+  local.use(whole.get());
+  for (const std::uint32_t version : {kVersion + 1, kVersion}) {
+    local.take(body_model(scene, device, memory, version, {true, true, true}));
+    EXPECT_EQ(local.has_whole(), version == kVersion);
+    EXPECT_EQ(local.touch(device, 0.0, 1e-3).weight, version == kVersion ? 1.0 : 0.0);
+  }
+  local.use(nullptr);
+  EXPECT_EQ(local.touch(device, 0.0, 1e-3).weight, 0.0);
+}
+
+TEST(WholeBody, NeverAllocatesOnceItIsMade) {
+  const Scene scene = room(test::tool(600));
+  const KnownSurfaces known = {true, false, true};
+  const auto whole = fetched(scene, known);
+  const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
+  BodyMemory memory;
+  LocalBody local;
+  const std::size_t before = test::allocations();
+  local.use(whole.get());
+  for (int i = 0; i < 100; ++i) {
+    scene.touch(device, Vec3::Zero(), 1e-3, memory);
+    local.take(body_model(scene, device, memory, kVersion, known), 5);
+    local.touch(device, 0.01, 1e-3);
+  }
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesTravels) {
+  const BodyTool points = test::tool(500);
+  EXPECT_TRUE(can_travel(points));
+  EXPECT_FALSE(can_travel(test::tool(kMostBodyPoints + 1)));
+  const BodyTool polygons(test::box_shell(500), {}, test::kFace, {},
+                          std::make_shared<PolygonBody>());
+  EXPECT_FALSE(can_travel(polygons));
+  EXPECT_TRUE(travels(points, test::object(Box{Vec3(1, 1, 1)})));
+  EXPECT_FALSE(travels(points, test::object(test::grid_of(Sphere{0.03}, 0.002))));
+}
+
+// A server may send any numbers.
+TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
+  const double nan = std::nan("");
+  const BodyTool tool = test::tool(100);
+  const BodyData good = body_data(tool, std::nullopt);
+  const SolidData box = solid_data(test::object(Box{Vec3(1, 1, 1)}), 0);
+  EXPECT_NO_THROW(whole_body(1, good, {box}));
+  const std::vector<std::function<void(BodyData&)>> spoilt = {
+      [](BodyData& b) { b.points.clear(); },
+      [=](BodyData& b) { b.points[7].y() = nan; },
+      [](BodyData& b) { b.points.assign(3, Vec3::Zero()); },
+      [](BodyData& b) { b.area = 0.0; },
+      [=](BodyData& b) { b.contact_area = nan; },
+      [](BodyData& b) { b.coupling.stiffness = -1.0; },
+      [](BodyData& b) { b.coupling.max_torque = 0.0; },
+      [](BodyData& b) { b.inertia.mass = -1.0; },
+      [](BodyData& b) { b.inertia.mass = 1.0; },  // without inertia
+      [=](BodyData& b) {
+        b.inertia.mass = 1.0;
+        b.inertia.inertia.setIdentity();
+        b.inertia.gravity.z() = nan;
+      },
+      [](BodyData& b) {
+        b.inertia.mass = 1.0;
+        b.inertia.inertia.setIdentity();
+        b.inertia.damping = -1.0;
+      }};
+  for (std::size_t i = 0; i < spoilt.size(); ++i) {
+    BodyData bad = good;
+    spoilt[i](bad);
+    EXPECT_THROW(whole_body(1, bad, {box}), std::invalid_argument) << i;
+  }
+  const std::vector<std::function<void(SolidData&)>> solids = {
+      [](SolidData& s) { s.shape = Box{Vec3(1, 0, 1)}; },
+      [=](SolidData& s) { s.shape = Sphere{nan}; },
+      [](SolidData& s) {
+        s.shape = Torus{0.01, 0.02};
+      },
+      [=](SolidData& s) { s.pose.position.x() = nan; },
+      [](SolidData& s) { s.material.stiffness = 0.0; },
+      [](SolidData& s) { s.material.dynamic_friction = 1.0; },
+      [=](SolidData& s) { s.material.damping = nan; },
+      [](SolidData& s) { s.shape = test::grid_of(Sphere{0.03}, 0.002); }};
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    SolidData bad = box;
+    solids[i](bad);
+    EXPECT_THROW(whole_body(1, good, {bad}), std::invalid_argument) << i;
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::whole_body_test
