@@ -1,5 +1,8 @@
 #include "client/transport/scene_fetch.hpp"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,6 +16,7 @@
 namespace feltwire {
 namespace {
 
+constexpr int kLeastPriority = 19;
 constexpr std::chrono::milliseconds kFirstWait{1000}, kLongestWait{30'000};
 
 bool near(const Vec3& v) { return v.cwiseAbs().maxCoeff() <= kMaxPosition && v.allFinite(); }
@@ -29,33 +33,64 @@ bool plausible(const SurfaceData& s) {
 }
 
 /// Fetches the vertices and triangles of a surface, part by part.
-SurfaceData fetched(ControlDialogue& dialogue, std::uint64_t session, std::uint32_t version,
-                    const control::SurfaceEntry& entry) {
-  SurfaceData surface = entry.surface;
-  while (surface.vertices.size() < entry.vertices || surface.triangles.size() < entry.triangles) {
+TriangleSoup fetched(ControlDialogue& dialogue, std::uint64_t session, std::uint32_t version,
+                     std::uint16_t object, std::uint32_t vertices, std::uint32_t triangles) {
+  TriangleSoup mesh;
+  while (mesh.vertices.size() < vertices || mesh.triangles.size() < triangles) {
     const auto part = dialogue.ask_for<control::SurfacePart>(control::GetSurface{
-        session, version, surface.object, static_cast<std::uint32_t>(surface.vertices.size()),
-        static_cast<std::uint32_t>(surface.triangles.size())});
+        session, version, object, static_cast<std::uint32_t>(mesh.vertices.size()),
+        static_cast<std::uint32_t>(mesh.triangles.size())});
     if (part.vertices.empty() && part.triangles.empty()) dialogue.bad_answer();
     if (!std::ranges::all_of(part.vertices, near)) dialogue.bad_answer();
-    surface.vertices.insert(surface.vertices.end(), part.vertices.begin(), part.vertices.end());
-    surface.triangles.insert(surface.triangles.end(), part.triangles.begin(), part.triangles.end());
+    mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+    mesh.triangles.insert(mesh.triangles.end(), part.triangles.begin(), part.triangles.end());
   }
-  return surface;
+  return mesh;
 }
+
+/// How many triangles may still be fetched.
+class Room {
+ public:
+  /// Whether a mesh of so many fits; then it takes its place.
+  bool take(std::uint32_t vertices, std::uint32_t triangles) {
+    // No more corners than triangles have: a server cannot make this grow.
+    if (triangles > left_ || vertices > 3 * std::uint64_t{triangles}) return false;
+    left_ -= triangles;
+    return true;
+  }
+
+ private:
+  std::uint32_t left_ = SceneFetch::kMostTriangles;
+};
 
 std::vector<SurfaceData> fetch(ControlDialogue& dialogue, std::uint64_t session,
                                const control::SurfaceList& list) {
   std::vector<SurfaceData> surfaces;
-  std::uint32_t left = SceneFetch::kMostTriangles;
+  Room room;
   for (const control::SurfaceEntry& entry : list.surfaces) {
-    // No more corners than triangles have: a server cannot make this grow.
-    if (entry.triangles > left || entry.vertices > 3 * std::uint64_t{entry.triangles}) continue;
+    if (!room.take(entry.vertices, entry.triangles)) continue;
     if (!plausible(entry.surface)) dialogue.bad_answer();
-    left -= entry.triangles;
-    surfaces.push_back(fetched(dialogue, session, list.version, entry));
+    SurfaceData& surface = surfaces.emplace_back(entry.surface);
+    TriangleSoup mesh =
+        fetched(dialogue, session, list.version, surface.object, entry.vertices, entry.triangles);
+    surface.vertices = std::move(mesh.vertices);
+    surface.triangles = std::move(mesh.triangles);
   }
   return surfaces;
+}
+
+std::vector<SolidData> fetch(ControlDialogue& dialogue, std::uint64_t session,
+                             const control::SolidList& list) {
+  std::vector<SolidData> solids;
+  Room room;
+  for (const control::SolidEntry& entry : list.solids) {
+    if (!plausible(entry.solid.pose)) dialogue.bad_answer();
+    if (!room.take(entry.vertices, entry.triangles)) continue;
+    SolidData& solid = solids.emplace_back(entry.solid);
+    solid.mesh =
+        fetched(dialogue, session, list.version, solid.object, entry.vertices, entry.triangles);
+  }
+  return solids;
 }
 
 /// Fetches the points of a body, part by part.
@@ -101,12 +136,9 @@ std::uint32_t version_of(const Fetched& have) {
 Fetched fetch(ControlDialogue& dialogue, std::uint64_t session, const Offer& offer) {
   auto all = std::make_shared<FetchedScene>();
   if (offer.solids.body) {
-    for (const SolidData& solid : offer.solids.solids) {
-      if (!plausible(solid.pose)) dialogue.bad_answer();
-      all->objects.push_back(solid.object);
-    }
-    all->body =
-        whole_body(offer.version, fetched(dialogue, session, offer.solids), offer.solids.solids);
+    const std::vector<SolidData> solids = fetch(dialogue, session, offer.solids);
+    for (const SolidData& solid : solids) all->objects.push_back(solid.object);
+    all->body = whole_body(offer.version, fetched(dialogue, session, offer.solids), solids);
     return all;
   }
   const std::vector<SurfaceData> surfaces = fetch(dialogue, session, offer.surfaces);
@@ -123,6 +155,8 @@ SceneFetch::SceneFetch(ServerAccess server, Ring<const FetchedScene*>& out,
     : server_(std::move(server)), out_(out), timeout_(timeout), wait_(kFirstWait) {}
 
 SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
+  // To sample a mesh takes all processors for seconds. The servo needs them more.
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
   try {
     ControlDialogue dialogue(question.server, question.timeout);
     const std::uint64_t session = question.session;

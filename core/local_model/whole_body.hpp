@@ -8,6 +8,7 @@
 
 #include "core/coupled_tool/coupled_tool.hpp"
 #include "core/geometry/shapes.hpp"
+#include "core/geometry/triangle_soup.hpp"
 #include "core/material/material.hpp"
 
 namespace feltwire {
@@ -33,7 +34,8 @@ struct BodyData {
 /// A still solid, as it travels.
 struct SolidData {
   std::uint16_t object = 0;  // its number in the scene
-  Shape shape;               // a primitive
+  Shape shape;               // a primitive, if there are no triangles
+  TriangleSoup mesh = {};    // [m, object frame] felt as its grid (grid_for_body()); or empty
   bool from_inside = false;
   Pose pose;  // [m, world]
   Material material;

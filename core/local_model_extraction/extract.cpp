@@ -188,8 +188,10 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
 
 bool can_travel(const ToolView& view, std::size_t object) noexcept {
   if (!(object < view.still()) || object > kMostObjects) return false;
-  return view.tool().body != nullptr ? travels(*view.tool().body, view.objects()[object])
-                                     : can_travel(view.objects()[object]);
+  const BodyTool* body = view.tool().body.get();
+  if (body == nullptr) return can_travel(view.objects()[object]);
+  return can_travel(*body) &&
+         (!is_fitted(view.objects()[object].shape) || view.sampled_mesh(object) != nullptr);
 }
 
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,

@@ -13,7 +13,7 @@ namespace feltwire {
 inline constexpr double kModelReach = 0.1;
 
 /// Whether a receiver may have an object in full: one that is still, and for a point or a ball a
-/// mesh that can_travel(), for a body of points a primitive.
+/// mesh that can_travel(), for a body of points a primitive or a mesh.
 bool can_travel(const ToolView& view, std::size_t object) noexcept;
 
 /// By object of the scene: the receiver has its whole surface (whole_surfaces.hpp). Of objects

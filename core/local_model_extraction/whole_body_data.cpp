@@ -1,16 +1,13 @@
 #include "core/local_model_extraction/whole_body_data.hpp"
 
 #include "core/local_model_extraction/fitted_patches.hpp"
+#include "core/mesh/mesh_surface.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 
 bool can_travel(const BodyTool& tool) noexcept {
   return tool.polygons() == nullptr && tool.shell().points.size() <= kMostBodyPoints;
-}
-
-bool travels(const BodyTool& tool, const Object& object) noexcept {
-  return can_travel(tool) && !is_fitted(object.shape);
 }
 
 BodyData body_data(const BodyTool& tool, const std::optional<Vec3>& gravity) {
@@ -23,12 +20,23 @@ BodyData body_data(const BodyTool& tool, const std::optional<Vec3>& gravity) {
   return data;
 }
 
-SolidData solid_data(const Object& object, std::uint16_t index) {
+SolidData solid_data(const ToolView& view, std::uint16_t index) {
+  const Object& object = view.objects()[index];
   return {.object = index,
-          .shape = object.shape,
+          .shape = is_fitted(object.shape) ? Shape{} : object.shape,
+          .mesh = {},
           .from_inside = object.felt_from == Side::inside,
           .pose = object.pose,
           .material = object.material};
+}
+
+SolidData whole_solid_data(const ToolView& view, std::uint16_t index) {
+  SolidData data = solid_data(view, index);
+  if (const MeshSurface* surface = view.sampled_mesh(index)) {
+    data.mesh = {surface->mesh().vertices(), surface->mesh().triangles()};
+    for (Vec3& vertex : data.mesh.vertices) vertex += surface->mesh().origin();
+  }
+  return data;
 }
 
 }  // namespace feltwire

@@ -44,4 +44,13 @@ Solid solid_of(TriangleMesh mesh) {
   return solid_of(std::make_shared<const MeshSurface>(std::move(mesh)));
 }
 
+double grid_resolution(const TriangleMesh& mesh) {
+  return 2.0 * mesh.half_extents().maxCoeff() / kMeshGridSteps;
+}
+
+Grid grid_for_body(std::shared_ptr<const MeshSurface> surface) {
+  const GridOptions options{.resolution = grid_resolution(surface->mesh())};
+  return {std::make_shared<const DistanceGrid<float>>(solid_of(std::move(surface)), options)};
+}
+
 }  // namespace feltwire

@@ -16,4 +16,11 @@ Solid solid_of(std::shared_ptr<const MeshSurface> surface);
 /// The same with a tree of its own. Throws std::runtime_error too, if there is no memory for it.
 Solid solid_of(TriangleMesh mesh);
 
+/// [m] The resolution of the grid that a tool with a body touches in place of a mesh: so many steps
+/// along the mesh's longest side.
+inline constexpr double kMeshGridSteps = 128.0;
+double grid_resolution(const TriangleMesh& mesh);
+/// That grid. Throws as solid_of(), and as the grid itself.
+Grid grid_for_body(std::shared_ptr<const MeshSurface> surface);
+
 }  // namespace feltwire

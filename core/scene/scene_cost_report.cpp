@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
@@ -183,7 +184,7 @@ std::string describe_costs(const Scene& scene) {
   for (const ToolView::Sampled& mesh : grids_for_bodies(scene))
     text += "  grid of distances for the tool's body: mesh " + mesh.object + ", a sample every " +
             number_text(mesh.resolution) + " m (its longest side over " +
-            number_text(ToolView::kMeshGridSteps) + "); give it as a grid to choose\n";
+            number_text(kMeshGridSteps) + "); give it as a grid to choose\n";
   for (const std::string& note : scene.notes()) text += "  " + note + "\n";
   if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
   const double k = scene.requirements().stiffness;

@@ -75,10 +75,17 @@ class ToolView {
   /// A mesh that became a grid, as a body touches distances, and the grid's resolution.
   struct Sampled {
     std::string object;
-    double resolution = 0.0;  // [m]
+    double resolution = 0.0;                     // [m]
+    std::size_t index = 0;                       // of the object
+    std::shared_ptr<const MeshSurface> surface;  // the mesh
   };
   const std::vector<Sampled>& sampled() const { return sampled_; }
-  static constexpr double kMeshGridSteps = 128.0;  // along a mesh's longest side
+  /// The mesh whose grid is object `index`; null: it is none.
+  const MeshSurface* sampled_mesh(std::size_t index) const noexcept {
+    for (const Sampled& sampled : sampled_)
+      if (sampled.index == index) return sampled.surface.get();
+    return nullptr;
+  }
 
   /// Makes the memory for one hand. Allocates.
   TouchMemory memory() const;

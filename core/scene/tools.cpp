@@ -16,18 +16,15 @@ namespace feltwire {
 namespace {
 
 /// A body touches distances; a mesh that was not given as a grid becomes one.
-ToolView::Sampled sample_for_body(Object& object) {
+ToolView::Sampled sample_for_body(Object& object, std::size_t index) {
   const auto surface = std::get<Mesh>(object.shape).surface;
-  const TriangleMesh& triangles = surface->mesh();
-  GridOptions options;
-  options.resolution = 2.0 * triangles.half_extents().maxCoeff() / ToolView::kMeshGridSteps;
   try {
-    object.shape = Grid{std::make_shared<const DistanceGrid<float>>(solid_of(surface), options)};
+    object.shape = grid_for_body(surface);
   } catch (const std::invalid_argument& error) {
     refuse("object '" + object.name + "'",
            {"mesh", std::string("is touched by a body, as a grid of distances: ") + error.what()});
   }
-  return {object.name, options.resolution};
+  return {object.name, grid_resolution(surface->mesh()), index, surface};
 }
 
 std::string whose(const HandTool& tool) {
@@ -71,8 +68,8 @@ ToolView ToolView::with(HandTool tool) const {
   };
   if (tool.body && std::ranges::any_of(*objects_, is_mesh)) {
     const auto objects = std::make_shared<std::vector<Object>>(*objects_);
-    for (Object& object : *objects)
-      if (is_mesh(object)) view.sampled_.push_back(sample_for_body(object));
+    for (std::size_t i = 0; i < objects->size(); ++i)
+      if (is_mesh((*objects)[i])) view.sampled_.push_back(sample_for_body((*objects)[i], i));
     view.objects_ = objects;
   }
   view.requirements_.rotation = tool.body != nullptr;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/coupled_tool/tool_checks.hpp"
+#include "core/mesh/mesh_distance.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
 
 namespace feltwire {
@@ -53,8 +54,15 @@ bool possible(const Shape& shape) {
   return on_primitive(shape, look, [] { return false; });
 }
 
+Shape shape_of(const SolidData& solid) {
+  if (solid.mesh.triangles.empty()) return solid.shape;
+  return grid_for_body(std::make_shared<const MeshSurface>(TriangleMesh(solid.mesh, 0.0)));
+}
+
 void check(const SolidData& solid) {
-  if (!possible(solid.material) || !possible(solid.shape) || !solid.pose.position.allFinite())
+  const bool is_mesh = !solid.mesh.triangles.empty();
+  if (!possible(solid.material) || !(is_mesh || possible(solid.shape)) ||
+      !solid.pose.position.allFinite())
     throw std::invalid_argument("object " + std::to_string(solid.object) +
                                 ": its numbers are not those of a solid");
 }
@@ -79,7 +87,7 @@ std::shared_ptr<const WholeBody> whole_body(std::uint32_t version, const BodyDat
   for (const SolidData& solid : solids) {
     check(solid);
     objects.push_back({.name = {},
-                       .shape = solid.shape,
+                       .shape = shape_of(solid),
                        .felt_from = solid.from_inside ? Side::inside : Side::outside,
                        .pose = solid.pose,
                        .material = solid.material});

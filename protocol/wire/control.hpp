@@ -269,11 +269,15 @@ struct SurfacesTaken {
 struct ListSolids {
   std::uint64_t session = 0;
 };
+struct SolidEntry {
+  SolidData solid;                            // without its mesh
+  std::uint32_t vertices = 0, triangles = 0;  // of its mesh; 0: it is a primitive
+};
 struct SolidList {
-  std::uint32_t version = 0;           // WholeBody::version
-  std::optional<BodyData> body = {};   // without its points; empty: there is nothing to have
-  std::uint32_t points = 0;            // of the body
-  std::vector<SolidData> solids = {};  // at most kMaxSurfaces; of shapes that this program knows
+  std::uint32_t version = 0;            // WholeBody::version
+  std::optional<BodyData> body = {};    // without its points; empty: there is nothing to have
+  std::uint32_t points = 0;             // of the body
+  std::vector<SolidEntry> solids = {};  // at most kMaxSurfaces; of shapes that this program knows
 };
 /// Asks for the points of the body after so many.
 struct GetBodyPoints {

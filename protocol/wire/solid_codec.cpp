@@ -11,6 +11,7 @@ namespace feltwire::control {
 namespace {
 
 constexpr flatbuffers::uoffset_t kInertiaNumbers = 6;
+constexpr const char* kMesh = "mesh";
 
 std::vector<double> lengths_of(const Shape& shape) {
   std::vector<double> lengths;
@@ -91,14 +92,18 @@ bool read(const wire::BodyEntry& from, BodyData& to) {
 flatbuffers::Offset<wire::SolidList> build(flatbuffers::FlatBufferBuilder& builder,
                                            const SolidList& list) {
   std::vector<flatbuffers::Offset<wire::SolidEntry>> entries;
-  for (const SolidData& solid : list.solids) {
+  for (const SolidEntry& listed : list.solids) {
+    const SolidData& solid = listed.solid;
     const wire::Vector position = wire_vector(solid.pose.position);
     const wire::Turn orientation = wire_turn(solid.pose.orientation);
     const wire::FeltMaterial material = wire_material(solid.material);
-    const auto shape = builder.CreateString(name_of(solid.shape));
-    const auto lengths = builder.CreateVector(lengths_of(solid.shape));
+    const bool is_mesh = listed.triangles > 0;
+    const auto shape = builder.CreateString(is_mesh ? kMesh : name_of(solid.shape));
+    const auto lengths =
+        builder.CreateVector(is_mesh ? std::vector<double>{} : lengths_of(solid.shape));
     entries.push_back(wire::CreateSolidEntry(builder, solid.object, &position, &orientation,
-                                             solid.from_inside, &material, shape, lengths));
+                                             solid.from_inside, &material, shape, lengths,
+                                             listed.vertices, listed.triangles));
   }
   const auto solids = builder.CreateVector(entries);
   const auto body =
@@ -122,14 +127,20 @@ bool read(const wire::SolidList& from, SolidList& to) {
   }
   for (const wire::SolidEntry* entry : *from.solids()) {
     if (!aligned(*entry->lengths(), alignof(double))) return false;
-    const ReadShape read = shape_of(entry->shape()->string_view(), *entry->lengths());
+    const bool is_mesh = entry->shape()->string_view() == kMesh;
+    ReadShape read{.known = true, .whole = is_mesh && entry->triangles() > 0};
+    if (!is_mesh) read = shape_of(entry->shape()->string_view(), *entry->lengths());
     if (!read.known) continue;
     if (!read.whole) return false;
-    to.solids.push_back({.object = entry->object(),
-                         .shape = read.shape,
-                         .from_inside = entry->from_inside(),
-                         .pose = {vector(*entry->position()), turn(*entry->orientation())},
-                         .material = material(*entry->material())});
+    to.solids.push_back(
+        {.solid = {.object = entry->object(),
+                   .shape = read.shape,
+                   .mesh = {},
+                   .from_inside = entry->from_inside(),
+                   .pose = {vector(*entry->position()), turn(*entry->orientation())},
+                   .material = material(*entry->material())},
+         .vertices = is_mesh ? entry->vertices() : 0,
+         .triangles = is_mesh ? entry->triangles() : 0});
   }
   return true;
 }

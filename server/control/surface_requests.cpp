@@ -49,23 +49,21 @@ std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count)};
 }
 
-control::Message part_of(const SceneInView::CurrentScene& current, const std::string& tool,
-                         const control::GetSurface& request) {
-  if (request.version != current.version) return other_version(request.version);
-  const ToolView* view = view_of(*current.scene, tool);
-  if (view == nullptr || !can_travel(*view, request.object))
-    return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
-  const TriangleMesh& mesh = std::get<Mesh>(view->objects()[request.object].shape).surface->mesh();
-  return control::SurfacePart{part(mesh.vertices(), request.vertices),
-                              part(mesh.triangles(), request.triangles)};
-}
-
 /// The scene for a tool with a body that can be had in full; null: the tool has none, or is gone.
 const ToolView* body_view_of(const Scene& scene, const std::string& tool) {
   const ToolView* view = scene.view(tool);
   return view != nullptr && view->tool().body != nullptr && can_travel(*view->tool().body)
              ? view
              : nullptr;
+}
+
+control::SolidEntry solid_entry(const ToolView& view, std::size_t index) {
+  control::SolidEntry entry{.solid = solid_data(view, static_cast<std::uint16_t>(index))};
+  if (const MeshSurface* mesh = view.sampled_mesh(index)) {
+    entry.vertices = static_cast<std::uint32_t>(mesh->mesh().vertices().size());
+    entry.triangles = static_cast<std::uint32_t>(mesh->mesh().triangles().size());
+  }
+  return entry;
 }
 
 control::SolidList solids_of(const SceneInView::CurrentScene& current, const std::string& tool) {
@@ -75,10 +73,8 @@ control::SolidList solids_of(const SceneInView::CurrentScene& current, const std
   control::SolidList list{.version = whole_version(*view, current.version, current.changes),
                           .body = body_data(body, current.gravity),
                           .points = static_cast<std::uint32_t>(body.shell().points.size())};
-  const auto& objects = view->objects();
   for (std::size_t i = 0; i < view->still() && list.solids.size() < control::kMaxSurfaces; ++i)
-    if (can_travel(*view, i))
-      list.solids.push_back(solid_data(objects[i], static_cast<std::uint16_t>(i)));
+    if (can_travel(*view, i)) list.solids.push_back(solid_entry(*view, i));
   return list;
 }
 
@@ -91,6 +87,28 @@ control::Message points_of(const SceneInView::CurrentScene& current, const std::
   if (request.version != whole_version(*view, current.version, current.changes))
     return other_version(request.version);
   return control::BodyPoints{part(view->tool().body->shell().points, request.points)};
+}
+
+/// The mesh of an object that a client of this tool may have in full; null: there is none.
+const MeshSurface* mesh_of(const ToolView* view, std::size_t object) {
+  if (view == nullptr || !can_travel(*view, object)) return nullptr;
+  return view->tool().body != nullptr ? view->sampled_mesh(object)
+                                      : std::get<Mesh>(view->objects()[object].shape).surface.get();
+}
+
+control::Message part_of(const SceneInView::CurrentScene& current, const std::string& tool,
+                         const control::GetSurface& request) {
+  const ToolView* view = current.scene->view(tool);
+  if (view != nullptr && request.version != whole_version(*view, current.version, current.changes))
+    return other_version(request.version);
+  const MeshSurface* surface = mesh_of(view, request.object);
+  if (surface == nullptr) return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
+  control::SurfacePart next{part(surface->mesh().vertices(), request.vertices),
+                            part(surface->mesh().triangles(), request.triangles)};
+  // The list of solids has no origin of the vertices.
+  if (view->tool().body != nullptr)
+    for (Vec3& vertex : next.vertices) vertex += surface->mesh().origin();
+  return next;
 }
 
 /// The session that a list or a part is for; empty: the request is for neither.

@@ -141,7 +141,7 @@ std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& ses
     const auto index = static_cast<std::uint16_t>(i);
     fetched.objects.push_back(index);
     if (body != nullptr)
-      solids.push_back(solid_data(view.objects()[i], index));
+      solids.push_back(whole_solid_data(view, index));
     else
       surfaces.push_back(whole_surface_data(view.objects()[i], index, view.tool().radius));
   }

@@ -31,9 +31,10 @@ Scene ball_scene() {
 Scene ring_scene() {
   return parse_scene(R"({ "name": "ring",
     "materials": [{ "name": "m", "stiffness": 500, "static_friction": 0.4, "dynamic_friction": 0.3 }],
-    "objects": [{ "name": "ring", "torus": { "major_radius": 0.05, "minor_radius": 0.02 }, "material": "m" }],
+    "objects": [{ "name": "ring", "torus": { "major_radius": 0.05, "minor_radius": 0.02 }, "material": "m" },
+                { "name": "bunny", "mesh": { "file": "bunny.obj", "scale": 0.01 }, "position": [0, 0.3, 0], "material": "m" }],
     "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 2500 } } })",
-                     "ring.json");
+                     FELTWIRE_SOURCE_DIR "/scenes/ring.json");
 }
 
 SessionParameters modelled() {
@@ -108,14 +109,14 @@ TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
                    {.status = &statuses, .record = &client.records}, *client.result);
   });
   SceneFetch fetch(endpoint, ready);
-  look(fetch, {client.joined.accepted.session, 0}, "the server knows of the ring",
-       [&] { return fetch.known() == 1; });
+  look(fetch, {client.joined.accepted.session, 0}, "the server knows of ring and bunny",
+       [&] { return fetch.known() == 2; });
   LiveStatus status;
   test::eventually("the servo renders it", [&] {
     while (statuses.pop(status)) fetch.in_use(status.fetched);
     return status.fetched != nullptr && status.near;
   });
-  EXPECT_EQ(status.fetched->objects, std::vector<std::uint16_t>{0});
+  EXPECT_EQ(status.fetched->objects, (std::vector<std::uint16_t>{0, 1}));
   ASSERT_NE(status.fetched->body, nullptr);
   const ShellContact contact =
       status.fetched->body->solids->contact({Vec3(0.03, 0, 0.02), {1, 0, 0, 0}});

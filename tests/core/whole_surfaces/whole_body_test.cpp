@@ -13,6 +13,8 @@
 #include "core/local_model/local_body.hpp"
 #include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/tessellation.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
 #include "tests/core/massive_tool.hpp"
 #include "tests/core/support.hpp"
@@ -44,7 +46,7 @@ Scene room(const BodyTool& tool) {
 std::vector<SolidData> solids_of(const ToolView& view, const KnownSurfaces& known) {
   std::vector<SolidData> solids;
   for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i]) solids.push_back(solid_data(view.objects()[i], static_cast<std::uint16_t>(i)));
+    if (known[i]) solids.push_back(whole_solid_data(view, static_cast<std::uint16_t>(i)));
   return solids;
 }
 
@@ -219,15 +221,42 @@ TEST(WholeBody, NeverAllocatesOnceItIsMade) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesTravels) {
+// A mesh is met as the grid that the server has of it.
+TEST(WholeBody, MeetsAMeshAsTheSceneDoes) {
+  Object bumpy = test::object(Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.05, 3)))},
+                              Vec3(0.0, 0.0, -0.055));
+  bumpy.name = "bumpy";
+  bumpy.material.static_friction = bumpy.material.dynamic_friction = 0.3;
+  Scene scene("room", {bumpy});
+  scene.set_tool({.body = std::make_shared<BodyTool>(test::tool(600))});
+  const auto whole = fetched(scene, {true});
+  test::Random random(4);
+  for (int i = 0; i < 100; ++i) {
+    const Pose tool = moved({}, 0.01 * random.direction(), random.direction());
+    const ShellContact a = of_scene(scene, tool), b = whole->solids->contact(tool);
+    EXPECT_LE((a.wrench - b.wrench).norm(), 1e-5 * a.wrench.norm() + 1e-7) << i;
+  }
+  const Errors errors = followed(scene, 50);
+  EXPECT_LT(20.0 * errors.whole, errors.late);
+}
+
+TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
   const BodyTool points = test::tool(500);
   EXPECT_TRUE(can_travel(points));
   EXPECT_FALSE(can_travel(test::tool(kMostBodyPoints + 1)));
   const BodyTool polygons(test::box_shell(500), {}, test::kFace, {},
                           std::make_shared<PolygonBody>());
   EXPECT_FALSE(can_travel(polygons));
-  EXPECT_TRUE(travels(points, test::object(Box{Vec3(1, 1, 1)})));
-  EXPECT_FALSE(travels(points, test::object(test::grid_of(Sphere{0.03}, 0.002))));
+  std::vector<Object> objects = {
+      test::object(Box{Vec3(1, 1, 1)}), test::object(test::grid_of(Sphere{0.03}, 0.002)),
+      test::object(Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.03, 2)))})};
+  for (Object& o : objects) o.name = "o" + std::to_string(&o - objects.data());
+  Scene scene("room", objects);
+  scene.set_tool({.body = std::make_shared<BodyTool>(points)});
+  EXPECT_TRUE(can_travel(scene, 0));
+  EXPECT_FALSE(can_travel(scene, 1));  // its samples alone are known
+  EXPECT_TRUE(can_travel(scene, 2));
+  EXPECT_FALSE(can_travel(scene, 3));
 }
 
 // A server may send any numbers.
@@ -235,7 +264,7 @@ TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
   const double nan = std::nan("");
   const BodyTool tool = test::tool(100);
   const BodyData good = body_data(tool, std::nullopt);
-  const SolidData box = solid_data(test::object(Box{Vec3(1, 1, 1)}), 0);
+  const SolidData box{.object = 0, .shape = Box{Vec3(1, 1, 1)}, .pose = {}, .material = {}};
   EXPECT_NO_THROW(whole_body(1, good, {box}));
   const std::vector<std::function<void(BodyData&)>> spoilt = {
       [](BodyData& b) { b.points.clear(); },
@@ -272,7 +301,11 @@ TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
       [](SolidData& s) { s.material.stiffness = 0.0; },
       [](SolidData& s) { s.material.dynamic_friction = 1.0; },
       [=](SolidData& s) { s.material.damping = nan; },
-      [](SolidData& s) { s.shape = test::grid_of(Sphere{0.03}, 0.002); }};
+      [](SolidData& s) { s.shape = test::grid_of(Sphere{0.03}, 0.002); },
+      [](SolidData& s) {  // a mesh with a hole
+        s.mesh = icosphere(0.03, 1);
+        s.mesh.triangles.pop_back();
+      }};
   for (std::size_t i = 0; i < solids.size(); ++i) {
     SolidData bad = box;
     solids[i](bad);

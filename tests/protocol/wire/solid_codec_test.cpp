@@ -65,13 +65,18 @@ std::vector<double> lengths(const Shape& shape) {
 TEST(Control, SolidsInFull) {
   EXPECT_EQ(round_trip(ListSolids{5}).session, 5u);
   const std::vector<SolidData> sent = solids();
-  const SolidList list =
-      round_trip(SolidList{.version = 3, .body = heavy(), .points = 9, .solids = sent});
+  SolidList all{.version = 3, .body = heavy(), .points = 9};
+  for (const SolidData& one : sent) all.solids.push_back({.solid = one});
+  all.solids.push_back({.solid = solid({}), .vertices = 10, .triangles = 20});
+  const SolidList list = round_trip(all);
   EXPECT_EQ(list.version, 3u);
   EXPECT_EQ(list.points, 9u);
-  ASSERT_EQ(list.solids.size(), sent.size());
+  ASSERT_EQ(list.solids.size(), sent.size() + 1);
+  EXPECT_EQ(list.solids.back().vertices, 10u);
+  EXPECT_EQ(list.solids.back().triangles, 20u);
   for (std::size_t i = 0; i < sent.size(); ++i) {
-    const SolidData& came = list.solids[i];
+    EXPECT_EQ(list.solids[i].triangles, 0u);
+    const SolidData& came = list.solids[i].solid;
     EXPECT_EQ(came.object, 7);
     EXPECT_TRUE(came.from_inside);
     EXPECT_EQ(came.shape.index(), sent[i].shape.index());
@@ -120,7 +125,8 @@ bool refused(const Message& message) {
 
 TEST(Control, TooManySolidsAreNoMessage) {
   const auto many = [](std::size_t count) {
-    return SolidList{.version = 1, .solids = std::vector(count, solid(Sphere{1.0}))};
+    return SolidList{.version = 1,
+                     .solids = std::vector(count, SolidEntry{.solid = solid(Sphere{1.0})})};
   };
   EXPECT_FALSE(refused(many(kMaxSurfaces)));
   EXPECT_TRUE(refused(many(kMaxSurfaces + 1)));
@@ -160,6 +166,7 @@ TEST(Control, AShapeOrABodyWithoutAllOfItsNumbersIsNoMessage) {
   EXPECT_FALSE(decoded("sphere", {}).has_value());
   EXPECT_FALSE(decoded("sphere", {1.0, 2.0}).has_value());
   EXPECT_FALSE(decoded("box", {1.0, 2.0}).has_value());
+  EXPECT_FALSE(decoded("mesh", {}).has_value());  // without triangles
   EXPECT_FALSE(decoded("sphere", {1.0}, false).has_value());
 }
 

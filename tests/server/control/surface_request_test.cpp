@@ -102,7 +102,14 @@ TEST_F(SurfaceRequest, PartsMakeUpTheBody) {
   ASSERT_TRUE(list.body.has_value());
   EXPECT_EQ(list.body->contact_area, body()->contact_area());
   EXPECT_EQ(list.points, 2500u);
-  ASSERT_EQ(list.solids.size(), 2u);  // without the mesh
+  ASSERT_EQ(list.solids.size(), 3u);
+  EXPECT_EQ(list.solids[1].triangles, 0u);
+  EXPECT_EQ(list.solids[2].triangles, 5120u);
+  const auto first = admin_.ask<control::SurfacePart>(control::GetSurface{session, 1, 2, 0, 0});
+  EXPECT_EQ(first.vertices[7], ball().vertices()[7] + ball().origin());
+  EXPECT_EQ(first.triangles[7], ball().triangles()[7]);
+  EXPECT_EQ(admin_.ask<Refused>(control::GetSurface{session, 1, 0, 0, 0}).code,
+            RefusalCode::bad_parameters);
   std::vector<Vec3> points;
   while (points.size() < list.points) {
     const auto part = admin_.ask<control::BodyPoints>(
@@ -118,14 +125,14 @@ TEST_F(SurfaceRequest, PartsMakeUpTheBody) {
   const auto take = [&](std::uint32_t version, std::vector<std::uint16_t> objects) {
     return control::TakeSurfaces{session, version, std::move(objects)};
   };
-  EXPECT_EQ(admin_.ask<Refused>(take(1, {2})).code, RefusalCode::bad_parameters);  // the mesh
-  EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(1, {0, 1})).session, session);
+  EXPECT_EQ(admin_.ask<Refused>(take(1, {3})).code, RefusalCode::bad_parameters);
+  EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(1, {0, 1, 2})).session, session);
   // Another material is another version: the body's client has the materials.
   admin_.ask<control::SceneChanged>(
       control::SetMaterial{"room", {.object = "floor", .stiffness = 321.0}});
   const auto next = admin_.ask<control::SolidList>(control::ListSolids{session});
   EXPECT_EQ(next.version, 2u);
-  EXPECT_EQ(next.solids[0].material.stiffness, 321.0);
+  EXPECT_EQ(next.solids[0].solid.material.stiffness, 321.0);
   EXPECT_EQ(admin_.ask<Refused>(take(1, {0})).code, RefusalCode::bad_scene);
   EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(2, {0})).session, session);
 }
