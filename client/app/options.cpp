@@ -208,8 +208,9 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_flag_function(
          "--whole-surfaces,!--no-whole-surfaces",
          [&words](std::int64_t times) { words.whole_surfaces = times > 0; },
-         "For the local model, fetch the meshes of the scene, and feel them as the scene does "
-         "(docs/network.md). With --no-whole-surfaces replies have patches of them only")
+         "For the local model, fetch the meshes of the scene, or the body of the tool with the "
+         "solids, and feel them as the scene does (docs/network.md). With --no-whole-surfaces "
+         "replies have patches or planes of them only")
       ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";

@@ -60,7 +60,8 @@ struct RunOptions {
   /// must end at once, so that run_client() does not return. Returns the exit code to use. Must not
   /// throw.
   std::function<int(int code)> on_exit = {};
-  /// Fetches the scene's meshes for the local model; false: the model has patches of them only.
+  /// Fetches the scene's meshes, or the tool's body with the solids, for the local model; false:
+  /// the model has patches or planes of them only.
   bool whole_surfaces = true;
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};

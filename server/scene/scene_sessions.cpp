@@ -59,16 +59,6 @@ control::Refused unknown_session(std::uint64_t id) {
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
 
-/// The data of a body has the materials and the gravity, which the patches of a point have.
-std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes) {
-  return view.tool().body != nullptr ? version + changes : version;
-}
-
-control::Refused other_version(std::uint32_t version) {
-  return {control::RefusalCode::bad_scene, "the scene has no version " + std::to_string(version) +
-                                               " any more; list its surfaces again"};
-}
-
 /// Why a session ends that nobody ended, and where that is counted.
 struct SceneSessions::Ending {
   GoodbyeReason reason;
@@ -172,23 +162,6 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
   return control::Refused{control::RefusalCode::malformed,
                           "a scene answers join, leave, set parameters, take surfaces, and lists "
                           "of its sessions and counters only"};
-}
-
-control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& request,
-                                              Nanoseconds now) {
-  SessionSlot** slot = by_id_.find(request.session);
-  if (slot == nullptr) return unknown_session(request.session);
-  const ToolView* view = scene_->view((*slot)->tool);
-  if (view == nullptr || request.version != whole_version(*view, version_, live_changes_))
-    return other_version(request.version);
-  control::TakeSurfaces logged = request;
-  logged.session = (*slot)->number;
-  const std::vector<std::uint8_t> event =
-      log_ == nullptr ? std::vector<std::uint8_t>{} : body(logged);
-  if (auto wrong = (*slot)->session.take_surfaces(request.version, request.objects))
-    return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
-  log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = event});
-  return control::SurfacesTaken{request.session};
 }
 
 /// Throws std::invalid_argument when they are not possible.

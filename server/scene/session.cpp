@@ -270,10 +270,9 @@ std::optional<std::string> Session::take_surfaces(std::uint32_t version,
 }
 
 void Session::weigh_anew() noexcept {
-  const BodyTool* body = view_->tool().body.get();
-  if (body == nullptr || !(body->inertia().mass > 0.0)) return;
+  if (view_->tool().body == nullptr) return;
   ++reloads_;
-  forget_surfaces();  // its client has the gravity, too
+  forget_surfaces();  // what its client has is of another version now
   deadband_ = ReplyDeadband(parameters_);
 }
 

@@ -1,0 +1,36 @@
+// What a client has of a scene in full: its version, and what a session is told of it.
+
+#include "protocol/wire/control.hpp"
+#include "server/scene/scene_sessions.hpp"
+#include "server/scene/session_slot.hpp"
+
+namespace feltwire {
+
+/// The data of a body has the materials and the gravity, which the patches of a point have.
+std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes) {
+  return view.tool().body != nullptr ? version + changes : version;
+}
+
+control::Refused other_version(std::uint32_t version) {
+  return {control::RefusalCode::bad_scene, "the scene has no version " + std::to_string(version) +
+                                               " any more; list its surfaces again"};
+}
+
+control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& request,
+                                              Nanoseconds now) {
+  SessionSlot** slot = by_id_.find(request.session);
+  if (slot == nullptr) return unknown_session(request.session);
+  const ToolView* view = scene_->view((*slot)->tool);
+  if (view == nullptr || request.version != whole_version(*view, version_, live_changes_))
+    return other_version(request.version);
+  control::TakeSurfaces logged = request;
+  logged.session = (*slot)->number;
+  const std::vector<std::uint8_t> event =
+      log_ == nullptr ? std::vector<std::uint8_t>{} : body(logged);
+  if (auto wrong = (*slot)->session.take_surfaces(request.version, request.objects))
+    return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
+  log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = event});
+  return control::SurfacesTaken{request.session};
+}
+
+}  // namespace feltwire
