@@ -61,6 +61,7 @@ struct TorqueSession {
   double oscillation = 0.0;                  // [rad] as above
   double largest_jump = 0.0;  // [N m] a sample, of the torque on the hand beyond the ideal
 };
+/// By task, method, link and what the client has; also those without a bound, beside the scene.
 std::vector<TorqueSession> torque_sessions();
 void run_sessions(std::vector<TorqueSession>& sessions);
 

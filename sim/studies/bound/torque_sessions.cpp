@@ -67,7 +67,7 @@ void run_session(TorqueSession& session, TorqueTask task) {
 
 std::vector<TorqueSession> torque_sessions() {
   std::vector<TorqueSession> sessions;
-  for (const TorqueTask& task : body_tasks())
+  for (const TorqueTask& task : body_tasks()) {
     for (const std::string_view mode : kSessionModes)
       for (const char* link : kSessionLinks)
         for (const auto& [local_model, whole] : kModels) {
@@ -81,6 +81,14 @@ std::vector<TorqueSession> torque_sessions() {
                                 .local_model = local_model,
                                 .whole = whole});
         }
+    for (const NamedHand& hand : kEightHands)  // what the encoders leave
+      sessions.push_back({.task = task.name,
+                          .mode = std::string(kUnbounded),
+                          .link = kSessionLinks[0],
+                          .hand = hand,
+                          .local_model = true,
+                          .whole = true});
+  }
   return sessions;
 }
 
