@@ -103,7 +103,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
     reply.body = any_model(random, servo.sample().pose);
     reply.body.scene = static_cast<std::uint32_t>(n / 200);
-    if (n / 200 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version that is not here
+    if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version that is not here
     servo.take(reply, now);
   }
   EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);

@@ -128,13 +128,8 @@ Pose hand_at(double t) {
           turned(Quaternion::Identity(), 0.3 * Vec3(std::sin(a), std::cos(1.5 * a), 0.2))};
 }
 
-#ifdef FELTWIRE_SANITIZED
-constexpr int kTicks = 600;
-#else
-constexpr int kTicks = 2000;
-#endif
-/// That many ticks of that movement, models `delay` ticks late: RMS error of the torque over its
-/// RMS, of the late reply and of the whole body.
+/// 2 s of that movement, models `delay` ticks late: RMS error of the torque over its RMS, of the
+/// late reply and of the whole body.
 struct Errors {
   double late = 0.0, whole = 0.0;
 };
@@ -148,7 +143,7 @@ Errors followed(const Scene& scene, std::size_t delay) {
   Errors sum;
   double size = 0.0;
   Command late;
-  for (int n = 0; n < kTicks; ++n) {
+  for (int n = 0; n < 2000; ++n) {
     const Pose device = hand_at(1e-3 * n);
     const Command now = scene.touch(device, Vec3::Zero(), 1e-3, memory);
     on_the_way.emplace_back(now, body_model(scene, device, memory, kVersion, known));
