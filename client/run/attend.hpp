@@ -35,7 +35,7 @@ class Signals {
 /// Runs until the servo thread's loop is over. It shows its status, writes the records, also on a
 /// signal, handles changes of an admin, looks for a lost session, and ends the loop on a signal or
 /// when another session is refused for good. A key of the terminal presses the emergency stop
-/// (`keys`). It fetches whole surfaces for `session`, the first one of the loop, and for those
+/// (`keys`). It fetches the scene in full for `session`, the first one of the loop, and for those
 /// after it (session 0: for none). No failure in here ends the run: a status line without memory is
 /// not shown.
 void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,

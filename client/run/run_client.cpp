@@ -168,8 +168,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
-/// The session for which whole surfaces may be fetched; 0: none are wanted, or it has no use for
-/// them.
+/// The session for which the scene may be fetched in full; 0: that is not wanted, or of no use.
 std::uint64_t fetching_session(const control::JoinAccepted& accepted, const RunOptions& options) {
   const bool fetches = options.whole_surfaces && accepted.lists_surfaces &&
                        accepted.parameters.local_model && feels(options.role);

@@ -215,7 +215,7 @@ class Servo {
                ? std::string_view(options_.seats[remote_->seat()])
                : std::string_view();
   }
-  /// What is here in full of the scene, until the next call; null: nothing. It outlives that time.
+  /// Renders with this scene until the next call; null: nothing was fetched. It must live so long.
   void use(const FetchedScene* fetched) noexcept {
     fetched_ = fetched;
     local_.use(fetched != nullptr ? fetched->surfaces.get() : nullptr);

@@ -36,7 +36,7 @@ struct LoopOptions {
   /// Prepared changes of an admin, from LoopOutputs::wanted. They must outlive the loop. Null:
   /// there are none.
   Ring<PreparedChange*>* changes = nullptr;
-  /// What is fetched of the scene for the local model (SceneFetch); null: nothing is.
+  /// Scenes that SceneFetch has fetched for the local model; null: it fetches none.
   Ring<const FetchedScene*>* fetched = nullptr;
   /// The time for which the thread polls, instead of sleeping: for the reply after a sample was
   /// sent, and for the next deadline before it comes; kForever: it never sleeps. With 0 it polls

@@ -107,7 +107,7 @@ BodyData fetched(ControlDialogue& dialogue, std::uint64_t session, const control
 
 using Fetched = std::shared_ptr<const FetchedScene>;
 
-/// What the server has for a client. The version is 0 where that is nothing.
+/// The server's lists of what a client may fetch. Version 0: there is nothing to fetch.
 struct Offer {
   std::uint32_t version = 0;
   control::SurfaceList surfaces;  // for a point or a ball
@@ -122,7 +122,7 @@ Offer offered(ControlDialogue& dialogue, std::uint64_t session) {
     return offer;
   }
   offer.solids = dialogue.ask_for<control::SolidList>(control::ListSolids{session});
-  if (offer.solids.body && offer.solids.points <= SceneFetch::kMostPoints)
+  if (offer.solids.body && offer.solids.points <= kMostBodyPoints)
     offer.version = offer.solids.version;
   return offer;
 }

@@ -29,16 +29,15 @@ class SceneFetch {
   using Clock = std::chrono::steady_clock;
   /// Larger surfaces stay on the server: a client in a scanned city would fetch for minutes.
   static constexpr std::uint32_t kMostTriangles = 200'000;  // of all surfaces together
-  static constexpr std::uint32_t kMostPoints = 20'000;      // of a tool with a body
 
-  /// What is for the servo goes to `out`; it lives as long as this, or until in_use() names a newer
-  /// one.
+  /// Fetched scenes go to the servo through `out`. Each lives as long as this object, or until
+  /// in_use() names a newer one.
   SceneFetch(ServerAccess server, Ring<const FetchedScene*>& out,
              std::chrono::milliseconds timeout = std::chrono::seconds(5));
 
   /// Call it now and then, with the present place of the loop; session 0: nothing is fetched.
   void look(const ScenePlace& place, Clock::time_point now) noexcept;
-  /// What the servo has taken; null: nothing. All that is older is freed.
+  /// Tells which scene the servo uses; null: none. This frees all older ones.
   void in_use(const FetchedScene* fetched) noexcept;
 
   /// Whether a question is asked whose outcome look() has not taken yet.

@@ -25,15 +25,15 @@ class LocalBody {
     memory_ = {};
   }
 
-  /// The tool and the solids that are here in full, until the next call; null: none. They outlive
-  /// that time.
+  /// Uses this tool with its solids until the next call; null: none was fetched. It must live so
+  /// long.
   void use(const WholeBody* whole) noexcept { whole_ = whole; }
   /// Whether the model means solids that are here.
   bool has_whole() const noexcept {
     return model_.solids != 0 && whole_ != nullptr && whole_->version == model_.solids;
   }
 
-  /// Of a tool with mass that is here in full and moves; null: the tool has no mass.
+  /// The inertia of the tool that this side moves itself; null: that tool has no mass.
   const ToolInertia* inertia() const noexcept {
     return has_whole() && whole_->inertia.mass > 0.0 ? &whole_->inertia : nullptr;
   }

@@ -2,6 +2,7 @@
 // A tool with a body that a client has in full, with still solids of its scene. With them the
 // client finds the tool's balance, or its movement, as the server does, over every delay.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -21,6 +22,9 @@ struct WholeBody {
   ToolInertia inertia;        // of mass 0: it has none
   std::unique_ptr<const ToolSurroundings> solids;  // never null
 };
+
+/// The most points of a tool that travels: a client looks at them with every tick.
+inline constexpr std::size_t kMostBodyPoints = 20'000;
 
 /// A tool with a body, as it travels.
 struct BodyData {

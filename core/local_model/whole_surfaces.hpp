@@ -46,7 +46,7 @@ struct SurfaceData {
   std::vector<Triangle> triangles;
 };
 
-/// What a client has of a scene in full, for the tool of its hand. Immutable.
+/// The objects of a scene that a client has fetched for the tool of its hand. Immutable.
 struct FetchedScene {
   std::vector<std::uint16_t> objects;             // their numbers in the scene, rising
   std::shared_ptr<const WholeSurfaces> surfaces;  // for a tool that is a point or a ball; or null

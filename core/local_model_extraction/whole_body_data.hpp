@@ -1,5 +1,5 @@
 #pragma once
-// What a client gets of a tool with a body and of its solids, to have them in full.
+// Makes the data of a tool with a body and of its solids, which a client fetches.
 
 #include <optional>
 
@@ -7,9 +7,6 @@
 #include "core/scene/tool_view.hpp"
 
 namespace feltwire {
-
-/// The most points of a tool that travels. A client looks at all of them with every tick.
-inline constexpr std::size_t kMostBodyPoints = 20'000;
 
 /// Whether the tool touches by points, at most kMostBodyPoints.
 bool can_travel(const BodyTool& tool) noexcept;

@@ -96,8 +96,8 @@ class Session {
   /// reload, because the surface under its hand has changed. A stick point begins anew if a surface
   /// without friction gets friction. Precondition: the view is of the same tool.
   void adopt(const ToolView& view, std::size_t object) noexcept;
-  /// The same scene with another gravity from the next sample on. A client of a tool with a body is
-  /// told, as by adopt(): it may move the tool itself.
+  /// The scene has another gravity from the next sample on. The client of a tool with a body gets
+  /// the same message as for adopt(), because it may move the tool itself.
   void weigh_anew() noexcept;
   /// From the next sample on the client has these objects in full, of this version, and no others;
   /// with a tool that has a body it has the tool, too. Returns the error of a false object, and

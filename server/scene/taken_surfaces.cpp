@@ -1,4 +1,5 @@
-// What a client has of a scene in full: its version, and what a session is told of it.
+// The objects that clients have fetched from a scene: their version, and how a session learns of
+// them.
 
 #include "protocol/wire/control.hpp"
 #include "server/scene/scene_sessions.hpp"

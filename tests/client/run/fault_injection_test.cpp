@@ -182,12 +182,12 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     LostRun run(recording);
     Reconnector reconnector(access, anyone(), run.sessions, {.first_wait = 10ms});
     Ring<const FetchedScene*> made(1);
-    SceneFetch surfaces(access, made);
+    SceneFetch fetch(access, made);
     ServoThread thread(run.task);
     failed_once.store(false);
     left = nth;
     EmergencyKey no_keys(nullptr, -1);
-    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, surfaces, 0,
+    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, fetch, 0,
            no_keys);
     left = kNever;
     run.expect_good_end(thread, nth);

@@ -54,6 +54,31 @@ SessionParameters modelled() {
   return parameters;
 }
 
+/// The statuses of a client, which outlive its thread.
+struct Statuses {
+  Ring<LiveStatus> statuses{16};
+};
+/// A client whose servo renders what is fetched.
+struct FeelingClient : Statuses, Client {
+  FeelingClient(const ServerAccess& server, const char* scene, Ring<const FetchedScene*>& fetched)
+      : Client(server, kRest, modelled(), scene) {
+    const LoopOptions options{.silence_timeout = testing::kPatience, .fetched = &fetched};
+    thread = std::thread([this, options] {
+      run_servo_loop(device, servo, transport, options, stop,
+                     {.status = &statuses, .record = &records}, *result);
+    });
+  }
+  /// Waits until it renders a fetched scene.
+  LiveStatus renders(SceneFetch& fetch) {
+    LiveStatus status;
+    test::eventually("the servo renders what was fetched", [&] {
+      while (statuses.pop(status)) fetch.in_use(status.fetched);
+      return status.fetched != nullptr && status.near;
+    });
+    return status;
+  }
+};
+
 class SceneFetchTest : public ::testing::Test {
  protected:
   SceneFetchTest() {
@@ -79,22 +104,12 @@ class SceneFetchTest : public ::testing::Test {
 };
 
 TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
-  Client client(endpoint, kRest, modelled(), "ball");
+  FeelingClient client(endpoint, "ball", ready);
   ASSERT_TRUE(client.joined.accepted.lists_surfaces);
-  Ring<LiveStatus> statuses(16);
-  const LoopOptions options{.silence_timeout = testing::kPatience, .fetched = &ready};
-  client.thread = std::thread([&] {
-    run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
-                   {.status = &statuses, .record = &client.records}, *client.result);
-  });
   SceneFetch fetch(endpoint, ready);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
        [&] { return fetch.known() == 1; });
-  LiveStatus status;
-  test::eventually("the servo has it", [&] {
-    while (statuses.pop(status)) fetch.in_use(status.fetched);
-    return status.fetched != nullptr && status.near;
-  });
+  const LiveStatus status = client.renders(fetch);
   // Nothing more is asked while the scene stays.
   for (int i = 0; i < 10; ++i) fetch.look({client.joined.accepted.session, 0}, now += 1h);
   EXPECT_FALSE(fetch.asking());
@@ -111,21 +126,11 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
 }
 
 TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
-  Client client(endpoint, kRest, modelled(), "ring");
-  Ring<LiveStatus> statuses(16);
-  const LoopOptions options{.silence_timeout = testing::kPatience, .fetched = &ready};
-  client.thread = std::thread([&] {
-    run_servo_loop(client.device, client.servo, client.transport, options, client.stop,
-                   {.status = &statuses, .record = &client.records}, *client.result);
-  });
+  FeelingClient client(endpoint, "ring", ready);
   SceneFetch fetch(endpoint, ready);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of ring and bunny",
        [&] { return fetch.known() == kSolids; });
-  LiveStatus status;
-  test::eventually("the servo renders it", [&] {
-    while (statuses.pop(status)) fetch.in_use(status.fetched);
-    return status.fetched != nullptr && status.near;
-  });
+  const LiveStatus status = client.renders(fetch);
   EXPECT_EQ(status.fetched->objects.size(), kSolids);
   ASSERT_NE(status.fetched->body, nullptr);
   const ShellContact contact =
