@@ -164,10 +164,13 @@ Json account(const Servo& servo) {
           {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
-/// The hand's damping that the method counts on; null where it counts on none.
+/// What the method has learned about the hand; null where it learns nothing.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
-  return {{"damping_n_s_per_m", number(credit->damping)}, {"steps_down", credit->steps_down}};
+  return {{"damping_n_s_per_m", number(credit->damping)},
+          {"steps_down", credit->steps_down},
+          {"near_share", number(credit->near_share)},
+          {"near_steps_down", credit->near_steps_down}};
 }
 
 /// Ticks by why the hand was given no force, and the reason of a run that gave none at all.

@@ -47,14 +47,19 @@ std::string feel(const LiveStatus& status, const LiveStatus& before) {
   return line;
 }
 
-/// "  shaped late, 1.20 N s/m of the hand"
+/// "  shaped late, 1.20 N s/m of the hand" or "  shaped near, 85 % of the force"
 std::string shaping(const LiveStatus& s) {
   if (!s.shapes) return {};
-  if (s.near) return "  shaped near";
-  if (!s.hand_damping) return "  shaped late";
+  std::string line = s.near ? "  shaped near" : "  shaped late";
+  if (!s.hand_credit) return line;
+  constexpr double kHalfPercent = 0.005;
   std::array<char, kLongest> part{};
-  std::snprintf(part.data(), part.size(), "  shaped late, %.2f N s/m of the hand", *s.hand_damping);
-  return part.data();
+  if (s.near && s.hand_credit->near_share < 1.0 - kHalfPercent)
+    std::snprintf(part.data(), part.size(), ", %.0f %% of the force",
+                  kPercent * s.hand_credit->near_share);
+  if (!s.near && s.hand_credit->damping > 0.0)
+    std::snprintf(part.data(), part.size(), ", %.2f N s/m of the hand", s.hand_credit->damping);
+  return line + part.data();
 }
 
 /// "  account +0.0120 J, cuts 34 % of the ticks"

@@ -7,11 +7,6 @@ std::optional<double> balance_of(const Servo& servo) noexcept {
   return servo.account() ? std::optional(servo.account()->balance()) : std::nullopt;
 }
 
-std::optional<double> hand_damping_of(const Servo& servo) noexcept {
-  const std::optional<HandCredit> credit = servo.hand_credit();
-  return credit ? std::optional(credit->damping) : std::nullopt;
-}
-
 std::optional<double> turn_of(const Servo& servo) noexcept {
   if (!servo.remote() || !servo.remote()->remote().turn) return std::nullopt;
   return servo.remote()->remote().turn->norm();
@@ -46,7 +41,7 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .near = servo.near(),
           .reloads = servo.newest_reply().reloads,
           .fetched = servo.fetched(),
-          .hand_damping = hand_damping_of(servo),
+          .hand_credit = servo.hand_credit(),
           .balance = balance_of(servo),
           .account_cuts = s.account_cut,
           .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,

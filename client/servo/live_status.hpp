@@ -33,8 +33,8 @@ struct LiveStatus {
   bool near = false;              // this tick's force was made here, from the local model
   std::uint32_t reloads = 0;      // Reply::reloads of the newest reply
   const FetchedScene* fetched = nullptr;  // in use; null: nothing
-  std::optional<double>
-      hand_damping{};  // [N s/m] the assumed damping of the hand, if the method has one
+  std::optional<HandCredit>
+      hand_credit{};                // what the method has learned about the hand, if it does
   std::optional<double> balance{};  // [J] of the energy account; empty: there is none
   std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
   std::optional<LinkState>

@@ -200,8 +200,8 @@ class Credited {
 };
 
 /// mode `shaped` chooses for each command. A command that was made at the device, half a sample
-/// ahead (BasicBoundingStep::local), is rendered unchanged (core/bounding/midpoint.hpp). A late
-/// command goes through Credited.
+/// ahead (BasicBoundingStep::local), goes through Midpoint, which renders it unchanged as long as
+/// the hand is calm. A late command goes through Credited.
 template <class Real>
 class Shaped {
  public:
@@ -209,12 +209,12 @@ class Shaped {
   Shaped(const Credited<Real>& late, double quantum) : late_(late), near_(quantum) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    near_.step(s);
     if (s.local) {
       was_near_ = true;
       late_.moved(s);
-      return held_ = s.command;
+      return held_ = near_.step(s);
     }
+    near_.moved(s);
     if (was_near_) late_.set_held(held_);
     was_near_ = false;
     return late_.step(s);
@@ -228,7 +228,12 @@ class Shaped {
     return near_.probe(displacement, rotation);
   }
   void scene_changed() noexcept { late_.scene_changed(); }
-  HandCredit hand_credit() const noexcept { return late_.hand_credit(); }
+  HandCredit hand_credit() const noexcept {
+    HandCredit learned = near_.hand_credit();
+    learned.damping = late_.hand_credit().damping;
+    learned.steps_down = late_.hand_credit().steps_down;
+    return learned;
+  }
 
  private:
   Credited<Real> late_;

@@ -20,10 +20,13 @@ struct BasicLawAnswer {
   bool in_debt = false;
 };
 
-/// The damping a [N s/m] of the hand that a law assumes now, and how often it had to lower it.
+/// What a law has learned about the hand: how much of it, and how often it had to lower it because
+/// the hand swung.
 struct HandCredit {
-  double damping = 0.0;
+  double damping = 0.0;  // a [N s/m] of the hand, assumed for late forces; 0: none is assumed
   std::uint64_t steps_down = 0;
+  double near_share = 1.0;  // of a force made at the device, that is rendered
+  std::uint64_t near_steps_down = 0;
 };
 
 /// Holds a value of any type that has, all noexcept,
@@ -34,7 +37,7 @@ struct HandCredit {
 ///   void endow(Real energy)                 the next step may draw on energy [J] from elsewhere,
 ///   BasicProbe<Real> probe(displacement, rotation) const      the place to evaluate the scene,
 ///   void scene_changed()                    the surfaces changed: it forgets the old ones,
-///   HandCredit hand_credit() const          the damping of the hand that it assumes.
+///   HandCredit hand_credit() const          what it has learned about the hand.
 /// The steps are described at BasicBounding (core/bounding/bounding.hpp), which calls them.
 template <class Real>
 class BasicBoundingLaw {

@@ -1,7 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+
+#include "core/base/numeric.hpp"
+#include "core/bounding/law.hpp"
 #include "core/bounding/resting_place.hpp"
 #include "core/bounding/step.hpp"
+#include "core/bounding/sustained_swing.hpp"
 
 namespace feltwire {
 
@@ -18,16 +24,35 @@ namespace feltwire {
 /// M. R. Cutkosky, "Stable user-specific haptic rendering of the virtual wall", ASME IMECE 1996.
 ///
 /// For a hand that rests the scene is asked at one place (core/bounding/resting_place.hpp).
+///
+/// Half a sample of foresight is not enough for every hand: a light one on a light handle has an
+/// eigenfrequency near 140 Hz on 40 kN/m, and swings. Whenever it swings and does not come to rest
+/// (core/bounding/sustained_swing.hpp), the share of the force that is rendered falls to kStepDown
+/// of what it was; then it grows again by kGrowth.
 template <class Real>
 class Midpoint {
  public:
+  static constexpr double kStepDown = 0.85;
+  static constexpr double kGrowth = 0.05;       // [1/s] of the share
+  static constexpr double kLeastSwing = 30e-6;  // [m] a finger feels 10 um RMS
+  /// The least size of a swing in quanta of the encoder, along an axis. Along another direction u
+  /// the readings of several axes are added up: it is |u|_1 times as large.
+  static constexpr double kQuanta = 2.0;
+
   /// `quantum` [m] of the encoder.
-  explicit Midpoint(double quantum) : resting_(quantum) {}
+  explicit Midpoint(double quantum) : resting_(quantum), quanta_(kQuanta * quantum) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    resting_.moved(s.displacement.template cast<double>(), static_cast<double>(s.hold_time));
-    return s.command;
+    if (swings(s)) {
+      share_ *= kStepDown;
+      ++steps_down_;
+    } else if (share_ < 1.0) {
+      share_ = std::min(1.0, share_ * (1.0 + kGrowth * static_cast<double>(s.hold_time)));
+    }
+    return share_ < 1.0 ? static_cast<Real>(share_) * s.command : s.command;
   }
+  /// The hand moved while another law was in force.
+  void moved(const BasicBoundingStep<Real>& s) noexcept { swings(s); }
   void set_held(const BasicCommand<Real>&) noexcept {}
   /// Returns the place at which to ask the environment, relative to the device, which has moved by
   /// `displacement`, `rotation` since the last step.
@@ -37,9 +62,27 @@ class Midpoint {
     return {resting_.offset(displacement.template cast<double>()).template cast<Real>(),
             kHalf * rotation};
   }
+  HandCredit hand_credit() const noexcept {
+    return {.near_share = share_, .near_steps_down = steps_down_};
+  }
 
  private:
+  bool swings(const BasicBoundingStep<Real>& s) noexcept {
+    const Vec3 displacement = s.displacement.template cast<double>();
+    const double time = static_cast<double>(s.hold_time);
+    resting_.moved(displacement, time);
+    const Vec3 elastic = s.command.elastic.template cast<double>();
+    if (const double force = length(elastic); force > 0.0) normal_ = elastic / force;
+    return swing_.moved(normal_.dot(displacement), time,
+                        std::max(kLeastSwing, quanta_ * normal_.lpNorm<1>()));
+  }
+
   RestingPlace resting_;
+  double quanta_;  // [m]
+  SustainedSwing swing_;
+  Vec3 normal_ = Vec3::Zero();  // of the last contact
+  double share_ = 1.0;          // of the command that is rendered
+  std::uint64_t steps_down_ = 0;
 };
 
 }  // namespace feltwire

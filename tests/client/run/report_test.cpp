@@ -92,6 +92,8 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_GT(servo.hand_credit()->steps_down, 0u);
   EXPECT_EQ(written["hand_credit"]["steps_down"], servo.hand_credit()->steps_down);
   EXPECT_LT(written["hand_credit"]["damping_n_s_per_m"], BoundingConfig{}.hand_damping);
+  EXPECT_EQ(written["hand_credit"]["near_share"], 1.0) << "none of its forces was made here";
+  EXPECT_EQ(written["hand_credit"]["near_steps_down"], 0);
   EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
 }
 

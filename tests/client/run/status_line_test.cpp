@@ -71,9 +71,11 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
   LiveStatus now = under_way();
   now.shapes = true;
   EXPECT_THAT(text(now, now), EndsWith("J  shaped late"));
-  now.hand_damping = 0.6;
+  now.hand_credit = HandCredit{.damping = 0.6, .near_share = 0.8512};
   EXPECT_THAT(text(now, now), EndsWith("J  shaped late, 0.60 N s/m of the hand"));
   now.near = true;
+  EXPECT_THAT(text(now, now), EndsWith("J  shaped near, 85 % of the force"));
+  now.hand_credit->near_share = 0.999;
   EXPECT_THAT(text(now, now), EndsWith("J  shaped near"));
 }
 

@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "core/bounding/bounding.hpp"
-#include "core/bounding/midpoint.hpp"
 
 namespace feltwire::credited_test {
 namespace {
@@ -189,13 +188,6 @@ TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
   s.local = false;  // it goes on from what was held
   s.command = push(50.0);
   EXPECT_NEAR(shaped.step(s).elastic.z(), 8.0 + kStiffness * 1e-5, 1e-12);
-}
-
-TEST(Midpoint, AsksHalfASampleAhead) {
-  const Midpoint<double> midpoint(kQuantum);
-  const Probe probe = midpoint.probe(Vec3(2e-4, 0, 0), Vec3(0, 4e-3, 0));
-  EXPECT_EQ(probe.offset, Vec3(1e-4, 0, 0));
-  EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
 }
 
 }  // namespace

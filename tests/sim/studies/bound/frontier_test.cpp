@@ -187,7 +187,11 @@ TEST(FrontierHands, MostHandsFeelThePapersWall) {
     c.cold = false;
     const std::vector<FrontierRow> rows = over_all_hands(c);
     EXPECT_GT(median_share(rows), 0.9) << damping;
-    for (const FrontierRow& r : rows) EXPECT_EQ(r.energy_made, 0.0) << r.made.hand.name;
+    for (const FrontierRow& r : rows) {
+      EXPECT_EQ(r.energy_made, 0.0) << r.made.hand.name;
+      EXPECT_LT(r.oscillation, 1.2 * kCalm) << r.made.hand.name << ' ' << damping;
+      EXPECT_GT(r.displayed, 0.35) << r.made.hand.name << ' ' << damping;
+    }
     c.law = "contact_frame";
     EXPECT_LT(median_share(over_all_hands(c)), 0.9) << "the goal says nothing if this law meets it";
   }

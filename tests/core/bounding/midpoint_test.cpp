@@ -1,0 +1,131 @@
+// midpoint near the device: where the scene is asked, and how much of the force a hand gets that
+// swings, in closed form.
+
+#include "core/bounding/midpoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/bounding/bounding.hpp"
+
+namespace feltwire::midpoint_test {
+namespace {
+
+constexpr double kPeriod = 1e-3;    // [s]
+constexpr double kQuantum = 20e-6;  // [m]
+
+BoundingStep step(double dz, const Command& command) {
+  return {.displacement = Vec3(0, 0, dz), .hold_time = kPeriod, .command = command, .local = true};
+}
+Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
+
+/// A hand that swings along the normal by `amplitude` [m], which falls by `decay` [1/s], at
+/// `frequency` [Hz]. `command` is asked for at each height [m].
+template <class Law, class AskedFor>
+void swing(Law& law, double amplitude, double decay, double frequency, double time,
+           AskedFor command) {
+  double before = 0.0;
+  for (int n = 1; n <= std::lround(time / kPeriod); ++n) {
+    const double t = n * kPeriod;
+    const double z =
+        amplitude * std::exp(-decay * t) * std::sin(2 * std::numbers::pi * frequency * t);
+    law.step(step(z - before, command(z)));
+    before = z;
+  }
+}
+template <class Law>
+void swing(Law& law, double amplitude, double decay, double frequency, double time) {
+  swing(law, amplitude, decay, frequency, time, [](double) { return push(5.0); });
+}
+
+TEST(Midpoint, AsksHalfASampleAhead) {
+  const Midpoint<double> midpoint(kQuantum);
+  const Probe probe = midpoint.probe(Vec3(2e-4, 0, 0), Vec3(0, 4e-3, 0));
+  EXPECT_EQ(probe.offset, Vec3(1e-4, 0, 0));
+  EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
+}
+
+/// 100 reversals a second: twelve of them, and each twelve more, are a step.
+TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
+  Midpoint<double> midpoint(kQuantum);
+  swing(midpoint, 2e-4, 0.0, 50.0, 1.0);
+  const HandCredit learned = midpoint.hand_credit();
+  EXPECT_EQ(learned.near_steps_down, 8u);  // 99 reversals
+  EXPECT_NEAR(learned.near_share, std::pow(0.85, 8) * std::exp(0.05 * 1.0),
+              0.02 * learned.near_share);
+  const Command asked{
+      .elastic = Vec3(0, 0, 5), .frictional = Vec3(2, 0, 0), .torque = Vec3(0, 0.1, 0)};
+  const Command given = midpoint.step(step(0.0, asked));
+  const double share = midpoint.hand_credit().near_share;
+  EXPECT_EQ(given, share * asked);
+}
+
+/// It loses a tenth and more with each movement.
+TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
+  Midpoint<double> midpoint(kQuantum);
+  swing(midpoint, 5e-3, 10.0, 50.0, 0.5);
+  EXPECT_EQ(midpoint.hand_credit().near_steps_down, 0u);
+  EXPECT_EQ(midpoint.step(step(0.0, push(5.0))), push(5.0));
+}
+
+TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
+  Midpoint<double> slow(kQuantum), small(kQuantum), in_the_air(kQuantum), along(kQuantum);
+  swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves by itself
+  swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // two quanta between its ends
+  swing(in_the_air, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{}; });
+  swing(along, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{.elastic = Vec3(5, 0, 0)}; });
+  for (const auto* midpoint : {&slow, &small, &in_the_air, &along})
+    EXPECT_EQ(midpoint->hand_credit().near_steps_down, 0u);
+}
+
+/// Half of each swing is outside of the wall.
+TEST(Midpoint, ASwingThatLeavesTheWallCountsToo) {
+  Midpoint<double> midpoint(kQuantum);
+  swing(midpoint, 2e-4, 0.0, 50.0, 0.5,
+        [](double z) { return z < 0.0 ? push(-4e4 * z) : Command{}; });
+  EXPECT_GT(midpoint.hand_credit().near_steps_down, 2u);
+}
+
+TEST(Midpoint, TheShareGrowsBackToTheWholeCommand) {
+  Midpoint<double> midpoint(kQuantum);
+  swing(midpoint, 2e-4, 0.0, 50.0, 0.2);
+  const double low = midpoint.hand_credit().near_share;
+  ASSERT_LT(low, 1.0);
+  for (int n = 0; n < 2000; ++n) midpoint.step(step(0.0, push(5.0)));
+  EXPECT_NEAR(midpoint.hand_credit().near_share, low * std::exp(2.0 * Midpoint<double>::kGrowth),
+              1e-4);
+  for (int n = 0; n < 20'000; ++n) midpoint.step(step(0.0, push(5.0)));
+  EXPECT_EQ(midpoint.hand_credit().near_share, 1.0);
+  EXPECT_EQ(midpoint.step(step(0.0, push(5.0))), push(5.0));
+}
+
+/// What a late force did says nothing about a near one, and the other way round.
+TEST(Midpoint, ShapedLearnsNearAndLateApart) {
+  BoundingConfig config;
+  config.mode = "shaped";
+  config.period = kPeriod;
+  config.damping = 0.5;
+  config.quantum = kQuantum;
+  Bounding late(config), near(config);
+  double before = 0.0;
+  for (int n = 1; n <= 500; ++n) {
+    const double z = 2e-4 * std::sin(2 * std::numbers::pi * 50.0 * n * kPeriod);
+    BoundingStep s = step(z - before, push(5.0));
+    before = z;
+    near.step(s);
+    s.local = false;
+    late.step(s);
+  }
+  EXPECT_EQ(late.hand_credit()->near_share, 1.0);
+  EXPECT_EQ(late.hand_credit()->near_steps_down, 0u);
+  EXPECT_GT(late.hand_credit()->steps_down, 0u);
+  EXPECT_LT(near.hand_credit()->near_share, 1.0);
+  EXPECT_GT(near.hand_credit()->near_steps_down, 0u);
+  EXPECT_EQ(near.hand_credit()->steps_down, 0u);
+  EXPECT_EQ(near.hand_credit()->damping, config.hand_damping);
+}
+
+}  // namespace
+}  // namespace feltwire::midpoint_test
