@@ -36,7 +36,9 @@ struct ServoOptions {
   /// Between the bound and the device. None by default, so that measurements show the bound;
   /// protect_hand() gives the limits for a person's hand.
   SafetyLimits safety;
-  bool observes = false;           // its role gets no force: used for the no-force reason
+  bool observes = false;  // its role gets no force: used for the no-force reason
+  /// The account stands behind the law. False: a law of a paper as it was published.
+  bool account = true;
   bool learns_hand_force = false;  // the account relies on the largest recent force from
                                    // outside (core/bounding/outside_force.hpp)
   /// The hand leads the scene's robot, and trusts this share of the energy that the robot reports.
@@ -53,7 +55,8 @@ struct ServoOptions {
 };
 
 /// Throws std::invalid_argument that names the limit, its value and the remedy: a slew, ramp or
-/// speed limit cannot follow a bound that does not admit reductions, at the client or the server.
+/// speed limit cannot follow a bound that does not admit reductions, at the client or the server;
+/// a force cannot do without the account where nothing else makes it passive.
 void validate(const ServoOptions& options, const SessionParameters& parameters);
 
 /// The safety limits that protect a hand and are not felt in normal use (docs/devices.md has the

@@ -30,18 +30,19 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   return config;
 }
 
-/// Whether the account counts on the device's mass and dry friction, and on the hand's largest
-/// force: behind a method that shapes, or that was told of the operator's damping.
+/// Whether the force is passive only by an account that counts on the device's mass and dry
+/// friction, and on the hand's largest force: behind a method that shapes, or that was told of the
+/// operator's damping.
 bool counts_on_mass(const SessionParameters& p) {
-  return p.mode != kUnbounded && p.side != BoundingSide::server && admits_reduction(p) &&
+  return p.mode != kUnbounded && p.side != BoundingSide::server &&
          (bounding_method(p.mode).shapes || p.operator_damping > 0.0);
 }
 
 /// Behind a method that only shapes, or that counts on the operator's damping, the account is what
 /// makes the port passive. Elsewhere it stands where the server bounds, for its bound knows nothing
-/// of delay, of loss and of late ticks, and behind a bound at this side that may be reduced, for
-/// that one counts on holds of T. None where nothing bounds, behind the paper's laws, which a
-/// reduction would break, and where nothing of the device is known.
+/// of delay, of loss and of late ticks, and behind every bound at this side, for that one counts on
+/// holds of T, and some of the papers' are not passive by themselves. None where nothing bounds,
+/// and where nothing of the device is known.
 std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const ServoOptions& options) {
   if (counts_on_mass(p)) {
@@ -49,9 +50,7 @@ std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSp
     config.learns_outside_force = options.learns_hand_force;
     return PortAccount(config);
   }
-  const bool behind_bound = p.side != BoundingSide::server;
-  if (p.mode == kUnbounded || (behind_bound && !admits_reduction(p)) ||
-      !(spec.damping.least() > 0.0))
+  if (p.mode == kUnbounded || !options.account || !(spec.damping.least() > 0.0))
     return std::nullopt;
   return PortAccount(any_hand_account(spec, p.servo_period));
 }
@@ -101,6 +100,11 @@ void refuse_beside(std::string_view mode, const char* what, double value, const 
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
   const SafetyLimits& s = options.safety;
   validate(s);
+  if (!options.account && counts_on_mass(parameters))
+    throw std::invalid_argument(
+        "the force of the mode " + parameters.mode +
+        (bounding_method(parameters.mode).shapes ? "" : " with an operator's damping") +
+        " is passive by its account alone; keep the account, or choose a mode of a paper");
   if (admits_reduction(parameters)) return;
   refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);

@@ -200,6 +200,8 @@ TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
               HasSubstr("velocity limit of 1 m/s cannot follow the bounding mode per_axis"));
   EXPECT_THAT(refusal({"--mode", "total_energy", "--ramp-up", "0.1"}), HasSubstr("ramp-up"));
   EXPECT_THAT(refusal({"--max-force", "-1"}), HasSubstr("force.max = -1"));
+  EXPECT_THAT(refusal({"--no-account"}),
+              HasSubstr("the mode shaped is passive by its account alone"));
   EXPECT_THAT(refusal({"--ramp-up", "nan"}), HasSubstr("ramp_up"));
 }
 

@@ -20,7 +20,8 @@ using namespace testing::servo;
 /// decades, late, lost, reordered, repeated, of a scene that is changed again and again. Forces are
 /// held for half a period to one, and `late` [s] beyond it at most.
 std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
-                                              int ticks, double late = 0.0) {
+                                              int ticks, double late = 0.0,
+                                              const ServoOptions& options = {}) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto chance = [&](double share) { return unit(random) < share; };
@@ -30,7 +31,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     return Vec3(std::pow(10.0, least + (most - least) * unit(random)) * direction(v));
   };
   DeviceSpec spec = builtin_device("simulated");
-  Servo servo(spec, p);
+  Servo servo(spec, p, options);
   std::deque<std::pair<Nanoseconds, Reply>> under_way;
   Nanoseconds now = seconds(5.0);
   Vec3 position = Vec3::Zero();
@@ -121,6 +122,25 @@ TEST(ServoAdversary, AConstantForceIsNoViolationBecauseTicksAreNotExact) {
 TEST(ServoAdversary, WithoutABoundTheSameAdversaryGetsIt) {
   EXPECT_GT(violations_against_an_adversary(parameters("none"), 1, 4000), 0u);
   EXPECT_GT(violations_against_an_adversary(parameters("none", BoundingSide::server), 1, 4000), 0u);
+}
+
+/// The laws of the papers, too, of which some are not passive by themselves, and none when a tick
+/// is late.
+TEST(ServoAdversary, BehindItsAccountNoModeGivesMoreThanWasBurned) {
+  for (const BoundingMethod* method : bounding_methods()) {
+    // An account that counts on the hand's mass and force is attacked in shaped_adversary_test.cpp.
+    // A method that moves the place of the tool is for the server alone.
+    if (method->name == kUnbounded || method->shapes || method->moves_probe) continue;
+    for (const double late : {0.0, 50e-6, 400e-6})
+      for (const std::uint64_t seed : test::seeds(1, 4, 0))
+        EXPECT_EQ(violations_against_an_adversary(parameters(method->name), seed, 4000, late), 0u)
+            << method->name << ' ' << late << ' ' << seed;
+  }
+  ServoOptions as_published;
+  as_published.account = false;
+  for (const char* mode : {"total_energy", "passivity_control", "passivity_control_directional"})
+    EXPECT_GT(violations_against_an_adversary(parameters(mode), 1, 4000, 0.0, as_published), 0u)
+        << mode;
 }
 
 TEST(ServoAdversary, WhereTheServerBoundsTheAdversaryGetsNoMoreThanWasBurned) {

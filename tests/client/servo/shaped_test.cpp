@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
@@ -234,15 +235,58 @@ TEST(Shaped, TheAccountKnowsNothingOfTheOperatorsDamping) {
   EXPECT_EQ(bound.servo.account()->balance(), bench.servo.account()->balance());
 }
 
-TEST(Shaped, TheAccountStandsEverywhereButWhereAReductionWouldBreakTheLaw) {
-  const auto stands = [](std::string_view mode, BoundingSide side = BoundingSide::client) {
-    return Bench(parameters(mode, side)).servo.account().has_value();
+TEST(Shaped, TheAccountStandsBehindEveryModeThatBounds) {
+  const auto stands = [](std::string_view mode, BoundingSide side = BoundingSide::client,
+                         ServoOptions options = {}) {
+    return Bench(parameters(mode, side), options).servo.account().has_value();
   };
-  for (const char* mode : {"shaped", "midpoint", "credited", "contact_frame", "energy_tank"})
-    EXPECT_TRUE(stands(mode)) << mode;
-  for (const char* mode : {"none", "total_energy", "per_axis", "per_axis_projected"})
-    EXPECT_FALSE(stands(mode)) << mode;
-  EXPECT_TRUE(stands("per_axis", BoundingSide::server));
+  const auto at_client = [](const BoundingMethod& m) { return !m.moves_probe || m.shapes; };
+  for (const BoundingMethod* method : bounding_methods()) {
+    const bool bounds = method->name != kUnbounded;
+    if (at_client(*method)) {
+      EXPECT_EQ(stands(method->name), bounds) << method->name;
+    }
+    if (!method->shapes) {
+      EXPECT_EQ(stands(method->name, BoundingSide::server), bounds) << method->name;
+    }
+  }
+  ServoOptions without;
+  without.account = false;
+  for (const BoundingMethod* method : bounding_methods())
+    if (at_client(*method) && !method->shapes) {
+      EXPECT_FALSE(stands(method->name, BoundingSide::client, without)) << method->name;
+    }
+  EXPECT_THROW(stands("shaped", BoundingSide::client, without), std::invalid_argument);
+  SessionParameters credited = parameters("per_axis");
+  credited.operator_damping = 1.0;
+  const Bench relies(credited);  // on the hand's largest force
+  EXPECT_EQ(relies.servo.account()->outside_force(), relies.spec.hand_force);
+  EXPECT_THROW(Bench(credited, without), std::invalid_argument);
+}
+
+/// Eq. (2) leaves M >= sum F^2 T/(2b), twice what any hand can take of the force. total_energy
+/// leaves nothing.
+TEST(Shaped, PerAxisNeedsNoAccount) {
+  const auto cuts = [](const char* mode) {
+    Bench bench(parameters(mode));
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    Vec3 position = Vec3::Zero();
+    bench.tick(at(0, 0, 0));
+    for (int n = 0; n < 4000; ++n) {
+      // Pressed into a wall of 3 kN/m on each axis, and shaken; sometimes carried off by the force.
+      const Vec3 way =
+          n % 3 == 0 ? Vec3(1e-3 * bench.servo.held().force())
+                     : Vec3(3e-4 * normal(random), 3e-4 * normal(random), 3e-4 * normal(random));
+      position = (position + way).cwiseMax(-5e-3).cwiseMin(5e-3);
+      bench.servo.take(reply(bench.servo.sample().index, {.elastic = -3e3 * position}), bench.now);
+      bench.tick(at(position.x(), position.y(), position.z()));
+    }
+    EXPECT_GT(bench.servo.statistics().max_force, 1.0) << mode;
+    return bench.servo.statistics().account_cut;
+  };
+  EXPECT_EQ(cuts("per_axis"), 0u);
+  EXPECT_GT(cuts("total_energy"), 0u);
 }
 
 }  // namespace
