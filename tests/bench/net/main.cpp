@@ -87,11 +87,15 @@ void print_held(const std::map<HostKind, Held>& held) {
               static_cast<double>(ours.between_stalls) / echo.between_stalls, ">=", kShareOfEcho);
 }
 
-void print_scaling(const Scaling& scaling) {
-  std::printf(
-      "\na scene and its own load on each core: one %.3f, two %.3f million answers a second\n\n",
-      scaling.one, scaling.two);
-  print_bar("two scenes on two cores, to one", scaling.two / scaling.one, ">=", 1.8);
+void print_scaling(const std::vector<Scaling>& scaling) {
+  const double one = scaling.front().answers;
+  std::printf("\n%-38s %16s %12s\n", "a scene and its own load on each core", "million answers/s",
+              "to one core");
+  for (const Scaling& s : scaling)
+    std::printf("%-38d %17.3f %12.2f\n", s.cores, s.answers, s.answers / one);
+  std::printf("\n");
+  for (const Scaling& s : scaling)
+    if (s.cores == 2) print_bar("two scenes on two cores, to one", s.answers / one, ">=", 1.8);
 }
 
 void print_servo(const std::vector<ServoFigures>& servo) {

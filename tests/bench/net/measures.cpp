@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <thread>
 
@@ -254,15 +255,23 @@ std::map<HostKind, Held> clients_held(const Settings& settings) {
   return result;
 }
 
-Scaling scaling(const Settings& settings) {
-  std::vector<double> one, two;
+std::vector<Scaling> scaling(const Settings& settings) {
+  std::vector<int> counts;
+  for (int n = 1; n <= cores(); n *= 2) counts.push_back(n);
+  std::vector<std::vector<double>> answers(counts.size());
   for (int round = 0; round < settings.rounds; ++round) {
+    for (std::size_t i = 1; i < counts.size(); ++i) {
+      std::vector<int> used(static_cast<std::size_t>(counts[i]));
+      std::iota(used.begin(), used.end(), 0);
+      answers[i].push_back(answers_per_second(settings, used));
+    }
     const double first = answers_per_second(settings, {kServerCore});
-    two.push_back(1e-6 * answers_per_second(settings, {kServerCore, kLoadCore}));
-    const double second = answers_per_second(settings, {kLoadCore});
-    one.push_back(1e-6 * 0.5 * (first + second));
+    answers[0].push_back(0.5 * (first + answers_per_second(settings, {kLoadCore})));
   }
-  return {median(one), median(two)};
+  std::vector<Scaling> result;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    result.push_back({counts[i], 1e-6 * median(answers[i])});
+  return result;
 }
 
 int page_core() { return cores() > 2 ? 2 : kServerCore; }

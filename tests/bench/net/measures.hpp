@@ -56,11 +56,13 @@ inline constexpr std::array kHoldingKinds = {HostKind::echo_blocking, HostKind::
                                              HostKind::ours_spinning, HostKind::ours_real_time};
 std::map<HostKind, Held> clients_held(const Settings& settings);
 
-/// Answers a second, in millions: a scene and its load on one core, and the same on both at once.
+/// Answers a second, in millions, of as many scenes as cores, each with its load on a core of its
+/// own: on one core, on two, and on each power of two up to all of them.
 struct Scaling {
-  double one = 0.0, two = 0.0;
+  int cores = 1;
+  double answers = 0.0;  // [millions/s] of all scenes together
 };
-Scaling scaling(const Settings& settings);
+std::vector<Scaling> scaling(const Settings& settings);
 
 /// Honest clients of 1 kHz, alone and beside a flood of garbage. Medians over the rounds, of
 /// `left_behind` the most.
