@@ -30,7 +30,7 @@ constexpr int kMostDevices = 16;
 constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
 constexpr int kLoads = 5;                       // a load works only sometimes, as others have seen
 constexpr int kAsks = 10;                       // of a firmware that may be there
-constexpr Nanoseconds kAnswers = milliseconds(100);
+constexpr Nanoseconds kAnswers = milliseconds(300);
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
 
