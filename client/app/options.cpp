@@ -294,9 +294,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                "The account relies on 1.5 times the largest recent hand force, "
                "if that is less than the device's hand_force")
       ->group(safety);
-  app.add_flag("!--no-account", options.servo.account,
-               "No energy account behind the mode: the law of a paper as it was published. Not "
-               "with shaped, midpoint and credited, nor with --operator-damping")
+  app.add_flag(
+         "!--no-account", options.servo.account,
+         "No energy account behind the mode: the law of a paper as it was published. Not "
+         "with shaped, midpoint and credited, nor with --operator-damping, nor with --bounding "
+         "server")
       ->group(safety);
 
   const auto hand = "Simulated hand";

@@ -100,11 +100,16 @@ void refuse_beside(std::string_view mode, const char* what, double value, const 
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
   const SafetyLimits& s = options.safety;
   validate(s);
-  if (!options.account && counts_on_mass(parameters))
-    throw std::invalid_argument(
-        "the force of the mode " + parameters.mode +
-        (bounding_method(parameters.mode).shapes ? "" : " with an operator's damping") +
-        " is passive by its account alone; keep the account, or choose a mode of a paper");
+  if (!options.account && parameters.mode != kUnbounded) {
+    const char* why = parameters.side == BoundingSide::server   ? " of a bound at the server"
+                      : parameters.operator_damping > 0.0       ? " with an operator's damping"
+                      : bounding_method(parameters.mode).shapes ? ""
+                                                                : nullptr;
+    if (why != nullptr)
+      throw std::invalid_argument("the force of the mode " + parameters.mode + why +
+                                  " is passive by the account alone; keep the account, or choose a "
+                                  "mode of a paper at the client");
+  }
   if (admits_reduction(parameters)) return;
   refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);

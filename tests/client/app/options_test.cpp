@@ -201,7 +201,9 @@ TEST(Options, LimitsThatCannotBeAreRefusedInOneLine) {
   EXPECT_THAT(refusal({"--mode", "total_energy", "--ramp-up", "0.1"}), HasSubstr("ramp-up"));
   EXPECT_THAT(refusal({"--max-force", "-1"}), HasSubstr("force.max = -1"));
   EXPECT_THAT(refusal({"--no-account"}),
-              HasSubstr("the mode shaped is passive by its account alone"));
+              HasSubstr("the mode shaped is passive by the account alone"));
+  EXPECT_THAT(refusal({"--no-account", "--mode", "per_axis", "--bounding", "server"}),
+              HasSubstr("of the mode per_axis of a bound at the server is passive by the account"));
   EXPECT_THAT(refusal({"--ramp-up", "nan"}), HasSubstr("ramp_up"));
 }
 
