@@ -28,11 +28,12 @@ namespace feltwire {
 /// Half a sample of foresight is not enough for every hand: a light one on a light handle has an
 /// eigenfrequency near 140 Hz on 40 kN/m, and swings. Whenever it swings and does not come to rest
 /// (core/bounding/sustained_swing.hpp), the share of the force that is rendered falls to kStepDown
-/// of what it was; then it grows again by kGrowth.
+/// of what it was, to kLeastShare at least; then it grows again by kGrowth.
 template <class Real>
 class Midpoint {
  public:
   static constexpr double kStepDown = 0.85;
+  static constexpr double kLeastShare = 0.1;    // no surface is lost to a hand that is shaken
   static constexpr double kGrowth = 0.05;       // [1/s] of the share
   static constexpr double kLeastSwing = 30e-6;  // [m] a finger feels 10 um RMS
   /// The least size of a swing in quanta of the encoder, along an axis. Along another direction u
@@ -44,7 +45,7 @@ class Midpoint {
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     if (swings(s)) {
-      share_ *= kStepDown;
+      share_ = std::max(kLeastShare, kStepDown * share_);
       ++steps_down_;
     } else if (share_ < 1.0) {
       share_ = std::min(1.0, share_ * (1.0 + kGrowth * static_cast<double>(s.hold_time)));

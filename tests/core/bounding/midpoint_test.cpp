@@ -62,6 +62,13 @@ TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
   EXPECT_EQ(given, share * asked);
 }
 
+TEST(Midpoint, ATenthOfTheForceIsLeftToAHandThatIsShaken) {
+  Midpoint<double> midpoint(kQuantum);
+  swing(midpoint, 2e-4, 0.0, 100.0, 10.0);
+  EXPECT_GT(midpoint.hand_credit().near_steps_down, 50u);
+  EXPECT_NEAR(midpoint.hand_credit().near_share, 0.1, 0.01);
+}
+
 /// It loses a tenth and more with each movement.
 TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
   Midpoint<double> midpoint(kQuantum);
