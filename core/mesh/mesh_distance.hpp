@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/geometry/shapes.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/mesh/mesh_surface.hpp"
 
