@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "core/scene_file/load_scene.hpp"
@@ -68,12 +70,16 @@ struct FeelingClient : Statuses, Client {
                      {.status = &statuses, .record = &records}, *result);
     });
   }
-  /// Waits until it renders a fetched scene.
+  /// Waits until it renders a fetched scene, and has done so for kTicks: a model that it renders at
+  /// first may be from before, and says nothing of what was fetched.
   LiveStatus renders(SceneFetch& fetch) {
+    constexpr std::uint64_t kTicks = 500;
     LiveStatus status;
+    std::optional<std::uint64_t> since;  // [samples]
     test::eventually("the servo renders what was fetched", [&] {
       while (statuses.pop(status)) fetch.in_use(status.fetched);
-      return status.fetched != nullptr && status.near;
+      if (!since && status.fetched != nullptr && status.near) since = status.samples;
+      return since && status.near && status.samples >= *since + kTicks;
     });
     return status;
   }
