@@ -164,7 +164,7 @@ Json account(const Servo& servo) {
           {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
-/// What the method has learned about the hand; null where it learns nothing.
+/// The values that the method adapts to the hand; null for a method that adapts none.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
   return {{"damping_n_s_per_m", number(credit->damping)},

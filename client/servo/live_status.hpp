@@ -32,11 +32,10 @@ struct LiveStatus {
   bool shapes = false;            // the method shapes, and the two below are valid
   bool near = false;              // this tick's force was made here, from the local model
   std::uint32_t reloads = 0;      // Reply::reloads of the newest reply
-  const FetchedScene* fetched = nullptr;  // in use; null: nothing
-  std::optional<HandCredit>
-      hand_credit{};                // what the method has learned about the hand, if it does
-  std::optional<double> balance{};  // [J] of the energy account; empty: there is none
-  std::uint64_t account_cuts = 0;   // ticks at which the account reduced the force
+  const FetchedScene* fetched = nullptr;    // in use; null: nothing
+  std::optional<HandCredit> hand_credit{};  // of a method that adapts to the hand
+  std::optional<double> balance{};          // [J] of the energy account; empty: there is none
+  std::uint64_t account_cuts = 0;           // ticks at which the account reduced the force
   std::optional<LinkState>
       robot{};                    // of the hand and the robot that it leads; empty: it leads none
   std::string_view robot_name{};  // of its seat; empty: the only one; lives as the servo does

@@ -30,12 +30,18 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   return config;
 }
 
-/// Whether the force is passive only by an account that counts on the device's mass and dry
-/// friction, and on the hand's largest force: behind a method that shapes, or that was told of the
-/// operator's damping.
+/// Why the account alone makes the force passive, as a part of a sentence; null if it does not.
+const char* needs_account(const SessionParameters& p) {
+  if (p.mode == kUnbounded) return nullptr;
+  if (p.side == BoundingSide::server) return " of a bound at the server";
+  if (p.operator_damping > 0.0) return " with an operator's damping";
+  return bounding_method(p.mode).shapes ? "" : nullptr;
+}
+
+/// Whether the account counts on the device's mass and dry friction, and on the hand's largest
+/// force: behind a method that shapes, or that was told of the operator's damping.
 bool counts_on_mass(const SessionParameters& p) {
-  return p.mode != kUnbounded && p.side != BoundingSide::server &&
-         (bounding_method(p.mode).shapes || p.operator_damping > 0.0);
+  return p.side != BoundingSide::server && needs_account(p) != nullptr;
 }
 
 /// Behind a method that only shapes, or that counts on the operator's damping, the account is what
@@ -100,16 +106,10 @@ void refuse_beside(std::string_view mode, const char* what, double value, const 
 void validate(const ServoOptions& options, const SessionParameters& parameters) {
   const SafetyLimits& s = options.safety;
   validate(s);
-  if (!options.account && parameters.mode != kUnbounded) {
-    const char* why = parameters.side == BoundingSide::server   ? " of a bound at the server"
-                      : parameters.operator_damping > 0.0       ? " with an operator's damping"
-                      : bounding_method(parameters.mode).shapes ? ""
-                                                                : nullptr;
-    if (why != nullptr)
-      throw std::invalid_argument("the force of the mode " + parameters.mode + why +
-                                  " is passive by the account alone; keep the account, or choose a "
-                                  "mode of a paper at the client");
-  }
+  if (const char* why = needs_account(parameters); why != nullptr && !options.account)
+    throw std::invalid_argument("the force of the mode " + parameters.mode + why +
+                                " is passive by the account alone; keep the account, or choose a "
+                                "mode of a paper at the client");
   if (admits_reduction(parameters)) return;
   refuse_beside(parameters.mode, "slew limit", s.force.slew, "N/s", ChannelLimits::kOff);
   refuse_beside(parameters.mode, "slew limit", s.torque.slew, "N m/s", ChannelLimits::kOff);

@@ -112,7 +112,9 @@ class Credited {
     translation_.stiffness = std::numeric_limits<double>::infinity();
     set_limits();
   }
-  HandCredit hand_credit() const noexcept { return {translation_.credit, steps_down_}; }
+  HandCredit hand_credit() const noexcept {
+    return {.damping = translation_.credit, .steps_down = steps_down_};
+  }
 
  private:
   struct Limit {
@@ -229,10 +231,8 @@ class Shaped {
   }
   void scene_changed() noexcept { late_.scene_changed(); }
   HandCredit hand_credit() const noexcept {
-    HandCredit learned = near_.hand_credit();
-    learned.damping = late_.hand_credit().damping;
-    learned.steps_down = late_.hand_credit().steps_down;
-    return learned;
+    const HandCredit late = late_.hand_credit(), near = near_.hand_credit();
+    return {late.damping, late.steps_down, near.near_share, near.near_steps_down};
   }
 
  private:

@@ -20,8 +20,7 @@ struct BasicLawAnswer {
   bool in_debt = false;
 };
 
-/// What a law has learned about the hand: how much of it, and how often it had to lower it because
-/// the hand swung.
+/// The values that a law adapts to the hand. It lowers each when the hand swings, and counts that.
 struct HandCredit {
   double damping = 0.0;  // a [N s/m] of the hand, assumed for late forces; 0: none is assumed
   std::uint64_t steps_down = 0;
@@ -37,13 +36,13 @@ struct HandCredit {
 ///   void endow(Real energy)                 the next step may draw on energy [J] from elsewhere,
 ///   BasicProbe<Real> probe(displacement, rotation) const      the place to evaluate the scene,
 ///   void scene_changed()                    the surfaces changed: it forgets the old ones,
-///   HandCredit hand_credit() const          what it has learned about the hand.
+///   HandCredit hand_credit() const          the values that it adapts to the hand.
 /// The steps are described at BasicBounding (core/bounding/bounding.hpp), which calls them.
 template <class Real>
 class BasicBoundingLaw {
  public:
   using Step = BasicBoundingStep<Real>;
-  static constexpr std::size_t kLargest = 1024;  // [bytes] of a law
+  static constexpr std::size_t kLargest = 1088;  // [bytes] of a law
 
   template <class Law>
   requires(!std::same_as<Law, BasicBoundingLaw>)

@@ -29,14 +29,17 @@ struct Row {
 constexpr std::array kRows = {
     Row{kReference, "none"},
     Row{"none", "none"},
-    Row{"total_energy", "total_energy", false, false, true},
-    Row{"per_axis", "per_axis", false, false, true},
-    Row{"per_axis_projected", "per_axis_projected", false, false, true},
+    Row{.label = "total_energy", .mode = "total_energy", .as_published = true},
+    Row{.label = "per_axis", .mode = "per_axis", .as_published = true},
+    Row{.label = "per_axis_projected", .mode = "per_axis_projected", .as_published = true},
     Row{"contact_frame", "contact_frame"},
     Row{"contact_frame + local model", "contact_frame", true},
     Row{"shaped", "shaped"},
     Row{"shaped + local model", "shaped", true},
-    Row{"passivity_control", "passivity_control", false, true, true},
+    Row{.label = "passivity_control",
+        .mode = "passivity_control",
+        .research = true,
+        .as_published = true},
     Row{"energy_tank", "energy_tank", false, true},
 };
 

@@ -260,12 +260,12 @@ std::vector<Scaling> scaling(const Settings& settings) {
   for (int n = 1; n <= cores(); n *= 2) counts.push_back(n);
   std::vector<std::vector<double>> answers(counts.size());
   for (int round = 0; round < settings.rounds; ++round) {
+    const double first = answers_per_second(settings, {kServerCore});
     for (std::size_t i = 1; i < counts.size(); ++i) {
       std::vector<int> used(static_cast<std::size_t>(counts[i]));
       std::iota(used.begin(), used.end(), 0);
       answers[i].push_back(answers_per_second(settings, used));
     }
-    const double first = answers_per_second(settings, {kServerCore});
     answers[0].push_back(0.5 * (first + answers_per_second(settings, {kLoadCore})));
   }
   std::vector<Scaling> result;

@@ -129,8 +129,7 @@ TEST(ServoAdversary, WithoutABoundTheSameAdversaryGetsIt) {
 TEST(ServoAdversary, BehindItsAccountNoModeGivesMoreThanWasBurned) {
   for (const BoundingMethod* method : bounding_methods()) {
     // An account that counts on the hand's mass and force is attacked in shaped_adversary_test.cpp.
-    // A method that moves the place of the tool is for the server alone.
-    if (method->name == kUnbounded || method->shapes || method->moves_probe) continue;
+    if (method->name == kUnbounded || method->shapes || stands_beside_scene(*method)) continue;
     for (const double late : {0.0, 50e-6, 400e-6})
       for (const std::uint64_t seed : test::seeds(1, 4, 0))
         EXPECT_EQ(violations_against_an_adversary(parameters(method->name), seed, 4000, late), 0u)

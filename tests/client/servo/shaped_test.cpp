@@ -240,10 +240,9 @@ TEST(Shaped, TheAccountStandsBehindEveryModeThatBounds) {
                          ServoOptions options = {}) {
     return Bench(parameters(mode, side), options).servo.account().has_value();
   };
-  const auto at_client = [](const BoundingMethod& m) { return !m.moves_probe || m.shapes; };
   for (const BoundingMethod* method : bounding_methods()) {
     const bool bounds = method->name != kUnbounded;
-    if (at_client(*method)) {
+    if (!stands_beside_scene(*method)) {
       EXPECT_EQ(stands(method->name), bounds) << method->name;
     }
     if (!method->shapes) {
@@ -253,7 +252,7 @@ TEST(Shaped, TheAccountStandsBehindEveryModeThatBounds) {
   ServoOptions without;
   without.account = false;
   for (const BoundingMethod* method : bounding_methods())
-    if (at_client(*method) && !method->shapes) {
+    if (!stands_beside_scene(*method) && !method->shapes) {
       EXPECT_FALSE(stands(method->name, BoundingSide::client, without)) << method->name;
     }
   EXPECT_THROW(stands("shaped", BoundingSide::client, without), std::invalid_argument);

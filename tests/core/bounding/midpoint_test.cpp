@@ -108,7 +108,17 @@ TEST(Midpoint, TheShareGrowsBackToTheWholeCommand) {
   EXPECT_EQ(midpoint.step(step(0.0, push(5.0))), push(5.0));
 }
 
-/// What a late force did says nothing about a near one, and the other way round.
+/// Every command of `bound` comes late.
+struct Late {
+  Bounding& bound;
+  void step(BoundingStep s) noexcept {
+    s.local = false;
+    bound.step(s);
+  }
+};
+
+/// A swing under near forces lowers the share of near forces alone, a swing under late forces the
+/// credit of late ones alone.
 TEST(Midpoint, ShapedLearnsNearAndLateApart) {
   BoundingConfig config;
   config.mode = "shaped";
@@ -116,15 +126,9 @@ TEST(Midpoint, ShapedLearnsNearAndLateApart) {
   config.damping = 0.5;
   config.quantum = kQuantum;
   Bounding late(config), near(config);
-  double before = 0.0;
-  for (int n = 1; n <= 500; ++n) {
-    const double z = 2e-4 * std::sin(2 * std::numbers::pi * 50.0 * n * kPeriod);
-    BoundingStep s = step(z - before, push(5.0));
-    before = z;
-    near.step(s);
-    s.local = false;
-    late.step(s);
-  }
+  Late of_late{late};
+  swing(of_late, 2e-4, 0.0, 50.0, 0.5);
+  swing(near, 2e-4, 0.0, 50.0, 0.5);
   EXPECT_EQ(late.hand_credit()->near_share, 1.0);
   EXPECT_EQ(late.hand_credit()->near_steps_down, 0u);
   EXPECT_GT(late.hand_credit()->steps_down, 0u);
