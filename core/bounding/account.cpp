@@ -13,6 +13,8 @@
 namespace feltwire {
 namespace {
 
+constexpr double kRounding = 1e-12;  // more than the arithmetic of a step rounds off
+
 const AccountConfig& checked(const AccountConfig& config) {
   if (!(config.period > 0.0) || !std::isfinite(config.period))
     throw std::invalid_argument("account: the period is " + std::to_string(config.period) +
@@ -32,24 +34,26 @@ const AccountConfig& checked(const AccountConfig& config) {
 /// The largest share s of 0 to 1 that `balance` pays for: force.at(s) + torque.at(s) <= balance.
 double affordable(const EnergyNeed& force, const EnergyNeed& torque, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
+  if (force.most() + torque.most() <= balance) return 1.0;
   const auto both = [&](double s) { return force.at(s) + torque.at(s); };
   // A command at its own bound's limit is off by some roundings: it is not scaled for that.
-  constexpr double kRounding = 1e-12;
   if (both(1.0) <= balance * (1.0 + kRounding)) return 1.0;
+  constexpr double kLess = 1.0 - kRounding;  // rounding must not overdraw
+  const double below = kLess * std::sqrt(balance / (force.first + torque.first));
+  if (force.before_turn(below) && torque.before_turn(below)) return std::min(below, 1.0);
   // Both grow with s, so the answer lies beyond a turn exactly when the turn costs less.
-  double square = 0.0, linear = 0.0, constant = 0.0;
+  double square = 0.0, linear = 0.0, left = balance;
   for (const EnergyNeed* need : {&force, &torque}) {
-    const bool beyond = need->turn < 1.0 && both(need->turn) < balance;
+    const double turn = need->reach / need->free;
+    const bool beyond = turn < 1.0 && both(turn) < balance;
     square += beyond ? need->second : need->first;
     if (!beyond) continue;
     linear += need->linear;
-    constant += need->constant;
+    left += need->burned / need->squared;
   }
   // The positive root of square s^2 + linear s = left, without cancellation.
-  const double left = balance - constant;
   const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
-  // Rounding must not overdraw.
-  return std::isfinite(s) ? std::clamp(s * (1.0 - kRounding), 0.0, 1.0) : 0.0;
+  return std::isfinite(s) ? std::clamp(s * kLess, 0.0, 1.0) : 0.0;
 }
 
 }  // namespace
@@ -65,10 +69,10 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-double PortBalance::damping_along(const Vec3& unit) const noexcept {
+double PortBalance::damping_along(const Force& force) const noexcept {
   if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
   // If a direction is not damped at all, a force along any other may move the handle along it.
-  return directional_ ? 1.0 / unit.dot(inverse_damping_ * unit) : 0.0;
+  return directional_ ? force.squared / force.vector.dot(inverse_damping_ * force.vector) : 0.0;
 }
 
 void PortBalance::forget() noexcept {
@@ -80,11 +84,14 @@ void PortBalance::forget() noexcept {
 }
 
 PortBalance::Hold PortBalance::hold_of(double damping, double hold_time) const noexcept {
+  const double k = reach_.per_newton(hold_time), burned = damping / hold_time;
   return {
       .time = hold_time,
       .free = damping > 0.0 ? hold_time / (2.0 * damping) : std::numeric_limits<double>::infinity(),
-      .burned = damping / hold_time,
-      .per_newton = reach_.per_newton(hold_time)};
+      .burned = burned,
+      .per_newton = k,
+      .second = k * (1.0 - burned * k),
+      .linear = 1.0 - 2.0 * burned * k};
 }
 
 void PortBalance::prepare(double hold_time) noexcept {
@@ -93,18 +100,20 @@ void PortBalance::prepare(double hold_time) noexcept {
   hold_ = hold_of(same_everywhere ? known_.damping.matrix()(0, 0) : 0.0, hold_time);
 }
 
-bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held,
-                               double hold_time) const noexcept {
+inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held,
+                                      double hold_time) const noexcept {
   if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
-  const Polar<double> way = polar(displacement);
-  return way.length > 0.0 &&
-         way.length > reach_.along(way.direction, held.dot(way.direction), hold_time);
+  const double squared = displacement.squaredNorm();
+  if (squared == 0.0) return false;
+  // A movement of one quantum is always within reach, and often exactly as far as that.
+  return squared >
+         (1.0 + kRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
 }
 
 double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
   if (limits_speed_) {
-    const Polar<double> way = polar(displacement);
-    too_fast_ = way.length > reach_.at_full_speed(way.direction, hold_time);
+    const double squared = displacement.squaredNorm();
+    too_fast_ = squared > reach_.at_full_speed(displacement, std::sqrt(squared), hold_time);
   }
   if (reach_.bounds() || limits_speed_) {
     const bool too_far = beyond_reach(displacement, held, hold_time);
@@ -124,14 +133,29 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
 
 // max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
 // F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
+inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
+                                          std::span<const Vec3> coming) const noexcept {
+  const double k = hold.per_newton;
+  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
+  need.reach = reach_.along(force.vector, force.length, hold.time) +
+               reach_.driven(force.vector, force.length, coming, hold.time);
+  need.free = (hold.free - k) * force.squared;
+  need.second = hold.second * force.squared;
+  need.linear = hold.linear * need.reach;
+  need.burned = hold.burned * need.reach * need.reach;
+  need.squared = force.squared;
+}
+
 EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
                              std::span<const Vec3> coming) const noexcept {
-  const Polar<double> force = polar(wanted);
   EnergyNeed need;
-  if (!(force.length > 0.0)) return need;
+  const double squared = wanted.squaredNorm();
+  if (squared == 0.0) return need;
+  const Force force{wanted, squared, std::sqrt(squared)};
   const bool prepared = !directional_ && hold_.time == hold_time;
-  const Hold hold = prepared ? hold_ : hold_of(damping_along(force.direction), hold_time);
-  need.first = 0.5 * hold.free * force.length * force.length;
+  const Hold other = prepared ? Hold{} : hold_of(damping_along(force), hold_time);
+  const Hold& hold = prepared ? hold_ : other;
+  need.first = 0.5 * hold.free * squared;
   if (reach_.known()) limit_by_inertia(need, force, hold, coming);
   // A handle that was just faster than was told may be so again.
   if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
@@ -139,34 +163,23 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
 }
 
 double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept {
-  const Polar<double> force = polar(wanted);
-  if (!(force.length > 0.0)) return 0.0;
-  const Hold hold = hold_of(damping_along(force.direction), hold_time);
-  return 0.5 * hold.free * force.length * force.length;
-}
-
-void PortBalance::limit_by_inertia(EnergyNeed& need, const Polar<double>& force, const Hold& hold,
-                                   std::span<const Vec3> coming) const noexcept {
-  const double f = force.length, k = hold.per_newton;
-  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
-  const double d0 =
-      reach_.along(force.direction, hold.time) + reach_.driven(force.direction, coming, hold.time);
-  need.turn =
-      hold.free < std::numeric_limits<double>::infinity() ? d0 / ((hold.free - k) * f) : 0.0;
-  need.second = k * f * f * (1.0 - hold.burned * k);
-  need.linear = f * d0 * (1.0 - 2.0 * hold.burned * k);
-  need.constant = -hold.burned * d0 * d0;
+  const double squared = wanted.squaredNorm();
+  if (squared == 0.0) return 0.0;
+  const Hold hold = hold_of(damping_along({wanted, squared, std::sqrt(squared)}), hold_time);
+  return 0.5 * hold.free * squared;
 }
 
 /// Both limits are true at every share of the force, so the one that is less at the whole of it is
 /// taken; the maximum within both at once would be a little less still.
-void PortBalance::limit_by_speed(EnergyNeed& need, const Polar<double>& force,
+void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
                                  const Hold& hold) const noexcept {
-  const double way = reach_.at_full_speed(force.direction, hold.time);
+  const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);
   EnergyNeed by_speed{.first = need.first,
-                      .turn = 2.0 * hold.burned * way / force.length,
-                      .linear = force.length * way,
-                      .constant = -hold.burned * way * way};
+                      .free = hold.free * force.squared,
+                      .reach = reach,
+                      .linear = reach,
+                      .burned = hold.burned * reach * reach,
+                      .squared = force.squared};
   if (by_speed.at(1.0) < need.at(1.0)) need = by_speed;
 }
 
@@ -176,17 +189,20 @@ PortAccount::PortAccount(const AccountConfig& config)
       translation_(config.translation, config.period, config.learns_outside_force),
       rotation_(config.rotation, config.period, config.learns_outside_force),
       period_(config.period),
-      late_(static_cast<std::size_t>(config.late)) {}
+      late_(static_cast<std::size_t>(config.late)) {
+  coming_forces_.fill(Vec3::Zero());
+  coming_torques_.fill(Vec3::Zero());
+}
 
 /// Returns the balance that the next force is cut to: the present one, or the one half a sample
 /// ahead if the motion goes on, whichever is less.
-double PortAccount::take_in(const BoundingStep& s) noexcept {
+inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
-  const bool known = s.displacement.allFinite() && s.rotation.allFinite() &&
-                     std::isfinite(s.hold_time) && s.hold_time > 0.0;
-  const Vec3 force = held_.force();
-  const double delivered = force.dot(s.displacement) + held_.torque.dot(s.rotation);
-  const double earned = known ? translation_.earned(s.displacement, force, s.hold_time) +
+  // A movement whose square is not finite is not usable, even where its numbers are.
+  const double moved = s.displacement.squaredNorm() + s.rotation.squaredNorm();
+  const bool known = std::isfinite(moved) && std::isfinite(s.hold_time) && s.hold_time > 0.0;
+  const double delivered = held_.force.dot(s.displacement) + held_.torque.dot(s.rotation);
+  const double earned = known ? translation_.earned(s.displacement, held_.force, s.hold_time) +
                                     rotation_.earned(s.rotation, held_.torque, s.hold_time)
                               : std::numeric_limits<double>::quiet_NaN();
   if (std::isfinite(earned)) {
@@ -208,23 +224,20 @@ double PortAccount::take_in(const BoundingStep& s) noexcept {
 
 /// Nothing is on the hand, and nothing will be that was given before.
 bool PortAccount::idle() const noexcept {
-  const auto nothing = [](const Command& c) {
-    return c.force().isZero(0.0) && c.torque.isZero(0.0);
-  };
-  return nothing(held_) &&
-         std::all_of(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(late_),
-                     nothing);
+  for (std::size_t n = 0; n < late_; ++n)
+    if (!Held{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
+  return held_.nothing();
 }
 
 /// Of `left` [J], the part that the coming forces leave for `wanted`, which needs `last` [J] after
 /// them. A force that took all of it would leave nothing for the next one, which would leave all
 /// for the one after it. So it also gets no more than its share of what it needs at each of L + 1
 /// samples.
-double PortAccount::left_after_coming(double left, const Command& wanted, double last,
+double PortAccount::left_after_coming(double left, const Held& wanted, double last,
                                       double hold) noexcept {
   double needed = 0.0, each = last;
   for (std::size_t n = 0; n < late_; ++n) {
-    needed += need_after(coming_[n], n, hold);
+    needed += need_after({coming_forces_[n], coming_torques_[n]}, n, hold);
     each += need_after(wanted, n, hold);
     if (n == 0) worst_next_ = std::max(0.0, balance_ - needed);
   }
@@ -232,29 +245,69 @@ double PortAccount::left_after_coming(double left, const Command& wanted, double
   return std::min(left - needed, share * left);
 }
 
-/// [J] of the whole of `command`, held after the first n of the coming ones.
-double PortAccount::need_after(const Command& command, std::size_t n, double hold) const noexcept {
-  return translation_.need(command.force(), hold, {coming_forces_.data(), n}).at(1.0) +
-         rotation_.need(command.torque, hold, {coming_torques_.data(), n}).at(1.0);
+/// [J] of the whole of `held`, after the first n of the coming ones.
+double PortAccount::need_after(const Held& held, std::size_t n, double hold) const noexcept {
+  return translation_.need(held.force, hold, {coming_forces_.data(), n}).at(1.0) +
+         rotation_.need(held.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
-/// Takes note of the given force: it is on the hand now, or L samples later.
-void PortAccount::give(const Command& given) noexcept {
-  held_ = late_ > 0 ? coming_.front() : given;
-  if (late_ == 0) return;
-  std::shift_left(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(late_), 1);
-  coming_[late_ - 1] = given;
-  for (std::size_t n = 0; n < late_; ++n) {
-    coming_forces_[n] = coming_[n].force();
-    coming_torques_[n] = coming_[n].torque;
+/// Takes note of what was given: it is on the hand now, or L samples later.
+void PortAccount::give(const Held& given) noexcept {
+  if (late_ == 0) {
+    held_ = given;
+    return;
   }
+  held_ = {coming_forces_.front(), coming_torques_.front()};
+  const auto end = static_cast<std::ptrdiff_t>(late_);
+  std::shift_left(coming_forces_.begin(), coming_forces_.begin() + end, 1);
+  std::shift_left(coming_torques_.begin(), coming_torques_.begin() + end, 1);
+  coming_forces_[late_ - 1] = given.force;
+  coming_torques_[late_ - 1] = given.torque;
 }
 
 Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
-  const double left = take_in(s);
-  Command given =
-      afforded(s.command.finite() ? s.command : Command{}, left, std::max(period_, next_hold));
-  give(given);
+  const double left = take_in(s), hold = std::max(period_, next_hold);
+  translation_.prepare(hold);
+  rotation_.prepare(hold);
+  const Held wanted{s.command.force(), s.command.torque};
+  const double share = affordable_share(wanted, left, hold);
+  if (share == 1.0) {
+    give(wanted);
+    return s.command;
+  }
+  if (share == kNoLimit) [[unlikely]]
+    return give_limited_part(s.command, left, hold);
+  const Command given = share * s.command;
+  give({given.force(), given.torque});
+  if (!wanted.nothing()) ++statistics_.reduced;
+  return given;
+}
+
+/// The largest share of `wanted` that `left` [J] pays for. kNoLimit where a need has no limit, as
+/// that of a number that is not finite.
+inline double PortAccount::affordable_share(const Held& wanted, double left, double hold) noexcept {
+  const EnergyNeed force = translation_.need(wanted.force, hold, {coming_forces_.data(), late_});
+  const EnergyNeed torque = rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_});
+  if (!force.limited() || !torque.limited()) [[unlikely]]
+    return kNoLimit;
+  if (late_ > 0) left = left_after_coming(left, wanted, force.at(1.0) + torque.at(1.0), hold);
+  return affordable(force, torque, left);
+}
+
+/// Gives what is affordable of the parts whose need has a limit, and nothing of a command that is
+/// not finite.
+Command PortAccount::give_limited_part(const Command& command, double left, double hold) noexcept {
+  Command given;
+  if (command.finite()) {
+    if (translation_.need(command.force(), hold).limited()) {
+      given.elastic = command.elastic;
+      given.frictional = command.frictional;
+    }
+    if (rotation_.need(command.torque, hold).limited()) given.torque = command.torque;
+    given = affordable_share({given.force(), given.torque}, left, hold) * given;
+    if (given != command) ++statistics_.reduced;
+  }
+  give({given.force(), given.torque});
   return given;
 }
 
@@ -262,30 +315,6 @@ void PortAccount::count_debt(bool was_in_debt) noexcept {
   if (!in_debt()) return;
   if (!was_in_debt) ++statistics_.overdrawn;
   statistics_.largest_debt = std::max(statistics_.largest_debt, -balance_);
-}
-
-/// The part of `command` that `left` [J] pays for.
-Command PortAccount::afforded(const Command& command, double left, double hold) noexcept {
-  translation_.prepare(hold);
-  rotation_.prepare(hold);
-  Command wanted = command;
-  EnergyNeed force = translation_.need(wanted.force(), hold, {coming_forces_.data(), late_});
-  EnergyNeed torque = rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_});
-  const bool all_limited = force.limited() && torque.limited();
-  if (!force.limited()) {
-    wanted.elastic.setZero();
-    wanted.frictional.setZero();
-    force = {};
-  }
-  if (!torque.limited()) {
-    wanted.torque.setZero();
-    torque = {};
-  }
-  if (late_ > 0) left = left_after_coming(left, wanted, force.at(1.0) + torque.at(1.0), hold);
-  const double share = affordable(force, torque, left);
-  if (share < 1.0) wanted = share * wanted;
-  if ((share < 1.0 || !all_limited) && wanted != command) ++statistics_.reduced;
-  return wanted;
 }
 
 double need_at_rest(const AccountConfig& config, const Command& command) {

@@ -49,20 +49,29 @@ struct AccountStatistics {
                                   // above the specified one, explains
 };
 
-/// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to s = turn, as for
-/// a hand that may move the handle any distance, then second s^2 + linear s + constant. Continuous,
-/// with a continuous slope, increasing and convex. Infinite for every s > 0 where nothing is known
-/// that would limit it.
+/// need(s f) of one port over the scale s of a wanted force f [J]: first s^2 up to the turn, as for
+/// a hand that may move the handle any distance, then second s^2 + linear s - burned / squared.
+/// Continuous, with a continuous slope, increasing and convex. Infinite for every s > 0 where
+/// nothing is known that would limit it.
 struct EnergyNeed {
-  double first = 0.0, turn = std::numeric_limits<double>::infinity();
-  double second = 0.0, linear = 0.0, constant = 0.0;
+  double first = 0.0;  // [J]
+  /// The turn is at s = reach / free. `free` [J]: f times the movement that takes the most of f,
+  /// less the way by which f itself moves the handle farther. `reach` [J]: f times the way that the
+  /// handle moves at most without f.
+  double free = 0.0, reach = std::numeric_limits<double>::infinity();
+  double second = 0.0, linear = 0.0;   // [J]
+  double burned = 0.0, squared = 1.0;  // [J N^2], [N^2]: divided only where that matters
+
   bool limited() const noexcept {
     return first < std::numeric_limits<double>::infinity() ||
-           turn < std::numeric_limits<double>::infinity();
+           reach < std::numeric_limits<double>::infinity();
   }
+  bool before_turn(double s) const noexcept { return s * free < reach; }
   double at(double s) const noexcept {
-    return s < turn ? first * s * s : (second * s + linear) * s + constant;
+    return before_turn(s) ? first * s * s : (second * s + linear) * s - burned / squared;
   }
+  /// [J] as much as at(1) or more.
+  double most() const noexcept { return before_turn(1.0) ? first : second + linear; }
 };
 
 /// The balance M(n) of one port: the energy that the device certainly burned, minus the energy that
@@ -101,14 +110,20 @@ class PortBalance {
     double free = 0.0;        // h / (2 b) [m/N] infinite without damping
     double burned = 0.0;      // b / h [N/m]
     double per_newton = 0.0;  // h^2 / (2 m) [m/N]
+    double second = 0.0;      // [m/N] of the form beyond the turn, for each newton^2
+    double linear = 0.0;      // the same, for each newton of the reach
+  };
+  /// A force, and what follows from it alone.
+  struct Force {
+    const Vec3& vector;
+    double squared, length;
   };
   Hold hold_of(double damping, double hold_time) const noexcept;
-  double damping_along(const Vec3& unit) const noexcept;
+  double damping_along(const Force& force) const noexcept;
   bool beyond_reach(const Vec3& displacement, const Vec3& held, double hold_time) const noexcept;
-  void limit_by_inertia(EnergyNeed& need, const Polar<double>& force, const Hold& hold,
+  void limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                         std::span<const Vec3> coming) const noexcept;
-  void limit_by_speed(EnergyNeed& need, const Polar<double>& force,
-                      const Hold& hold) const noexcept;
+  void limit_by_speed(EnergyNeed& need, const Force& force, const Hold& hold) const noexcept;
 
   PortKnowledge known_;
   double period_;
@@ -165,7 +180,7 @@ class PortAccount {
   Command step(const BoundingStep& step, double next_hold = 0.0) noexcept;
 
   /// Sets the force that was really held after the last step, if it differs.
-  void set_held(const Command& held) noexcept { held_ = held; }
+  void set_held(const Command& held) noexcept { held_ = {held.force(), held.torque}; }
 
   /// Adds `energy` >= 0 [J] that another port of the same system took in and that this one may give
   /// to the hand. The guarantee is then: delivered to the hand <= burned + all that was added. The
@@ -188,27 +203,28 @@ class PortAccount {
   const AccountStatistics& statistics() const noexcept { return statistics_; }
 
  private:
-  static std::array<Vec3, AccountConfig::kMostLate> zeros() noexcept {
-    std::array<Vec3, AccountConfig::kMostLate> all;
-    all.fill(Vec3::Zero());
-    return all;
-  }
+  /// The force and the torque of a command.
+  struct Held {
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    bool nothing() const noexcept { return force.isZero(0.0) && torque.isZero(0.0); }
+  };
+  static constexpr double kNoLimit = -1.0;  // no share
   double take_in(const BoundingStep& step) noexcept;
   bool idle() const noexcept;
-  Command afforded(const Command& command, double left, double hold) noexcept;
-  double left_after_coming(double left, const Command& wanted, double last, double hold) noexcept;
-  double need_after(const Command& command, std::size_t n, double hold) const noexcept;
-  void give(const Command& given) noexcept;
+  double affordable_share(const Held& wanted, double left, double hold) noexcept;
+  Command give_limited_part(const Command& command, double left, double hold) noexcept;
+  double left_after_coming(double left, const Held& wanted, double last, double hold) noexcept;
+  double need_after(const Held& held, std::size_t n, double hold) const noexcept;
+  void give(const Held& given) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 
   double cap_;
   bool looks_ahead_;
   PortBalance translation_, rotation_;
   double period_;
-  Command held_;
-  // Given but not yet on the hand: that of the first of these is taken up next.
-  std::array<Command, AccountConfig::kMostLate> coming_{};
-  std::array<Vec3, AccountConfig::kMostLate> coming_forces_ = zeros(), coming_torques_ = zeros();
+  Held held_;
+  // Given but not yet on the hand: the first of these is taken up next.
+  std::array<Vec3, AccountConfig::kMostLate> coming_forces_, coming_torques_;
   std::size_t late_;
   double worst_next_ = 0.0;  // [J] the balance is not less than this after the next sample
   double balance_ = 0.0;

@@ -56,6 +56,14 @@ BasicBounding<Real>::BasicBounding(const BasicBoundingMethod<Real>& method,
   config_.mode = method.name;
 }
 
+/// Whether a step can be taken as it is.
+template <class Real>
+bool BasicBounding<Real>::usable(const Step& s) const noexcept {
+  using bounding_detail::sane;
+  return rotation_ && s.hold_time >= period_ && s.hold_time <= kLargestHold && sane(s.command) &&
+         sane(s.displacement, kLargestMovement) && sane(s.rotation, kLargestMovement);
+}
+
 /// The step with usable values only: each unusable value is replaced by the worst possible one.
 template <class Real>
 BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
@@ -94,9 +102,17 @@ bool BasicBounding<Real>::saturate(BasicCommand<Real>& rendered) const noexcept 
 
 template <class Real>
 BasicBounded<Real> BasicBounding<Real>::step(const Step& given) noexcept {
-  BasicBounded<Real> result;
+  if (usable(given)) return bounded(given, false);
+  bool refused = false;
+  const Step replaced = checked(given, refused);
+  return bounded(replaced, refused);
+}
+
+template <class Real>
+BasicBounded<Real> BasicBounding<Real>::bounded(const Step& s, bool refused) noexcept {
   using namespace bounding_detail;
-  const Step s = checked(given, result.refused);
+  BasicBounded<Real> result;
+  result.refused = refused;
   const BasicLawAnswer<Real> answer = law_.step(s);
   result.rendered = answer.rendered;
   result.in_debt = answer.in_debt;

@@ -132,8 +132,10 @@ inline Real reduction(Real allowed, Real wanted) noexcept {
 /// The same for the lengths of two vectors. It computes no root if nothing is to be reduced.
 template <class Real>
 inline Real reduction(const Vector3<Real>& allowed, const Vector3<Real>& wanted) noexcept {
-  const Real least = wanted.squaredNorm(), most = allowed.squaredNorm();
-  if (is_plain_square(least) && is_plain_square(most) && least <= most) return Real(1);
+  if (wanted.isZero(0)) return Real(1);
+  const Real squared = wanted.squaredNorm(), most = allowed.squaredNorm();
+  if (is_plain_square(squared) && is_plain_square(most)) [[likely]]
+    return squared > most ? std::sqrt(most / squared) : Real(1);
   return reduction(length(allowed), length(wanted));
 }
 

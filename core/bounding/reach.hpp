@@ -44,9 +44,7 @@ void validate(const PortKnowledge& port, const char* field);
 class Reach {
  public:
   /// Precondition: validate(known) passed.
-  explicit Reach(const PortKnowledge& known) : known_(known) {
-    set_outside_force(known.outside_force);
-  }
+  explicit Reach(const PortKnowledge& known) : known_(known), per_mass_(1.0 / known.mass) {}
 
   /// The handle moved by `displacement` over `hold_time` > 0 [s] while `held` acted. `period` [s]
   /// is the normal duration of a sample: samples shorter than half of it are joined, because an
@@ -62,30 +60,33 @@ class Reach {
   /// Whether anything bounds the next displacement.
   bool known() const noexcept { return time_ > 0.0 && bounds(); }
   /// A smaller or larger bound of the force from outside [N].
-  void set_outside_force(double force) noexcept {
-    known_.outside_force = force;
-    from_outside_ = force / known_.mass;
+  void set_outside_force(double force) noexcept { known_.outside_force = force; }
+
+  // Along a vector v of any length: |v| times the displacement along v / |v|. For a force v that is
+  // the most energy [J] that the force gives over the displacement. `length` is |v|.
+
+  /// Over `hold_time` [s], of a handle no faster than specified.
+  double at_full_speed(const Vec3& v, double length, double hold_time) const noexcept {
+    return known_.speed * hold_time * length + known_.quantum * v.lpNorm<1>();
   }
-  /// [m] along the unit vector u over `hold_time` [s], of a handle no faster than specified.
-  double at_full_speed(const Vec3& u, double hold_time) const noexcept {
-    return known_.speed * hold_time + known_.quantum * u.lpNorm<1>();
-  }
-  /// [m] along the unit vector u over the next `hold_time` [s], with the component `force` [N]
-  /// along u held meanwhile. Precondition: known().
-  double along(const Vec3& u, double force, double hold_time) const noexcept {
-    return reached(u, std::max(0.0, force + known_.outside_force) / known_.mass, hold_time);
+  /// Over the next `hold_time` [s], with `held` [N] held meanwhile. Precondition: known().
+  double along(const Vec3& v, double length, const Vec3& held, double hold_time) const noexcept {
+    return reached(v, length, std::max(0.0, held.dot(v) + known_.outside_force * length),
+                   hold_time);
   }
   /// The same with no force held.
-  double along(const Vec3& u, double hold_time) const noexcept {
-    return reached(u, from_outside_, hold_time);
+  double along(const Vec3& v, double length, double hold_time) const noexcept {
+    return reached(v, length, known_.outside_force * length, hold_time);
   }
-  /// [m] by which a displacement along u is longer for each sample of `hold_time` [s] that comes
-  /// before it, in which one of `coming` [N], or a part of it, is held. Precondition: bounds().
-  double driven(const Vec3& u, std::span<const Vec3> coming, double hold_time) const noexcept {
-    double acceleration = 0.0;
-    for (const Vec3& force : coming)
-      acceleration += std::max(0.0, force.dot(u)) / known_.mass + from_outside_;
-    return acceleration * hold_time * hold_time;
+  /// The part by which a displacement along v is longer for each sample of `hold_time` [s] that
+  /// comes before it, in which one of `coming` [N], or a part of it, is held. Precondition:
+  /// bounds().
+  double driven(const Vec3& v, double length, std::span<const Vec3> coming,
+                double hold_time) const noexcept {
+    double force = 0.0;
+    for (const Vec3& next : coming)
+      force += std::max(0.0, next.dot(v)) + known_.outside_force * length;
+    return force * per_mass_ * hold_time * hold_time;
   }
   /// Whether a sample of `hold_time` [s] that showed `displacement` is within reach along its own
   /// direction for every held force, because it differs from the sample before by less than the
@@ -100,23 +101,24 @@ class Reach {
   }
   /// [m/N] the increase of that for each newton of `force`.
   double per_newton(double hold_time) const noexcept {
-    return hold_time * hold_time / (2.0 * known_.mass);
+    return 0.5 * per_mass_ * hold_time * hold_time;
   }
 
  private:
-  double reached(const Vec3& u, double acceleration, double hold_time) const noexcept {
-    const double quantum = known_.quantum * u.lpNorm<1>();
+  double reached(const Vec3& v, double length, double force, double hold_time) const noexcept {
+    const double quantum = known_.quantum * v.lpNorm<1>();
     const double before =
-        ((joined_ ? strongest_ : held_.dot(u)) + known_.outside_force) / known_.mass;
-    const double from_rest = before * time_ * hold_time;
+        (joined_ ? strongest_ * length : held_.dot(v)) + known_.outside_force * length;
+    const double per_newton = per_mass_ * hold_time;
+    const double from_rest = before * per_newton * time_;
     const double longer = hold_time == time_ ? 1.0 : hold_time / time_;
-    const double carried_on = (displacement_.dot(u) + quantum) * longer + 0.5 * from_rest;
-    return std::max(std::max(0.0, from_rest), carried_on) +
-           0.5 * acceleration * hold_time * hold_time + quantum;
+    const double carried_on = (displacement_.dot(v) + quantum) * longer + 0.5 * from_rest;
+    return std::max(std::max(0.0, from_rest), carried_on) + 0.5 * force * per_newton * hold_time +
+           quantum;
   }
 
   PortKnowledge known_;
-  double from_outside_ = 0.0;  // [m/s^2] F_h / m
+  double per_mass_;  // 1/m [1/kg]
   // The last movement that shows a speed.
   Vec3 displacement_ = Vec3::Zero();  // [m]
   Vec3 held_ = Vec3::Zero();          // [N] meanwhile

@@ -1,11 +1,12 @@
-// The account leaves out what cannot change its result and keeps what seldom changes. What it gives
-// is what its arithmetic written out gives, bit for bit.
+// The account leaves out what cannot change its result, keeps what seldom changes and multiplies
+// where its formulas divide. What it gives is what its arithmetic written out gives.
 
 #include <gtest/gtest.h>
 
-#include <bit>
+#include <algorithm>
 #include <cstdint>
 
+#include "core/base/numeric.hpp"
 #include "tests/core/bounding/plain_account.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/seeds.hpp"
@@ -16,6 +17,7 @@ namespace {
 using namespace test;
 
 constexpr std::uint64_t kAccounts = rounds(400);
+constexpr double kOff = 1e-9;  // of the command, of the balance
 
 /// Knowledge of any kind: damping of each kind or none, each other thing known or not.
 PortKnowledge any_knowledge(Random& random, double scale) {
@@ -84,17 +86,16 @@ void play(std::uint64_t seed, Seen& seen) {
     const double next_hold = even ? 0.0 : longest;
     const Command expected = plain.step(s, next_hold);
     const Command held = account.step(s, next_hold);
-    for (int i = 0; i < 3; ++i) {
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(held.elastic[i]),
-                std::bit_cast<std::uint64_t>(expected.elastic[i]))
-          << seed << ' ' << n;
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(held.torque[i]),
-                std::bit_cast<std::uint64_t>(expected.torque[i]))
-          << seed << ' ' << n;
+    if (!command.finite()) {
+      ASSERT_EQ(held, Command{}) << seed << ' ' << n;
+    } else {
+      const double wrong = length(held.elastic - expected.elastic) +
+                           length(held.frictional - expected.frictional) +
+                           length(held.torque - expected.torque);
+      const double all = length(command.force()) + length(command.torque);
+      ASSERT_LE(wrong, kOff * std::max(1.0, all)) << seed << ' ' << n;
     }
-    ASSERT_EQ(held, expected) << seed << ' ' << n;
-    ASSERT_EQ(std::bit_cast<std::uint64_t>(account.balance()),
-              std::bit_cast<std::uint64_t>(plain.balance()))
+    ASSERT_NEAR(account.balance(), plain.balance(), kOff * std::max(1.0, plain.balance()))
         << seed << ' ' << n;
     seen.whole += held == s.command && held != Command{};
     if (!random.chance(0.05)) continue;
@@ -107,7 +108,7 @@ void play(std::uint64_t seed, Seen& seen) {
   seen.strong_hand += plain.strong_hand;
 }
 
-TEST(AccountPlain, GivesTheBitsOfItsArithmeticWrittenOut) {
+TEST(AccountPlain, GivesWhatItsArithmeticWrittenOutGives) {
   Seen seen;
   for (std::uint64_t seed = 1; seed <= kAccounts && !testing::Test::HasFatalFailure(); ++seed)
     play(seed, seen);

@@ -42,7 +42,7 @@ TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
     for (const double s : {0.01, 0.3, 1.0}) {
       const double magnitude = s * f.norm();
       const double expected = searched_need(magnitude, known.damping.matrix()(0, 0),
-                                            reach.along(f.normalized(), magnitude, kPeriod));
+                                            reach.along(f.normalized(), 1.0, s * f, kPeriod));
       EXPECT_NEAR(need.at(s), expected, 1e-9 * expected);
     }
   }
@@ -52,12 +52,12 @@ TEST(Account, NeedIsSmoothAndConvexWhereItsFormTurns) {
   PortBalance balance(handle(0.5).translation, kPeriod);
   balance.earned(Vec3::Zero(), Vec3::Zero(), kPeriod);
   const EnergyNeed need = balance.need(Vec3(20, 0, 0), kPeriod);
-  ASSERT_GT(need.turn, 0.0);
-  ASSERT_LT(need.turn, 1.0);
-  const double below = need.first * need.turn * need.turn;
-  EXPECT_NEAR(need.at(need.turn), below, 1e-12 * below);
-  EXPECT_NEAR(2.0 * need.second * need.turn + need.linear, 2.0 * need.first * need.turn,
-              1e-9 * need.linear);
+  const double turn = need.reach / need.free;
+  ASSERT_GT(turn, 0.0);
+  ASSERT_LT(turn, 1.0);
+  const double below = need.first * turn * turn;
+  EXPECT_NEAR(need.at(turn), below, 1e-12 * below);
+  EXPECT_NEAR(2.0 * need.second * turn + need.linear, 2.0 * need.first * turn, 1e-9 * need.linear);
   EXPECT_GT(need.second, 0.0);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// The account's arithmetic written out step by step, with nothing kept and nothing left out. The
-// product's account is quicker and must give the same bits (account_plain_test.cpp).
+// The account's arithmetic written out step by step, with nothing kept and nothing left out, by
+// lengths and directions. The product's account is quicker, multiplies where this one divides, and
+// must give the same up to rounding (account_plain_test.cpp).
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,21 @@
 #include "core/bounding/account.hpp"
 
 namespace feltwire::test {
+
+constexpr double kRounding = 1e-12;
+
+/// EnergyNeed in the form of docs/bounding.md.
+struct PlainNeed {
+  double first = 0.0, turn = std::numeric_limits<double>::infinity();
+  double second = 0.0, linear = 0.0, constant = 0.0;
+  bool limited() const {
+    return first < std::numeric_limits<double>::infinity() ||
+           turn < std::numeric_limits<double>::infinity();
+  }
+  double at(double s) const {
+    return s < turn ? first * s * s : (second * s + linear) * s + constant;
+  }
+};
 
 /// One port of it: what a sample earns, and what the next one can take.
 class PlainPort {
@@ -32,8 +48,9 @@ class PlainPort {
   double earned(const Vec3& dx, const Vec3& held, double hold) {
     const Polar<double> way = polar(dx);
     too_fast_ = limits_speed() && way.length > at_full_speed(way.direction, hold);
-    const bool too_far = bounds() && time_ > 0.0 && way.length > 0.0 &&
-                         way.length > reach(way.direction, held.dot(way.direction), hold);
+    const bool too_far =
+        bounds() && time_ > 0.0 && way.length > 0.0 &&
+        way.length > (1.0 + kRounding) * reach(way.direction, held.dot(way.direction), hold);
     strong_ = too_far || too_fast_;
     if (learned_) {
       learned_->moved(dx, held, hold);
@@ -45,10 +62,10 @@ class PlainPort {
            known_.coulomb_friction * path_.moved(dx) - held.dot(dx);
   }
 
-  EnergyNeed need(const Vec3& wanted, double hold) const {
+  PlainNeed need(const Vec3& wanted, double hold) const {
     const Polar<double> force = polar(wanted);
     const double f = force.length;
-    EnergyNeed need;
+    PlainNeed need;
     if (!(f > 0.0)) return need;
     const double b = damping_along(force.direction);
     need.first = b > 0.0 ? 0.5 * (hold / (2.0 * b)) * f * f : kInfinity;
@@ -64,10 +81,10 @@ class PlainPort {
     }
     if (!limits_speed() || too_fast_) return need;
     const double way = at_full_speed(force.direction, hold);
-    const EnergyNeed by_speed{.first = need.first,
-                              .turn = 2.0 * burned * way / f,
-                              .linear = f * way,
-                              .constant = -burned * way * way};
+    const PlainNeed by_speed{.first = need.first,
+                             .turn = 2.0 * burned * way / f,
+                             .linear = f * way,
+                             .constant = -burned * way * way};
     return by_speed.at(1.0) < need.at(1.0) ? by_speed : need;
   }
 
@@ -111,13 +128,12 @@ class PlainPort {
 };
 
 /// The largest share s <= 1 of the command with force.at(s) + torque.at(s) <= left.
-inline double plain_share(const EnergyNeed& force, const EnergyNeed& torque, double left) {
-  constexpr double kRounding = 1e-12;
+inline double plain_share(const PlainNeed& force, const PlainNeed& torque, double left) {
   if (!(left > 0.0)) return 0.0;
   const auto both = [&](double s) { return force.at(s) + torque.at(s); };
   if (both(1.0) <= left * (1.0 + kRounding)) return 1.0;
   double square = 0.0, linear = 0.0, constant = 0.0;
-  for (const EnergyNeed* need : {&force, &torque}) {
+  for (const PlainNeed* need : {&force, &torque}) {
     const bool beyond = need->turn < 1.0 && both(need->turn) < left;
     square += beyond ? need->second : need->first;
     linear += beyond ? need->linear : 0.0;
@@ -141,8 +157,8 @@ class PlainAccount {
     if (!s.command.finite()) return held_;
     Command wanted = s.command;
     const double hold = std::max(config_.period, next_hold);
-    EnergyNeed force = translation_.need(wanted.force(), hold);
-    EnergyNeed torque = rotation_.need(wanted.torque, hold);
+    PlainNeed force = translation_.need(wanted.force(), hold);
+    PlainNeed torque = rotation_.need(wanted.torque, hold);
     if (!force.limited()) wanted.elastic = wanted.frictional = Vec3::Zero();
     if (!force.limited()) force = {};
     if (!torque.limited()) wanted.torque.setZero();

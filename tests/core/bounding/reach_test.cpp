@@ -29,6 +29,11 @@ PortKnowledge knowledge(double mass, double outside, double quantum = 0.0) {
   return k;
 }
 
+/// [m] along x over a period in which `force` [N] is held along x.
+double along_x(const Reach& reach, double force) {
+  return reach.along(Vec3::UnitX(), 1.0, Vec3(force, 0, 0), kPeriod);
+}
+
 TEST(Reach, IsNewtonsLawForAHandleWithoutFriction) {
   Reach reach(knowledge(0.1, 5.0));
   EXPECT_FALSE(reach.known());
@@ -36,16 +41,35 @@ TEST(Reach, IsNewtonsLawForAHandleWithoutFriction) {
   ASSERT_TRUE(reach.known());
   // dx(n+1) - dx(n) is the mean of both samples' largest accelerations times T^2.
   const double mean = 0.5 * ((3.0 + 5.0) + (4.0 + 5.0)) / 0.1;
-  EXPECT_NEAR(reach.along(Vec3::UnitX(), 4.0, kPeriod), 2e-4 + mean * kPeriod * kPeriod, 1e-15);
-  EXPECT_NEAR(reach.along(Vec3::UnitX(), 5.0, kPeriod) - reach.along(Vec3::UnitX(), 4.0, kPeriod),
-              reach.per_newton(kPeriod), 1e-15);
+  EXPECT_NEAR(along_x(reach, 4.0), 2e-4 + mean * kPeriod * kPeriod, 1e-15);
+  EXPECT_NEAR(along_x(reach, 5.0) - along_x(reach, 4.0), reach.per_newton(kPeriod), 1e-15);
 }
 
 TEST(Reach, AHandleThatFrictionStoppedStartsFromRestAtAnyTime) {
   Reach reach(knowledge(0.1, 5.0));
   reach.moved(Vec3(-1e-3, 0, 0), Vec3::Zero(), kPeriod, kPeriod);
   // Friction may have stopped it at once: G0 T^2 + G T^2 / 2.
-  EXPECT_NEAR(reach.along(Vec3::UnitX(), 0.0, kPeriod), 1.5 * 50.0 * kPeriod * kPeriod, 1e-15);
+  EXPECT_NEAR(along_x(reach, 0.0), 1.5 * 50.0 * kPeriod * kPeriod, 1e-15);
+}
+
+TEST(Reach, AlongAVectorIsItsLengthTimesThatAlongItsDirection) {
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    Reach reach(knowledge(0.1, 5.0, 3e-5));
+    for (int n = random.chance(0.3) ? 2 : 1; n > 0; --n)  // two short samples are joined
+      reach.moved(random.vector(-6.0, -3.0), random.vector(-1.0, 1.0),
+                  random.uniform(0.2, 2.0) * kPeriod, kPeriod);
+    const Vec3 v = random.vector(-1.0, 1.0), held = random.vector(-1.0, 1.0);
+    const Vec3 coming[] = {random.vector(-1.0, 1.0), random.vector(-1.0, 1.0)};
+    const double length = v.norm(), hold = random.uniform(1.0, 2.0) * kPeriod;
+    const Vec3 u = v / length;
+    const auto same = [&](double whole, double by_unit) {
+      EXPECT_NEAR(whole, length * by_unit, 1e-12 * whole);
+    };
+    same(reach.along(v, length, hold), reach.along(u, 1.0, hold));
+    same(reach.along(v, length, held, hold), reach.along(u, 1.0, held, hold));
+    same(reach.driven(v, length, coming, hold), reach.driven(u, 1.0, coming, hold));
+  }
 }
 
 TEST(Reach, NothingIsKnownWithoutAMassAForceOrAMovement) {
@@ -111,7 +135,7 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
       for (const Vec3& along : {dx, held, random.direction()}) {
         const Vec3 u = direction(along);
         if (u.isZero(0.0)) continue;
-        const double share = dx.dot(u) / reach.along(u, held.dot(u), hold);
+        const double share = dx.dot(u) / reach.along(u, 1.0, held, hold);
         used.most = std::max(used.most, share);
         used.broken += share > 1.0 + 1e-9;
         ++used.samples;
