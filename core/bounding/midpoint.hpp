@@ -36,9 +36,10 @@ class Midpoint {
   static constexpr double kLeastShare = 0.1;    // no surface is lost to a hand that is shaken
   static constexpr double kGrowth = 0.05;       // [1/s] of the share
   static constexpr double kLeastSwing = 30e-6;  // [m] a finger feels 10 um RMS
-  /// The least size of a swing in quanta of the encoder, along an axis. Along another direction u
-  /// the readings of several axes are added up: it is |u|_1 times as large.
-  static constexpr double kQuanta = 2.0;
+  /// The least size of a swing in quanta of the encoder, along an axis: two of them, whatever their
+  /// sum rounds to. Along another direction u the readings of several axes are added up: it is
+  /// |u|_1 times as large.
+  static constexpr double kQuanta = 1.9;
 
   /// `quantum` [m] of the encoder.
   explicit Midpoint(double quantum) : resting_(quantum), quanta_(kQuanta * quantum) {}

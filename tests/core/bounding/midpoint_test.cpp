@@ -80,11 +80,24 @@ TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
 TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
   Midpoint<double> slow(kQuantum), small(kQuantum), in_the_air(kQuantum), along(kQuantum);
   swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves by itself
-  swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // two quanta between its ends
+  swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // less than two quanta between its ends
   swing(in_the_air, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{}; });
   swing(along, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{.elastic = Vec3(5, 0, 0)}; });
   for (const auto* midpoint : {&slow, &small, &in_the_air, &along})
     EXPECT_EQ(midpoint->hand_credit().near_steps_down, 0u);
+}
+
+/// To and fro between two readings of an encoder, from anywhere, 100 reversals a second.
+TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
+  for (const int quanta : {1, 2}) {
+    Midpoint<double> midpoint(kQuantum);
+    for (int n = 0; n < 1000; ++n) midpoint.step(step(kQuantum, push(5.0)));
+    for (int n = 0; n < 1000; ++n) {
+      const double way = (n / 10 % 2 == 0 ? quanta : -quanta) * kQuantum;
+      midpoint.step(step(n % 10 == 0 ? way : 0.0, push(5.0)));
+    }
+    EXPECT_EQ(midpoint.hand_credit().near_steps_down > 5u, quanta == 2) << quanta;
+  }
 }
 
 /// Half of each swing is outside of the wall.
