@@ -277,7 +277,7 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   }
   if (share == kNoLimit) [[unlikely]]
     return give_limited_part(s.command, left, hold);
-  const Command given = share * s.command;
+  Command given = share * s.command;
   give({given.force(), given.torque});
   if (!wanted.nothing()) ++statistics_.reduced;
   return given;

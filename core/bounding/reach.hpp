@@ -90,8 +90,7 @@ class Reach {
   }
   /// Whether a sample of `hold_time` [s] that showed `displacement` is within reach along its own
   /// direction for every held force, because it differs from the sample before by less than the
-  /// encoder rounds. False means unknown. It saves a root and four divisions. Precondition:
-  /// known().
+  /// encoder rounds. False means unknown. It saves a root. Precondition: known().
   bool goes_on(const Vec3& displacement, double hold_time) const noexcept {
     // reach >= (u.dx + q1) h/h0 + q1, and q1 >= q. The rest of q is for rounding.
     constexpr double kMost = 0.95;
