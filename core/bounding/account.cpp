@@ -13,7 +13,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kRounding = 1e-12;  // more than the arithmetic of a step rounds off
+constexpr double kOffByRounding = 1e-12;  // more than the arithmetic of a step rounds off
 
 const AccountConfig& checked(const AccountConfig& config) {
   if (!(config.period > 0.0) || !std::isfinite(config.period))
@@ -37,8 +37,8 @@ double affordable(const EnergyNeed& force, const EnergyNeed& torque, double bala
   if (force.most() + torque.most() <= balance) return 1.0;
   const auto both = [&](double s) { return force.at(s) + torque.at(s); };
   // A command at its own bound's limit is off by some roundings: it is not scaled for that.
-  if (both(1.0) <= balance * (1.0 + kRounding)) return 1.0;
-  constexpr double kLess = 1.0 - kRounding;  // rounding must not overdraw
+  if (both(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
+  constexpr double kLess = 1.0 - kOffByRounding;  // rounding must not overdraw
   const double below = kLess * std::sqrt(balance / (force.first + torque.first));
   if (force.before_turn(below) && torque.before_turn(below)) return std::min(below, 1.0);
   // Both grow with s, so the answer lies beyond a turn exactly when the turn costs less.
@@ -107,7 +107,7 @@ inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held
   if (squared == 0.0) return false;
   // A movement of one quantum is always within reach, and often exactly as far as that.
   return squared >
-         (1.0 + kRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
+         (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
 }
 
 double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
