@@ -69,10 +69,10 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-double PortBalance::damping_along(const Force& force) const noexcept {
+double PortBalance::damping_along(const Vec3& force) const noexcept {
   if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
   // If a direction is not damped at all, a force along any other may move the handle along it.
-  return directional_ ? force.squared / force.vector.dot(inverse_damping_ * force.vector) : 0.0;
+  return directional_ ? force.squaredNorm() / force.dot(inverse_damping_ * force) : 0.0;
 }
 
 void PortBalance::forget() noexcept {
@@ -153,7 +153,7 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
   if (squared == 0.0) return need;
   const Force force{wanted, squared, std::sqrt(squared)};
   const bool prepared = !directional_ && hold_.time == hold_time;
-  const Hold other = prepared ? Hold{} : hold_of(damping_along(force), hold_time);
+  const Hold other = prepared ? Hold{} : hold_of(damping_along(wanted), hold_time);
   const Hold& hold = prepared ? hold_ : other;
   need.first = 0.5 * hold.free * squared;
   if (reach_.known()) limit_by_inertia(need, force, hold, coming);
@@ -165,8 +165,7 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
 double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept {
   const double squared = wanted.squaredNorm();
   if (squared == 0.0) return 0.0;
-  const Hold hold = hold_of(damping_along({wanted, squared, std::sqrt(squared)}), hold_time);
-  return 0.5 * hold.free * squared;
+  return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
 }
 
 /// Both limits are true at every share of the force, so the one that is less at the whole of it is

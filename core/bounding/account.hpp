@@ -119,7 +119,7 @@ class PortBalance {
     double squared, length;
   };
   Hold hold_of(double damping, double hold_time) const noexcept;
-  double damping_along(const Force& force) const noexcept;
+  double damping_along(const Vec3& force) const noexcept;
   bool beyond_reach(const Vec3& displacement, const Vec3& held, double hold_time) const noexcept;
   void limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                         std::span<const Vec3> coming) const noexcept;

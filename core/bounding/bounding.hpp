@@ -70,7 +70,6 @@ class BasicBounding {
   const BoundingConfig& config() const { return config_; }
 
  private:
-  bool usable(const Step& step) const noexcept;
   Step checked(const Step& given, bool& refused) const noexcept;
   BasicBounded<Real> bounded(const Step& s, bool refused) noexcept;
   bool saturate(BasicCommand<Real>& rendered) const noexcept;

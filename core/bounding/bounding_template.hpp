@@ -25,6 +25,11 @@ bool sane(const BasicCommand<Real>& c) {
   return sane(c.elastic, kLargestForce) && sane(c.frictional, kLargestForce) &&
          sane(c.torque, kLargestForce);
 }
+template <class Real>
+bool sane(const BasicBoundingStep<Real>& s) {
+  return sane(s.command) && sane(s.displacement, kLargestMovement) &&
+         sane(s.rotation, kLargestMovement) && std::abs(s.hold_time) <= kLargestHold;
+}
 
 /// Larger than rounding. For vectors within the limits no square overflows.
 template <class Real>
@@ -56,14 +61,6 @@ BasicBounding<Real>::BasicBounding(const BasicBoundingMethod<Real>& method,
   config_.mode = method.name;
 }
 
-/// Whether a step can be taken as it is.
-template <class Real>
-bool BasicBounding<Real>::usable(const Step& s) const noexcept {
-  using bounding_detail::sane;
-  return rotation_ && s.hold_time >= period_ && s.hold_time <= kLargestHold && sane(s.command) &&
-         sane(s.displacement, kLargestMovement) && sane(s.rotation, kLargestMovement);
-}
-
 /// The step with usable values only: each unusable value is replaced by the worst possible one.
 template <class Real>
 BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
@@ -71,18 +68,17 @@ BasicBoundingStep<Real> BasicBounding<Real>::checked(const Step& given,
   using bounding_detail::sane;
   Step s = given;
   if (!rotation_) s.command.torque = s.rotation = Vector3<Real>::Zero();
-  const bool displacement_sane = sane(s.displacement, kLargestMovement);
-  const bool rotation_sane = sane(s.rotation, kLargestMovement);
+  refused = !sane(s);
   const bool hold_sane = std::abs(s.hold_time) <= kLargestHold;
   // A hold shorter than T earns no more credit than T.
   if (!hold_sane || s.hold_time < period_) s.hold_time = period_;
-  refused = !sane(s.command) || !displacement_sane || !rotation_sane || !hold_sane;
   if (!refused) [[likely]]
     return s;
   s.command = {};
-  if (!displacement_sane)
+  if (!sane(s.displacement, kLargestMovement))
     s.displacement = translation_damping_.worst_movement(held_.force(), s.hold_time);
-  if (!rotation_sane) s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
+  if (!sane(s.rotation, kLargestMovement))
+    s.rotation = rotational_damping_.worst_movement(held_.torque, s.hold_time);
   // The duration of the movement is not known, so it earns no credit.
   if (!hold_sane) s.hold_time = static_cast<Real>(kLargestHold);
   return s;
@@ -102,7 +98,9 @@ bool BasicBounding<Real>::saturate(BasicCommand<Real>& rendered) const noexcept 
 
 template <class Real>
 BasicBounded<Real> BasicBounding<Real>::step(const Step& given) noexcept {
-  if (usable(given)) return bounded(given, false);
+  // The usual step is not copied.
+  if (rotation_ && given.hold_time >= period_ && bounding_detail::sane(given))
+    return bounded(given, false);
   bool refused = false;
   const Step replaced = checked(given, refused);
   return bounded(replaced, refused);
