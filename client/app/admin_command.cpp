@@ -46,11 +46,14 @@ struct AdminWords {
   bool link() const { return delay || jitter || loss; }
 };
 
-void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+void print(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 void list_sessions(const ServerAccess& server, const AdminWords& words) {
-  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
-  print(words.json ? session_json(sessions) : session_table(sessions));
+  const SeenSessions sessions = sessions_of(server, words.scene);
+  if (words.json)
+    write_session_json(sessions, print);
+  else
+    print(session_table(sessions));
 }
 
 void reload(const ServerAccess& server, const AdminWords& words) {
@@ -61,7 +64,7 @@ void reload(const ServerAccess& server, const AdminWords& words) {
 }
 
 void evict(const ServerAccess& server, const AdminWords& words) {
-  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
+  const SeenSessions sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
   ask_for<control::Evicted>(server, control::Evict{seen.session.session});
   print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
@@ -75,7 +78,7 @@ void await_client(const ServerAccess& server, const SeenSession& seen) {
   constexpr std::chrono::milliseconds kBetween{100};
   const std::string name = std::to_string(seen.session.session);
   for (int look = 0; look < kLooks; ++look) {
-    const std::vector<SeenSession> sessions = sessions_of(server, seen.scene);
+    const SeenSessions sessions = sessions_of(server, seen.scene);
     const control::SessionDescription& now = session_named(sessions, name).session;
     const std::string who = "the client of session " + std::to_string(now.number) + " of scene " +
                             visible(seen.scene) + " has ";
@@ -113,7 +116,7 @@ void set_lead(const ServerAccess& server, const AdminWords& words, const SeenSes
 }
 
 void set_session(const ServerAccess& server, const AdminWords& words) {
-  const std::vector<SeenSession> sessions = sessions_of(server, words.scene);
+  const SeenSessions sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
   if (words.lead_share) return set_lead(server, words, seen);
   if (words.link()) return set_link(server, words, seen);
@@ -162,13 +165,13 @@ void print_counters(const ServerAccess& server, const AdminWords& words) {
 }
 
 /// Where the server is and how to be let in: of every command.
-void add_access(CLI::App& command, AdminWords& words) {
+void add_access(CLI::App& command, AdminWords& words, int argc, char** argv) {
   command
       .add_option("--connect", words.connect,
                   "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
   add_credential_options(command, words.credentials);
-  read_environment(command);
+  read_environment(command, argc, argv, credential_rivals());
 }
 
 void add_material(CLI::App& command, MaterialChange& material) {
@@ -244,26 +247,25 @@ struct AdminCommand {
   void (*run)(const ServerAccess& server, const AdminWords& words);
 };
 
-CLI::App* add_command(CLI::App& app, AdminWords& words, const char* name, const char* does) {
-  CLI::App* command = app.add_subcommand(name, does);
-  add_access(*command, words);  // these alone may come from the environment
-  return command;
-}
-
-std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
-  CLI::App* sessions = add_command(app, words, "sessions", "List the sessions and their state");
+std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int argc, char** argv) {
+  const auto add_command = [&](const char* name, const char* does) {
+    CLI::App* command = app.add_subcommand(name, does);
+    add_access(*command, words, argc, argv);  // these alone may come from the environment
+    return command;
+  };
+  CLI::App* sessions = add_command("sessions", "List the sessions and their state");
   sessions->add_option("--scene", words.scene, "Show only this scene");
   sessions->add_flag("--json", words.json, "Print JSON");
-  CLI::App* reloading = add_command(app, words, "reload", "Read a scene's file again");
+  CLI::App* reloading = add_command("reload", "Read a scene's file again");
   reloading->add_option("SCENE", words.scene, "Its name")->required();
-  CLI::App* evicting = add_command(app, words, "evict", "End a session with a goodbye");
+  CLI::App* evicting = add_command("evict", "End a session with a goodbye");
   evicting
       ->add_option("SESSION", words.session, "Number or id of the session (see `admin sessions`)")
       ->required();
   evicting->add_option("--scene", words.scene,
                        "The session's scene, if several scenes have a session with this number");
   CLI::App* setting = add_command(
-      app, words, "set",
+      "set",
       "Change the material of an object, gravity, or a session: its bound, its emulated link, or "
       "its share in the lead of a robot");
   setting->add_option("--scene", words.scene, "Not needed if the server has only one");
@@ -273,12 +275,12 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words) {
   add_parameters(*setting, words);
   add_link(*setting, words);
   add_lead(*setting, words);
-  CLI::App* recording = add_command(app, words, "record",
+  CLI::App* recording = add_command("record",
                                     "Write the last ten seconds of a scene to a file of the server "
                                     "(--flight-recorder), and print "
                                     "its name");
   recording->add_option("--scene", words.scene, "When not given: all scenes");
-  CLI::App* counting = add_command(app, words, "stats", "Show the server's counters");
+  CLI::App* counting = add_command("stats", "Show the server's counters");
   counting->add_flag("--json", words.json, "Print JSON");
   return {{sessions, &list_sessions}, {reloading, &reload},
           {evicting, &evict},         {setting, &set},
@@ -297,7 +299,7 @@ int admin_command(int argc, char** argv) {
   app.footer(kExamples);
   app.require_subcommand(1);
   AdminWords words;
-  const std::vector<AdminCommand> commands = add_commands(app, words);
+  const std::vector<AdminCommand> commands = add_commands(app, words, argc, argv);
   try {
     app.parse(argc, argv);
     const ServerAccess server{parse_endpoint(words.connect), credentials(words.credentials)};
@@ -306,7 +308,7 @@ int admin_command(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    return fail(error.what() + suggestion(app) + "; see --help", kBadUsage);
+    return fail(error.what() + advice(error, app) + "; see --help", kBadUsage);
   } catch (const std::invalid_argument& error) {
     return fail(error.what(), kBadUsage);
   } catch (const std::exception& error) {

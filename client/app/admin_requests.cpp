@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
 
+#include "client/transport/false_answer.hpp"
+#include "client/transport/listing.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 
@@ -39,6 +42,34 @@ std::optional<double> scaled(double factor, std::optional<double> value) {
 }
 
 Json number(std::optional<double> value) { return value ? Json(*value) : Json(nullptr); }
+
+Json json_of(const SeenSession& seen) {
+  const auto& [scene, s] = seen;
+  return {{"scene", visible(scene)},
+          {"number", s.number},
+          {"session", std::to_string(s.session)},  // longer than JSON's usual numbers
+          {"client", visible(s.client)},
+          {"device", visible(s.device)},
+          {"tool", visible(s.tool)},
+          {"role", name(s.role)},
+          {"mode", visible(s.parameters.mode)},
+          {"side", name(s.parameters.side)},
+          {"local_model", s.parameters.local_model},
+          {"rate_hz", rate(s.parameters)},
+          {"samples", s.samples},
+          {"missed", s.missed},
+          {"loss", number(loss(s))},
+          {"round_trip_ms", number(scaled(kMilliseconds, s.round_trip))},
+          {"delivered_j", s.delivered},
+          {"burned_j", s.burned},
+          {"balance_j", number(s.balance)},
+          {"laws_taken", name(s.takes.laws)},
+          {"link_taken", s.takes.link},
+          {"lead_share", s.lead_share},
+          {"seat", s.seat.empty() ? Json(nullptr) : Json(visible(s.seat))},
+          {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
+          {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}};
+}
 
 /// Columns as wide as their longest cell.
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
@@ -81,24 +112,19 @@ std::vector<std::string> scenes_named(const ServerAccess& server, const std::str
   return name.empty() ? scene_names(server) : std::vector{name};
 }
 
-std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene) {
-  std::vector<SeenSession> seen;
-  for (const std::string& name : scenes_named(server, scene)) {
-    std::uint32_t after = 0;
-    for (bool more = true; more;) {
-      auto list =
-          ask_for<control::SessionDescriptions>(server, control::DescribeSessions{name, after});
-      more = list.more && !list.sessions.empty() && list.sessions.back().number > after;
-      if (more) after = list.sessions.back().number;
-      for (control::SessionDescription& session : list.sessions)
-        seen.push_back({name, std::move(session)});
-    }
-  }
+SeenSessions sessions_of(const ServerAccess& server, const std::string& scene) {
+  const std::vector<std::string> scenes = scenes_named(server, scene);
+  SeenSessions seen;
+  if (scenes.empty()) return seen;
+  ControlDialogue dialogue(server, kControlTimeout);
+  ListRoom room(kRoomOfServer);
+  for (const std::string& name : scenes)
+    for (auto told = described_sessions(dialogue, name, room); !told.empty(); told.pop_front())
+      seen.push_back({name, std::move(told.front())});
   return seen;
 }
 
-const SeenSession& session_named(const std::vector<SeenSession>& sessions,
-                                 const std::string& name) {
+const SeenSession& session_named(const SeenSessions& sessions, const std::string& name) {
   const SeenSession* found = nullptr;
   for (const SeenSession& seen : sessions) {
     if (std::to_string(seen.session.session) == name) return seen;
@@ -118,13 +144,19 @@ std::vector<SeenCounters> counters_of(const ServerAccess& server) {
   std::vector<std::string> scenes = scene_names(server);
   scenes.emplace_back();  // the control port
   seen.reserve(scenes.size());
-  for (const std::string& scene : scenes)
-    seen.push_back(
-        {scene, ask_for<control::Counters>(server, control::GetCounters{scene}).counters});
+  ListRoom room(kRoomOfCounters);
+  for (const std::string& scene : scenes) {
+    auto told = ask_for<control::Counters>(server, control::GetCounters{scene}).counters;
+    for (const control::Counter& counter : told)
+      if (!room.take(sizeof counter + counter.name.capacity()))
+        throw FalseAnswer(to_string(server.endpoint) + " told counters of more than " +
+                          std::to_string(room.bytes()) + " bytes");
+    seen.push_back({scene, std::move(told)});
+  }
   return seen;
 }
 
-std::string session_table(const std::vector<SeenSession>& sessions) {
+std::string session_table(const SeenSessions& sessions) {
   std::vector<std::vector<std::string>> rows = {
       {"scene", "number", "client", "device", "mode", "side", "rate/Hz", "loss/%", "trip/ms",
        "delivered/mJ", "burned/mJ", "balance/mJ", "session"}};
@@ -141,34 +173,20 @@ std::string session_table(const std::vector<SeenSession>& sessions) {
   return aligned(rows);
 }
 
-std::string session_json(const std::vector<SeenSession>& sessions) {
-  Json list = Json::array();
-  for (const auto& [scene, s] : sessions)
-    list.push_back({{"scene", visible(scene)},
-                    {"number", s.number},
-                    {"session", std::to_string(s.session)},  // longer than JSON's usual numbers
-                    {"client", visible(s.client)},
-                    {"device", visible(s.device)},
-                    {"tool", visible(s.tool)},
-                    {"role", name(s.role)},
-                    {"mode", visible(s.parameters.mode)},
-                    {"side", name(s.parameters.side)},
-                    {"local_model", s.parameters.local_model},
-                    {"rate_hz", rate(s.parameters)},
-                    {"samples", s.samples},
-                    {"missed", s.missed},
-                    {"loss", number(loss(s))},
-                    {"round_trip_ms", number(scaled(kMilliseconds, s.round_trip))},
-                    {"delivered_j", s.delivered},
-                    {"burned_j", s.burned},
-                    {"balance_j", number(s.balance)},
-                    {"laws_taken", name(s.takes.laws)},
-                    {"link_taken", s.takes.link},
-                    {"lead_share", s.lead_share},
-                    {"seat", s.seat.empty() ? Json(nullptr) : Json(visible(s.seat))},
-                    {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
-                    {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}});
-  return list.dump(2) + "\n";
+void write_session_json(const SeenSessions& sessions,
+                        const std::function<void(std::string_view piece)>& write) {
+  if (sessions.empty()) return write("[]\n");
+  constexpr std::string_view kOpen = "[\n", kClose = "\n]";
+  std::string_view before = kOpen;
+  for (const SeenSession& seen : sessions) {
+    // A document of all would take ten times their memory.
+    const std::string one = Json::array({json_of(seen)}).dump(2);
+    write(before);
+    write(std::string_view(one).substr(kOpen.size(), one.size() - kOpen.size() - kClose.size()));
+    before = ",\n";
+  }
+  write(kClose);
+  write("\n");
 }
 
 std::string counter_lines(const std::vector<SeenCounters>& counters) {

@@ -1,7 +1,10 @@
 #pragma once
 // The requests of `feltwire-client admin` to a server, and the texts of their answers.
 
+#include <deque>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/run/run_client.hpp"
@@ -14,14 +17,15 @@ struct SeenSession {
   std::string scene;
   control::SessionDescription session;
 };
+using SeenSessions = std::deque<SeenSession>;
 
 /// The sessions of one scene, or of all that the token opens if `scene` is empty. Blocks and throws
 /// as join() does.
-std::vector<SeenSession> sessions_of(const ServerAccess& server, const std::string& scene);
+SeenSessions sessions_of(const ServerAccess& server, const std::string& scene);
 
 /// Finds the session that a user names: by its number, if `scene` is given or the number is unique,
 /// or by its id. Throws std::invalid_argument with the remedy if there is none.
-const SeenSession& session_named(const std::vector<SeenSession>& sessions, const std::string& name);
+const SeenSession& session_named(const SeenSessions& sessions, const std::string& name);
 
 /// The scene with that name, or the only one if it is empty. Throws std::invalid_argument that
 /// lists the existing ones.
@@ -29,7 +33,8 @@ std::string scene_named(const ServerAccess& server, const std::string& name);
 /// The scene with that name, or all that the token opens if it is empty.
 std::vector<std::string> scenes_named(const ServerAccess& server, const std::string& name);
 
-/// Counters of the control port (its scene is empty) and of each scene.
+/// Counters of the control port (its scene is empty) and of each scene. Throws FalseAnswer if a
+/// server tells so many that they have no room.
 struct SeenCounters {
   std::string scene;
   std::vector<control::Counter> counters;
@@ -37,9 +42,11 @@ struct SeenCounters {
 std::vector<SeenCounters> counters_of(const ServerAccess& server);
 
 /// One line for each session under a heading; "-": not known.
-std::string session_table(const std::vector<SeenSession>& sessions);
-/// JSON with a line break at the end. Values that are not known are null.
-std::string session_json(const std::vector<SeenSession>& sessions);
+std::string session_table(const SeenSessions& sessions);
+/// JSON with a line break at the end, in pieces: its whole text would take as much memory as the
+/// sessions. Values that are not known are null.
+void write_session_json(const SeenSessions& sessions,
+                        const std::function<void(std::string_view piece)>& write);
 std::string counter_lines(const std::vector<SeenCounters>& counters);
 std::string counter_json(const std::vector<SeenCounters>& counters);
 

@@ -11,6 +11,7 @@
 #include "client/devices/plugged_in.hpp"
 #include "client/run/device_check.hpp"
 #include "core/base/visible_text.hpp"
+#include "core/command_line/suggestion.hpp"
 
 namespace feltwire {
 namespace {
@@ -84,7 +85,7 @@ int devices_command(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "feltwire-client devices: %s; see --help\n",
-                 visible(error.what()).c_str());
+                 visible(error.what() + advice(error, app)).c_str());
     return 2;
   }
   if (!rated.empty()) return show_rate(rated, firmware, span, rate);

@@ -218,7 +218,7 @@ int identify_command(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    return failed(error.what() + suggestion(app) + "; see --help", kWrongWords);
+    return failed(error.what() + advice(error, app) + "; see --help", kWrongWords);
   } catch (const std::invalid_argument& error) {
     return failed(error.what(), kWrongWords);
   } catch (const std::exception& error) {

@@ -27,6 +27,7 @@ std::unique_ptr<Device> open_device(ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client: note: %s\n", visible(note).c_str());
+  options.true_energy = std::move(opened.true_energy);
   options.emergency = std::make_shared<EmergencyStop>();
   auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
                                                   options.emergency);

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "client/app/rival_options.hpp"
 #include "client/app/written_options.hpp"
 #include "core/base/choice.hpp"
 #include "core/base/visible_text.hpp"
@@ -43,7 +44,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   CLI::App app{
       "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-client: " + visible(error.what() + suggestion(*failed)) + "; see --help\n";
+    return "feltwire-client: " + visible(error.what() + advice(error, *failed)) + "; see --help\n";
   });
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-client"); },
@@ -59,9 +60,10 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--scene", words.scene, "Name of the scene to join");
   app.add_option("--tool", options.tool,
                  "Name of the scene's tool to hold. When not given: the scene's first tool");
-  app.add_option("--role", words.role,
-                 "operator, or observer: an observer sees the scene, feels nothing and moves "
-                 "nothing. The token must allow the role")
+  app.add_option(
+         "--role", words.role,
+         "operator, pointer (a small hand, with a token of that role) or observer (sees the "
+         "scene, feels nothing and moves nothing). The token must allow the role")
       ->capture_default_str();
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
       ->capture_default_str();
@@ -113,9 +115,13 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
              "  admin      list the sessions of a running server, and change it (docs/admin.md)\n"
              "  devices    list the connected devices, and their problems (docs/devices.md)\n"
              "  identify   measure a device's damping, friction and mass (docs/devices.md)");
-  app.add_flag("--fixed", words.fixed,
-               "Admins of the server cannot change the bounding method or the emulated link of "
-               "this client while it runs (docs/admin.md)");
+  app.add_option("--changes", words.changes,
+                 "Changes of this client that an admin of the server may make while it runs "
+                 "(docs/admin.md). none; safe: the emulated link, and bounding methods that are "
+                 "passive by themselves; any: every method, also none, for a device that nobody "
+                 "holds")
+      ->capture_default_str();
+  app.add_flag("--fixed", words.fixed, "As --changes none");
   app.add_option("--dscp", words.dscp,
                  "DSCP mark of the datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63. The "
                  "server sets its own")
@@ -192,10 +198,15 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "it; the account after the bound never does")
       ->capture_default_str()
       ->group(session);
-  app.add_option(
-         "--hold-time", parameters.hold_time,
-         "[s] A command that is older than half of this time fades. At the full time it is zero")
-      ->capture_default_str()
+  app.add_option("--hold-time", words.hold_time,
+                 "[s] A command that is older than half of this time fades. At the full time it is "
+                 "zero. At least five servo periods. When not given: " +
+                     short_text(SessionParameters{}.hold_time) +
+                     ", or five servo periods if longer")
+      ->group(session);
+  app.add_option("--longest-hold-time", words.longest_hold_time,
+                 "[s] The server may lengthen the hold time up to this, as servers with a profile "
+                 "do. When not given: not beyond --hold-time")
       ->group(session);
   app.add_flag_function(
          "--local-model,!--no-local-model",
@@ -277,6 +288,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(safety);
   app.add_option("--max-force", options.servo.safety.force.max,
                  "[N] Largest force, if it is less than that of the device")
+      ->group(safety);
+  app.add_option("--let-go-after", words.let_go_after,
+                 "[s] While a force is on the hand, let the device go for good if the servo makes "
+                 "no tick for this time. At most --hold-time, at least two servo periods. When not "
+                 "given: five servo periods, 20 without real-time scheduling; the hold time for a "
+                 "device that nobody holds")
       ->group(safety);
   app.add_option("--tool-weight", words.tool_weight,
                  "Weight of a tool at the handle, which a constant force along the device's z "
@@ -376,7 +393,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(steering);
 
-  read_environment(app);
+  read_environment(app, argc, argv, client_rivals(), {"list", "list-specs", "check"});
   try {
     app.parse(argc, argv);
     if (!words.profile.empty()) {

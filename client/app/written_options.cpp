@@ -8,7 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
+#include "core/base/choice.hpp"
 #include "core/base/units.hpp"
 #include "core/device/device_file.hpp"
 #include "core/recording/flight_files.hpp"
@@ -38,9 +40,28 @@ void choose_safety(const WrittenOptions& words, ClientOptions& options) {
   given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
 }
 
+/// A person's hand gets no law that relies on more than the law that its owner chose. Throws
+/// std::invalid_argument.
+ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) {
+  const auto laws = chosen_value<LawsTaken>("--changes", words.changes, kLawsTakenNames);
+  require(!words.fixed || laws == LawsTaken::none,
+          "--fixed is --changes none; leave out one of them");
+  require(laws != LawsTaken::any || !options.driver->held_by_person,
+          "--changes any is for --device simulated and replay, which no person holds; give "
+          "--changes safe");
+  return {.laws = laws, .link = laws != LawsTaken::none && options.link.has_value()};
+}
+
 double period_of(const WrittenOptions& words) {
   require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
   return 1.0 / words.rate;
+}
+
+/// The roles of this program: an admin and a robot have programs of their own.
+Role role_of_hand(const std::string& word) {
+  for (const Role one : {Role::operator_, Role::pointer, Role::observer})
+    if (name(one) == word) return one;
+  throw std::invalid_argument("--role must be operator, pointer or observer, is '" + word + "'");
 }
 
 /// [Hz] of datagrams to the server, if not one a tick. Who only looks does so at the rate of
@@ -49,6 +70,24 @@ std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
   constexpr double kPictures = 100.0;
   const bool usual = !words.packet_rate && words.profile.empty();
   return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
+}
+
+/// How long a force may stay: without a tick, and by the server's word. Throws
+/// std::invalid_argument.
+void choose_holds(const WrittenOptions& words, ClientOptions& options) {
+  constexpr double kLongest = 1.0;  // [s] of a hold time
+  if (words.let_go_after) {
+    require(*words.let_go_after > 0.0 && *words.let_go_after <= kLongest,
+            "--let-go-after must be above 0 and at most 1 s; leave it out for the usual time");
+    options.let_go_after = *words.let_go_after;
+  }
+  if (words.longest_hold_time) {
+    require(*words.longest_hold_time >= options.parameters.hold_time &&
+                *words.longest_hold_time <= kLongest,
+            "--longest-hold-time must be from --hold-time to 1 s; leave it out, and the server may "
+            "not lengthen the hold time");
+    options.longest_hold_time = *words.longest_hold_time;
+  }
 }
 
 /// Chooses the rates and deadbands of messages. Throws std::invalid_argument.
@@ -99,7 +138,8 @@ std::vector<NamedFile> written_files(const WrittenOptions& words) {
 std::vector<NamedFile> read_files(const WrittenOptions& words) {
   const CredentialOptions& c = words.credentials;
   const DriverChoice device = chosen_driver(words.device);
-  return named({{"--device", device.driver->names_file ? device.name : std::string()},
+  const bool reads = device.driver->file != nullptr && !device.name.empty();
+  return named({{"--device", reads ? device.driver->file(device.name) : std::string()},
                 {"--firmware", words.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
@@ -307,15 +347,17 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require(possible_busy_poll(options.busy_poll),
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
-  options.role = role(words.role);
-  require(options.role != Role::admin && options.role != Role::follower,
-          "--role must be operator, pointer or observer");
+  options.role = role_of_hand(words.role);
   require(words.view.empty() || options.role == Role::observer,
           "--view is only for observers; also give --role observer");
   choose_bound(words, options.parameters);
   options.parameters.servo_period = period_of(words);
+  options.hold_time_follows = !words.hold_time;
+  if (words.hold_time) options.parameters.hold_time = *words.hold_time;
+  choose_hold_time(options.parameters, options.hold_time_follows);
   choose_traffic(words, packet_rate(words, options.role), options.parameters);
   validate(options.parameters);
+  choose_holds(words, options);
   choose_safety(words, options);
   choose_lead(words, options);
   validate(options.servo, options.parameters);
@@ -340,9 +382,10 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   options.dscp = dscp(words.dscp);
   options.whole_surfaces = words.whole_surfaces;
   if (!words.link.empty()) options.link = parse_link(words.link);
-  if (words.fixed) return;
-  options.takes = {.laws = options.driver->held_by_person ? LawsTaken::safe : LawsTaken::any,
-                   .link = options.link.has_value()};
+  options.takes = changes(words, options);
+  // A thread that does not run for some milliseconds hurts nobody, and ends no session.
+  if (!words.let_go_after && !options.driver->held_by_person)
+    options.let_go_after = options.parameters.hold_time;
 }
 
 }  // namespace feltwire

@@ -24,7 +24,9 @@ struct WrittenOptions {
   std::optional<bool> local_model;
   bool whole_surfaces = true;
   bool fixed = false;
+  std::string changes = "none";
   double rate = 1000.0;
+  std::optional<double> hold_time;    // [s]
   std::optional<double> packet_rate;  // [Hz]
   double position_deadband_percent = 0.0, force_deadband_percent = 0.0;
   std::optional<std::array<double, 3>> center, normal;
@@ -37,7 +39,8 @@ struct WrittenOptions {
   std::string tool_weight;  // with its unit
   int emergency_button = 0;
   std::optional<int> deadman_button, clutch_button;
-  std::optional<double> await_still;  // [s]
+  std::optional<double> await_still;                      // [s]
+  std::optional<double> let_go_after, longest_hold_time;  // [s]
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
   std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";
   RecordingLimits record_limits;

@@ -23,4 +23,6 @@ void add_credential_options(CLI::App& app, CredentialOptions& words,
   add(wording.prefix + "key", words.key, "FILE (PEM) of that certificate's key");
 }
 
+Rivals credential_rivals() { return exclusive({"fingerprint", "fingerprint-file", "ca"}); }
+
 }  // namespace feltwire

@@ -4,10 +4,7 @@
 #include <string>
 
 #include "client/transport/credentials.hpp"
-
-namespace CLI {
-class App;
-}
+#include "core/command_line/environment.hpp"
 
 namespace feltwire {
 
@@ -21,5 +18,8 @@ struct CredentialWording {
 
 void add_credential_options(CLI::App& app, CredentialOptions& words,
                             const CredentialWording& wording = {});
+
+/// The three options that say whom to trust exclude each other.
+Rivals credential_rivals();
 
 }  // namespace feltwire

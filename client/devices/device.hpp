@@ -43,6 +43,9 @@ struct DeviceReading {
   bool clutched = false;
   /// All buttons, a bit each; the first is bit 0.
   std::uint32_t buttons = 0;
+  /// Whether no hand can have moved here (core/device/possible_movement.hpp), said by a driver that
+  /// knows the times of its own positions. Absent: the servo judges by the times of its ticks.
+  std::optional<bool> jumped{};
   /// Not `nothing`: the servo asks for no force, and the movement earns nothing. The pose is shown
   /// in the scene, unless the device is not homed.
   Withheld withheld = Withheld::nothing;
@@ -56,6 +59,10 @@ class Device {
   virtual ~Device() = default;
   /// The specification. It must not change.
   virtual const DeviceSpec& spec() const = 0;
+
+  /// Metres of the tool's way for one metre of the handle's (client/devices/mapped_device.hpp). It
+  /// must not change.
+  virtual double motion_scale() const { return 1.0; }
 
   /// Called once, before the first read(), by the thread that joined. The arguments say where a
   /// hand that does not know the scene should begin: a point [m] on a surface and the unit normal
@@ -82,7 +89,9 @@ class Device {
   /// Holds this command on the hand until the next write(). It is already within the spec's limits.
   /// Returns the command that is really held, which may be less (a fault, an amplifier's limit) or
   /// still the one before (a force that comes too late for this tick). Only this command is
-  /// accounted for, unless the next reading has another held force.
+  /// accounted for, unless the next reading has another held force. A device that takes forces up
+  /// late (DeviceSpec::late_ticks) and cannot tell returns what it was given: then the command of
+  /// so many ticks before is accounted for (client/devices/taken_up.hpp).
   virtual Command write(const Command& on_hand) noexcept = 0;
 
   /// Called before each of the last ticks, when the servo's own force has faded: takes off slowly

@@ -9,11 +9,14 @@
 #include "client/devices/hapi.hpp"
 #include "client/devices/haply.hpp"
 #include "client/devices/open_haptics.hpp"
+#include "client/devices/plant_file.hpp"
 #include "client/devices/plugin_device.hpp"
 #include "client/devices/replay.hpp"
 #include "client/devices/simulated_device.hpp"
 #include "client/devices/steered_device.hpp"
 #include "core/base/choice.hpp"
+#include "core/base/file_error.hpp"
+#include "core/device/spec_names.hpp"
 #include "core/device/spec_text.hpp"
 
 namespace feltwire {
@@ -21,19 +24,35 @@ namespace {
 
 using Name = Driver::Name;
 
+std::string whole_name(std::string_view name) { return std::string(name); }
+
+/// A device that nobody holds has no hand in its plant.
+Plant requested_plant(const DeviceRequest& request) {
+  if (request.name.empty()) return {};
+  Plant plant = load_plant(plant_file_of(request.name));
+  if (!request.held) plant.hand = {};
+  return plant;
+}
+
 OpenedDevice open_simulated(const DeviceRequest& request) {
   SourcedSpec described = requested_spec(request.spec, "simulated");
   std::vector<std::string> notes = assumptions(described);
-  return {std::make_unique<SimulatedDevice>(
-              SimulatedHandOptions{.spec = std::move(described.spec),
-                                   .hand = request.held ? Hand{} : kNoHand,
-                                   .task = request.task,
-                                   .wrist = request.wrist,
-                                   .own_center = request.own_center,
-                                   .own_normal = request.own_normal,
-                                   .leads_from = request.leads_from,
-                                   .presses_at = request.presses_at}),
-          std::move(notes)};
+  SimulatedHandOptions options{.spec = std::move(described.spec),
+                               .hand = request.held ? Hand{} : kNoHand,
+                               .task = request.task,
+                               .wrist = request.wrist,
+                               .own_center = request.own_center,
+                               .own_normal = request.own_normal,
+                               .leads_from = request.leads_from,
+                               .presses_at = request.presses_at,
+                               .plant = requested_plant(request)};
+  try {
+    auto device = std::make_unique<SimulatedDevice>(options);
+    const SimulatedDevice& opened = *device;
+    return {std::move(device), std::move(notes), [&opened] { return opened.true_energy(); }};
+  } catch (const PlantError& error) {
+    throw FileError(plant_file_of(request.name) + ": " + error.field + ": " + error.why);
+  }
 }
 
 OpenedDevice open_replay(const DeviceRequest& request) {
@@ -44,10 +63,10 @@ OpenedDevice open_replay(const DeviceRequest& request) {
 
 constexpr std::array kDrivers = {
     Driver{.kind = "simulated",
-           .takes_name = Name::none,
-           .name = "",
-           .names_file = false,
-           .summary = "a simulated hand",
+           .takes_name = Name::optional,
+           .name = "plant=FILE.json",
+           .file = plant_file_of,
+           .summary = "a simulated hand; FILE.json has the lag of its motors, their transmission",
            .spec = "simulated",
            .open = open_simulated,
            .library = nullptr,
@@ -56,7 +75,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "replay",
            .takes_name = Name::required,
            .name = "FILE.csv",
-           .names_file = true,
+           .file = whole_name,
            .summary = "a recording; columns t,x,y,z and optionally qw,qx,qy,qz",
            .spec = "simulated",
            .open = open_replay,
@@ -66,7 +85,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "forcedimension",
            .takes_name = Name::optional,
            .name = "NUMBER",
-           .names_file = false,
+           .file = nullptr,
            .summary = "omega, delta, sigma, lambda, Falcon, with the maker's SDK",
            .spec = "omega.7",
            .open = open_force_dimension,
@@ -77,7 +96,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "openhaptics",
            .takes_name = Name::optional,
            .name = "NAME",
-           .names_file = false,
+           .file = nullptr,
            .summary = "Touch, Touch X, Premium, with the maker's OpenHaptics",
            .spec = "touch",
            .open = open_haptics,
@@ -88,7 +107,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "haply",
            .takes_name = Name::optional,
            .name = "ID@PORT",
-           .names_file = false,
+           .file = nullptr,
            .summary = "Inverse3, Inverse3x, Minverse, with the maker's service",
            .spec = "inverse3",
            .open = open_haply,
@@ -99,7 +118,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "falcon",
            .takes_name = Name::optional,
            .name = "NUMBER",
-           .names_file = false,
+           .file = nullptr,
            .summary = "Novint's Falcon over USB, without the maker's SDK",
            .spec = "falcon",
            .open = open_falcon,
@@ -111,7 +130,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "hapi",
            .takes_name = Name::required,
            .name = "PORT",
-           .names_file = false,
+           .file = nullptr,
            .summary = "Haply's open 2-dof board at a serial port, /dev/ttyACM0",
            .spec = "hapi_2dof",
            .open = open_hapi,
@@ -119,7 +138,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "gamepad",
            .takes_name = Name::optional,
            .name = "EVENT",
-           .names_file = false,
+           .file = nullptr,
            .summary = "a gamepad, which moves the tool and gives no force",
            .spec = "simulated_6dof",
            .open = open_gamepad,
@@ -129,7 +148,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "spacemouse",
            .takes_name = Name::optional,
            .name = "EVENT",
-           .names_file = false,
+           .file = nullptr,
            .summary = "a 3D mouse, which moves and turns the tool and gives no force",
            .spec = "simulated_6dof",
            .open = open_spacemouse,
@@ -139,7 +158,7 @@ constexpr std::array kDrivers = {
     Driver{.kind = "plugin",
            .takes_name = Name::required,
            .name = "FILE.so[:ARGUMENTS]",
-           .names_file = false,
+           .file = nullptr,
            .summary = "a plugin of your own, feltwire_device_v1.h",
            .spec = "simulated",
            .open = open_plugin,
@@ -164,6 +183,64 @@ std::string spelling(const Driver& driver) {
   return kind + named;
 }
 
+/// Small letters and digits only: "Omega 7" is as good as "omega.7".
+std::string bare(std::string_view name) {
+  std::string out;
+  for (const char c : name) {
+    if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) out += c;
+  }
+  return out;
+}
+
+/// The specification that a user means who names a device instead of its driver; empty: none.
+std::string meant_spec(std::string_view words) {
+  constexpr std::size_t kFewest = 4;  // letters that name a family
+  const std::string given = bare(words);
+  if (given.empty()) return {};
+  const std::vector<std::string> specs = device_spec_names();
+  for (const std::string& spec : specs)
+    if (bare(spec) == given) return spec;
+  if (given.size() < kFewest) return {};
+  for (const std::string& spec : specs)
+    if (bare(spec).starts_with(given)) return spec;
+  return {};
+}
+
+/// The devices of one driver, by the beginning of their specifications' names.
+struct Family {
+  std::string_view device, kind;
+};
+constexpr std::array kFamilies = {
+    Family{"omega", "forcedimension"},
+    Family{"delta", "forcedimension"},
+    Family{"sigma", "forcedimension"},
+    Family{"lambda", "forcedimension"},
+    Family{"touch", "openhaptics"},
+    Family{"phantom", "openhaptics"},
+    Family{"inverse", "haply"},
+    Family{"falcon", "falcon"},
+    Family{"hapi", "hapi"},
+};
+
+/// The option for the device with this specification.
+std::string option_for(std::string_view spec) {
+  for (const Family& family : kFamilies)
+    if (spec.starts_with(family.device))
+      return "--device " + spelling(*find_choice(kDrivers, family.kind, &Driver::kind));
+  return "--device plugin:FILE.so (docs/devices.md)";
+}
+
+[[noreturn]] void refuse_device(std::string_view words) {
+  const std::string unknown = "unknown device '" + std::string(words) + "'";
+  const std::string spec = meant_spec(words);
+  if (spec.empty())
+    throw std::invalid_argument(unknown + "; use one of: " + choices(kDrivers, " ", spelling));
+  throw std::invalid_argument(
+      unknown + ": " + spec + " is a specification; for the device itself give " +
+      option_for(spec) + ", for a simulated one --device simulated --spec " + spec);
+}
+
 }  // namespace
 
 std::span<const Driver> drivers() { return kDrivers; }
@@ -181,14 +258,14 @@ DriverChoice chosen_driver(std::string_view words) {
   const std::string_view kind = words.substr(0, colon);
   const bool named = colon != std::string_view::npos && colon + 1 < words.size();
   const Driver* driver = find_choice(kDrivers, kind, &Driver::kind);
-  if (driver == nullptr)
-    throw std::invalid_argument("unknown device '" + std::string(words) +
-                                "'; use one of: " + choices(kDrivers, " ", spelling));
+  if (driver == nullptr) refuse_device(words);
   if (named ? driver->takes_name == Name::none
             : driver->takes_name == Name::required || colon != std::string_view::npos)
     throw std::invalid_argument("--device " + std::string(words) + ": write it as " +
                                 spelling(*driver));
-  return {driver, named ? std::string(words.substr(colon + 1)) : std::string()};
+  DriverChoice choice{driver, named ? std::string(words.substr(colon + 1)) : std::string()};
+  if (named && driver->file != nullptr) driver->file(choice.name);  // or it throws
+  return choice;
 }
 
 std::string firmware_for(const Driver& driver, const std::string& file) {

@@ -1,6 +1,7 @@
 #pragma once
 // The kinds of device for --device, and the functions that open them.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +12,7 @@
 #include "client/devices/device.hpp"
 #include "client/devices/hand_path.hpp"
 #include "client/devices/steering.hpp"
+#include "client/devices/true_energy.hpp"
 #include "client/devices/wrist_path.hpp"
 #include "core/device/device_file.hpp"
 
@@ -34,15 +36,19 @@ struct DeviceRequest {
 struct OpenedDevice {
   std::unique_ptr<Device> device;
   std::vector<std::string> notes;  // shown to the user once: assumptions, missing features
+  /// SimulatedDevice::true_energy() of this device, while it lives; empty: it is not simulated.
+  std::function<TrueEnergy()> true_energy{};
 };
 
 /// A kind of device. To add one: write its file in this folder, and an entry in drivers.cpp.
 struct Driver {
   enum class Name { none, optional, required };
-  std::string_view kind;     // the name on the command line, --device
-  Name takes_name;           // whether a name may or must follow KIND:
-  std::string_view name;     // the name as --help shows it: "FILE.csv"
-  bool names_file;           // the name is a file that the driver reads
+  std::string_view kind;  // the name on the command line, --device
+  Name takes_name;        // whether a name may or must follow KIND:
+  std::string_view name;  // the name as --help shows it: "FILE.csv"
+  /// The file that the driver reads, from its name. Null: it reads none. Throws
+  /// std::invalid_argument if the name is none that it knows.
+  std::string (*file)(std::string_view name);
   std::string_view summary;  // a few words for --help
   std::string_view spec;     // the specification if neither the user nor the device gives one
   /// Throws std::runtime_error or std::invalid_argument with the error and the remedy.

@@ -45,7 +45,8 @@ typedef struct feltwire_spec_v1 {
   double rotational_resolution; /* [rad] */
   double least_inertia;       /* [kg m^2] about every axis */
   double hand_torque;         /* [N m] from outside, at most */
-  int32_t late_ticks;         /* ticks from write() to the force on the hand, 0 to 4, where held_force cannot tell */
+  int32_t late_ticks;         /* ticks from write() to the force on the hand, 0 to 4. Where write() leaves held_force alone, the
+                                 client reckons with the force that it gave so many ticks before */
 } feltwire_spec_v1;
 
 /* What read() returns. */

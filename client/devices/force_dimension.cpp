@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/devices/connection.hpp"
 #include "client/devices/force_dimension_library.hpp"
 #include "client/devices/held_command.hpp"
 #include "client/devices/let_go.hpp"
@@ -52,6 +53,7 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   DeviceSpec& spec = described.spec;
   spec.name = name;
   spec.late_ticks = 0;  // the Falcon's own driver is late by one; the maker's calls are not
+  described.sources.erase("late_ticks");
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";
   if (torque && spec.rotation_actuated == 0) add_torque(described);
@@ -60,6 +62,12 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   spec.max_force = spec.continuous_force = kSmallest;
   described.sources["max_force"] = "assumption: a model that is not known here";
   return described;
+}
+
+/// A Falcon has a bus of full speed. The others are at USB, or at a card that is no slower.
+const Connection& connection_of(const std::string& model) {
+  const bool falcon = model.find("alcon") != std::string::npos;
+  return falcon ? kFullSpeedUsbConnection : kUsbConnection;
 }
 
 char device_number(const std::string& name) {
@@ -237,15 +245,16 @@ class ForceDimensionDevice final : public Device {
   }
 
   void set_up(const DeviceRequest& request) {
-    const char* name = call_.system_name(id_);
+    const char* told = call_.system_name(id_);
+    const std::string name = told != nullptr && *told != '\0' ? told : "unknown";
     wrist_ = call_.has_wrist(id_);
     const bool actuated = wrist_ && call_.has_active_wrist != nullptr &&
                           call_.set_wrench != nullptr && call_.get_wrench != nullptr &&
                           call_.max_torque != nullptr && call_.has_active_wrist(id_);
-    SourcedSpec found =
-        model(name != nullptr && *name != '\0' ? name : "unknown", wrist_, actuated);
+    SourcedSpec found = model(name, wrist_, actuated);
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
+    assume_lag(described_, connection_of(name));
     DeviceSpec& spec = described_.spec;
     wrist_ = wrist_ && spec.rotation_sensed > 0;
     torque_ = wrist_ && actuated && spec.rotation_actuated > 0;

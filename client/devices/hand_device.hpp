@@ -3,28 +3,16 @@
 // derived class gives the intended place of the hand.
 
 #include <atomic>
+#include <optional>
 
+#include "client/devices/amplifier.hpp"
 #include "client/devices/device.hpp"
+#include "client/devices/hand.hpp"
+#include "client/devices/plant.hpp"
+#include "client/devices/plant_motion.hpp"
+#include "client/devices/true_energy.hpp"
 
 namespace feltwire {
-
-/// The arm behind the hand: a mass that moves with the device, and a spring and damper towards the
-/// intended place.
-struct Hand {
-  double mass = 0.1;         // [kg]
-  double damping = 5.0;      // [N s/m]
-  double stiffness = 300.0;  // [N/m]
-  // The wrist, about every axis: equal to the arm's values at a lever of kWristArm.
-  double inertia = 1.6e-4;            // [kg m^2]
-  double rotational_damping = 8e-3;   // [N m s/rad]
-  double rotational_stiffness = 0.5;  // [N m/rad]
-};
-/// [m] the lever at which a wrist turns a tool.
-inline constexpr double kWristArm = 0.04;
-/// Returns the hand with a wrist that has its mass, damping and stiffness at that lever.
-Hand with_wrist(Hand hand);
-/// The parameters of a device that nobody holds.
-inline constexpr Hand kNoHand = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 
 /// m x'' = k (x_i - x) + b_h (x_i' - x') - B x' - f_c sign(x') + f, with m of device and hand
 /// together, x_i the intended position and f the force last written, scaled down to the device's
@@ -40,6 +28,9 @@ inline constexpr Hand kNoHand = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 /// orientation stays the identity if the device does not sense rotation, or if device and hand have
 /// no inertia.
 ///
+/// With a plant that is not Plant::ideal(), translation is that of PlantMotion, and the amplifier
+/// stands before the torque too. Rotation has no transmission.
+///
 /// Deterministic: the same intended poses, commands and reading times give the same bits.
 class HandDevice : public Device {
  public:
@@ -49,15 +40,19 @@ class HandDevice : public Device {
   /// After release() the hand moves on without the device's force.
   void release() noexcept final { released_.store(true); }
 
-  const Vec3& true_position() const { return position_; }  // [m] not rounded by an encoder
-  const Vec3& true_velocity() const { return velocity_; }  // [m/s]
+  const Vec3& true_position() const { return position_; }  // [m] of the handle, not rounded
+  const Vec3& true_velocity() const { return velocity_; }  // [m/s] of the handle
+  /// [m] of the motor, which is where the handle is if the transmission is rigid.
+  const Vec3& motor_position() const { return plant_ ? plant_->motor_position() : position_; }
   const Quaternion& true_orientation() const { return orientation_; }
   const Vec3& true_angular_velocity() const { return angular_velocity_; }  // [rad/s] world frame
+  /// Without a plant of its own `to_hand` has the error of the integration: some 0.1 %.
+  TrueEnergy true_energy() const noexcept;
 
  protected:
   /// Throws std::invalid_argument if a number is not usable (a mass that is not above zero, for
-  /// example).
-  HandDevice(const DeviceSpec& spec, const Hand& hand);
+  /// example), PlantError if one of the plant is not.
+  HandDevice(const DeviceSpec& spec, const Hand& hand, const Plant& plant = {});
 
   /// Puts the hand and its intended place here [m]. Call it before the first reading.
   void place(const Vec3& position) noexcept;
@@ -72,6 +67,8 @@ class HandDevice : public Device {
   virtual Vec3 intended_turn(double /*time*/) noexcept { return Vec3::Zero(); }
   void integrate(double until) noexcept;
   void move(double time, double span, int steps) noexcept;
+  void move_plant(const Vec3& target, double span) noexcept;
+  void look_at_energy() noexcept;
   void turn(double time, double span, int steps) noexcept;
   Quaternion measured_orientation() noexcept;
 
@@ -86,7 +83,13 @@ class HandDevice : public Device {
   Quaternion intended_orientation_ = Quaternion::Identity(), orientation_ = Quaternion::Identity(),
              measured_ = Quaternion::Identity();
   Vec3 angular_velocity_ = Vec3::Zero();
-  Vec3 torque_ = Vec3::Zero();  // [N m] on the hand, held
+  Vec3 torque_ = Vec3::Zero();        // [N m] on the hand, held
+  std::optional<PlantMotion> plant_;  // empty: the device is ideal
+  std::optional<Amplifier> torque_amplifier_;
+  struct Flow {
+    double given = 0.0, burned = 0.0;  // [J]
+  } translation_, rotation_;
+  double made_ = 0.0;  // [J]
   std::atomic<bool> released_{false};
 };
 

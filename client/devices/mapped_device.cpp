@@ -90,7 +90,8 @@ MappedDevice::MappedDevice(std::unique_ptr<Device> device, const WorkspaceMappin
       axes_(mapping.axes()),
       turning_(axes_.determinant() < 0.0 ? -1.0 : 1.0),
       spec_(mapped_spec(device_->spec(), mapping)),
-      tool_{.position = mapping.translation} {}
+      tool_{.position = mapping.translation},
+      taken_up_(device_->spec().late_ticks) {}
 
 void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
   device_->begin(hand_.position + axes_.transpose() * (position - tool_.position) / scale_,
@@ -120,15 +121,15 @@ Command MappedDevice::to_device(const Command& c) const noexcept {
           .torque = turning_ * (axes_.transpose() * c.torque)};
 }
 
-/// `held`: by the device since the reading before, in its own axes.
-void MappedDevice::clutch(DeviceReading& reading, const Command& held) noexcept {
+/// `holds`: the device held a force since the reading before, or will without another write.
+void MappedDevice::clutch(DeviceReading& reading, bool holds) noexcept {
   const Pose hand = reading.pose;
   switch (state_) {
     case Tool::led:
       if (reading.clutch) state_ = Tool::let_go;
       break;
     case Tool::let_go:
-      if (held != Command{}) break;
+      if (holds) break;
       tool_ = in_scene(hand);
       hand_ = hand;
       state_ = Tool::halted;
@@ -148,17 +149,19 @@ void MappedDevice::clutch(DeviceReading& reading, const Command& held) noexcept 
 
 DeviceReading MappedDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading = device_->read(now);
-  const Command held = reading.held.value_or(held_);
-  if (reading.held) reading.held = to_scene(held);
-  if (reading.ok && reading.fresh) clutch(reading, held);
+  const bool held = reading.held && *reading.held != Command{};
+  if (reading.held) reading.held = to_scene(*reading.held);
+  if (reading.ok && reading.fresh) clutch(reading, held || !taken_up_.nothing_left());
   return reading;
 }
 
 Command MappedDevice::write(const Command& on_hand) noexcept {
   const Command asked = state_ == Tool::led ? to_device(on_hand) : Command{};
-  held_ = device_->write(actuated(device_->spec(), asked));
+  const Command given = actuated(device_->spec(), asked);
+  const Command held = device_->write(given);
+  taken_up_.written(given, held);
   // A force that was held in full is returned without rounding.
-  return held_ == asked && state_ == Tool::led ? on_hand : to_scene(held_);
+  return held == asked && state_ == Tool::led ? on_hand : to_scene(held);
 }
 
 }  // namespace feltwire

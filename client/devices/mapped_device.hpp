@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "client/devices/device.hpp"
+#include "client/devices/taken_up.hpp"
 
 namespace feltwire {
 
@@ -43,6 +44,7 @@ class MappedDevice final : public Device {
   MappedDevice(std::unique_ptr<Device> device, const WorkspaceMapping& mapping);
 
   const DeviceSpec& spec() const override { return spec_; }
+  double motion_scale() const override { return scale_ * device_->motion_scale(); }
   void begin(const Vec3& position, const Vec3& normal) override;
   Nanoseconds longest_tick() const override { return device_->longest_tick(); }
   bool await_tick(Nanoseconds latest) noexcept override { return device_->await_tick(latest); }
@@ -63,7 +65,7 @@ class MappedDevice final : public Device {
   Pose in_scene(const Pose& pose) const noexcept;
   Command to_scene(const Command& command) const noexcept;
   Command to_device(const Command& command) const noexcept;
-  void clutch(DeviceReading& reading, const Command& held) noexcept;
+  void clutch(DeviceReading& reading, bool holds) noexcept;
 
   std::unique_ptr<Device> device_;
   double scale_;
@@ -74,7 +76,7 @@ class MappedDevice final : public Device {
   // Members of the servo's thread.
   Pose hand_, tool_;  // the tool's pose, and the hand's pose at the same moment
   Tool state_ = Tool::led;
-  Command held_;  // the command that the device reported as held, in its own axes
+  TakenUp taken_up_;  // of what it wrote, in the device's own axes
 };
 
 }  // namespace feltwire

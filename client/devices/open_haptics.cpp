@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/devices/connection.hpp"
 #include "client/devices/handover.hpp"
 #include "client/devices/shared_library.hpp"
 #include "core/device/spec_text.hpp"
@@ -203,6 +204,12 @@ class OpenHapticsDevice final : public Device {
     }
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
+    // No call tells the connection. A Premium has a card or a parallel port; a Touch is at USB, or
+    // at Ethernet.
+    const bool touch = model.find("Touch") != std::string::npos;
+    assume_lag(described_, premium ? kMappedConnection
+                           : touch ? kUsbConnection
+                                   : kUnknownConnection);
     described_.spec.rotation_sensed = 3;
     torque_ = actuated && described_.spec.rotation_actuated > 0;
     if (!torque_) {
@@ -210,7 +217,7 @@ class OpenHapticsDevice final : public Device {
       described_.spec.max_torque = 0.0;
     }
     notes_ = assumptions(described_);
-    if (model.empty() || (!premium && model.find("Touch") == std::string::npos))
+    if (!premium && !touch)
       notes_.push_back("the model '" + model +
                        "' is not known here; its specification is that of a Touch. Give --spec");
     notes_.emplace_back(

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/devices/connection.hpp"
 #include "client/devices/feltwire_device_v1.h"
 #include "client/devices/held_command.hpp"
 #include "client/devices/shared_library.hpp"
@@ -208,8 +209,11 @@ OpenedDevice open_plugin(const DeviceRequest& request) {
   const std::string arguments =
       colon == std::string::npos ? std::string() : request.name.substr(colon + 1);
   auto device = std::make_unique<plugin::PluginDevice>(plugin::load(file), arguments);
-  device->describe(request.spec.name_or_file.empty() ? overruled(device->described(), request.spec)
-                                                     : requested_spec(request.spec, ""));
+  SourcedSpec described = request.spec.name_or_file.empty()
+                              ? overruled(device->described(), request.spec)
+                              : requested_spec(request.spec, "");
+  assume_lag(described, kUnknownConnection);
+  device->describe(std::move(described));
   std::vector<std::string> notes = assumptions(device->described());
   return {std::move(device), std::move(notes)};
 }

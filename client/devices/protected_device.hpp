@@ -56,6 +56,7 @@ class ProtectedDevice final : public Device {
                   std::shared_ptr<EmergencyStop> emergency);
 
   const DeviceSpec& spec() const override { return spec_; }
+  double motion_scale() const override { return device_->motion_scale(); }
   std::string_view prepare() noexcept override { return device_->prepare(); }
   void begin(const Vec3& position, const Vec3& normal) override {
     device_->begin(position, normal);

@@ -1,5 +1,6 @@
 #include "client/devices/replay.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -8,7 +9,9 @@
 
 #include "core/base/csv.hpp"
 #include "core/base/file_error.hpp"
+#include "core/base/foreign_content.hpp"
 #include "core/base/regular_file.hpp"
+#include "core/device/possible_movement.hpp"
 
 namespace feltwire {
 namespace {
@@ -16,6 +19,23 @@ namespace {
 constexpr double kLatest = 1e10;  // [s] from any epoch; between two times there is always a number
 constexpr double kNotUnit =
     0.01;  // a quaternion's norm may be off by so much; printed digits are not more than that
+
+/// By the recording's own times: a rate of the servo that is slower than the rows would hide a jump
+/// in a long tick, and a faster one would make a blow of each row.
+std::vector<bool> jumps_of(const Recording& recording, const DeviceSpec& spec) {
+  const auto& poses = recording.poses;
+  std::vector<bool> jumps(poses.size());
+  PossibleMovement moves(position_bounds(spec)), turns(rotation_bounds(spec));
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+    const auto& [time, pose] = poses[i];
+    const auto& [later, next] = poses[i + 1];
+    const bool moved = moves.made(next.position - pose.position, later - time);
+    const bool turned =
+        turns.made(rotation_between(pose.orientation, next.orientation), later - time);
+    jumps[i] = !moved || !turned;
+  }
+  return jumps;
+}
 
 }  // namespace
 
@@ -55,7 +75,10 @@ Recording read_recording(const std::filesystem::path& file, std::string_view rem
   constexpr std::size_t kLargest = std::size_t{512} << 20;  // [bytes] over an hour at 1 kHz
   std::istringstream in = [&] {
     try {
-      return std::istringstream(read_regular_file(file, kLargest, remedy));
+      std::string text = read_regular_file(file, kLargest, remedy);
+      if (const auto foreign = foreign_content(text))
+        throw CsvError(file.string() + ": " + *foreign);
+      return std::istringstream(std::move(text));
     } catch (const FileError& error) {
       throw CsvError(error.what());
     }
@@ -87,6 +110,8 @@ ReplayDevice::ReplayDevice(Recording recording, const DeviceSpec& spec,
     spec_.rotation_actuated = 0;
     spec_.max_torque = 0.0;
   }
+  jumps_after_ = jumps_of(recording_, spec_);
+  jumps_ = static_cast<std::size_t>(std::ranges::count(jumps_after_, true));
 }
 
 DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
@@ -94,9 +119,16 @@ DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
   started_ = true;
   const double passed = std::chrono::duration<double>(now - start_).count();
   const double time = recording_.poses.front().time + passed;
-  return {.pose = pose_at(recording_, time, cursor_),
+  const std::size_t before = cursor_;
+  const Pose pose = pose_at(recording_, time, cursor_);
+  // Also in the rows that were passed over since the last reading.
+  bool jumped = false;
+  for (std::size_t row = std::min(before + 1, cursor_); row <= cursor_; ++row)
+    jumped |= jumps_after_[row];
+  return {.pose = pose,
           .ended = time >= recording_.poses.back().time,
-          .deadman = leads_from_ && passed >= *leads_from_};
+          .deadman = leads_from_ && passed >= *leads_from_,
+          .jumped = jumped};
 }
 
 std::unique_ptr<Device> make_replay_device(const std::filesystem::path& file,

@@ -49,6 +49,10 @@ class ReplayDevice final : public Device {
   /// The first call returns the first recorded instant. `ended` is true from the last recorded
   /// instant on.
   DeviceReading read(Nanoseconds now) noexcept override;
+  /// The number of pairs of rows between which no hand can have moved so
+  /// (core/device/possible_movement.hpp). A reading between the rows of such a pair has jumped, and
+  /// so has one behind a pair that was passed over since the last reading.
+  std::size_t jumps() const noexcept { return jumps_; }
   /// Returns the whole command as held, because no hand feels it.
   Command write(const Command& on_hand) noexcept override {
     return released_.load() ? Command{} : on_hand;
@@ -63,6 +67,8 @@ class ReplayDevice final : public Device {
   bool started_ = false;
   Nanoseconds start_{0};
   std::size_t cursor_ = 0;
+  std::vector<bool> jumps_after_;  // of each row: the way to the next one is a jump
+  std::size_t jumps_ = 0;
 };
 
 /// Opens a recording. Throws CsvError.

@@ -217,8 +217,10 @@ bool ServiceSocket::send(std::string_view text) noexcept {
 }
 
 ServiceSocket::News ServiceSocket::receive(Nanoseconds latest) noexcept {
+  if (gone_) return News::gone;
   if (ended_) {
     size_ = 0;
+    announced_ = 0;
     begun_ = ended_ = too_long_ = false;
   }
   while (true) {
@@ -243,7 +245,10 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
     const bool masked = part.mask != 0;   // only a client's frames may be (RFC 6455, 5.1)
     const bool extended = part.rsv != 0;  // no extension was agreed on (5.2)
-    if ((!control && !text) || odd || masked || extended) return gone_ = true, News::gone;
+    if (text && of_frame_ == 0) announced_ += part.payload_length;
+    const bool endless = announced_ > std::max<std::uint64_t>(message_.size(), kMostSkipped);
+    if ((!control && !text) || odd || masked || extended || endless)
+      return gone_ = true, News::gone;
     if (control) {
       const std::size_t room = control_.size() - control_size_;
       std::copy_n(part.data, std::min(size, room), control_.data() + control_size_);
@@ -258,9 +263,11 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     of_frame_ += size;
     if (of_frame_ >= part.payload_length) {
       of_frame_ = 0;
+      ended_ = !control && part.fin != 0;
+      idle_ = ended_ ? 0 : idle_ + 1;
+      if (idle_ > kMostIdle) return gone_ = true, News::gone;
       if (control) take_control(part.opcode);
       if (gone_) return News::gone;
-      ended_ = !control && part.fin != 0;
     }
     if (!ended_ && latest.count() > 0 && monotonic_now() >= latest) return News::none;
   }

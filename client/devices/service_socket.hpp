@@ -21,11 +21,17 @@ class ServiceSocket {
  public:
   enum class News {
     none,     // no message by the given time
-    gone,     // closed, reset, or not a WebSocket any more
+    gone,     // closed, reset, or not a WebSocket any more, or it says nothing without end
     garbled,  // a message that is longer than the buffer; the next call looks for the next one
     message
   };
   static constexpr std::size_t kMostSent = 1024;  // bytes of a text
+  /// Frames that end no message: parts of one, pings, pongs. With more of them in a row the service
+  /// says nothing, however much it sends, and would keep the servo busy: the socket is gone.
+  static constexpr int kMostIdle = 64;
+  /// [bytes] of a message that is too long, to be read over. A longer one has no end: the socket is
+  /// gone.
+  static constexpr std::uint64_t kMostSkipped = std::uint64_t{1} << 20U;
   using Frame = std::vector<std::uint8_t>;
 
   /// A connection on which the service has agreed to speak WebSocket.
@@ -74,7 +80,9 @@ class ServiceSocket {
   std::vector<char> message_;  // its size is the largest message
   std::size_t size_ = 0;       // number of received bytes
   bool begun_ = false, ended_ = false, too_long_ = false, gone_ = false;
-  std::uint64_t of_frame_ = 0;  // received bytes of the present frame
+  std::uint64_t of_frame_ = 0;   // received bytes of the present frame
+  std::uint64_t announced_ = 0;  // bytes of the present message, by the heads of its frames
+  int idle_ = 0;                 // frames in a row that ended no message
   std::array<std::uint8_t, 125> control_{};
   std::size_t control_size_ = 0;
   std::array<std::uint8_t, kMostSent + 32> out_{};

@@ -6,7 +6,7 @@
 namespace feltwire {
 
 SimulatedDevice::SimulatedDevice(const SimulatedHandOptions& options)
-    : HandDevice(options.spec, options.hand),
+    : HandDevice(options.spec, options.hand, options.plant),
       options_(options),
       motion_(options.task),
       turn_(options.wrist, options.task) {

@@ -21,6 +21,7 @@ struct SimulatedHandOptions {
   /// [s] Time at which the hand presses its only button, for kPress. It lets the switch go kLetGo
   /// before, and holds it again kLetGo after.
   std::optional<double> presses_at = {};
+  Plant plant = {};                                    // of the device; ideal by default
   static constexpr double kPress = 0.1, kLetGo = 0.5;  // [s]
 };
 

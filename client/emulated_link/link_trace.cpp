@@ -6,6 +6,7 @@
 
 #include "core/base/csv.hpp"
 #include "core/base/file_error.hpp"
+#include "core/base/foreign_content.hpp"
 #include "core/base/regular_file.hpp"
 
 namespace feltwire {
@@ -55,7 +56,10 @@ LinkTrace load_link_trace(const std::filesystem::path& file) {
   constexpr std::size_t kLargest = std::size_t{64} << 20;  // [bytes] an hour of probes at 1 kHz
   std::istringstream in = [&] {
     try {
-      return std::istringstream(read_regular_file(file, kLargest));
+      std::string text = read_regular_file(file, kLargest);
+      if (const auto foreign = foreign_content(text))
+        throw CsvError(file.string() + ": " + *foreign);
+      return std::istringstream(std::move(text));
     } catch (const FileError& error) {
       throw CsvError(error.what());
     }

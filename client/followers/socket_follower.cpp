@@ -103,9 +103,11 @@ FollowerReading SocketFollower::read(Nanoseconds now) noexcept {
 }
 
 void SocketFollower::receive(Nanoseconds now) noexcept {
-  constexpr int kMost = 16;  // a driver that writes without end must not keep the servo thread
-  for (int i = 0; i < kMost; ++i) {
-    while (const auto line = lines_.next()) take(*line, now);
+  constexpr int kMostReads = 16;
+  int faults = 0;
+  for (int i = 0; i < kMostReads; ++i) {
+    while (const auto line = lines_.next())
+      if (!take(*line, now, faults < kMostAnswers) && ++faults == kMostFaults) return;
     const std::span<char> room = lines_.room();
     const ssize_t count = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
     if (count == 0) connected_ = false;
@@ -115,7 +117,8 @@ void SocketFollower::receive(Nanoseconds now) noexcept {
   }
 }
 
-void SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds now) noexcept {
+bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds now,
+                          bool answers) noexcept {
   std::uint64_t number = 0;
   FollowerReading state;
   auto fault = line.too_long ? std::optional<Fault>(kTooLong)
@@ -127,11 +130,13 @@ void SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
     heard_ = true;
     heard_at_ = now;
     newest_ = number;
-    return;
+    return true;
   }
   ++faults_;
+  if (!answers) return false;
   std::array<char, 256> text{};
   send(text.data(), write_error(line.number, *fault, text));
+  return false;
 }
 
 FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
@@ -207,6 +212,7 @@ std::unique_ptr<SocketFollower> FollowerListener::wait(Nanoseconds longest) {
   const int least = 1;
   ::setsockopt(driver.get(), SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
   follower_lines::Lines lines;
+  std::size_t read = 0;
   for (;;) {
     if (const auto line = lines.next()) {
       FollowerSpec spec;
@@ -229,6 +235,11 @@ std::unique_ptr<SocketFollower> FollowerListener::wait(Nanoseconds longest) {
     if (count <= 0)
       throw std::runtime_error(path_.string() +
                                ": the driver said no hello; its first line is \"follower 1 ...\"");
+    read += static_cast<std::size_t>(count);
+    if (read > kMostBeforeHello)
+      throw std::runtime_error(path_.string() + ": the driver said no hello in " +
+                               std::to_string(kMostBeforeHello) +
+                               " bytes; its first line is \"follower 1 ...\"");
     lines.added(static_cast<std::size_t>(count));
   }
 }

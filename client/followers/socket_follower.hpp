@@ -38,6 +38,9 @@ class OwnDescriptor {
 class SocketFollower final : public Follower {
  public:
   static constexpr Nanoseconds kSilent = std::chrono::milliseconds(100);
+  /// A driver that writes without end must not keep the servo: one read() takes so many lines with
+  /// a fault, and answers so many of them. The rest waits in the socket.
+  static constexpr int kMostFaults = 64, kMostAnswers = 4;
 
   /// `socket` is connected, and its driver has sent `spec`; `rest` are the lines after that.
   SocketFollower(OwnDescriptor socket, FollowerSpec spec, const follower_lines::Lines& rest);
@@ -54,7 +57,8 @@ class SocketFollower final : public Follower {
 
  private:
   void receive(Nanoseconds now) noexcept;
-  void take(const follower_lines::Lines::Line& line, Nanoseconds now) noexcept;
+  /// Returns whether the line had no fault; otherwise the driver hears of it, if `answers`.
+  bool take(const follower_lines::Lines::Line& line, Nanoseconds now, bool answers) noexcept;
   bool send(const char* text, std::size_t size) noexcept;
   bool flush() noexcept;
 
@@ -78,6 +82,9 @@ class SocketFollower final : public Follower {
 /// Waits for a driver at a path.
 class FollowerListener {
  public:
+  /// [bytes] without a hello, after which a driver is refused.
+  static constexpr std::size_t kMostBeforeHello = 65536;
+
   /// Creates the socket, which only this user may open; it replaces one of an earlier run. Throws
   /// std::runtime_error that names the path and the remedy.
   explicit FollowerListener(std::filesystem::path path);
@@ -86,7 +93,8 @@ class FollowerListener {
   FollowerListener& operator=(const FollowerListener&) = delete;
 
   /// Waits for the first driver that sends its first line. Throws std::runtime_error if there is
-  /// none in time, or if the line has a fault; the driver gets the error, too.
+  /// none in time, or in kMostBeforeHello, or if the line has a fault; the driver gets the error of
+  /// the line, too.
   std::unique_ptr<SocketFollower> wait(Nanoseconds longest);
 
  private:

@@ -48,10 +48,13 @@ void wait(std::array<pollfd, 3>& waiting) noexcept {
   }
 }
 
-void show(StatusLine& line, const LiveStatus& status, const Records& records) noexcept {
+void show(StatusLine& line, const LiveStatus& status, const Records& records,
+          const SceneFetch& fetch) noexcept {
   try {
     const auto sight = records.sight();
-    line.show(status, sight ? text(*sight) : std::string());
+    std::string more = sight ? text(*sight) : std::string();
+    if (!fetch.refusal().empty()) more += "  contact not computed here";
+    line.show(status, more);
   } catch (const std::exception&) {  // no memory for it: the next may have
   }
 }
@@ -73,6 +76,18 @@ void tell_of(Changes& changes, StatusLine& line, Records& records,
                     {"refusal", done->refusal}});
     } catch (const std::exception&) {  // no memory for the text
     }
+}
+
+/// Says once why what was fetched is not used.
+void tell_of(const SceneFetch& fetch, std::string& told, StatusLine& line) noexcept {
+  if (fetch.refusal() == told) return;
+  try {
+    told = fetch.refusal();
+    if (told.empty()) return;
+    line.end();
+    std::fprintf(stderr, "feltwire-client: warning: %s\n", visible(told).c_str());
+  } catch (const std::exception&) {  // no memory for the text
+  }
 }
 
 void tell_of(EmergencyKey::Turned turned, StatusLine& line) noexcept {
@@ -119,6 +134,7 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
             Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
             std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
+  std::string told;  // of what was fetched
   bool connected = true;
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
                                  {thread.over_descriptor(), POLLIN, 0},
@@ -142,7 +158,7 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
       records.tell_of_flight_record("asked for");
     }
     tell_of(changes, line, records, reconnector);
-    if (fresh) show(line, status, records);
+    if (fresh) show(line, status, records, fetch);
     const bool lost = fresh && connected && !status.connected;
     if (fresh) connected = status.connected;
     if (running) reconnector.look(connected, Reconnector::Clock::now());
@@ -150,6 +166,7 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
     if (session != 0 && reconnector.session() != 0) session = reconnector.session();
     if (running && fresh && connected)
       fetch.look({session, status.reloads}, SceneFetch::Clock::now());
+    tell_of(fetch, told, line);
     if (lost) {
       line.end();
       records.tell_of_flight_record(kLost);

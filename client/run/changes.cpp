@@ -28,7 +28,7 @@ Changes::Done Changes::judged(const ClientChange& change) {
   if (change.link) done.what += (done.what.empty() ? "" : ", ") + text(*change.link);
   if (change.link) {
     if (!takes_.link)
-      refuse("this client takes no other link: it was started with --fixed");
+      refuse("this client takes no other link: it was started without --changes");
     else if (auto no = port_.refuses_link(*change.link))
       refuse(*std::move(no));
     done.prepared.link = change.link;

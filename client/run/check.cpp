@@ -111,16 +111,19 @@ Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kUdp = 8, kIpv4 = 20, kIpv6 = 40;  // [bytes] of headers
   const int needed = static_cast<int>(kMaxDatagram) + kUdp + (machine.ipv6 ? kIpv6 : kIpv4);
   const bool small = !machine.path_mtu || *machine.path_mtu < needed;
-  return found("datagram size",
-               run.too_long > 0 ? Verdict::fail
-               : small          ? Verdict::warn
-                                : Verdict::pass,
-               (machine.path_mtu ? "packets of " + std::to_string(*machine.path_mtu) + " bytes"
-                                 : std::string("not known")) +
-                   ", " + std::to_string(needed) + " needed at most",
-               "an MTU of " + std::to_string(needed) +
-                   " or more on every interface and tunnel of the way; until then fewer samples a "
-                   "datagram (--batch, --redundancy)");
+  return found(
+      "datagram size",
+      run.too_long > 0 || run.shortened > 0 ? Verdict::fail
+      : small                               ? Verdict::warn
+                                            : Verdict::pass,
+      (machine.path_mtu ? "packets of " + std::to_string(*machine.path_mtu) + " bytes"
+                        : std::string("not known")) +
+          ", " + std::to_string(needed) + " needed at most" +
+          (run.shortened > 0 ? "; " + std::to_string(run.shortened) + " replies came shortened"
+                             : std::string()),
+      "an MTU of " + std::to_string(needed) +
+          " or more on every interface and tunnel of the way; until then fewer samples a "
+          "datagram (--batch, --redundancy)");
 }
 
 }  // namespace

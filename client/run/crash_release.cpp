@@ -1,46 +1,100 @@
 #include "client/run/crash_release.hpp"
 
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 
 namespace feltwire {
 namespace {
 
-constexpr std::array kDeadly = {SIGSEGV, SIGBUS,  SIGFPE,    SIGILL,  SIGABRT, SIGSYS, SIGTRAP,
-                                SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
+constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
 constexpr std::array kIgnored = {SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
+/// No program can react to the first two; the others end no program.
+constexpr std::array kHarmless = {SIGKILL, SIGSTOP, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
+/// [ns] that a thread of a driver is given, which does what release() asked for (LetGo).
+constexpr timespec kTimeToLetGo{.tv_sec = 0, .tv_nsec = 20'000'000};
 
 std::atomic<Device*> device_to_release{nullptr};
 static_assert(std::atomic<Device*>::is_always_lock_free);
 
+template <std::size_t n>
+bool is_among(const std::array<int, n>& signals, int signal) noexcept {
+  return std::ranges::find(signals, signal) != signals.end();
+}
+
 void release_and_die(int signal) {
-  if (Device* device = device_to_release.load()) device->release();
+  if (Device* device = device_to_release.load()) {
+    device->release();
+    timespec left = kTimeToLetGo;
+    while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
+  }
   // As if there were no handler: SA_RESETHAND has put the default back.
   ::raise(signal);
 }
 
-void handle(int signal, void (*handler)(int), int flags) noexcept {
-  struct sigaction action {};
-  action.sa_handler = handler;
-  action.sa_flags = flags;
-  sigemptyset(&action.sa_mask);
-  ::sigaction(signal, &action, nullptr);
-}
+/// The C library keeps the signals between the usual and the real-time ones to itself, and lets no
+/// program handle them. It handles one when it needs it. Until then another program's would end
+/// this one. So they are ignored, by the kernel's own call: the C library's refuses.
+class OwnSignals {
+ public:
+  static constexpr int kFirst = 32;
+  static void change(void (*from)(int), void (*to)(int)) noexcept {
+    for (int signal = kFirst; signal < SIGRTMIN; ++signal) {
+      Action action{};
+      if (::syscall(SYS_rt_sigaction, signal, nullptr, &action, sizeof action.mask) != 0 ||
+          action.handler != from)
+        continue;
+      action = {.handler = to};
+      ::syscall(SYS_rt_sigaction, signal, &action, nullptr, sizeof action.mask);
+    }
+  }
+
+ private:
+  /// The kernel's struct sigaction of x86-64 and of 64-bit ARM.
+  struct Action {
+    void (*handler)(int) = SIG_DFL;
+    unsigned long flags = 0;
+    void (*restorer)() = nullptr;
+    std::uint64_t mask = 0;
+  };
+};
 
 }  // namespace
 
-CrashRelease::CrashRelease(Device& device, bool records) noexcept : records_(records) {
+CrashRelease::CrashRelease(Device& device, bool records) noexcept {
   device_to_release.store(&device);
-  for (const int signal : kDeadly)
-    if (signal != SIGUSR1 || !records_) handle(signal, release_and_die, SA_RESETHAND);
-  for (const int signal : kIgnored) handle(signal, SIG_IGN, 0);
+  const auto take = [&](int signal, void (*handler)(int), int flags) {
+    struct sigaction action {};
+    action.sa_handler = handler;
+    action.sa_flags = flags;
+    sigemptyset(&action.sa_mask);
+    taken_[static_cast<std::size_t>(signal)] =
+        ::sigaction(signal, &action, &before_[static_cast<std::size_t>(signal)]) == 0;
+  };
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    struct sigaction now {};
+    const bool known = ::sigaction(signal, nullptr, &now) == 0;
+    if (!known || is_among(kHarmless, signal) || (signal == SIGUSR1 && records)) continue;
+    const bool ends = (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_DFL;
+    if (is_among(kIgnored, signal))
+      take(signal, SIG_IGN, 0);
+    else if (ends || is_among(kCrashes, signal))
+      take(signal, release_and_die, SA_RESETHAND);
+  }
+  OwnSignals::change(SIG_DFL, SIG_IGN);
 }
 
 CrashRelease::~CrashRelease() {
-  for (const int signal : kDeadly)
-    if (signal != SIGUSR1 || !records_) handle(signal, SIG_DFL, 0);
-  for (const int signal : kIgnored) handle(signal, SIG_DFL, 0);
+  for (std::size_t signal = 1; signal < before_.size(); ++signal)
+    if (taken_[signal]) ::sigaction(static_cast<int>(signal), &before_[signal], nullptr);
+  OwnSignals::change(SIG_IGN, SIG_DFL);
   device_to_release.store(nullptr);
 }
 

@@ -1,15 +1,20 @@
 #pragma once
-// Releases the device when the program crashes.
+// Releases the device when a signal ends the program.
+
+#include <array>
+#include <csignal>
 
 #include "client/devices/device.hpp"
 
 namespace feltwire {
 
-/// While it lives, a signal that kills the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and so
-/// std::terminate(), SIGSYS, SIGTRAP, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2) first
-/// releases the device; then the program ends by the signal as usual. Signals that stop a program
-/// from its terminal (SIGTSTP, SIGTTIN, SIGTTOU) and SIGXFSZ are ignored meanwhile, because a
-/// stopped program would hold its last force. No program can react to SIGKILL, SIGSTOP, a stack
+/// While it lives, every signal that would end the program first releases the device, and gives a
+/// driver's thread 20 ms to do so. Then the program ends by the signal as usual. These are the
+/// crashes (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT and so std::terminate(), SIGSYS, SIGTRAP), and
+/// of the others, real-time signals included, those that nothing handles. Signals that stop a
+/// program from its terminal (SIGTSTP, SIGTTIN, SIGTTOU) and SIGXFSZ are ignored meanwhile, because
+/// a stopped program would hold its last force. The two signals that the C library keeps to itself
+/// (32 and 33) are ignored until it uses them. No program can react to SIGKILL, SIGSTOP, a stack
 /// overflow, or a failure of the machine: only the device's own watchdog can.
 ///
 /// Only one may exist in a program.
@@ -22,7 +27,9 @@ class CrashRelease {
   CrashRelease& operator=(const CrashRelease&) = delete;
 
  private:
-  bool records_;
+  static constexpr std::size_t kSignals = 65;  // 1 to 64
+  std::array<struct sigaction, kSignals> before_{};
+  std::array<bool, kSignals> taken_{};
 };
 
 }  // namespace feltwire

@@ -1,7 +1,6 @@
 #include "client/run/machine_facts.hpp"
 
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -9,6 +8,8 @@
 #include <cstdint>
 #include <ctime>
 #include <fstream>
+
+#include "protocol/net/udp_socket.hpp"
 
 namespace feltwire {
 namespace {
@@ -41,21 +42,6 @@ std::optional<int> wake_latency() {
 
 bool is_ipv6(const Address& server) { return server.storage.ss_family == AF_INET6; }
 
-/// As the system knows it by now: a connected socket has the path's own.
-std::optional<int> path_mtu(const Address& server) {
-  const bool ipv6 = is_ipv6(server);
-  const int socket = ::socket(ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return std::nullopt;
-  int mtu = 0;
-  socklen_t size = sizeof mtu;
-  const bool known =
-      ::connect(socket, reinterpret_cast<const sockaddr*>(&server.storage), server.size) == 0 &&
-      ::getsockopt(socket, ipv6 ? IPPROTO_IPV6 : IPPROTO_IP, ipv6 ? IPV6_MTU : IP_MTU, &mtu,
-                   &size) == 0;
-  ::close(socket);
-  return known ? std::optional<int>(mtu) : std::nullopt;
-}
-
 }  // namespace
 
 MachineFacts machine_facts(const Address& server) {
@@ -63,7 +49,7 @@ MachineFacts machine_facts(const Address& server) {
               first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
           .clock_resolution = resolution(),
           .wake_latency = wake_latency(),
-          .path_mtu = path_mtu(server),
+          .path_mtu = path_mtu(server.storage, server.size),
           .ipv6 = is_ipv6(server)};
 }
 

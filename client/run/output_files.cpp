@@ -83,12 +83,12 @@ void check_writable(const fs::path& file) {
   if (is_special(file)) {
     ::close(open_for_writing(file, O_NONBLOCK));  // does not wait for a reader
   } else {
-    const PendingFile probe(followed(file), {}, kByUmask);
+    const PendingFile probe(followed(file), {}, kPrivate);
   }
 }
 
 void write_whole(const fs::path& file, std::string_view text) {
-  if (!is_special(file)) return replace_file(followed(file), text, kByUmask);
+  if (!is_special(file)) return replace_file(followed(file), text, kPrivate);
   const int descriptor = open_for_writing(file, 0);
   const int reason = write_all(descriptor, text) ? 0 : errno;
   ::close(descriptor);

@@ -27,7 +27,8 @@ std::filesystem::path followed(const std::filesystem::path& file);
 /// leaves no file behind.
 void check_writable(const std::filesystem::path& file);
 
-/// Replaces the file in one step, or the target of a link. Writes directly to a file that is not
+/// Replaces the file in one step, or the target of a link. Its owner alone may read it (mode 0600),
+/// because it tells of a person. Writes directly to a file that is not
 /// regular (a pipe, /dev/stdout). Throws FileError.
 void write_whole(const std::filesystem::path& file, std::string_view text);
 

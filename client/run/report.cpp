@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/run/device_words.hpp"
 #include "client/run/link_states_json.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/choice.hpp"
@@ -45,6 +46,8 @@ Json times(const Histogram& h) {
           {"p999", quantile(h, 0.999, kNanosecond)},
           {"max", max_of(h, kNanosecond)}};
 }
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json energy(const ChannelEnergy& e) {
   return {{"elastic", number(e.elastic)},
@@ -139,18 +142,38 @@ Json server(const Servo& servo) {
           {"recovering", reply.recovering}};
 }
 
-Json local_model(const Servo& servo) {
+/// Null where nothing was fetched, or nothing limits it.
+Json allowed_work(const Servo& servo) {
+  const FetchedScene* fetched = servo.fetched();
+  if (fetched == nullptr || fetched->most_work == WorkLimit::kUnlimited) return nullptr;
+  return fetched->most_work;
+}
+
+Json local_model(const Servo& servo, const std::string& contact_refused) {
   if (!servo.parameters().local_model) return nullptr;
   const ServoStatistics& s = servo.statistics();
-  return {{"models", s.models},
-          {"mean_patches",
-           s.models > 0 ? number(static_cast<double>(s.patches) / static_cast<double>(s.models))
-                        : Json(nullptr)},
-          {"with_whole_surfaces", s.whole_models},
-          {"samples_from_model", s.modelled},
-          {"samples_from_both", s.half_modelled},
-          {"samples_beyond_reach", s.beyond_model},
-          {"hand_overs", s.hand_overs}};
+  return {
+      {"models", s.models},
+      {"mean_patches", s.models > 0
+                           ? number(static_cast<double>(s.patches) / static_cast<double>(s.models))
+                           : Json(nullptr)},
+      {"with_whole_surfaces", s.whole_models},
+      {"samples_from_model", s.modelled},
+      {"samples_from_both", s.half_modelled},
+      {"samples_beyond_reach", s.beyond_model},
+      {"hand_overs", s.hand_overs},
+      {"contact_refused", contact_refused.empty() ? Json(nullptr) : Json(visible(contact_refused))},
+      {"contact_cut_samples", s.contact_cut},
+      {"most_contact_work", s.most_work},
+      {"allowed_contact_work", allowed_work(servo)}};
+}
+
+/// When the watch of the servo thread lets the device go, and where the thread was if it did.
+Json let_go(const LoopResult& loop) {
+  return {
+      {"after_s", loop.let_go_after > 0.0 ? number(loop.let_go_after) : Json(nullptr)},
+      {"still_s", loop.stood_still ? number(loop.still_for) : Json(nullptr)},
+      {"in", loop.stood_still ? Json(name_among(kDeviceCallNames, loop.still_in)) : Json(nullptr)}};
 }
 
 /// The account's balance and its counts; null where no account stands.
@@ -164,13 +187,31 @@ Json account(const Servo& servo) {
           {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
+/// Null: only a simulated device knows it.
+Json true_energy(const std::optional<TrueEnergy>& energy) {
+  if (!energy) return nullptr;
+  return {{"given_j", number(energy->given)},
+          {"burned_j", number(energy->burned)},
+          {"made_j", number(energy->made)},
+          {"to_hand_j", number(energy->to_hand)}};
+}
+
+/// The debt that ended the force; null: none did.
+Json debt_fault(const std::optional<Overdraft>& overdraft) {
+  if (!overdraft) return nullptr;
+  return {{"debt_j", number(overdraft->debt)},
+          {"hold_time_s", number(overdraft->hold_time)},
+          {"strong_hand", overdraft->strong_hand}};
+}
+
 /// The values that the method adapts to the hand; null for a method that adapts none.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
   return {{"damping_n_s_per_m", number(credit->damping)},
           {"steps_down", credit->steps_down},
           {"near_share", number(credit->near_share)},
-          {"near_steps_down", credit->near_steps_down}};
+          {"near_steps_down", credit->near_steps_down},
+          {"untold_lag_s", number(credit->untold_lag)}};
 }
 
 /// Ticks by why the hand was given no force, and the reason of a run that gave none at all.
@@ -275,6 +316,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"energy_burned_j", number(port.burned())},
       {"least_energy_margin_j", number(port.least_margin())},
       {"bound_violations", port.violations()},
+      {"true_energy", true_energy(run.true_energy)},
       {"max_force_n", number(s.max_force)},
       {"no_force", no_force(s)},
       {"oscillation_um", micrometres(servo.measures().oscillation())},
@@ -286,6 +328,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"servo_wakeup_late_us", times(loop.wakeup_late)},
       {"overruns", loop.overruns},
       {"missed_deadlines", loop.missed_deadlines},
+      {"let_go", let_go(loop)},
       {"faded_samples", s.faded},
       {"bound_active_samples", s.bound_active},
       {"account_cut_samples", s.account_cut},
@@ -297,6 +340,13 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"force_limited_samples", s.force_limited},
       {"refused_samples", s.refused},
       {"device_faults", s.device_faults},
+      {"device_jumps", s.jumps},
+      {"device_trouble", text_or_null(trouble_text(servo.device_trouble(), loop.duration))},
+      {"device_read_us", times(loop.device.read)},
+      {"device_write_us", times(loop.device.write)},
+      {"device_slow_ticks", loop.device.slow},
+      {"device_slow",
+       text_or_null(slow_device(loop.device, servo.parameters().servo_period, loop.paced))},
       {"stale_readings", s.stale_readings},
       {"forces_corrected", s.forces_corrected},
       {"replies_refused", s.replies_refused},
@@ -310,7 +360,8 @@ std::string report_json(const RunDescription& run, const Servo& servo,
         {"send_failed", transport.send_failed},
         {"too_long", transport.too_long},
         {"rerouted", transport.rerouted},
-        {"received", transport.received}}},
+        {"received", transport.received},
+        {"shortened", transport.shortened}}},
       {"dropped", dropped(transport, s)},
       {"link", port_json(link)},
       {"check", port_json(run.check)},
@@ -320,8 +371,9 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"parameters", parameters(servo.parameters())},
       {"safety", safety(servo.options().safety)},
       {"encoder", encoder(servo.spec(), run.scene_stiffness)},
-      {"local_model", local_model(servo)},
+      {"local_model", local_model(servo, run.contact_refused)},
       {"account", account(servo)},
+      {"debt_fault", debt_fault(servo.overdraft())},
       {"hand_credit", hand_credit(servo.hand_credit())},
       {"robot", robot(servo)},
       {"role", run.sight ? name(Role::observer) : name(Role::operator_)},

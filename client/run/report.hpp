@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/devices/true_energy.hpp"
 #include "client/run/changes.hpp"
 #include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"
@@ -29,6 +30,9 @@ struct RunDescription {
   const std::deque<Changes::Done>* changes =
       nullptr;  // requested by admins; null: none were possible
   const std::vector<WrittenFlight>* flight_records = nullptr;  // null: there is no flight recorder
+  /// SceneFetch::refusal(); empty: the client computes the contact with what it fetched.
+  std::string contact_refused = {};
+  std::optional<TrueEnergy> true_energy = std::nullopt;  // of a simulated device
 };
 
 /// The report's text. Every number in it is finite; a missing number is null. `link`:

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -11,13 +12,18 @@
 
 #include "client/run/attend.hpp"
 #include "client/run/crash_release.hpp"
+#include "client/run/debts.hpp"
+#include "client/run/device_words.hpp"
 #include "client/run/emergency_key.hpp"
+#include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
 #include "client/run/readiness.hpp"
 #include "client/run/report.hpp"
 #include "client/run/reserve.hpp"
 #include "client/run/status_line.hpp"
 #include "client/transport/encoder.hpp"
+#include "core/base/choice.hpp"
+#include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/net/busy_poll.hpp"
@@ -44,9 +50,22 @@ std::string goodbye_error(GoodbyeReason reason) {
   }
 }
 
+/// "no tick came for 5.2 ms while ..., and the device was let go".
+std::string stood_still_text(const LoopResult& result) {
+  std::array<char, 64> time{};
+  std::snprintf(time.data(), time.size(), "no tick came for %.1f ms", kMilli * result.still_for);
+  const bool in_device = result.still_in != DeviceCall::none;
+  return std::string(time.data()) + ", and the device was let go: " +
+         (in_device ? std::string(name_among(kDeviceCallNames, result.still_in)) +
+                          "() of the device did not return"
+                    : "the servo thread was not run, or computed for too long") +
+         " (--let-go-after, docs/devices.md)";
+}
+
 /// The error that ended the run too early; empty if none did. `refusal` is the server's reason if
-/// it refused a new session for good.
-std::string error_of(const LoopResult& result, const std::string& refusal) {
+/// it refused a new session for good. A run that lasted as long as it should has failed if its
+/// device did.
+std::string error_of(const LoopResult& result, const std::string& refusal, const Servo& servo) {
   switch (result.end) {
     case EndReason::server_goodbye:
       return "the server ended the session" + goodbye_error(result.goodbye);
@@ -56,10 +75,9 @@ std::string error_of(const LoopResult& result, const std::string& refusal) {
       return refusal;
     case EndReason::failed:
       return std::string("the servo loop broke off: ") +
-             (result.stood_still ? "it stood still for the hold time, and the device was let go"
-                                 : "the system gave no timer");
+             (result.stood_still ? stood_still_text(result) : "the system gave no timer");
     default:
-      return "";
+      return trouble_text(servo.device_trouble(), result.duration);
   }
 }
 
@@ -69,13 +87,19 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
   const ServoStatistics& s = servo.statistics();
   std::printf(
       "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
-      "force %.2f N%s, bound violations %llu%s%s%s\n",
+      "force %.2f N%s, bound violations %llu%s%s%s%s%s%s\n",
       result.duration, static_cast<unsigned long long>(s.samples),
       static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
       1e-3 * s.round_trip.quantile(0.99), s.max_force, no_force_text(s).c_str(),
       static_cast<unsigned long long>(servo.port().violations()),
-      feel_text(servo.measures()).c_str(), reported ? ", report in " : "",
+      feel_text(servo.measures()).c_str(), cut_text(s).c_str(),
+      device_faults_text(s.device_faults, s.jumps).c_str(),
+      error.empty() ? "" : ("; " + visible(error)).c_str(), reported ? ", report in " : "",
       reported ? visible(options.report->string()).c_str() : "");
+  if (const std::string slow =
+          slow_device(result.device, servo.parameters().servo_period, result.paced);
+      !slow.empty())
+    std::fprintf(stderr, "feltwire-client: warning: %s\n", slow.c_str());
   if (error.empty()) return 0;
   std::fprintf(stderr, "feltwire-client: %s\n", visible(error).c_str());
   return 1;
@@ -123,6 +147,11 @@ std::optional<FlightTarget> flight_target(const RunOptions& options) {
   return FlightTarget{*options.flight_recorder, about(options), options.flight_recorder_required};
 }
 
+/// Names a device among those of this process.
+std::string key_of(const RunOptions& options, const DeviceSpec& spec) {
+  return options.device_kind + ' ' + spec.name;
+}
+
 /// The number of the robot's seat. Throws SessionError that names the existing ones.
 std::uint8_t seat_of(const std::string& robot, const std::vector<std::string>& seats) {
   if (robot.empty()) return 0;
@@ -138,6 +167,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                               std::unique_ptr<Device> device,
                               std::shared_ptr<Transport> transport) {
   ServoOptions servo = options.servo;
+  servo.owed = debt_of(key_of(options, device->spec()));
   servo.observes = options.role == Role::observer;
   if (servo.leads) {
     servo.seats = accepted.seats;
@@ -165,6 +195,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
                   .wanted = &run->changes->wanted()};
   const Nanoseconds period = from_seconds(accepted.parameters.servo_period);
   run->priority = never_sleeps(run->options.busy_poll, period) ? 0 : kServoPriority;
+  run->let_go_after = options.let_go_after;
   return run;
 }
 
@@ -188,6 +219,7 @@ RunFigures figures_of(const Run& run, const RealTime& real_time, const Address& 
                      .datagrams = s.datagrams,
                      .lost = run.servo.lost(),
                      .too_long = run.transport->statistics().too_long,
+                     .shortened = run.transport->statistics().shortened,
                      .round_trip = s.round_trip,
                      .real_time = real_time,
                      .server = server};
@@ -248,10 +280,13 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
                               options.role};
   if (const Nanoseconds tick = device->longest_tick(); tick.count() > 0)
     wanted.parameters.servo_period = seconds(tick);
+  choose_hold_time(wanted.parameters, options.hold_time_follows);
   wanted.tool = options.tool;
   wanted.version = version();
   if (options.role != Role::observer) wanted.takes = options.takes;
-  Joined joined = join(options.server, wanted, kControlTimeout);
+  const GrantLimits limits{.hold_time = feels(options.role) ? options.longest_hold_time
+                                                            : kLongestGrantedHold};
+  Joined joined = join(options.server, wanted, kControlTimeout, limits);
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys},
       joined.accepted.parameters, device->spec().rotation_sensed > 0,
@@ -265,15 +300,17 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   std::optional<CrashRelease> crash_release;
   std::optional<ServoThread> thread;
   try {
+    require_heard(joined.accepted.parameters, joined.accepted.silence_timeout);
     device->begin(joined.accepted.start_position, joined.accepted.start_normal);
     if (const auto warning = encoder_warning(device->spec(), joined.accepted.stiffness))
-      std::fprintf(stderr, "feltwire-client: warning: %s\n", warning->c_str());
+      std::fprintf(stderr, "feltwire-client: warning: %s\n", visible(*warning).c_str());
     all = make_run(options, joined.accepted, std::move(device), transport);
     wanted.parameters = joined.accepted.parameters;
     RejoinOptions rejoin;
     if (options.servo.leads) rejoin.seats = joined.accepted.seats;
     reconnector.emplace(options.server, wanted, all->sessions, rejoin);
-    fetch.emplace(options.server, all->fetched);
+    fetch.emplace(options.server, all->fetched,
+                  SceneFetchOptions{.servo_period = joined.accepted.parameters.servo_period});
     crash_release.emplace(all->guard, options.flight_recorder.has_value());
     thread.emplace(all);
   } catch (...) {
@@ -295,13 +332,16 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (!reconnector->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
 
   all->records->finish();
-  std::string fault = error_of(result, reconnector->refusal());
+  std::string fault = error_of(result, reconnector->refusal(), all->servo);
+  if (const auto& overdraft = all->servo.overdraft())
+    fault += (fault.empty() ? "" : "; ") + text(*overdraft, all->servo.spec());
   if (!fault.empty())
     if (const auto file = all->records->write_flight_record(fault))
       fault += "; flight record: " + file->string();
   bool reported = false, failed = all->records->failed();
   reserve.stand_in();
   try {
+    keep_debt(key_of(options, all->servo.spec()), all->servo.owed());
     std::string check;
     if (options.on_end) check = options.on_end(figures_of(*all, real_time, joined.datagrams));
     if (options.report)
@@ -310,7 +350,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
           {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
            real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
            joined.accepted.tool, joined.accepted.version, check, &all->changes->done(),
-           &all->records->flight_records()},
+           &all->records->flight_records(), fetch->refusal(),
+           ended && options.true_energy ? std::optional(options.true_energy()) : std::nullopt},
           *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {

@@ -10,6 +10,7 @@
 
 #include "client/devices/device.hpp"
 #include "client/devices/protected_device.hpp"
+#include "client/devices/true_energy.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/run/recording.hpp"
 #include "client/run/run_figures.hpp"
@@ -32,6 +33,8 @@ struct RunOptions {
   Role role = Role::operator_;           // or observer
   std::string device_kind;               // for the report
   SessionParameters parameters = usual_parameters();  // requested from the server
+  /// The hold time is lengthened if the servo period of the device needs it (choose_hold_time()).
+  bool hold_time_follows = false;
   /// The emergency stop of the ProtectedDevice: keys of the terminal press and reset it. Null: the
   /// terminal has no such keys.
   std::shared_ptr<EmergencyStop> emergency;
@@ -43,6 +46,11 @@ struct RunOptions {
   double duration = 0.0;   // [s] 0: until stopped
   double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
   double patience = 30.0;  // [s] to look for a lost session; 0: not at all
+  /// [s] While a force is on the hand, the device is let go for good if no tick comes for this
+  /// time. 0: the usual time (let_go_time()).
+  double let_go_after = 0.0;
+  /// [s] The longest hold_time that the server may grant; 0: no longer than was asked for.
+  double longest_hold_time = 0.0;
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
   /// Folder for the last ten seconds before an error that ends the run, a lost session, a device
@@ -63,6 +71,9 @@ struct RunOptions {
   /// Fetches the scene's meshes, or the tool's body with the solids, for the local model; false:
   /// the model has patches or planes of them only.
   bool whole_surfaces = true;
+  /// The energy at the true ends of a simulated device, for the report; empty: not known. Called
+  /// while the device lives, after the servo thread has ended.
+  std::function<TrueEnergy()> true_energy = {};
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
 };

@@ -22,6 +22,7 @@ struct RunFigures {
   std::uint64_t datagrams = 0;                 // datagrams with samples
   std::uint64_t lost = 0;                      // of these, or their replies
   std::uint64_t too_long = 0;                  // of these, too long for the path
+  std::uint64_t shortened = 0;                 // replies that were shortened for the path
   Histogram round_trip;                        // [ns]
   std::optional<double> jitter{};              // [s] mean variation of the delay, the worse way
   RealTime real_time;

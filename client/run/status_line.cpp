@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 
+#include "client/run/device_words.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 
@@ -47,19 +48,29 @@ std::string feel(const LiveStatus& status, const LiveStatus& before) {
   return line;
 }
 
-/// "  shaped late, 1.20 N s/m of the hand" or "  shaped near, 85 % of the force"
+/// "  shaped late, 1.20 N s/m of the hand", "  shaped near, 85 % of the force"
+/// or "  shaped near, asked 0.30 ms farther ahead"
 std::string shaping(const LiveStatus& s) {
   if (!s.shapes) return {};
   std::string line = s.near ? "  shaped near" : "  shaped late";
   if (!s.hand_credit) return line;
   constexpr double kHalfPercent = 0.005;
   std::array<char, kLongest> part{};
-  if (s.near && s.hand_credit->near_share < 1.0 - kHalfPercent)
-    std::snprintf(part.data(), part.size(), ", %.0f %% of the force",
-                  kPercent * s.hand_credit->near_share);
-  if (!s.near && s.hand_credit->damping > 0.0)
-    std::snprintf(part.data(), part.size(), ", %.2f N s/m of the hand", s.hand_credit->damping);
-  return line + part.data();
+  const HandCredit& hand = *s.hand_credit;
+  if (s.near && hand.near_share < 1.0 - kHalfPercent) {
+    std::snprintf(part.data(), part.size(), ", %.0f %% of the force", kPercent * hand.near_share);
+    line += part.data();
+  }
+  if (s.near && hand.untold_lag > 0.0) {
+    std::snprintf(part.data(), part.size(), ", asked %.2f ms farther ahead",
+                  kMilli * hand.untold_lag);
+    line += part.data();
+  }
+  if (!s.near && hand.damping > 0.0) {
+    std::snprintf(part.data(), part.size(), ", %.2f N s/m of the hand", hand.damping);
+    line += part.data();
+  }
+  return line;
 }
 
 /// "  account +0.0120 J, cuts 34 % of the ticks"
@@ -78,6 +89,17 @@ std::string account(const LiveStatus& s, const LiveStatus& before) {
   return line;
 }
 
+/// "  contact cut off in 34 % of the ticks": what it would take is more than a tick has for it.
+std::string cut_contact(const LiveStatus& s, const LiveStatus& before) {
+  if (s.contact_cuts <= before.contact_cuts || s.samples <= before.samples) return {};
+  std::array<char, kLongest> part{};
+  const double cut = static_cast<double>(s.contact_cuts - before.contact_cuts);
+  const double ticks = static_cast<double>(s.samples - before.samples);
+  std::snprintf(part.data(), part.size(), "  contact cut off in %.0f %% of the ticks",
+                kPercent * std::min(cut / ticks, 1.0));
+  return part.data();
+}
+
 /// "  robot left aligning, turn by 0.42 rad"
 std::string robot(const LiveStatus& s) {
   if (!s.robot) return {};
@@ -87,6 +109,18 @@ std::string robot(const LiveStatus& s) {
   if (*s.robot != LinkState::aligning || !s.robot_turn) return line;
   std::array<char, kLongest> part{};
   std::snprintf(part.data(), part.size(), ", turn by %.2f rad", *s.robot_turn);
+  return line + part.data();
+}
+
+/// "  2 device faults (1 jump of its position)  the device is slow: 20.0 ms a tick"
+std::string device(const LiveStatus& s, const LiveStatus& before) {
+  std::string line = device_faults_text(s.device_faults, s.jumps);
+  if (!line.empty()) line.replace(0, 1, " ");
+  if (s.slow_ticks <= before.slow_ticks) return line;
+  std::array<char, kLongest> part{};
+  std::snprintf(part.data(), part.size(),
+                "  the device is slow: its calls took %.1f ms of a tick (docs/devices.md)",
+                kMilli * s.device_took);
   return line + part.data();
 }
 
@@ -114,12 +148,18 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
                 s.time, rate, kNanosecondsInUs * s.round_trip_p50,
                 kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
                 s.force, s.energy);
-  return line.data() + feel(s, before) + shaping(s) + account(s, before) + robot(s) + ending(s);
+  return line.data() + feel(s, before) + shaping(s) + cut_contact(s, before) + account(s, before) +
+         robot(s) + device(s, before) + ending(s);
 }
 
 std::string no_force_text(const ServoStatistics& statistics) {
   if (statistics.max_force >= kFeltForce) return {};
   return " (no force: " + std::string(text(prevailing(statistics.no_force))) + ")";
+}
+
+std::string cut_text(const ServoStatistics& statistics) {
+  if (statistics.contact_cut == 0) return {};
+  return ", contact cut off in " + std::to_string(statistics.contact_cut) + " ticks";
 }
 
 std::string feel_text(const HandMeasures& measures) {

@@ -17,6 +17,8 @@ std::string text(const LiveStatus& status, const LiveStatus& before);
 std::string no_force_text(const ServoStatistics& statistics);
 /// ", oscillation 3.1 um, displayed stiffness 487 N/m": the measured ones of the two.
 std::string feel_text(const HandMeasures& measures);
+/// ", contact cut off in 12 ticks"; empty if it was in none.
+std::string cut_text(const ServoStatistics& statistics);
 
 /// One line about a run on standard error: rewritten in place on a terminal, one line a second
 /// elsewhere.

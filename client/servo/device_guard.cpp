@@ -5,6 +5,8 @@
 namespace feltwire {
 
 void DeviceGuard::leave() noexcept {
+  call_.store(DeviceCall::none, std::memory_order_release);
+  calls_.fetch_add(1, std::memory_order_release);
   Where expected = Where::in_device;
   if (where_.compare_exchange_strong(expected, Where::outside)) return;
   while (true) ::pause();  // abandoned: others read what this thread worked with
@@ -17,7 +19,7 @@ bool DeviceGuard::abandon() noexcept {
 
 bool DeviceGuard::await_tick(Nanoseconds latest) noexcept {
   if (released()) return true;  // read() says that it has ended
-  enter();
+  enter(DeviceCall::await_tick);
   const bool came = device_.await_tick(latest);
   leave();
   return came;
@@ -25,7 +27,8 @@ bool DeviceGuard::await_tick(Nanoseconds latest) noexcept {
 
 DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
   if (released()) return {.pose = {}, .ok = false, .ended = true};
-  enter();
+  tick_.store(now, std::memory_order_release);
+  enter(DeviceCall::read);
   DeviceReading reading = device_.read(now);
   leave();
   if (released()) reading.ok = false, reading.ended = true;
@@ -35,7 +38,7 @@ DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
 Command DeviceGuard::write(const Command& on_hand) noexcept {
   Command held;
   if (!released()) {
-    enter();
+    enter(DeviceCall::write);
     const bool pulls = !on_hand.force().isZero(0.0) || !on_hand.torque.isZero(0.0);
     if (pulls) pulls_.store(true);
     held = device_.write(on_hand);
@@ -53,7 +56,7 @@ Command DeviceGuard::write(const Command& on_hand) noexcept {
 
 bool DeviceGuard::lower_tool(Nanoseconds now) noexcept {
   if (released()) return true;
-  enter();
+  enter(DeviceCall::lower_tool);
   const bool lowered = device_.lower_tool(now);
   leave();
   return lowered;

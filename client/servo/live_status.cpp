@@ -39,6 +39,7 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .withholds_change = servo.withholds_change(),
           .shapes = servo.shapes(),
           .near = servo.near(),
+          .contact_cuts = s.contact_cut,
           .reloads = servo.newest_reply().reloads,
           .fetched = servo.fetched(),
           .hand_credit = servo.hand_credit(),
@@ -46,7 +47,9 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .account_cuts = s.account_cut,
           .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,
           .robot_name = servo.robot_name(),
-          .robot_turn = turn_of(servo)};
+          .robot_turn = turn_of(servo),
+          .device_faults = s.device_faults,
+          .jumps = s.jumps};
 }
 
 TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcept {

@@ -31,8 +31,9 @@ struct LiveStatus {
   bool withholds_change = false;  // the scene was changed, and the hand does not yet feel all of it
   bool shapes = false;            // the method shapes, and the two below are valid
   bool near = false;              // this tick's force was made here, from the local model
-  std::uint32_t reloads = 0;      // Reply::reloads of the newest reply
-  const FetchedScene* fetched = nullptr;    // in use; null: nothing
+  std::uint64_t contact_cuts = 0;         // ticks whose contact took too much work, and was cut off
+  std::uint32_t reloads = 0;              // Reply::reloads of the newest reply
+  const FetchedScene* fetched = nullptr;  // in use; null: nothing
   std::optional<HandCredit> hand_credit{};  // of a method that adapts to the hand
   std::optional<double> balance{};          // [J] of the energy account; empty: there is none
   std::uint64_t account_cuts = 0;           // ticks at which the account reduced the force
@@ -40,6 +41,10 @@ struct LiveStatus {
       robot{};                    // of the hand and the robot that it leads; empty: it leads none
   std::string_view robot_name{};  // of its seat; empty: the only one; lives as the servo does
   std::optional<double> robot_turn{};  // [rad] that is missing until the hand is aligned with it
+  std::uint64_t device_faults = 0, jumps = 0;  // as in ServoStatistics
+  std::uint64_t slow_ticks = 0;                // DeviceTimes::slow
+  double device_took = 0.0;  // [s] of the calls of the device in the slowest tick since the last
+                             // state
 };
 
 /// `time` [s] since the first tick; `connected`: the session is not lost.

@@ -40,6 +40,8 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"in_inkwell", "the stylus is in its inkwell"},
     {"starting", "hold the hand still to start"},
     {"emergency", "EMERGENCY STOP; press r to start again"},
+    {"jumped", "the device's position jumped farther than a hand can move"},
+    {"overdrawn", "FAULT: the hand got more energy than the device had burned; start anew"},
 }};
 
 bool felt(const Command& c) {
@@ -71,8 +73,10 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
   if (felt(t.held)) return NoForce::felt;
   if (t.observer) return NoForce::observer;
   if (t.device_ended) return NoForce::device_ended;
+  if (t.overdrawn) return NoForce::overdrawn;
   if (t.released) return NoForce::ending;
   if (t.clutched) return NoForce::clutched;
+  if (t.jumped) return NoForce::jumped;
   if (!t.read) return reason_of(t.withheld);
   if (!t.answered) return NoForce::no_reply;
   if (t.letting_go) return t.law_change ? NoForce::law_change : NoForce::reconnecting;

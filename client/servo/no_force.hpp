@@ -44,9 +44,11 @@ enum class NoForce : std::uint8_t {
   not_homed,        // the encoders of the device have not found their zero
   in_inkwell,       // the stylus is in its holder
   starting,         // the hand is not still yet, or the force for the tool's weight still grows
-  emergency         // the emergency stop was pressed
+  emergency,        // the emergency stop was pressed
+  jumped,           // no hand can have moved to the place that the device gave
+  overdrawn         // the hand got more energy than the device burned: the force has ended
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::emergency) + 1;
+inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::overdrawn) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(NoForce reason);
@@ -57,7 +59,9 @@ std::string_view text(NoForce reason);
 struct ForceTrail {
   bool observer = false, device_ended = false, released = false, letting_go = false;
   bool law_change = false;  // the reason that the force fades
+  bool overdrawn = false;   // a debt of the account has ended the force
   bool read = true;         // the device's position was usable
+  bool jumped = false;      // no hand can have moved to that position
   bool clutched = false;    // no command was computed, because the hand moves without the tool
   Withheld withheld = Withheld::nothing;  // no command was computed, for a reason of the device
   bool answered = false;                  // at least one reply has come

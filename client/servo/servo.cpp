@@ -28,10 +28,23 @@ bool only_shown(const DeviceReading& reading) {
   return good(shown);
 }
 
+/// A hand that would feel it if its force fell or rose at once.
+bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Command& held) {
+  constexpr double kSmall = 10.0 * kFeltForce, kSmallTorque = 10.0 * kFeltTorque;
+  if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
+  constexpr double kSlow = 0.02, kTurnsSlowly = 0.5;  // [m/s], [rad/s]
+  const double most = std::max(spec.position_resolution, kSlow * step.hold_time);
+  const double most_turn = std::max(spec.rotational_resolution, kTurnsSlowly * step.hold_time);
+  return step.displacement.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most &&
+         step.rotation.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most_turn;
+}
+
 /// The device has no fault, although its reading was not used.
 bool without_fault(const ForceTrail& trail) {
   return trail.clutched || trail.withheld != Withheld::nothing;
 }
+
+constexpr double kDevicePatience = 0.25;  // of the hold time, with a device that gives nothing
 
 }  // namespace
 
@@ -44,7 +57,7 @@ void Servo::reconnected(bool fresh) noexcept {
   if (fresh) withheld_before_ = statistics_.withheld;
   if (fresh) fresh_ = true;
   if (released_) return;
-  if (pulls(held_)) {
+  if (holds()) {
     found_again_ = true;
     start_letting_go();
   } else {
@@ -75,10 +88,9 @@ void Servo::forget_surfaces() noexcept {
 }
 
 bool Servo::waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept {
-  constexpr double kPatience = 0.25;  // of the hold time
   if (reading.fresh || !reading.ok || reading.ended || !position_known_) return false;
   ++statistics_.stale_readings;
-  return seconds(now - last_tick_) < kPatience * law_.parameters.hold_time;
+  return seconds(now - last_tick_) < kDevicePatience * law_.parameters.hold_time;
 }
 
 const Sample* Servo::tick(Device& device, Nanoseconds now) noexcept {
@@ -87,10 +99,30 @@ const Sample* Servo::tick(Device& device, Nanoseconds now) noexcept {
   return hold(device.write(render(reading, now)));
 }
 
+/// Whether no hand can have moved to the place of a good reading. Ticks come at times of their own,
+/// so one that follows the last sooner than a period may show the movement of a whole one.
+bool Servo::jumps(const DeviceReading& reading, double elapsed) noexcept {
+  if (reading.jumped) return *reading.jumped;
+  if (!position_known_) {
+    moves_.forget();
+    turns_.forget();
+    return false;
+  }
+  const double time = std::max(elapsed, period_);
+  const bool moved = moves_.made(reading.pose.position - sample_.pose.position, time);
+  if (spec_.rotation_sensed == 0) return !moved;
+  const Quaternion now = reading.pose.orientation.normalized();
+  return !turns_.made(rotation_between(sample_.pose.orientation, now), time) || !moved;
+}
+
 /// Before the movement under it is accounted.
 void Servo::correct(const Command& held) noexcept {
-  if (held == held_) return;
   statistics_.forces_corrected += length(held.force() - held_.force()) > kFeltForce ? 1 : 0;
+  account_for(held);
+}
+
+void Servo::account_for(const Command& held) noexcept {
+  if (held == held_) return;
   held_ = held;
   law_.bounding.set_held(held_);
   safety_.set_held(held_);
@@ -116,6 +148,17 @@ double Servo::fade_factor() const noexcept {
   const double by_age = std::clamp((law_.parameters.hold_time - command_age_) / half, 0.0, 1.0);
   if (!letting_go_) return by_age;
   return std::clamp(1.0 - seconds(last_tick_ - let_go_from_) / half, 0.0, by_age);
+}
+
+/// The share of the command for this tick. When nothing was left of a force for want of answers,
+/// the hand has moved on, and meets a scene that asks for more: it is let in as after a lost
+/// session. A force of which a part was left comes back as slowly as it faded.
+double Servo::share_of_command(double elapsed) noexcept {
+  const double factor = fade_factor();
+  const double half = 0.5 * law_.parameters.hold_time;
+  share_ = std::min(factor, share_ + std::max(elapsed, 0.0) / half);
+  if (!(factor > 0.0) && !letting_go_) begin_anew(sample_.index);
+  return share_;
 }
 
 /// Never more than the device can do is faded, or a command far beyond it would be gone in a step.
@@ -171,7 +214,7 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
 void Servo::let_in(const BoundingStep& step) noexcept {
   const double energy = law_.admission->energy({.held = held_,
                                                 .displacement = step.displacement,
-                                                .hold_time = reserve_.hold_time(),
+                                                .hold_time = reserve_.hold_time_of_any_hand(),
                                                 .command = step.command,
                                                 .margin = port_.margin()},
                                                *law_.account);
@@ -187,14 +230,26 @@ Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_kn
   step.command = command;
   step.hold_time = std::max(step.hold_time, kInstant);
   if (!moved_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
-  // A balance that is spent to its limit pays for a longer hold with force at once, and a tick that
-  // is later than this is rare: what is taken in it is a debt.
-  constexpr double kUsualHold = 1.1;  // [T]
-  const double hold = reserve_.hold_time();
-  Command given =
-      law_.account->step(step, law_.counts_on_mass ? std::min(hold, kUsualHold * period_) : hold);
+  const std::uint64_t strong_hand = law_.account->statistics().strong_hand;
+  Command given = law_.account->step(
+      step, law_.counts_on_mass ? reserve_.hold_time() : reserve_.hold_time_of_any_hand());
   statistics_.account_cut += given == command ? 0 : 1;
+  judge_debt(step.hold_time, strong_hand);
   return given;
+}
+
+/// A debt with which the servo began is no fault of this run. What was burned of it since counts.
+void Servo::judge_debt(double hold_time, std::uint64_t strong_hand_before) noexcept {
+  const double balance = law_.account->balance();
+  forgiven_ = std::clamp(balance, forgiven_, 0.0);
+  if (overdraft_) {
+    overdraft_->debt = std::max(overdraft_->debt, -balance);
+  } else if (balance < forgiven_ - kLargestDebt) {
+    overdraft_ = {.debt = -balance,
+                  .hold_time = hold_time,
+                  .strong_hand = law_.account->statistics().strong_hand > strong_hand_before};
+    trail_.overdrawn = true;
+  }
 }
 
 Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
@@ -203,21 +258,24 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   step.hold_time = time_since_last_tick(now);
   ticked_ = true;
   last_tick_ = now;
+  elapsed_ = step.hold_time;
   sample_.client_time = now;
   command_age_ = has_reply() ? seconds(now - newest_arrival_) : 0.0;
   if (reading.ended) device_ended_ = released_ = true;
 
-  reserve_.saw(step.hold_time);
-  deadman_ = reading.ok && reading.deadman && !released_;
+  deadman_ = reading.ok && reading.deadman && !released_ && !overdraft_;
   if (reading.ok) gripper_ = reading.gripper;
   if (remote_) choose_robot(reading);
-  const bool read = good(reading), usable = read && !device_ended_;
+  const bool jumped = good(reading) && jumps(reading, step.hold_time);
+  const bool read = good(reading) && !jumped, usable = read && !device_ended_;
   trail_ = {.observer = options_.observes,
             .device_ended = device_ended_,
             .released = released_,
             .letting_go = letting_go_,
             .law_change = next_law_ != nullptr,
+            .overdrawn = overdraft_.has_value(),
             .read = read,
+            .jumped = jumped,
             .clutched = reading.ok && reading.clutched,
             .withheld = reading.ok ? reading.withheld : Withheld::nothing,
             .answered = has_reply(),
@@ -230,6 +288,8 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
     moved_known = moved.known;
+    if (!taken_up_.certain() && moved.known && !reading.held)
+      account_for(taken_up_.worst(moved.displacement, moved.rotation));
     displacement_ = moved.displacement;
     port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
     if (remote_) {
@@ -239,21 +299,24 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     }
   } else {
     if (!without_fault(trail_)) ++statistics_.device_faults;
+    statistics_.jumps += jumped ? 1 : 0;
     if (only_shown(reading)) moved_to(reading);
     position_known_ = false;
     measures_.lose();
     begin_anew(sample_.index + (posed_ ? 1 : 0));  // this tick's sample has the old position
   }
+  reserve_.saw(step.hold_time, moved_known && stands_still(spec_, step, held_));
 
   wanted_ = {};
   double factor = 0.0;  // of the command
   bool original = newest_original_;
-  if (usable && has_reply()) {
+  if (usable && has_reply() && !overdraft_) {
     const Command asked = environment(step, now);
-    original |= near_;
     // Only what the device can do goes into the bound, so that it accounts what it gives.
     wanted_ = actuated(spec_, asked);
-    factor = fade_factor();
+    factor = share_of_command(step.hold_time);
+    // A command that has faded away says nothing of where the hand is now.
+    original = factor > 0.0 && (newest_original_ || near_);
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
     trail_.asked = asked;
@@ -288,21 +351,20 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     given = {};  // the last of a fade is nothing, whatever a bound holds on to
     if (next_law_ != nullptr) exchange_law();
   }
-  return given;
+  if (overdraft_) given = {};
+  return given_ = given;
 }
 
 const Sample* Servo::hold(const Command& held) noexcept {
-  held_ = held;
-  if (!held.finite()) {
-    ++statistics_.device_faults;
-    held_ = {};
-  }
+  if (!held.finite()) ++statistics_.device_faults;
+  held_ = taken_up_.written(given_, held.finite() ? held : Command{});
   law_.bounding.set_held(held_);
   safety_.set_held(held_);
   if (law_.account) law_.account->set_held(held_);
   if (!near_) rise_.given(held_);
   statistics_.max_force = std::max(statistics_.max_force, length(held_.force()));
-  observe_direction(held_);
+  if (feels_scene()) observe_direction(held_);
+  follow_trouble(held_);
   explain(held_);
   if (!posed_) return nullptr;
 
@@ -344,14 +406,13 @@ HandReport Servo::report() const noexcept {
   put(HandReason::velocity_limit, limits && trail_.too_fast);
   put(HandReason::wait_for_small_force, limits && trail_.stage_waits);
   put(HandReason::account, takes_off(trail_.safe, trail_.paid));
-  put(HandReason::debt,
-      (bounds && trail_.in_debt) || (law_.account && is_debt(law_.account->balance())));
+  put(HandReason::debt, (bounds && trail_.in_debt) || overdraft_ || is_debt(-owed()));
   put(HandReason::ending, released_);
   put(HandReason::reconnecting, letting_go_ && !released_ && next_law_ == nullptr);
   put(HandReason::law_change, next_law_ != nullptr);
   put(HandReason::scene_change, withholds_change());
-  put(HandReason::device_fault,
-      (!trail_.read && !without_fault(trail_)) || takes_off(trail_.paid, trail_.held));
+  put(HandReason::device_fault, (!trail_.read && !without_fault(trail_)) ||
+                                    (spec_.late_ticks == 0 && takes_off(trail_.paid, trail_.held)));
   put(HandReason::clutched, trail_.clutched);
   put(HandReason::emergency, trail_.withheld == Withheld::emergency);
   put(HandReason::not_ready,
@@ -374,7 +435,36 @@ void Servo::explain(const Command& held) noexcept {
   trail_.held = held;
   no_force_ = why_no_force(trail_);
   ++statistics_.no_force[static_cast<std::size_t>(no_force_)];
-  if (position_known_) measures_.take(displacement_, wanted_.elastic, held.force());
+  if (!position_known_) return;
+  if (feels_scene())
+    measures_.take(displacement_, wanted_.elastic, held.force());
+  else
+    measures_.lose();
+}
+
+/// Whether this tick tells how the scene feels: nothing but the bound, the account and the limits
+/// of the device stands between its command and the hand.
+bool Servo::feels_scene() const noexcept {
+  return position_known_ && !released_ && !letting_go_ && share_ >= 1.0 && !trail_.stage_waits &&
+         !trail_.ramped && !trail_.recovering && !withholds_change();
+}
+
+void Servo::follow_trouble(const Command& held) noexcept {
+  if (trail_.read) no_position_for_ = 0.0;
+  if (!trail_.read && !without_fault(trail_)) no_position_for_ += elapsed_;
+  if (released_) return;
+  if (length(held.force()) >= kFeltForce || length(held.torque) >= kFeltTorque)
+    not_held_for_ = 0.0;
+  else if (length(trail_.paid.force()) >= kFeltForce || length(trail_.paid.torque) >= kFeltTorque)
+    not_held_for_ += elapsed_;
+}
+
+std::optional<Servo::DeviceTrouble> Servo::device_trouble() const noexcept {
+  const double patience = kDevicePatience * law_.parameters.hold_time;
+  if (!device_ended_ && no_position_for_ >= patience)
+    return DeviceTrouble{NoForce::device_fault, no_position_for_};
+  if (not_held_for_ >= patience) return DeviceTrouble{NoForce::not_held, not_held_for_};
+  return std::nullopt;
 }
 
 void Servo::observe_direction(const Command& held) noexcept {

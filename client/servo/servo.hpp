@@ -3,6 +3,7 @@
 // holds until the next tick. It has no socket, clock or thread. Time is an argument, so every
 // property can be tested and replayed.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -11,10 +12,12 @@
 #include <vector>
 
 #include "client/devices/device.hpp"
+#include "client/devices/taken_up.hpp"
 #include "client/servo/admission.hpp"
 #include "client/servo/clock_estimate.hpp"
 #include "client/servo/hand_measures.hpp"
 #include "client/servo/no_force.hpp"
+#include "client/servo/overdraft.hpp"
 #include "client/servo/remote_hand.hpp"
 #include "client/servo/rise_limit.hpp"
 #include "core/base/histogram.hpp"
@@ -23,6 +26,7 @@
 #include "core/bounding/hold_reserve.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
+#include "core/device/possible_movement.hpp"
 #include "core/local_model/local_body.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/safety/safety.hpp"
@@ -50,6 +54,8 @@ struct ServoOptions {
   std::uint8_t seat = 0;
   /// The button of the device, from 1, that chooses the next robot; 0: none.
   int seat_button = 0;
+  double motion_scale = 1.0;     // Device::motion_scale()
+  double owed = 0.0;             // [J] debt of the device's account when the servo begins
   double scene_stiffness = 0.0;  // [N/m] of the stiffest surface, for methods that shape; 0: not
                                  // known
 };
@@ -89,6 +95,7 @@ struct ServoStatistics {
       0;  // they answer no sample that was made, or are not finite or out of range
   std::uint64_t faded = 0;             // ticks at which an old command was faded, wholly or in part
   std::uint64_t device_faults = 0;     // readings or held forces that were faulty or not finite
+  std::uint64_t jumps = 0;             // of these, readings that no hand can have moved to
   std::uint64_t stale_readings = 0;    // repeated readings: the force stayed held
   std::uint64_t forces_corrected = 0;  // readings with a held force that differs, by more than can
                                        // be felt, from the result of write()
@@ -104,7 +111,9 @@ struct ServoStatistics {
   // the model alone, the model and the reply, or the reply alone because the model did not reach.
   std::uint64_t whole_models = 0;  // models with a surface or solids that are here in full
   std::uint64_t models = 0, patches = 0, modelled = 0, half_modelled = 0, beyond_model = 0;
-  std::uint64_t hand_overs = 0;  // times that the use of the model alone began or ended
+  std::uint64_t contact_cut = 0;  // of those beyond: the model's contact took too much work
+  std::uint64_t most_work = 0;    // units of work (core/base/work_limit.hpp) of a tick's contact
+  std::uint64_t hand_overs = 0;   // times that the use of the model alone began or ended
   std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by reason; `felt` too
   double max_force = 0.0;                                 // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
@@ -133,8 +142,11 @@ class Servo {
   /// (core/safety/safety.hpp). A fall by age or by release() takes at most the device's largest
   /// force off in half the hold time; at its end there is none, whatever force the bound would
   /// hold. A reading that is faulty or not finite gives none at once (no force is known to be safe
-  /// at an unknown place), and the servo then starts again as after reconnected(). A clock
-  /// that was set back is no reason to hold anything longer.
+  /// at an unknown place), and the servo then starts again as after reconnected(). So does a
+  /// reading that no hand can have moved to (core/device/possible_movement.hpp). A force that has
+  /// faded to zero for want of answers comes back as after reconnected(), and every faded force
+  /// comes back no faster than it fades. A clock that was set back is no reason to hold anything
+  /// longer.
   Command render(const DeviceReading& reading, Nanoseconds now) noexcept;
 
   /// Takes the result of the device's write(), which alone is accounted for, and returns the
@@ -172,9 +184,10 @@ class Servo {
   void reconnected(bool fresh) noexcept;
 
   /// Another law bounds from now on. The held force fades to zero within half the hold time. Then
-  /// the new law begins from zero force, with nothing stored and an empty account, so that the
-  /// exchange can give the hand no energy: the force comes back as the hand presses on. Behind a
-  /// law without an account the wait for a small force begins anew, too. `next` receives the old
+  /// the new law begins from zero force, with nothing stored, and the limits of a connection (wait
+  /// for small force, ramp-up) begin anew. The account goes on from that of the old law: the
+  /// exchange forgives no debt and makes no energy. A debt also outlives a law that has no account.
+  /// Energy that is given and taken under such a law counts in none. `next` receives the old
   /// law; it must outlive the servo. Precondition: it was made for this device, with parameters
   /// that differ only in the law, and both methods admit reductions. It never allocates.
   void adopt(ServoLaw& next) noexcept;
@@ -182,9 +195,23 @@ class Servo {
   /// The force fades to zero within half the hold time, and stays there.
   void release() noexcept;
   /// There is no force on the hand any more, and there will be none.
-  bool let_go() const { return released_ && !pulls(held_); }
+  bool let_go() const { return released_ && !holds(); }
+  /// The account got into a debt above kLargestDebt: there is no force any more, whatever law
+  /// bounds. Empty: it did not.
+  const std::optional<Overdraft>& overdraft() const { return overdraft_; }
+  /// [J] that the hand got beyond what the device has burned until now.
+  double owed() const noexcept {
+    return law_.account ? std::max(0.0, -law_.account->balance()) : owed_;
+  }
   /// The device reported its end; it has received no command since.
   bool device_ended() const { return device_ended_; }
+  /// The device has kept all force from the hand for a quarter of the hold time or longer, until
+  /// the last tick or until release().
+  struct DeviceTrouble {
+    NoForce reason = NoForce::device_fault;  // or jumped, or not_held
+    double time = 0.0;                       // [s] for which it has lasted
+  };
+  std::optional<DeviceTrouble> device_trouble() const noexcept;
 
   const DeviceSpec& spec() const { return spec_; }
   const SessionParameters& parameters() const { return law_.parameters; }
@@ -236,6 +263,10 @@ class Servo {
     return law_.parameters.local_model ? environment_ : newest_.command;
   }
   const Command& held() const { return held_; }  // on the hand since the last tick
+  const Command& given() const {
+    return given_;
+  }  // the result of the last render(): a device with
+     // late_ticks takes it up later
   /// The reason for no force on the hand since the last tick; NoForce::felt: there is force.
   NoForce no_force() const { return no_force_; }
   /// Oscillation and displayed stiffness so far.
@@ -262,7 +293,11 @@ class Servo {
 
   static bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
   bool waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept;
+  bool jumps(const DeviceReading& reading, double elapsed) noexcept;
+  /// A force is on the hand, or will be without another write.
+  bool holds() const { return pulls(held_) || !taken_up_.nothing_left(); }
   void correct(const Command& held) noexcept;
+  void account_for(const Command& held) noexcept;
   double time_since_last_tick(Nanoseconds now) noexcept;
   Movement moved_to(const DeviceReading& reading) noexcept;
   void take_model(const Reply& reply, Nanoseconds arrival) noexcept;
@@ -270,12 +305,15 @@ class Servo {
   bool follow_model(const BoundingStep& step, Nanoseconds now, Command& command) noexcept;
   bool count_modelled(double weight) noexcept;
   double follow_body(const BoundingStep& step, double age, Command& command) noexcept;
+  WorkLimit contact_work() const noexcept;
+  void count_work(const WorkLimit& work) noexcept;
   Command rise_limited(const BoundingStep& step) noexcept;
   void choose_robot(const DeviceReading& reading) noexcept;
   Command meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
                      double elapsed) noexcept;
   Command environment(BoundingStep& step, Nanoseconds now) noexcept;
   double fade_factor() const noexcept;
+  double share_of_command(double elapsed) noexcept;
   Command faded(const Command& command, double factor) const noexcept;
   void start_letting_go() noexcept;
   void exchange_law() noexcept;
@@ -284,8 +322,11 @@ class Servo {
   void let_in(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
   Command paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept;
+  void judge_debt(double hold_time, std::uint64_t strong_hand_before) noexcept;
   void observe_direction(const Command& held) noexcept;
   void explain(const Command& held) noexcept;
+  bool feels_scene() const noexcept;
+  void follow_trouble(const Command& held) noexcept;
   void count_answer(const Reply& reply, Nanoseconds arrival) noexcept;
   Command reconstructed(Nanoseconds now) const noexcept;
 
@@ -297,6 +338,9 @@ class Servo {
   SafetyStage safety_;
   PortEnergy port_;
   HoldReserve reserve_;
+  std::optional<Overdraft> overdraft_;
+  double owed_;      // [J] while no account stands
+  double forgiven_;  // [J] of the balance, 0 or less: no less is a fault
   bool torque_;
   double period_;  // T [s]
 
@@ -311,7 +355,8 @@ class Servo {
   std::uint64_t anew_after_ = 0;         // replies to samples up to this one end no wait
   std::uint64_t stood_still_after_ = 0;  // replies to samples up to this one are out of date
   double command_age_ = 0.0;
-  ForceTrail trail_;  // of this tick
+  double share_ = 1.0;  // of the command, in the last tick: less while it fades and comes back
+  ForceTrail trail_;    // of this tick
   NoForce no_force_ = NoForce::no_reply;
   HandMeasures measures_;
   Vec3 displacement_ = Vec3::Zero();  // [m] of this tick
@@ -336,15 +381,20 @@ class Servo {
   Command environment_;              // command(), model and reply together
 
   Nanoseconds last_tick_{0};
-  bool ticked_ = false;          // last_tick_ counts
-  bool position_known_ = false;  // sample_.pose was read at the last tick
-  bool posed_ = false;           // some reading was good
+  bool ticked_ = false;   // last_tick_ counts
+  double elapsed_ = 0.0;  // [s] from the tick before
+  PossibleMovement moves_, turns_;
+  double no_position_for_ = 0.0, not_held_for_ = 0.0;  // [s] until the last tick
+  bool position_known_ = false;                        // sample_.pose was read at the last tick
+  bool posed_ = false;                                 // some reading was good
   bool released_ = false, device_ended_ = false;
   bool letting_go_ = false;   // no reply is used, and the held force fades from let_go_from_ on
   bool found_again_ = false;  // because the session was lost: then everything begins anew
   Nanoseconds let_go_from_{0};
   Command wanted_;  // the device's part of the command from which this tick's force comes
-  Command held_;    // on the hand since the last tick
+  Command given_;   // the last result of render()
+  TakenUp taken_up_;
+  Command held_;  // on the hand since the last tick
   Sample sample_;
 
   std::vector<Sent> sent_;

@@ -1,8 +1,11 @@
 // The scene's command of a tick: the newest reply, and the local models in place of it where they
 // are valid.
 
+#include <algorithm>
+
 #include "client/servo/servo.hpp"
 #include "core/base/numeric.hpp"
+#include "core/local_model/contact_budget.hpp"
 
 namespace feltwire {
 
@@ -16,7 +19,9 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
   last_offset_ = offset;
   const Tool tool{sample_.pose.position + offset, velocity};
-  const LocalForce force = local_.touch(tool, age, step.hold_time);
+  WorkLimit work = contact_work();
+  const LocalForce force = local_.touch(tool, age, step.hold_time, &work);
+  count_work(work);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
@@ -27,6 +32,18 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   }
   environment_ = command;
   return count_modelled(w);
+}
+
+/// The limit of a tick's contact, so that no server makes a tick late. Beyond it the model has no
+/// weight, and the command of the reply is used.
+WorkLimit Servo::contact_work() const noexcept {
+  const bool whole = local_.has_whole() || local_body_.has_whole();
+  return WorkLimit(whole && fetched_ != nullptr ? fetched_->most_work : plane_work(period_));
+}
+
+void Servo::count_work(const WorkLimit& work) noexcept {
+  statistics_.most_work = std::max(statistics_.most_work, work.done());
+  statistics_.contact_cut += work.cut() ? 1 : 0;
 }
 
 /// Returns true if a model of this weight alone gives the force.
@@ -43,7 +60,9 @@ double Servo::follow_body(const BoundingStep& step, double age, Command& command
   model_moved_ = step.displacement + probe.offset - last_offset_;
   last_offset_ = probe.offset;
   const Pose asked = moved(sample_.pose, probe.offset, probe.rotation);
-  const BodyForce force = local_body_.touch(asked, age, step.hold_time);
+  WorkLimit work = contact_work();
+  const BodyForce force = local_body_.touch(asked, age, step.hold_time, &work);
+  count_work(work);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;

@@ -22,8 +22,9 @@ constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
 constexpr Nanoseconds kFarewell =
     std::chrono::milliseconds(100);                         // for replies that are on their way
 constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // that a tool may take
-constexpr int kRepliesAtOnce =
-    64;  // then the deadline is looked at again, whatever the network brings
+// Then the deadline is looked at again, whatever the network brings. Datagrams that are dropped
+// count, too, so that no sender makes a tick late.
+constexpr int kDatagramsAtOnce = 64;
 
 timespec to_timespec(Nanoseconds time) noexcept {
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(time);
@@ -35,7 +36,7 @@ class Loop {
  public:
   Loop(Device& device, Servo& servo, Transport& transport, const LoopOptions& options,
        const Event& stop, const LoopOutputs& outputs, LoopResult& result) noexcept
-      : device_(device),
+      : device_(device, from_seconds(servo.parameters().servo_period), result.device),
         servo_(servo),
         transport_(transport),
         options_(options),
@@ -54,6 +55,7 @@ class Loop {
         next_status_(start_) {}
 
   void run() noexcept {
+    result_.paced = paced_;
     for (bool running = true; running;) {
       if (wait(waiting_.size()) < 0) {
         if (errno == EINTR) continue;
@@ -92,14 +94,15 @@ class Loop {
     }
   }
   /// Until the device's tick. Once it is overdue by a quarter of the hold time, it is taken for
-  /// missed. A device that has none to give is not asked without a rest.
+  /// missed. A device that returns without a tick is asked again after a servo period.
   int await_device(std::size_t count) noexcept {
     constexpr double kPatience = 0.25;
     overdue_at_ = last_tick_ + from_seconds(kPatience * servo_.parameters().hold_time);
     device_ticked_ = device_.await_tick(overdue_at_);
-    const Nanoseconds left = device_ticked_ ? Nanoseconds(0) : overdue_at_ - monotonic_now();
-    const timespec rest = to_timespec(std::max(left, Nanoseconds(0)));
-    return ::ppoll(waiting_.data(), count, &rest, nullptr);
+    Nanoseconds rest{0};
+    if (!device_ticked_) rest = std::clamp(overdue_at_ - monotonic_now(), Nanoseconds(0), period_);
+    const timespec sleeps = to_timespec(rest);
+    return ::ppoll(waiting_.data(), count, &sleeps, nullptr);
   }
   bool looks_busily(Nanoseconds now) const noexcept {
     if (options_.busy_poll == kForever) return true;
@@ -264,8 +267,8 @@ class Loop {
   }
 
   void take_replies(Nanoseconds now) noexcept {
-    for (int i = 0; i < kRepliesAtOnce; ++i) {
-      const Transport::Arrival arrival = transport_.receive(reply_, result_.goodbye);
+    for (int left = kDatagramsAtOnce; left > 0;) {
+      const Transport::Arrival arrival = transport_.receive(reply_, result_.goodbye, left);
       if (arrival == Transport::Arrival::nothing) return;
       if (arrival == Transport::Arrival::goodbye) {
         server_left_ = true;
@@ -349,10 +352,13 @@ class Loop {
   void report_status(Nanoseconds now) noexcept {
     next_status_ = now + kStatusPeriod;
     if (outputs_.status == nullptr) return;
-    outputs_.status->push(live_status(servo_, seconds(now - first_tick_), !lost_));
+    LiveStatus status = live_status(servo_, seconds(now - first_tick_), !lost_);
+    status.slow_ticks = result_.device.slow;
+    status.device_took = seconds(device_.take_longest());
+    outputs_.status->push(status);
   }
 
-  Device& device_;
+  TimedDevice device_;
   Servo& servo_;
   Transport& transport_;
   const LoopOptions& options_;

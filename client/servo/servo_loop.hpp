@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <string_view>
 
+#include "client/servo/device_guard.hpp"
 #include "client/servo/event.hpp"
 #include "client/servo/live_status.hpp"
 #include "client/servo/prepared_change.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/tick_record.hpp"
+#include "client/servo/timed_device.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
 #include "protocol/net/busy_poll.hpp"
@@ -70,8 +72,13 @@ struct LoopResult {
   std::uint64_t disconnections = 0;                // times the session was lost
   std::uint64_t reconnections = 0;                 // times that it, or a new one, continued
   double disconnected = 0.0;                       // [s] in total
-  bool stood_still = false;  // failed: the thread did not tick, and the device was released
-  Histogram wakeup_late;     // [ns] of each tick behind its deadline
+  bool stood_still = false;   // failed: the thread did not tick, and the device was released
+  double let_go_after = 0.0;  // [s] without a tick, while a force is held, the watch lets go
+  double still_for = 0.0;     // [s] without a sign of life, if it stood still
+  DeviceCall still_in = DeviceCall::none;  // the call of the device that did not return
+  Histogram wakeup_late;                   // [ns] of each tick behind its deadline
+  DeviceTimes device;
+  bool paced = false;  // the device sets the pace
 };
 
 /// Whether a loop with these options never sleeps.

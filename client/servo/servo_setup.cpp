@@ -1,6 +1,7 @@
 // Makes a servo from the parameters of a session: chooses its bound, account, observer and limits.
 // Puts another law into one that runs.
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -149,6 +150,8 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       safety_(options.safety, admits_reduction(parameters)),
       port_(observer_of(spec, parameters)),
       reserve_(parameters.servo_period),
+      owed_(std::max(0.0, options.owed)),
+      forgiven_(-owed_),
       torque_(law_.bounding.config().rotation),
       period_(law_.bounding.config().period),
       measures_(law_.bounding.config().period),
@@ -156,29 +159,41 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       rise_(largest_slew(spec.max_force, parameters), largest_slew(spec.max_torque, parameters)),
       remote_(remote_of(options, parameters)),
       wanted_seat_(options.seat),
+      moves_(position_bounds(spec, options.motion_scale)),
+      turns_(rotation_bounds(spec)),
+      taken_up_(spec.late_ticks),
       sent_(kRemembered) {
   validate(options, parameters);
+  if (law_.account) law_.account->begin_in_debt(owed_);
 }
 
 void Servo::adopt(ServoLaw& next) noexcept {
   next_law_ = &next;
-  if (pulls(held_))
+  if (holds())
     start_letting_go();
   else
     exchange_law();
 }
 
-/// Precondition: nothing is held.
+/// Precondition: nothing is given. A device that is late may still hold something.
 void Servo::exchange_law() noexcept {
+  owed_ = owed();
   std::swap(law_, *next_law_);
+  const std::optional<PortAccount>& before = next_law_->account;
+  if (law_.account && before)
+    law_.account->go_on_from(*before);
+  else if (law_.account)
+    law_.account->begin_in_debt(owed_);
+  // Never less than the account counts.
+  if (law_.counts_on_mass) port_.count_friction(spec_.least_friction);
   next_law_ = nullptr;
   if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with what the join said
   rise_.given({});
   forget_surfaces();
   newest_.command = {};
   newest_.predicted = false;
-  // Nothing else keeps a force away that is whole at once.
-  if (!law_.account) safety_.begin_anew();
+  // The account may pay for all of a force at once. It must not throw a hand that has sunk in.
+  safety_.begin_anew();
 }
 
 }  // namespace feltwire

@@ -9,15 +9,31 @@
 namespace feltwire {
 
 struct ServoThread::Shared {
-  explicit Shared(std::shared_ptr<ServoTask> what) : task(std::move(what)) {}
+  explicit Shared(std::shared_ptr<ServoTask> what)
+      : task(std::move(what)),
+        servo_period(task->servo.parameters().servo_period),
+        hold_time(task->servo.parameters().hold_time) {}
 
   std::shared_ptr<ServoTask> task;
+  const double servo_period, hold_time;  // [s]; the servo's own may change with its law
   Event stop, over_event;
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
   RealTime real_time;
   bool started = false, ended = false, given_up = false;  // with the mutex
   std::atomic<bool> stood_still{false};
+  // Written before it: where, and for how long.
+  std::atomic<double> still_for{0.0};
+  std::atomic<DeviceCall> still_in{DeviceCall::none};
+  std::atomic<double> let_go_after{0.0};
+
+  void tell(LoopResult& result) const noexcept {
+    result.let_go_after = let_go_after.load();
+    if (!stood_still.load()) return;
+    result.stood_still = true;
+    result.still_for = still_for.load();
+    result.still_in = still_in.load();
+  }
 
   void change(bool Shared::*what) noexcept {
     {
@@ -48,10 +64,8 @@ void ServoThread::run_loop(Shared& shared) noexcept {
   shared.change(&Shared::started);
   run_servo_loop(task.guard, task.servo, *task.transport, task.options, shared.stop, task.outputs,
                  task.result);
-  if (shared.stood_still.load()) {
-    task.result.end = EndReason::failed;
-    task.result.stood_still = true;
-  }
+  if (shared.stood_still.load()) task.result.end = EndReason::failed;
+  shared.tell(task.result);
   shared.change(&Shared::ended);
   shared.over_event.set();
 }
@@ -60,13 +74,22 @@ void ServoThread::watch(Shared& shared) noexcept {
   ServoTask& task = *shared.task;
   // Above the servo thread, or one that never sleeps would keep its watch waiting.
   if (task.priority > 0) request_real_time(task.priority + 1);
-  TickWatch watch(from_seconds(task.servo.parameters().hold_time));
   std::unique_lock lock(shared.mutex);
+  shared.changed.wait(lock, [&] { return shared.started || shared.ended; });
+  const double late = let_go_time(shared.servo_period, shared.hold_time, task.let_go_after,
+                                  shared.real_time.scheduler);
+  shared.let_go_after.store(late);
+  TickWatch watch(from_seconds(late), from_seconds(shared.hold_time));
+  watch.look(monotonic_now(), {});  // it counts from here
   while (!shared.ended) {
     if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
     // Released by its own loop: what is left of it waits for answers only.
-    if (!shared.started || (task.guard.released() && !shared.stood_still.load())) continue;
-    switch (watch.look(monotonic_now(), task.guard.writes(), task.guard.pulls())) {
+    if (task.guard.released() && !shared.stood_still.load()) continue;
+    const DeviceCall call = task.guard.call();
+    switch (watch.look(monotonic_now(), {.calls = task.guard.calls(),
+                                         .tick = task.guard.tick(),
+                                         .pulls = task.guard.pulls(),
+                                         .awaits = call == DeviceCall::await_tick})) {
       case TickWatch::Verdict::ticks:
         break;
       case TickWatch::Verdict::gone:
@@ -78,6 +101,10 @@ void ServoThread::watch(Shared& shared) noexcept {
         }
         [[fallthrough]];
       case TickWatch::Verdict::stands_still:
+        if (!shared.stood_still.load()) {
+          shared.still_for.store(seconds(watch.still()));
+          shared.still_in.store(call);
+        }
         shared.stood_still.store(true);
         task.guard.release();  // again and again: a write may have been on its way
         break;
@@ -106,7 +133,7 @@ bool ServoThread::end() noexcept {
     std::unique_lock lock(shared_->mutex);
     shared_->changed.wait(lock, [&] { return shared_->ended || shared_->given_up; });
     if (!shared_->ended) {
-      shared_->task->result.stood_still = true;
+      shared_->tell(shared_->task->result);
       if (servo_.joinable()) servo_.detach();
       if (watch_.joinable()) watch_.detach();
       return false;

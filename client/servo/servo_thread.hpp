@@ -20,7 +20,12 @@ struct ServoTask {
       : device(std::move(hand)),
         guard(*device),
         transport(std::move(way)),
-        servo(device->spec(), parameters, servo_options) {}
+        servo(device->spec(), parameters, for_device(servo_options, *device)) {}
+
+  static ServoOptions for_device(ServoOptions options, const Device& device) {
+    options.motion_scale = device.motion_scale();
+    return options;
+  }
 
   std::unique_ptr<Device> device;
   DeviceGuard guard;
@@ -32,11 +37,13 @@ struct ServoTask {
   /// other threads have priority.
   static constexpr int kNoRealTime = -1;
   int priority = 0;
+  double let_go_after = 0.0;  // [s] as let_go_time() takes it
   LoopResult result;
 };
 
-/// Runs the loop of a task. If it makes no tick for the session's hold time while a force is on the
-/// hand (TickWatch), a second thread releases the device, and the run has failed.
+/// Runs the loop of a task. If it makes no tick for let_go_time() while a force is on the hand
+/// (TickWatch), a second thread releases the device, and the run has failed. That thread needs
+/// nothing of the first one, which may be in a computation or in a call of the device.
 class ServoThread {
  public:
   /// Throws std::system_error or std::bad_alloc if the system gives no threads or descriptors: then

@@ -4,23 +4,42 @@
 
 namespace feltwire {
 
-Nanoseconds TickWatch::pause() const noexcept {
-  return stands_still_ ? interval_ : std::min(interval_, most_pulling() - pulling_);
+double let_go_time(double servo_period, double hold_time, double asked, bool real_time) noexcept {
+  const double usual = (real_time ? kLateTicks : kLateTicksWithoutRealTime) * servo_period;
+  return std::max(std::min(asked > 0.0 ? asked : usual, hold_time), kLeastLateTicks * servo_period);
 }
 
-TickWatch::Verdict TickWatch::look(Nanoseconds now, std::uint64_t ticks, bool pulls) noexcept {
-  const Nanoseconds counted =
-      std::min(now - looked_.value_or(now - interval_), kMostCounted * interval_);
+Nanoseconds TickWatch::pause() const noexcept {
+  constexpr int kShortest = 8;  // part of late_
+  if (stands_still_) return late_;
+  return std::clamp(limit_ - pulling_, late_ / kShortest, late_);
+}
+
+TickWatch::Verdict TickWatch::look(Nanoseconds now, const Life& life) noexcept {
+  const Nanoseconds most = pause() + late_;
+  const Nanoseconds slept = std::max(now - looked_.value_or(now), Nanoseconds(0));
   looked_ = now;
   if (stands_still_) {
-    since_ += counted;
+    since_ += std::min(slept, most);
     return since_ >= kGrace ? Verdict::gone : Verdict::stands_still;
   }
-  const bool ticked = ticks != ticks_;
-  ticks_ = ticks;
-  still_ = ticked ? Nanoseconds(0) : still_ + counted;
-  pulling_ = ticked || !pulls ? Nanoseconds(0) : pulling_ + counted;
-  stands_still_ = pulling_ >= most_pulling() || still_ >= kIdle;
+  const bool lives = life.calls != calls_, stopped = slept > most;
+  calls_ = life.calls;
+  limit_ = life.awaits ? hold_ : late_;
+  if (lives) {
+    // It ticked since the last look. If then the program was stopped as a whole, that time counts
+    // as none.
+    still_ = stopped ? Nanoseconds(0) : std::clamp(now - life.tick, Nanoseconds(0), slept);
+    pulling_ = life.pulls ? still_ : Nanoseconds(0);
+    forgiven_ = stopped;
+  } else if (stopped && !forgiven_) {
+    pulling_ = Nanoseconds(0);
+    forgiven_ = true;
+  } else {
+    still_ += std::min(slept, most);
+    pulling_ = life.pulls ? pulling_ + std::min(slept, most) : Nanoseconds(0);
+  }
+  stands_still_ = pulling_ >= limit_ || still_ >= kIdle;
   return stands_still_ ? Verdict::stands_still : Verdict::ticks;
 }
 

@@ -22,17 +22,25 @@ bool unit(const Vec3& direction) {
   return std::abs(direction.squaredNorm() - 1.0) <= kUnitTolerance;  // false for NaN
 }
 
+bool longer_hold(const SessionParameters& asked, const SessionParameters& granted) {
+  return granted.hold_time > asked.hold_time;
+}
+
 /// Compares the session that a server offers with the one that was asked for. Returns one line that
 /// names the field that is wrong, or nothing. No answer of a server takes the bound off a hand.
 std::optional<std::string> broken_offer(const control::JoinAccepted& offered,
-                                        const control::JoinRequest& wanted) {
+                                        const control::JoinRequest& wanted,
+                                        const GrantLimits& limits) {
   try {
     validate(offered.parameters);
   } catch (const std::invalid_argument& error) {
     return "parameters that cannot be: " + std::string(error.what());
   }
-  if (const auto changed = forbidden_grant(wanted.parameters, offered.parameters))
-    return "other parameters than a server may: " + *changed;
+  if (const auto changed = forbidden_grant(wanted.parameters, offered.parameters, limits))
+    return "other parameters than a server may: " + *changed +
+           (longer_hold(wanted.parameters, offered.parameters)
+                ? " (feltwire-client --longest-hold-time lets a server lengthen it)"
+                : "");
   // Each comparison is false for NaN.
   if (!(offered.silence_timeout >= control::kShortestSilence &&
         offered.silence_timeout <= control::kLongestSilence))
@@ -84,7 +92,7 @@ std::string to_string(const Endpoint& endpoint) {
 }
 
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
-            std::chrono::milliseconds timeout) {
+            std::chrono::milliseconds timeout, const GrantLimits& limits) {
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
   ControlDialogue dialogue(server, timeout);
@@ -102,7 +110,7 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
     throw LastingError(name + " chose a cipher that this machine does not have");
   if (!wanted.tool.empty() && accepted->tool != wanted.tool)
     throw LastingError(name + " knows of no tools to choose from; join without naming one");
-  if (const auto broken = broken_offer(*accepted, wanted))
+  if (const auto broken = broken_offer(*accepted, wanted, limits))
     throw LastingError(name + " granted " + *broken +
                        "; this client joins no such session: is it a server to be trusted?");
   const auto peer = dialogue.stream().peer();
@@ -116,6 +124,9 @@ std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,
   control::Message answer = dialogue.ask(control::ListScenes{});
   auto* list = std::get_if<control::SceneList>(&answer);
   if (list == nullptr) dialogue.bad_answer();
+  if (list->scenes.size() > control::kMaxScenes)
+    dialogue.refuse("listed " + std::to_string(list->scenes.size()) +
+                    " scenes, more than a server can have");
   return std::move(list->scenes);
 }
 

@@ -13,6 +13,7 @@
 
 #include "client/transport/credentials.hpp"
 #include "protocol/crypto/session_keys.hpp"
+#include "protocol/session/grant.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire {
@@ -68,9 +69,9 @@ struct Joined {
 /// answer. Sends the ciphers of this machine instead of those in `request`. Throws
 /// SessionError if the host is not known, not reachable or not trusted, if the server refuses
 /// (with its reason), and if its answer makes no sense or grants another session than the
-/// requested one.
+/// requested one (forbidden_grant()).
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
-            std::chrono::milliseconds timeout);
+            std::chrono::milliseconds timeout, const GrantLimits& limits = {});
 
 /// The scenes that the server has for this token. Blocks and throws as join() does.
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,

@@ -45,6 +45,10 @@ void ControlDialogue::bad_answer() const {
                      "control port of a feltwire-server of this version?");
 }
 
+void ControlDialogue::refuse(const std::string& did) const {
+  throw FalseAnswer(server_ + " " + did + "; is it a server to be trusted?");
+}
+
 control::Message ControlDialogue::receive() {
   std::array<std::uint8_t, control::kFrameLengthSize> prefix{};
   stream_.read(prefix);

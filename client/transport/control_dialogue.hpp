@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "client/transport/false_answer.hpp"
 #include "client/transport/tls_stream.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/wire/control.hpp"
@@ -34,6 +35,9 @@ class ControlDialogue {
 
   /// Throws SessionError: the answer makes no sense.
   [[noreturn]] void bad_answer() const;
+
+  /// Throws FalseAnswer. `did`: what the server did that cannot be, for people, after its name.
+  [[noreturn]] void refuse(const std::string& did) const;
 
   const TlsStream& stream() const { return stream_; }
 

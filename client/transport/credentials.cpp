@@ -1,5 +1,6 @@
 #include "client/transport/credentials.hpp"
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -54,7 +55,10 @@ std::variant<Fingerprint, Authorities> trust(const CredentialOptions& words) {
         "certificate");
   if (given > 1)
     throw std::invalid_argument(
-        "--fingerprint, --fingerprint-file and --ca are three ways to say whom to trust; give one");
+        "--fingerprint, --fingerprint-file and --ca are three ways to say whom to trust; give one "
+        "(if "
+        "none is on the command line, set one of FELTWIRE_FINGERPRINT, FELTWIRE_FINGERPRINT_FILE "
+        "and FELTWIRE_CA)");
   if (!words.ca.empty()) return Authorities{read_file(words.ca, "--ca")};
   return parse_fingerprint(words.fingerprint.empty()
                                ? first_word(read_file(words.fingerprint_file, "--fingerprint-file"))
@@ -65,7 +69,8 @@ Secret token(const CredentialOptions& words) {
   if (!words.token_file.empty()) {
     // Unlike a key it can be revoked, and containers are given such files: no more than a word.
     if (const auto open = exposure(words.token_file))
-      std::fprintf(stderr, "feltwire-client: warning: --token-file: %s\n", visible(*open).c_str());
+      std::fprintf(stderr, "%s: warning: --token-file: %s\n", program_invocation_short_name,
+                   visible(*open).c_str());
     return read_secret(words.token_file, "--token-file", true);
   }
   // Not as an option: every user of a machine can read the command lines of all.

@@ -55,6 +55,7 @@ DatagramSession::Arrival DatagramSession::take(Bytes datagram, Reply& reply,
   DropReason drop = got.drop;
   if (drop == DropReason::none)
     drop = is_reply ? decode(got.payload, reply, &view_) : decode(got.payload, reason);
+  if (drop == DropReason::none && is_reply && is_shortened(got.payload)) ++shortened_;
   if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
   ++dropped_[static_cast<std::size_t>(drop)];
   return Arrival::dropped;

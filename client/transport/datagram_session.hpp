@@ -46,6 +46,8 @@ class DatagramSession {
   const SceneView* view() const { return view_.present ? &view_ : nullptr; }
 
   const std::array<std::uint64_t, kDropReasons>& dropped() const { return dropped_; }
+  /// Replies that say less than they might, because the path takes no longer ones.
+  std::uint64_t shortened() const { return shortened_; }
 
  private:
   std::uint64_t session_;
@@ -56,6 +58,7 @@ class DatagramSession {
   DatagramBuffer sealed_, opened_;
   SceneView view_;
   std::array<std::uint64_t, kDropReasons> dropped_{};
+  std::uint64_t shortened_ = 0;
 };
 
 }  // namespace feltwire

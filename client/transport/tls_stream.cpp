@@ -7,6 +7,8 @@
 #include <asio/ssl/error.hpp>
 #include <asio/write.hpp>
 
+#include "protocol/net/link_local.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -78,8 +80,10 @@ void expect_host(SSL* connection, const std::string& host) {
   X509_VERIFY_PARAM_set_hostflags(parameters, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
   Error no_address;
   asio::ip::make_address(host, no_address);
+  // No certificate has a zone: it is this machine's.
+  const std::string address = host.substr(0, host.find('%'));
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
-                             : X509_VERIFY_PARAM_set1_ip_asc(parameters, host.c_str());
+                             : X509_VERIFY_PARAM_set1_ip_asc(parameters, address.c_str());
   if (set != 1) throw SessionError("no certificate can have the host name '" + host + "'");
 }
 
@@ -101,7 +105,13 @@ void TlsStream::connect(const Endpoint& server) {
   const auto found = resolver.resolve(server.host, std::to_string(server.port), error);
   if (error)
     throw SessionError("cannot find host '" + server.host + "': " + error.message() +
-                       "; check the name in --connect");
+                       (server.host.find('%') == std::string::npos
+                            ? "; check the name in --connect"
+                            : "; check the address in --connect, and that the zone behind its % is "
+                              "the name of an interface of this machine"));
+  for (const auto& entry : found)
+    if (const auto wrong = missing_zone(entry.endpoint().address()))
+      throw LastingError("cannot connect to " + server_ + ": " + *wrong);
   await(
       [&](auto done) {
         asio::async_connect(stream_.lowest_layer(), found,

@@ -31,10 +31,11 @@ bool Transport::send(const Sample& sample, const std::optional<HandReport>& repo
   return true;
 }
 
-Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason) noexcept {
-  for (int tries = 0; tries < DatagramPort::kBurst; ++tries) {
+Transport::Arrival Transport::receive(Reply& reply, GoodbyeReason& reason, int& left) noexcept {
+  while (left > 0) {
     const std::optional<Bytes> datagram = port_->receive();
     if (!datagram) return Arrival::nothing;
+    --left;
     switch (datagrams_.take(*datagram, reply, reason)) {
       case DatagramSession::Arrival::reply:
         return Arrival::reply;

@@ -15,6 +15,7 @@ namespace feltwire {
 
 struct TransportStatistics : PortStatistics {
   std::array<std::uint64_t, kDropReasons> dropped{};
+  std::uint64_t shortened = 0;  // replies that the server shortened, because the path is short
 };
 
 /// The address and the keys of a session's datagrams.
@@ -53,7 +54,13 @@ class Transport {
   /// Takes the next valid datagram that has arrived. Invalid ones are counted and skipped, up to
   /// DatagramPort::kBurst of them, so that a flood costs the loop no more. Fills `reply` or
   /// `reason`, as the result says.
-  Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept;
+  Arrival receive(Reply& reply, GoodbyeReason& reason) noexcept {
+    int left = DatagramPort::kBurst;
+    return receive(reply, reason, left);
+  }
+  /// As above, but looks at no more than `left` datagrams, and takes those that it looked at off
+  /// it.
+  Arrival receive(Reply& reply, GoodbyeReason& reason, int& left) noexcept;
 
   /// An observer's view in the last reply; null: it had none. Valid until the next receive().
   const SceneView* view() const { return datagrams_.view(); }
@@ -62,7 +69,9 @@ class Transport {
   /// before the datagrams that the port holds back, because the program may end before they leave.
   void goodbye() noexcept;
 
-  TransportStatistics statistics() const { return {port_->statistics(), datagrams_.dropped()}; }
+  TransportStatistics statistics() const {
+    return {port_->statistics(), datagrams_.dropped(), datagrams_.shortened()};
+  }
 
  private:
   void look_at_lengths() noexcept;

@@ -1,6 +1,7 @@
 #include "core/base/appended_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,14 +10,32 @@
 #include <utility>
 
 namespace feltwire {
+namespace {
+
+/// Takes the file away from others, also where it was there before. A pipe or a device stays as it
+/// is. False, with errno, if the system refuses.
+bool keep_private(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return false;
+  const mode_t mode = status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO);
+  if (!S_ISREG(status.st_mode) || (mode & (S_IRWXG | S_IRWXO)) == 0) return true;
+  return ::fchmod(descriptor, mode & S_IRWXU) == 0;
+}
+
+}  // namespace
 
 AppendedFile::AppendedFile(std::filesystem::path file, std::string what, const std::string& option)
     : file_(std::move(file)), what_(std::move(what)) {
-  constexpr int kForAll = 0644;
-  descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kForAll);
+  descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (descriptor_ < 0)
     throw std::runtime_error("cannot write " + what_ + " " + file_.string() + ": " +
                              std::strerror(errno) + "; check the path in " + option);
+  if (keep_private(descriptor_)) return;
+  const std::string reason = std::strerror(errno);
+  ::close(descriptor_);
+  throw std::runtime_error("cannot write " + what_ + " " + file_.string() +
+                           ": other users can read it, and it cannot be closed to them: " + reason +
+                           "; remove it, or choose another path in " + option);
 }
 
 AppendedFile::~AppendedFile() {

@@ -1,5 +1,6 @@
 #pragma once
 // A file that only grows, each time by a whole piece. It stays readable even if the run is killed.
+// Its contents are a person's: its owner alone may read it.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +12,8 @@ namespace feltwire {
 
 class AppendedFile {
  public:
-  /// Creates or replaces the file. Errors use `what` (the kind of file) and `option` (the option
+  /// Creates or replaces the file, with mode 0600: one that is open to other users is closed to
+  /// them. Errors use `what` (the kind of file) and `option` (the option
   /// that named it). Throws std::runtime_error that names the file and the reason, as the other
   /// functions do.
   AppendedFile(std::filesystem::path file, std::string what, const std::string& option);

@@ -46,11 +46,18 @@ CsvReader::CsvReader(std::istream& in, std::string file, std::vector<std::string
 
   std::string names;
   for (std::size_t i = 0; i < required_count; ++i) names += (i > 0 ? "," : "") + columns_[i];
-  if (!read_line() || trimmed(text_).empty()) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  const auto blank = [&] {
+    std::string_view line = text_;
+    if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+    return trimmed(line).empty();
+  };
+  bool more = read_line();
+  while (more && blank()) more = read_line();
+  if (!more) {
     line_ = std::max(line_, 1);
     fail("", "there is no header; the first line must name the columns " + names);
   }
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
 
   for_each_field(text_, [&](std::size_t, std::string_view field) {

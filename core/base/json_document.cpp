@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/json_member.hpp"
 #include "core/base/json_outline.hpp"
 #include "core/base/regular_file.hpp"
 #include "flatbuffers/idl.h"
@@ -43,6 +44,18 @@ std::string names_of(const Definitions& definitions) {
   for (const auto* definition : definitions)
     names += (names.empty() ? "" : ", ") + definition->name;
   return names;
+}
+
+/// How to write a value of a table or a struct, with the names of its fields.
+std::string notation(const StructDef& definition) {
+  const auto& fields = definition.fields.vec;
+  if (definition.fixed) return "[" + names_of(fields) + "]";
+  std::string required;
+  for (const FieldDef* field : fields)
+    if (field->IsRequired())
+      required += (required.empty() ? "" : ", ") + ('"' + field->name) + "\": ...";
+  return "{ " + (required.empty() ? "..." : required) + " }" +
+         (fields.empty() ? "; it has no field" : "; its fields are: " + names_of(fields));
 }
 
 const Node* member(const Node& object, std::string_view key) {
@@ -169,7 +182,11 @@ class Builder {
     const auto& fields = definition.fields.vec;
     const std::string prefix = path.empty() ? "" : path + ".";
     if (node.kind != Kind::object && !(definition.fixed && node.kind == Kind::array))
-      fail(node, path, "must be an object, is " + describe(node) + "; write { ... }");
+      fail(node, path,
+           std::string(definition.fixed
+                           ? "must be a list of " + std::to_string(fields.size()) + " numbers"
+                           : "must be an object") +
+               ", is " + describe(node) + "; write " + notation(definition));
     for (Node& child : node.children) {
       const FieldDef* field = definition.fields.Lookup(child.key);
       if (!field || field->deprecated)
@@ -193,9 +210,13 @@ class Builder {
   }
 
   flatbuffers::uoffset_t list(Node& node, const Type& type, const std::string& path) {
-    if (node.kind != Kind::array)
-      fail(node, path, "must be a list, is " + describe(node) + "; write [ ... ]");
     const Type element = type.VectorType();
+    if (node.kind != Kind::array)
+      fail(node, path,
+           "must be a list, is " + describe(node) + "; write [ " +
+               (element.base_type == flatbuffers::BASE_TYPE_STRUCT
+                    ? "... ], each as " + notation(*element.struct_def)
+                    : "... ]"));
     const std::size_t count = node.children.size();
     std::vector<flatbuffers::Offset<void>> offsets;
     std::vector<std::uint8_t> bytes;
@@ -306,6 +327,19 @@ std::unique_ptr<flatbuffers::Parser> parsed_schema(const char* schema, const std
 
 std::string read_text(const std::filesystem::path& file) {
   return read_regular_file(file, kMaxFile, "check the path and your right to read it");
+}
+
+std::optional<std::string> json_text_member(std::string_view json, std::string_view key) {
+  try {
+    const Node root = json::outline(json, "");
+    const Node* node = root.kind == Kind::object ? member(root, key) : nullptr;
+    std::string text;
+    if (node == nullptr || node->kind != Kind::string || unescape(node->text, text))
+      return std::nullopt;
+    return text;
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
 }
 
 struct JsonDocument::Parsed {

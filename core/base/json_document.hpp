@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/choice.hpp"
 #include "core/base/file_error.hpp"
 
 namespace feltwire {
@@ -40,6 +41,16 @@ class JsonDocument {
 
   /// Throws FileError "file:line: path: message".
   [[noreturn]] void fail(std::string_view path, std::string_view message) const;
+
+  /// The value of an enum by its name at a path; `names` has one for each value. Throws FileError
+  /// that lists them.
+  template <class Enum, class Names>
+  Enum choice(std::string_view path, std::string_view given, const Names& names) const {
+    const auto* const found = find_choice(names, given);
+    if (found == nullptr)
+      fail(path, "is '" + std::string(given) + "'; choose one of: " + choices(names, " "));
+    return static_cast<Enum>(found - std::data(names));
+  }
 
  private:
   struct Parsed;

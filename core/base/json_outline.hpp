@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/foreign_content.hpp"
 #include "core/base/json_document.hpp"
 #include "flatbuffers/util.h"
 
@@ -56,14 +57,47 @@ inline bool is_hex(char c) {
   return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
 }
 
+/// If a text is in a notation that is taken for JSON now and then: which, and the remedy; else
+/// null. `text` begins where a value should.
+inline const char* other_notation(std::string_view text) {
+  constexpr const char* kYaml =
+      "is YAML, not JSON; convert it, for example with yq -o json FILE, or write { \"name\": ... }";
+  constexpr const char* kToml = "is TOML or an INI file, not JSON; write { \"name\": ... }";
+  if (text.starts_with('<'))
+    return "is XML, not JSON; a scene names an MJCF or URDF file: \"mjcf\": { \"file\": \"...\" }";
+  if (text.starts_with("---") || text.starts_with("%YAML") || text.starts_with("- ")) return kYaml;
+  const bool comment = text.starts_with('#');
+  while (text.starts_with('#') || (comment && text.starts_with('\n'))) {
+    text.remove_prefix(std::min(text.find('\n'), text.size()));
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  }
+  const char* unknown = comment ? "begins with '#'; a comment in JSON begins with //" : nullptr;
+  if (comment && (text.starts_with("---") || text.starts_with("- "))) return kYaml;
+  if (comment && text.starts_with('[')) return kToml;
+  const bool quoted = text.starts_with('"') || text.starts_with('\'');
+  if (text.empty() || (!quoted && !is_letter(text.front()))) return unknown;
+  std::size_t end = 1;
+  while (end < text.size() && text[end] != '\n' &&
+         (quoted ? text[end] != text.front()
+                 : is_letter(text[end]) || is_digit(text[end]) || text[end] == '-' ||
+                       text[end] == '.'))
+    ++end;
+  text.remove_prefix(std::min(end + (quoted ? 1 : 0), text.size()));
+  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+  if (text.starts_with(':')) return kYaml;
+  return text.starts_with('=') ? kToml : unknown;
+}
+
 class Scanner {
  public:
   Scanner(std::string_view text, const std::string& file) : text_(text), file_(file) {}
 
   Node document() {
-    if (text_.substr(0, 3) == "\xEF\xBB\xBF") at_ = 3;  // byte order mark
+    if (const auto foreign = foreign_content(text_)) fail(*foreign);
+    at_ = text_.size() - without_byte_order_mark(text_).size();
     skip_space();
     if (done()) fail("there is nothing in it; write an object { ... }");
+    if (const char* other = other_notation(text_.substr(at_))) fail(other);
     Node root = value(0);
     skip_space();
     if (!done()) fail("text goes on after the document has ended; remove it");

@@ -2,7 +2,9 @@
 
 #include <sys/stat.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdio>
 
 namespace feltwire {
 
@@ -19,6 +21,16 @@ std::error_code make_private_folder(const std::filesystem::path& folder) {
   const std::error_code refused(errno, std::generic_category());
   // Another program may have made it in the meantime.
   return fs::is_directory(own, failed) ? std::error_code() : refused;
+}
+
+std::optional<std::string> shared_folder(const std::filesystem::path& folder) {
+  constexpr mode_t kOthers = S_IRWXG | S_IRWXO, kAll = 07777;
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0 || (status.st_mode & kOthers) == 0) return std::nullopt;
+  std::array<char, 8> mode{};
+  std::snprintf(mode.data(), mode.size(), "%04o", status.st_mode & kAll);
+  return folder.string() + ": is open to others than its owner (mode " + mode.data() +
+         "); chmod 700 " + folder.string();
 }
 
 }  // namespace feltwire

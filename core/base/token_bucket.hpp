@@ -22,6 +22,8 @@ class TokenBucket {
     tokens_ -= 1.0;
     return true;
   }
+  /// Whether take() would take one now.
+  bool has_one(Time now) const noexcept { return tokens_at(now) >= 1.0; }
   /// Takes more tokens, even if that makes a debt.
   void charge(double tokens) noexcept { tokens_ -= tokens; }
   /// Whether it is as full as a new one.

@@ -1,19 +1,26 @@
 #include "core/bounding/account.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/base/numeric.hpp"
+#include "core/bounding/lagging_need.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr double kOffByRounding = 1e-12;  // more than the arithmetic of a step rounds off
+/// [Hz] in whole numbers: the highest servo rate at which the forces of such a motor can be
+/// followed. Precondition: it lags.
+long highest_rate(const MotorLag& lag) {
+  constexpr double kRounded = 1.0 + 1e-9;
+  return static_cast<long>(std::floor(kRounded * LaggingForces::kMostSamples / lag.rest()));
+}
 
 const AccountConfig& checked(const AccountConfig& config) {
   if (!(config.period > 0.0) || !std::isfinite(config.period))
@@ -26,30 +33,57 @@ const AccountConfig& checked(const AccountConfig& config) {
     throw std::invalid_argument("account: forces are taken up " + std::to_string(config.late) +
                                 " samples late; give 0 to " +
                                 std::to_string(AccountConfig::kMostLate));
+  const double longest = LaggingForces::kMostSamples * config.period;
+  if (!(config.lag.time >= 0.0) || !std::isfinite(config.lag.time))
+    throw std::invalid_argument("account: the motor lags by " + std::to_string(config.lag.time) +
+                                " s; give 0 or more");
+  if (config.lag.rest() > longest)
+    throw std::invalid_argument(
+        "account: the motor lags by up to " + std::to_string(config.lag.time) +
+        " s, and its forces may rest for " + std::to_string(config.lag.rest()) + " s; at most " +
+        std::to_string(longest) + " s (" + std::to_string(LaggingForces::kMostSamples) +
+        " servo periods) can be reckoned with; take a servo rate of at most " +
+        std::to_string(highest_rate(config.lag)) +
+        " Hz, or measure the device's actuation_lag and give it in a device file (--spec)");
+  if (config.late > 0 && config.lag.time > 0.0)
+    throw std::invalid_argument(
+        "account: forces are taken up late, and the motor lags; give the whole time as the lag");
   validate(config.translation, "account, translation");
   validate(config.rotation, "account, rotation");
   return config;
 }
 
-/// The largest share s of 0 to 1 that `balance` pays for: force.at(s) + torque.at(s) <= balance.
-double affordable(const EnergyNeed& force, const EnergyNeed& torque, double balance) noexcept {
+/// The largest share s of 0 to 1 at which `balance` pays for the sum of all needs. `Needs`: a span,
+/// best of a length that is known while compiling.
+template <class Needs>
+double affordable(const Needs& needs, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
-  if (force.most() + torque.most() <= balance) return 1.0;
-  const auto both = [&](double s) { return force.at(s) + torque.at(s); };
+  double most = 0.0, first = 0.0;
+  for (const EnergyNeed& need : needs) {
+    most += need.most();
+    first += need.first;
+  }
+  if (most <= balance) return 1.0;
+  const auto all = [&](double s) {
+    double sum = 0.0;
+    for (const EnergyNeed& need : needs) sum += need.at(s);
+    return sum;
+  };
   // A command at its own bound's limit is off by some roundings: it is not scaled for that.
-  if (both(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
+  if (all(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
   constexpr double kLess = 1.0 - kOffByRounding;  // rounding must not overdraw
-  const double below = kLess * std::sqrt(balance / (force.first + torque.first));
-  if (force.before_turn(below) && torque.before_turn(below)) return std::min(below, 1.0);
-  // Both grow with s, so the answer lies beyond a turn exactly when the turn costs less.
+  const double below = kLess * std::sqrt(balance / first);
+  if (std::ranges::all_of(needs, [&](const EnergyNeed& need) { return need.before_turn(below); }))
+    return std::min(below, 1.0);
+  // All grow with s, so the answer lies beyond a turn exactly when the turn costs less.
   double square = 0.0, linear = 0.0, left = balance;
-  for (const EnergyNeed* need : {&force, &torque}) {
-    const double turn = need->reach / need->free;
-    const bool beyond = turn < 1.0 && both(turn) < balance;
-    square += beyond ? need->second : need->first;
+  for (const EnergyNeed& need : needs) {
+    const double turn = need.reach / need.free;
+    const bool beyond = turn < 1.0 && all(turn) < balance;
+    square += beyond ? need.second : need.first;
     if (!beyond) continue;
-    linear += need->linear;
-    left += need->burned / need->squared;
+    linear += need.linear;
+    left += need.burned / need.squared;
   }
   // The positive root of square s^2 + linear s = left, without cancellation.
   const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
@@ -58,139 +92,23 @@ double affordable(const EnergyNeed& force, const EnergyNeed& torque, double bala
 
 }  // namespace
 
-PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
-    : known_(known),
-      period_(period),
-      directional_(!known.damping.isotropic() && known.damping.least() > 0.0),
-      reach_(known),
-      path_(known.quantum),
-      limits_speed_(known.speed < std::numeric_limits<double>::infinity()) {
-  if (directional_) inverse_damping_ = known.damping.matrix().inverse();
-  if (learns && reach_.bounds()) learned_.emplace(known, period);
-}
-
-double PortBalance::damping_along(const Vec3& force) const noexcept {
-  if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
-  // If a direction is not damped at all, a force along any other may move the handle along it.
-  return directional_ ? force.squaredNorm() / force.dot(inverse_damping_ * force) : 0.0;
-}
-
-void PortBalance::forget() noexcept {
-  reach_.forget();
-  path_.forget();
-  if (learned_) learned_->forget();
-  strong_hand_ = false;
-  too_fast_ = false;
-}
-
-PortBalance::Hold PortBalance::hold_of(double damping, double hold_time) const noexcept {
-  const double k = reach_.per_newton(hold_time), burned = damping / hold_time;
-  return {
-      .time = hold_time,
-      .free = damping > 0.0 ? hold_time / (2.0 * damping) : std::numeric_limits<double>::infinity(),
-      .burned = burned,
-      .per_newton = k,
-      .second = k * (1.0 - burned * k),
-      .linear = 1.0 - 2.0 * burned * k};
-}
-
-void PortBalance::prepare(double hold_time) noexcept {
-  if (directional_ || hold_.time == hold_time) return;
-  const bool same_everywhere = known_.damping.isotropic();
-  hold_ = hold_of(same_everywhere ? known_.damping.matrix()(0, 0) : 0.0, hold_time);
-}
-
-inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held,
-                                      double hold_time) const noexcept {
-  if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
-  const double squared = displacement.squaredNorm();
-  if (squared == 0.0) return false;
-  // A movement of one quantum is always within reach, and often exactly as far as that.
-  return squared >
-         (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
-}
-
-double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
-  if (limits_speed_) {
-    const double squared = displacement.squaredNorm();
-    too_fast_ = squared > reach_.at_full_speed(displacement, std::sqrt(squared), hold_time);
-  }
-  if (reach_.bounds() || limits_speed_) {
-    const bool too_far = beyond_reach(displacement, held, hold_time);
-    strong_hand_ = too_far || too_fast_;
-    if (learned_) {
-      learned_->moved(displacement, held, hold_time);
-      if (too_far) learned_->exceeded();
-      reach_.set_outside_force(learned_->bound());
-    }
-    reach_.moved(displacement, held, hold_time, period_);
-  }
-  const double rubbed =
-      known_.coulomb_friction > 0.0 ? known_.coulomb_friction * path_.moved(displacement) : 0.0;
-  return known_.damping.quadratic(displacement) / std::max(period_, hold_time) + rubbed -
-         held.dot(displacement);
-}
-
-// max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
-// F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
-inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
-                                          std::span<const Vec3> coming) const noexcept {
-  const double k = hold.per_newton;
-  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
-  need.reach = reach_.along(force.vector, force.length, hold.time) +
-               reach_.driven(force.vector, force.length, coming, hold.time);
-  need.free = (hold.free - k) * force.squared;
-  need.second = hold.second * force.squared;
-  need.linear = hold.linear * need.reach;
-  need.burned = hold.burned * need.reach * need.reach;
-  need.squared = force.squared;
-}
-
-EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
-                             std::span<const Vec3> coming) const noexcept {
-  EnergyNeed need;
-  const double squared = wanted.squaredNorm();
-  if (squared == 0.0) return need;
-  const Force force{wanted, squared, std::sqrt(squared)};
-  const bool prepared = !directional_ && hold_.time == hold_time;
-  const Hold other = prepared ? Hold{} : hold_of(damping_along(wanted), hold_time);
-  const Hold& hold = prepared ? hold_ : other;
-  need.first = 0.5 * hold.free * squared;
-  if (reach_.known()) limit_by_inertia(need, force, hold, coming);
-  // A handle that was just faster than was told may be so again.
-  if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
-  return need;
-}
-
-double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept {
-  const double squared = wanted.squaredNorm();
-  if (squared == 0.0) return 0.0;
-  return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
-}
-
-/// Both limits are true at every share of the force, so the one that is less at the whole of it is
-/// taken; the maximum within both at once would be a little less still.
-void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
-                                 const Hold& hold) const noexcept {
-  const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);
-  EnergyNeed by_speed{.first = need.first,
-                      .free = hold.free * force.squared,
-                      .reach = reach,
-                      .linear = reach,
-                      .burned = hold.burned * reach * reach,
-                      .squared = force.squared};
-  if (by_speed.at(1.0) < need.at(1.0)) need = by_speed;
-}
-
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       looks_ahead_(config.looks_ahead),
-      translation_(config.translation, config.period, config.learns_outside_force),
-      rotation_(config.rotation, config.period, config.learns_outside_force),
+      // The true force of a motor that lags is not known well enough to learn from.
+      translation_(config.translation, config.period,
+                   config.learns_outside_force && config.lag.time == 0.0),
+      rotation_(config.rotation, config.period,
+                config.learns_outside_force && config.lag.time == 0.0),
       period_(config.period),
-      late_(static_cast<std::size_t>(config.late)) {
+      late_(static_cast<std::size_t>(config.late)),
+      older_forces_(config.lag),
+      older_torques_(config.lag) {
   coming_forces_.fill(Vec3::Zero());
   coming_torques_.fill(Vec3::Zero());
+  translation_.keep_for_late_ticks(config.late);
+  rotation_.keep_for_late_ticks(config.late);
+  surely_paid_ = 1.0 - std::max(translation_.most_kept(), rotation_.most_kept());
 }
 
 /// Returns the balance that the next force is cut to: the present one, or the one half a sample
@@ -201,9 +119,14 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const double moved = s.displacement.squaredNorm() + s.rotation.squaredNorm();
   const bool known = std::isfinite(moved) && std::isfinite(s.hold_time) && s.hold_time > 0.0;
   const double delivered = held_.force.dot(s.displacement) + held_.torque.dot(s.rotation);
-  const double earned = known ? translation_.earned(s.displacement, held_.force, s.hold_time) +
-                                    rotation_.earned(s.rotation, held_.torque, s.hold_time)
-                              : std::numeric_limits<double>::quiet_NaN();
+  const double earned =
+      known ? translation_.earned(s.displacement, held_.force, s.hold_time, older_forces_) +
+                  rotation_.earned(s.rotation, held_.torque, s.hold_time, older_torques_)
+            : std::numeric_limits<double>::quiet_NaN();
+  if (lags()) {
+    older_forces_.passed(held_.force, s.hold_time);
+    older_torques_.passed(held_.torque, s.hold_time);
+  }
   if (std::isfinite(earned)) {
     balance_ += earned;
     if (translation_.strong_hand() || rotation_.strong_hand()) ++statistics_.strong_hand;
@@ -217,7 +140,8 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   count_debt(was_in_debt);
   if (!std::isfinite(earned) || !looks_ahead_) return balance_;
   const double per_period = delivered * period_ / std::max(period_, s.hold_time);
-  const double ahead = 0.5 + static_cast<double>(late_);  // [samples]
+  const double ahead =
+      0.5 + static_cast<double>(late_) + older_forces_.lag().time / period_;  // [samples]
   return balance_ - ahead * std::max(0.0, per_period);
 }
 
@@ -225,23 +149,55 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
 bool PortAccount::idle() const noexcept {
   for (std::size_t n = 0; n < late_; ++n)
     if (!Held{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
-  return held_.nothing();
+  return held_.nothing() && older_forces_.nothing() && older_torques_.nothing();
 }
 
-/// Of `left` [J], the part that the coming forces leave for `wanted`, which needs `last` [J] after
-/// them. A force that took all of it would leave nothing for the next one, which would leave all
-/// for the one after it. So it also gets no more than its share of what it needs at each of L + 1
-/// samples.
-double PortAccount::left_after_coming(double left, const Held& wanted, double last,
-                                      double hold) noexcept {
-  double needed = 0.0, each = last;
+/// The force that was given last.
+inline PortAccount::Last PortAccount::last() const noexcept {
+  if (late_ == 0) return {held_.force, held_.torque};
+  return {coming_forces_[late_ - 1], coming_torques_[late_ - 1]};
+}
+
+/// The share of the balance that is kept beside it.
+inline double PortAccount::kept() const noexcept {
+  const double force = translation_.kept_beside(last().force);
+  if (force == 0.0) return 0.0;
+  const double beside = std::min(force, rotation_.kept_beside(last().torque));
+  return beside == PortBalance::kBesideNothing ? 0.0 : beside;
+}
+
+/// `usual` and `most`: the shares of `wanted` that are paid for without what is kept, and with it.
+/// It is paid with only so far that the force falls little by little.
+double PortAccount::softened(const Held& wanted, double usual, double most) const noexcept {
+  const bool pushes = !wanted.force.isZero(0.0);
+  const double before = pushes ? length(last().force) : length(last().torque);
+  const double softer =
+      kSoftFall * before / (pushes ? length(wanted.force) : length(wanted.torque));
+  return usual >= softer ? usual : std::max(usual, std::min(most, softer));
+}
+
+/// The share of `wanted` that `left` [J] pays for after the coming forces. `own`: its needs after
+/// them. A force that took all that they leave would leave nothing for the next one, which would
+/// leave all for the one after it. So L + 1 forces like it, one after the other, must be paid for
+/// as well. They are taken at the share that is given: the needs of a larger force are distributed
+/// otherwise, and such a force would swing.
+double PortAccount::share_after_coming(const Needs& own, const Held& wanted, double left,
+                                       double hold) noexcept {
+  std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
+  double needed = 0.0;
   for (std::size_t n = 0; n < late_; ++n) {
     needed += need_after({coming_forces_[n], coming_torques_[n]}, n, hold);
-    each += need_after(wanted, n, hold);
+    all[2 * n] = translation_.need(wanted.force, hold, {coming_forces_.data(), n});
+    all[2 * n + 1] = rotation_.need(wanted.torque, hold, {coming_torques_.data(), n});
     if (n == 0) worst_next_ = std::max(0.0, balance_ - needed);
   }
-  const double share = last > 0.0 ? last / each : 1.0;
-  return std::min(left - needed, share * left);
+  std::ranges::copy(own, all.begin() + static_cast<std::ptrdiff_t>(2 * late_));
+  const auto share = [&](double balance) {
+    return std::min(affordable(own, balance - needed),
+                    affordable(std::span(all).first(2 * late_ + 2), balance));
+  };
+  const double keeps = kept(), usual = share((1.0 - keeps) * left);
+  return usual == 1.0 || keeps == 0.0 ? usual : softened(wanted, usual, share(left));
 }
 
 /// [J] of the whole of `held`, after the first n of the coming ones.
@@ -285,12 +241,29 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
 /// The largest share of `wanted` that `left` [J] pays for. kNoLimit where a need has no limit, as
 /// that of a number that is not finite.
 inline double PortAccount::affordable_share(const Held& wanted, double left, double hold) noexcept {
-  const EnergyNeed force = translation_.need(wanted.force, hold, {coming_forces_.data(), late_});
-  const EnergyNeed torque = rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_});
+  if (lags()) return lagging_share(wanted, left, hold);
+  const Needs both{translation_.need(wanted.force, hold, {coming_forces_.data(), late_}),
+                   rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_})};
+  if (!both[0].limited() || !both[1].limited()) [[unlikely]]
+    return kNoLimit;
+  if (late_ > 0) return share_after_coming(both, wanted, left, hold);
+  if (left > 0.0 && both[0].most() + both[1].most() <= surely_paid_ * left) return 1.0;
+  const double keeps = kept(), usual = affordable(both, (1.0 - keeps) * left);
+  if (usual == 1.0 || keeps == 0.0) return usual;
+  return softened(wanted, usual, affordable(both, left));
+}
+
+/// affordable_share() for a motor that lags. The cost of a share has no simple inverse, so it is
+/// searched: the share that is returned was found to be paid for.
+double PortAccount::lagging_share(const Held& wanted, double left, double hold) noexcept {
+  const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
+  const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
   if (!force.limited() || !torque.limited()) [[unlikely]]
     return kNoLimit;
-  if (late_ > 0) left = left_after_coming(left, wanted, force.at(1.0) + torque.at(1.0), hold);
-  return affordable(force, torque, left);
+  const double share = largest_within(left, [&](double s) { return force.at(s) + torque.at(s); });
+  worst_next_ =
+      std::max(0.0, balance_ - force.of_next_sample(share) - torque.of_next_sample(share));
+  return share;
 }
 
 /// Gives what is affordable of the parts whose need has a limit, and nothing of a command that is
@@ -310,6 +283,29 @@ Command PortAccount::give_limited_part(const Command& command, double left, doub
   return given;
 }
 
+void PortAccount::go_on_from(const PortAccount& before) noexcept {
+  held_ = before.held_;
+  coming_forces_ = before.coming_forces_;
+  coming_torques_ = before.coming_torques_;
+  older_forces_ = before.older_forces_;
+  older_torques_ = before.older_torques_;
+  worst_next_ = before.worst_next_;
+  balance_ = before.balance_;
+  statistics_ = before.statistics_;
+}
+
+void PortAccount::begin_in_debt(double energy) noexcept {
+  held_ = {};
+  coming_forces_.fill(Vec3::Zero());
+  coming_torques_.fill(Vec3::Zero());
+  older_forces_.forget();
+  older_torques_.forget();
+  worst_next_ = 0.0;
+  balance_ = 0.0 - energy;  // no negative zero
+  translation_.forget();
+  rotation_.forget();
+}
+
 void PortAccount::count_debt(bool was_in_debt) noexcept {
   if (!in_debt()) return;
   if (!was_in_debt) ++statistics_.overdrawn;
@@ -322,6 +318,11 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
     PortBalance balance(known, config.period);
     balance.earned(Vec3::Zero(), force, config.period);
     const std::vector<Vec3> coming(static_cast<std::size_t>(config.late), force);
+    if (config.lag.time > 0.0) {
+      LaggingForces older(config.lag);
+      for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
+      return LaggingNeed(balance, older, force, config.period).at(1.0);
+    }
     double sum = 0.0;  // of the samples of which this force needs the energy together
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);

@@ -6,6 +6,7 @@
 // are laws for a contact. The account is not a law for a contact: it is the last bound before the
 // safety stage, after any of them.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +16,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/bounding/certain_path.hpp"
+#include "core/bounding/lagging_forces.hpp"
 #include "core/bounding/outside_force.hpp"
 #include "core/bounding/reach.hpp"
 #include "core/bounding/step.hpp"
@@ -38,7 +40,15 @@ struct AccountConfig {
   /// from sample n + L on. From 0 to kMostLate.
   int late = 0;
   static constexpr int kMostLate = 4;
+  /// The most by which the motor follows its commands later than that. MotorLag::rest() is from 0
+  /// to LaggingForces::kMostSamples periods, and 0 beside a `late` that is not 0.
+  MotorLag lag{};
 };
+
+inline constexpr double kOffByRounding = 1e-12;  // more than the arithmetic of a step rounds off
+/// After a tick that is late, a small force falls to this share of itself at once, and no farther
+/// (docs/bounding.md, "After a tick that is late").
+inline constexpr double kSoftFall = 0.955;
 
 /// Counts of the account.
 struct AccountStatistics {
@@ -74,6 +84,26 @@ struct EnergyNeed {
   double most() const noexcept { return before_turn(1.0) ? first : second + linear; }
 };
 
+/// The most that a hand which turns within a sample gets beyond the mean force of a motor that
+/// changes its force meanwhile (docs/bounding.md, "A motor that lags").
+struct TurnLimit {
+  double by_damping = 0.0;  // h / (4 b) [m/N]
+  double by_mass = 0.0;     // h^2 / (2 m) [m/N]
+  double outside = 0.0;     // [N] the largest force from outside and of the motor together
+
+  /// s (1 - s), for the share of the sample in which the force may change, and s = 1/2 at most.
+  static double spread(double share) noexcept {
+    constexpr double kHalf = 0.5;
+    const double part = std::min(share, kHalf);
+    return part > 0.0 ? part * (1.0 - part) : 0.0;
+  }
+  /// [J] for a change of the force by `change` >= 0 [N].
+  double energy(double change, double spread) const noexcept {
+    if (!(change > 0.0) || !(spread > 0.0)) return 0.0;
+    return spread * change * std::min(change * by_damping, (outside + change) * by_mass);
+  }
+};
+
 /// The balance M(n) of one port: the energy that the device certainly burned, minus the energy that
 /// the held force delivered to the hand, both as the encoder measures them.
 class PortBalance {
@@ -82,7 +112,12 @@ class PortBalance {
   PortBalance(const PortKnowledge& known, double period, bool learns = false);
 
   /// [J] energy that one sample adds: dx'B dx / h + f_c |path| - f(n-1).dx, h = max(T, hold_time).
-  double earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept;
+  double earned(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
+    return earned(displacement, held, hold_time, LaggingForces());
+  }
+  /// earned() where the motor may still have held a part of `older` forces.
+  double earned(const Vec3& displacement, const Vec3& held, double hold_time,
+                const LaggingForces& older) noexcept;
   /// Whether the last sample of earned() shows a force from outside, or a speed, above the
   /// specified one.
   bool strong_hand() const noexcept { return strong_hand_; }
@@ -97,9 +132,34 @@ class PortBalance {
   /// `coming`: the forces that are held before it, each for a sample, or a part of each.
   EnergyNeed need(const Vec3& wanted, double hold_time,
                   std::span<const Vec3> coming = {}) const noexcept;
+  /// need() of a force in a sample before which there are `samples`, in all of which a force of
+  /// `strongest` [N] along any direction may be on the motor.
+  EnergyNeed need_after(const Vec3& wanted, double hold_time, int samples,
+                        double strongest) const noexcept;
+  /// For a sample of `hold_time` [s] in which no force of the motor is above `strongest` [N].
+  TurnLimit turn_limit(double strongest, double hold_time) const noexcept;
+  /// q [m]
+  double quantum() const noexcept { return known_.quantum; }
   /// Prepares need() for `hold_time` [s]: it keeps the values that follow from the hold time alone,
   /// because that seldom changes.
   void prepare(double hold_time) noexcept;
+  /// Keeps a share of the balance for the samples after a tick that is late (docs/bounding.md,
+  /// "After a tick that is late"), on a device that takes forces up `late` samples late.
+  void keep_for_late_ticks(int late) noexcept;
+  /// The largest share that kept_beside() ever returns beside a force.
+  double most_kept() const noexcept { return std::max({0.0, kept_, kept_ + 2.0 * kept_aside_}); }
+  /// That share while `held` [N] is held; kBesideNothing for none, beside which another port
+  /// decides.
+  static constexpr double kBesideNothing = 1.0;
+  double kept_beside(const Vec3& held) const noexcept {
+    constexpr double kSmall = 0.4;  // of the force from outside, which makes most of the reach then
+    const double squared = held.squaredNorm(), most = kSmall * outside_force();
+    if (squared == 0.0) return kBesideNothing;
+    if (!keeps_ || !(squared < most * most)) return 0.0;
+    const double sum = held.lpNorm<1>();
+    const double kept = kept_ + kept_aside_ * (sum * sum / squared - 1.0);
+    return kept > 0.0 ? kept * (1.0 - squared / (most * most)) : 0.0;
+  }
   /// [J] the same for a hand that may move the handle any distance, for the whole of `wanted`.
   double need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept;
 
@@ -121,8 +181,13 @@ class PortBalance {
   Hold hold_of(double damping, double hold_time) const noexcept;
   double damping_along(const Vec3& force) const noexcept;
   bool beyond_reach(const Vec3& displacement, const Vec3& held, double hold_time) const noexcept;
+  /// `farther` [J]: what other forces add to the reach.
   void limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
-                        std::span<const Vec3> coming) const noexcept;
+                        double farther) const noexcept;
+  template <class Farther>
+  EnergyNeed need_of(const Vec3& wanted, double hold_time, Farther farther) const noexcept;
+  double charged_for_lag(const Vec3& displacement, const Vec3& held, double hold_time,
+                         const LaggingForces& older) const noexcept;
   void limit_by_speed(EnergyNeed& need, const Force& force, const Hold& hold) const noexcept;
 
   PortKnowledge known_;
@@ -136,6 +201,9 @@ class PortBalance {
   bool limits_speed_;
   bool too_fast_ = false;  // the last sample was faster than specified
   bool strong_hand_ = false;
+  // The kept share along an axis, and the increase for each unit of |u|_1^2 above 1.
+  double kept_ = 0.0, kept_aside_ = 0.0;
+  bool keeps_ = false;
 };
 
 /// Force and torque as one port:
@@ -153,6 +221,10 @@ class PortBalance {
 ///
 ///   need(f(n)) <= min(M(n), A(n)) - need(f(n-L)) - ... - need(f(n-1)),   A(n) L + 1/2 samples
 ///   ahead
+///
+/// If the motor follows its commands with a lag, a part of an older force may be on the hand in
+/// this sample, and a part of f(n) in later ones (core/bounding/lagging_need.hpp; docs/bounding.md,
+/// "A motor that lags").
 ///
 /// A(n) is not part of the proof: a smaller force is always admissible. A force that only followed
 /// M(n) would be a spring that is always half a sample late, and would shake (docs/bounding.md,
@@ -189,6 +261,13 @@ class PortAccount {
     if (energy > 0.0 && std::isfinite(energy)) balance_ += energy;
   }
 
+  /// Another law bounds the port from now on, and this is its account: it goes on from that of the
+  /// law before, with its balance, its debt and the forces that are still to come. What is learned
+  /// of the hand and its speed begins anew. Precondition: both are of the same device.
+  void go_on_from(const PortAccount& before) noexcept;
+  /// Begins with a debt of `energy` >= 0 [J], and nothing held.
+  void begin_in_debt(double energy) noexcept;
+
   /// [J] f'B^-1 f h / 4: the most that holding `command` for h [s] gives to a hand that may move
   /// the handle any distance.
   double need_of_any_hand(const Command& command, double hold_time) const noexcept {
@@ -211,10 +290,20 @@ class PortAccount {
   static constexpr double kNoLimit = -1.0;  // no share
   double take_in(const BoundingStep& step) noexcept;
   bool idle() const noexcept;
+  bool lags() const noexcept { return older_forces_.lag().time > 0.0; }
   double affordable_share(const Held& wanted, double left, double hold) noexcept;
   Command give_limited_part(const Command& command, double left, double hold) noexcept;
-  double left_after_coming(double left, const Held& wanted, double last, double hold) noexcept;
+  using Needs = std::array<EnergyNeed, 2>;  // of a force and a torque
+  double share_after_coming(const Needs& own, const Held& wanted, double left,
+                            double hold) noexcept;
+  struct Last {
+    const Vec3 &force, &torque;
+  };
+  Last last() const noexcept;
+  double kept() const noexcept;
+  double softened(const Held& wanted, double usual, double most) const noexcept;
   double need_after(const Held& held, std::size_t n, double hold) const noexcept;
+  double lagging_share(const Held& wanted, double left, double hold) noexcept;
   void give(const Held& given) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 
@@ -226,7 +315,9 @@ class PortAccount {
   // Given but not yet on the hand: the first of these is taken up next.
   std::array<Vec3, AccountConfig::kMostLate> coming_forces_, coming_torques_;
   std::size_t late_;
-  double worst_next_ = 0.0;  // [J] the balance is not less than this after the next sample
+  LaggingForces older_forces_, older_torques_;
+  double surely_paid_ = 1.0;  // the share of a balance of which nothing is ever kept
+  double worst_next_ = 0.0;   // [J] the balance is not less than this after the next sample
   double balance_ = 0.0;
   AccountStatistics statistics_;
 };

@@ -37,6 +37,7 @@ void bounding_detail::check(const BoundingConfig& c, std::string_view method,
                             bool needs_every_axis_damped) {
   require(std::isfinite(c.period) && c.period > 0.0, "period must be finite and above zero [s]");
   require(c.period >= kShortestPeriod, "period is too short; give seconds");
+  require(std::isfinite(c.lag) && c.lag >= 0.0, "lag must be finite and not negative [s]");
   validate(c.damping, "damping");
   validate(c.rotational_damping, "rotational damping");
   require(2.0 * c.damping.matrix().cwiseAbs().maxCoeff() / c.period <= kLargestStiffness,
@@ -53,8 +54,9 @@ void bounding_detail::check(const BoundingConfig& c, std::string_view method,
   }
   require(c.max_force > 0.0, "max force must be above zero [N]");
   require(c.max_torque >= 0.0, "max torque must not be negative [N m]");
-  check_constants(c.damping, c.period, c.c1, c.c2, "");
-  check_constants(c.rotational_damping, c.period, c.c1_rotation, c.c2_rotation, " (rotation)");
+  check_constants(c.damping, c.reckoned_period(), c.c1, c.c2, "");
+  check_constants(c.rotational_damping, c.reckoned_period(), c.c1_rotation, c.c2_rotation,
+                  " (rotation)");
 }
 
 template <>

@@ -33,7 +33,7 @@ PerAxisBound<Real> axes(const BoundingConfig& c) {
     const Vec3 b = damping.per_axis();
     EbaAxes<Real> axes;
     for (int i = 0; i < 3; ++i) {
-      const double first = c1.value_or(b[i] / c.period);
+      const double first = c1.value_or(b[i] / c.reckoned_period());
       axes.axis[static_cast<std::size_t>(i)] = {static_cast<Real>(first),
                                                 static_cast<Real>(c2.value_or(first))};
     }
@@ -76,7 +76,8 @@ Coupling<Real> coupling(const CouplingConfig& c, double b, double period,
 
 template <class Real>
 PassivityPort<Real> port(const BoundingConfig& c, const Damping& damping, double max) {
-  return {c.reference, static_cast<Real>(max), static_cast<Real>(damping.least() / c.period)};
+  return {c.reference, static_cast<Real>(max),
+          static_cast<Real>(damping.least() / c.reckoned_period())};
 }
 
 template <class Real>
@@ -86,7 +87,8 @@ Credited<Real> credited(const BoundingConfig& c) {
           {.damping = c.rotational_damping.least(), .credit = kArmSquared * c.hand_damping},
           c.period,
           c.quantum,
-          c.rotation};
+          c.rotation,
+          c.lag};
 }
 
 /// A passivity controller of either kind.
@@ -133,8 +135,8 @@ std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
        .summary = "passive by itself, for every hand, and true to the direction",
        .make = [](Config c) -> Law {
          return ContactFrameBound<Real>(Metric<Real>(c.damping), Metric<Real>(c.rotational_damping),
-                                        static_cast<Real>(c.period), c.projection, c.storage,
-                                        c.rotation);
+                                        static_cast<Real>(c.reckoned_period()), c.projection,
+                                        c.storage, c.rotation);
        },
        .research = false,
        .options = {.projection_storage = true},
@@ -144,14 +146,16 @@ std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
        .needs_every_axis_damped = true},
       {.name = kSessionMethod,
        .summary = "calm by its shaping, passive by the account behind it; a session's default",
-       .make = [](Config c) -> Law { return Shaped<Real>(credited<Real>(c), c.quantum); },
+       .make = [](Config c) -> Law {
+         return Shaped<Real>(credited<Real>(c), c.quantum, c.period, c.lag);
+       },
        .research = false,
        .admits_reduction = true,
        .moves_probe = true,
        .shapes = true},
       {.name = "midpoint",
        .summary = "asks the client's surfaces half a sample ahead; an account behind it",
-       .make = [](Config c) -> Law { return Midpoint<Real>(c.quantum); },
+       .make = [](Config c) -> Law { return Midpoint<Real>(c.quantum, c.period, c.lag); },
        .admits_reduction = true,
        .moves_probe = true,
        .shapes = true},
@@ -164,8 +168,8 @@ std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
        .summary = "a spring and a damper to a simulated tool",
        .make = [](Config c) -> Law {
          return VirtualCoupling<Real>(
-             coupling<Real>(c.coupling, c.damping.least(), c.period, ""),
-             coupling<Real>(c.coupling_rotation, c.rotational_damping.least(), c.period,
+             coupling<Real>(c.coupling, c.damping.least(), c.reckoned_period(), ""),
+             coupling<Real>(c.coupling_rotation, c.rotational_damping.least(), c.reckoned_period(),
                             " (rotation)"),
              c.rotation);
        },
@@ -195,7 +199,7 @@ std::array<BasicBoundingMethod<Real>, 13> built_in_methods() {
        .summary = "the least conservative bound: a tank of energy for each channel",
        .make = [](Config c) -> Law {
          return EnergyTankBound<Real>(Metric<Real>(c.damping), Metric<Real>(c.rotational_damping),
-                                      static_cast<Real>(c.period), c.rotation);
+                                      static_cast<Real>(c.reckoned_period()), c.rotation);
        },
        .promise = Promise::port,
        .kept_despite = kAllFaults,

@@ -69,14 +69,19 @@ struct BoundingConfig {
   double stiffness = std::numeric_limits<double>::infinity();  // [N/m] of the stiffest surface,
                                                                // if it is known; the same
   double period = 1e-3;  // T [s], > 0: the longest intended hold time of one force
-  Damping damping{};     // B [N s/m]: the device's own, plus any operator credit. contact_frame and
-                         // energy_tank need every direction damped, or none
+  double lag = 0.0;   // L [s] by which the motor follows its command, at most. 0 in a paper's law
+  Damping damping{};  // B [N s/m]: the device's own, plus any operator credit. contact_frame and
+                      // energy_tank need every direction damped, or none
   Damping rotational_damping{};      // B_r [N m s/rad]
   std::optional<double> c1{}, c2{};  // [N/m] translation, paper's modes; default b/T; 0 <= c2 <= c1
   std::optional<double> c1_rotation{}, c2_rotation{};           // [N m/rad] default b_r/T
   double max_force = std::numeric_limits<double>::infinity();   // [N], > 0: peak of the device
   double max_torque = std::numeric_limits<double>::infinity();  // [N m], >= 0
   bool rotation = false;  // false: torque is neither computed nor rendered
+
+  /// T + 2 L [s]: a force that is held for T and follows its command by L is late by T/2 + L on
+  /// average, as one that is held for so long and has no lag. The constants of every law take this.
+  double reckoned_period() const noexcept { return period + 2.0 * lag; }
 };
 
 }  // namespace feltwire

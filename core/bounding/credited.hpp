@@ -66,12 +66,13 @@ class Credited {
   static constexpr double kLeastSwing = 50e-6;  // [m] a finger feels 10 um RMS
   static constexpr double kQuanta = 4.0;        // quanta of the encoder, the least size of a swing
 
-  /// `period` is T [s], `quantum` [m] that of the encoder.
+  /// `period` is T [s], `quantum` [m] that of the encoder, `lag` [s] that of the motor.
   Credited(const CreditedLaw& translation, const CreditedLaw& rotation, double period,
-           double quantum, bool torque)
+           double quantum, bool torque, double lag = 0.0)
       : translation_(translation),
         rotation_(rotation),
         period_(period),
+        reckoned_(period + 2.0 * lag),
         full_credit_(translation.credit),
         swings_(std::max(kLeastSwing, kQuanta * quantum)),
         translated_(period),
@@ -122,8 +123,8 @@ class Credited {
     Real credited = 0;   // (c' - c) / c'
   };
   Limit limit_of(const CreditedLaw& law) const noexcept {
-    const double least = 2.0 * law.damping / period_;
-    const double most = least + 2.0 * law.credit / period_;
+    const double least = 2.0 * law.damping / reckoned_;
+    const double most = least + 2.0 * law.credit / reckoned_;
     const Real c = static_cast<Real>(std::min(most, std::max(least, law.stiffness)));
     return {c, c > Real(0) ? Real(1) - static_cast<Real>(least) / c : Real(0)};
   }
@@ -190,8 +191,8 @@ class Credited {
   }
 
   CreditedLaw translation_, rotation_;
-  double period_, full_credit_;
-  Limit limit_, rotation_limit_;  // they follow from the laws
+  double period_, reckoned_, full_credit_;  // reckoned_: BoundingConfig::reckoned_period()
+  Limit limit_, rotation_limit_;            // they follow from the laws
   SwingCounter swings_;
   HalfSampleOn<Real> translated_, rotated_;
   bool torque_;
@@ -207,8 +208,9 @@ class Credited {
 template <class Real>
 class Shaped {
  public:
-  /// `quantum` [m] of the encoder.
-  Shaped(const Credited<Real>& late, double quantum) : late_(late), near_(quantum) {}
+  /// `quantum` [m] of the encoder; `period` T [s]; `lag` [s] of the motor.
+  Shaped(const Credited<Real>& late, double quantum, double period, double lag = 0.0)
+      : late_(late), near_(quantum, period, lag) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
     if (s.local) {
@@ -232,7 +234,7 @@ class Shaped {
   void scene_changed() noexcept { late_.scene_changed(); }
   HandCredit hand_credit() const noexcept {
     const HandCredit late = late_.hand_credit(), near = near_.hand_credit();
-    return {late.damping, late.steps_down, near.near_share, near.near_steps_down};
+    return {late.damping, late.steps_down, near.near_share, near.near_steps_down, near.untold_lag};
   }
 
  private:

@@ -11,6 +11,7 @@ AccountConfig account_config(const DeviceSpec& spec, double period) {
                          .mass = spec.least_mass,
                          .outside_force = spec.hand_force};
   account.late = spec.late_ticks;
+  account.lag = {.time = spec.actuation_lag, .kind = spec.actuation_kind};
   if (spec.hand_speed > 0.0) account.translation.speed = spec.hand_speed;
   if (spec.rotation_actuated > 0) {
     account.rotation.damping = spec.rotational_damping;
@@ -31,6 +32,7 @@ AccountConfig any_hand_account(const DeviceSpec& spec, double period) {
   account.translation.damping = spec.damping;
   if (spec.rotation_actuated > 0) account.rotation.damping = spec.rotational_damping;
   account.late = spec.late_ticks;
+  account.lag = {.time = spec.actuation_lag, .kind = spec.actuation_kind};
   account.looks_ahead = false;
   return account;
 }

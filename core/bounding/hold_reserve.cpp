@@ -4,16 +4,24 @@
 
 namespace feltwire {
 
-void HoldReserve::saw(double hold_time) noexcept {
-  over_ = std::max(over_, hold_time - period_);
+void HoldReserve::saw(double hold_time, bool felt) noexcept {
+  // Shares of T, in a tick. A force at its limit falls by up to twice the first, or by half the
+  // second; on a device that takes forces up late, by as much for each that is still to come.
+  constexpr double kGrowth = 0.005, kGrowthOfAnyHand = 0.03, kShrinkage = 0.001, kAtOnce = 1.0;
+  const auto follow = [&](double reserved, double growth, double most) {
+    return std::clamp(most, reserved - kShrinkage * period_, reserved + growth * period_);
+  };
+  // The lateness of this tick counts from the next one on: the reach alone takes enough at this.
+  reserved_ = follow(reserved_, kGrowth, std::max(over_, over_before_));
+  over_ = std::max(over_, std::min(hold_time - period_, period_));
   window_ += hold_time;
-  if (!(window_ >= kWindow)) return;
-  over_before_ = over_;
-  over_ = window_ = 0.0;
-}
-
-double HoldReserve::hold_time() const noexcept {
-  return period_ + std::clamp(2.0 * std::max(over_, over_before_), 0.0, period_);
+  if (window_ >= kWindow) {
+    over_before_ = over_;
+    over_ = window_ = 0.0;
+  }
+  const double over = std::max(over_, over_before_);
+  const double twice = std::min(2.0 * over, period_);
+  reserved_of_any_hand_ = follow(reserved_of_any_hand_, felt ? kGrowthOfAnyHand : kAtOnce, twice);
 }
 
 }  // namespace feltwire

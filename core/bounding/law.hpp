@@ -26,6 +26,9 @@ struct HandCredit {
   std::uint64_t steps_down = 0;
   double near_share = 1.0;  // of a force made at the device, that is rendered
   std::uint64_t near_steps_down = 0;
+  /// [s] by which the motor seems to follow its commands later than was told: the hand swung as it
+  /// does then, and the scene is asked so much farther ahead.
+  double untold_lag = 0.0;
 };
 
 /// Holds a value of any type that has, all noexcept,
@@ -42,7 +45,7 @@ template <class Real>
 class BasicBoundingLaw {
  public:
   using Step = BasicBoundingStep<Real>;
-  static constexpr std::size_t kLargest = 1088;  // [bytes] of a law
+  static constexpr std::size_t kLargest = 1120;  // [bytes] of a law
 
   template <class Law>
   requires(!std::same_as<Law, BasicBoundingLaw>)

@@ -13,9 +13,8 @@ template <std::size_t N>
 class Movements {
  public:
   /// The hand moved by `way` [m] over `time` [s]. A change of direction counts once it has moved
-  /// back by more than `swing` > 0 [m]. True where one counts now, and it and the N - 1 before it
-  /// lie within `within` [s].
-  bool moved(double way, double time, double swing, double within) noexcept {
+  /// back by more than `swing` > 0 [m]. True where one counts now.
+  bool moved(double way, double time, double swing) noexcept {
     now_ += time;
     place_ += way;
     highest_ = direction_ < 0 ? highest_ : std::max(highest_, place_);
@@ -27,12 +26,16 @@ class Movements {
     } else {
       return false;
     }
-    return counted_ == N && now_ - movements_[next_].end <= within;
+    return true;
   }
 
-  /// [m] of the movement i, 0 for the oldest, once moved() was true.
-  double length(std::size_t i) const noexcept { return movements_[(next_ + i) % N].length; }
-  /// N new movements are needed before moved() is true again.
+  /// The movements since the beginning or restart(), N at most.
+  std::size_t count() const noexcept { return counted_; }
+  /// [m] of the movement i, 0 for the newest. Precondition: i < count().
+  double length(std::size_t i) const noexcept { return newest(i).length; }
+  /// [s] since the movement i ended. Precondition: i < count().
+  double since(std::size_t i) const noexcept { return now_ - newest(i).end; }
+  /// Counts from 0 again.
   void restart() noexcept { counted_ = 0; }
 
  private:
@@ -40,6 +43,9 @@ class Movements {
     double end = 0.0;     // [s]
     double length = 0.0;  // [m]
   };
+  const Movement& newest(std::size_t i) const noexcept {
+    return movements_[(next_ + N - 1 - i) % N];
+  }
   void turned(int direction, double at, double swing) noexcept {
     movements_[next_] = {now_, std::max(swing, std::abs(at - turned_at_))};
     next_ = (next_ + 1) % N;

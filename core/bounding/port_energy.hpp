@@ -43,6 +43,9 @@ class PortEnergy {
   void step(const Command& held, const Vec3& displacement, const Vec3& rotation,
             double hold_time) noexcept;
 
+  /// From now on the dry friction counts with this force [N].
+  void count_friction(double force) noexcept { friction_ = force; }
+
   const ChannelEnergy& delivered() const { return delivered_; }   // to the hand so far
   double burned() const { return burned_; }                       // [J] by the device, at least
   double margin() const { return burned_ - delivered_.total(); }  // [J]

@@ -15,6 +15,24 @@ void refuse(const char* field, const char* part, double value, const char* remed
                               "; " + remedy);
 }
 
+/// The longest time before the end of a sample of `time` [s] for which a handle can have moved
+/// along v since it last stood or moved against it. All but `time` are multiplied by |v|: `driven`
+/// and `braked` [m/s^2] are the largest accelerations along v and against it, `way` [m] is the most
+/// that it moved along v, `against` [m/s] the largest speed against v at the beginning.
+///
+/// driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2, whose left side grows with s and
+/// whose right side falls.
+double since_turn(double driven, double braked, double way, double against, double time) noexcept {
+  const double square = 0.5 * (driven - braked);
+  const double linear = against + braked * time;
+  const double constant = way + against * time + 0.5 * braked * time * time;
+  if (!(constant > 0.0)) return 0.0;
+  const double root = linear * linear + 4.0 * square * constant;
+  if (!(root >= 0.0)) return time;  // it holds for every s
+  const double since = 2.0 * constant / (linear + std::sqrt(root));
+  return since < time ? since : time;  // also where it is not a number
+}
+
 }  // namespace
 
 void validate(const PortKnowledge& port, const char* field) {
@@ -34,23 +52,68 @@ void validate(const PortKnowledge& port, const char* field) {
            "give an upper bound in m/s (rad/s) above 0, infinity when none is known");
 }
 
-void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time,
-                  double period) noexcept {
+double Reach::Past::magnitude() const noexcept { return joined ? strongest : length(held); }
+
+/// Both as one. The force may have been the stronger one throughout, along any direction.
+Reach::Past Reach::together(const Past& first, const Past& second) noexcept {
+  return {.displacement = first.displacement + second.displacement,
+          .held = second.held,
+          .time = first.time + second.time,
+          .strongest = std::max(first.magnitude(), second.magnitude()),
+          .joined = true};
+}
+
+void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time, double period,
+                  double strongest) noexcept {
+  period_ = period;
   // A movement that is not known stays so until a whole sample has shown the speed again.
   const bool too_short = hold_time < 0.5 * period;
-  const bool join = too_short && time_ > 0.0 && time_ < 0.5 * period;
-  if (join) {
-    if (!joined_) strongest_ = length(held_);
-    strongest_ = std::max(strongest_, length(held));
-    displacement_ += displacement;
-    time_ += hold_time;
-    joined_ = true;
+  Past sample{.displacement = displacement, .held = held, .time = hold_time};
+  if (strongest >= 0.0) {
+    sample.strongest = std::max(strongest, length(held));
+    sample.joined = true;
+  }
+  if (too_short && last().time > 0.0 && last().time < 0.5 * period) {
+    past_[newest_] = together(last(), sample);
     return;
   }
-  displacement_ = displacement;
-  held_ = held;
-  time_ = hold_time;
-  joined_ = false;
+  newest_ = newest_ + 1 < past_.size() ? newest_ + 1 : 0;
+  past_[newest_] = sample;
+}
+
+/// |v| times the largest speed along v at the end of `sample`, whose predecessor has the age
+/// `before`.
+double Reach::fastest(const Past& sample, std::size_t before, const Vec3& v,
+                      double length) const noexcept {
+  const double outside = known_.outside_force * length;
+  const double driven = per_mass_ * (sample.along(v, length) + outside);
+  const double way = sample.displacement.dot(v) + known_.quantum * v.lpNorm<1>();
+  double since = sample.time;
+  if (before < past_.size() && past(before).time > 0.0) {
+    const double held = sample.joined ? -sample.strongest * length : sample.held.dot(v);
+    const double braked = std::max(0.0, per_mass_ * (outside - held));
+    const double against = fastest(past(before), before + 1, -v, length);
+    since = since_turn(std::max(0.0, driven), braked, way, against, sample.time);
+  }
+  return std::max({0.0, driven * since, way / sample.time + 0.5 * driven * sample.time});
+}
+
+/// |v| times the largest speed along v after a sample that was not a period long. `simple` is the
+/// bound from that sample alone. It is at least as large as after a period in which the handle
+/// moved as fast: a handle that stands keeps its reach, whatever its ticks do.
+double Reach::irregular(const Vec3& v, double length, double simple) const noexcept {
+  const Past& before = last();
+  const double driven =
+      per_mass_ * (before.along(v, length) + known_.outside_force * length) * period_;
+  const double speed =
+      before.displacement.dot(v) / before.time + known_.quantum * v.lpNorm<1>() / period_;
+  const double least = std::max({0.0, driven, speed + 0.5 * driven});
+  const bool usual = std::abs(before.time - period_) <= kUsual * period_;
+  if (simple <= least || usual) return std::max(least, simple);
+  double most = std::min(simple, fastest(before, 1, v, length));
+  if (before.time < period_ && past(1).time > 0.0)
+    most = std::min(most, fastest(together(past(1), before), 2, v, length));
+  return std::max(least, most);
 }
 
 }  // namespace feltwire

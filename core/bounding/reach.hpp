@@ -2,6 +2,9 @@
 // The largest displacement of a device's handle within the next sample, for every hand.
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -40,7 +43,8 @@ void validate(const PortKnowledge& port, const char* field);
 ///   G0 = (f(n-1).u + F_h) / m,   G = (f(n).u + F_h) / m,   q1 = q |u|_1
 ///
 /// docs/bounding.md, "How far the next sample reaches", has the proof. It holds for every friction
-/// and damping that oppose the velocity, known or not.
+/// and damping that oppose the velocity, known or not. "After a tick that is late" there has what
+/// the samples before the last one add where that one was longer or shorter than a period.
 class Reach {
  public:
   /// Precondition: validate(known) passed.
@@ -48,17 +52,19 @@ class Reach {
 
   /// The handle moved by `displacement` over `hold_time` > 0 [s] while `held` acted. `period` [s]
   /// is the normal duration of a sample: samples shorter than half of it are joined, because an
-  /// encoder shows no speed over a short time.
-  void moved(const Vec3& displacement, const Vec3& held, double hold_time, double period) noexcept;
+  /// encoder shows no speed over a short time. `strongest` [N]: any force up to this one may
+  /// have acted for a part of the time, along any direction; below 0: only `held` did.
+  void moved(const Vec3& displacement, const Vec3& held, double hold_time, double period,
+             double strongest = -1.0) noexcept;
   /// The handle's speed is no longer known.
-  void forget() noexcept { time_ = 0.0; }
+  void forget() noexcept { past_.fill({}); }
 
   /// Whether the mass and the force from outside are known; otherwise no displacement is bounded.
   bool bounds() const noexcept {
     return known_.mass > 0.0 && known_.outside_force < std::numeric_limits<double>::infinity();
   }
   /// Whether anything bounds the next displacement.
-  bool known() const noexcept { return time_ > 0.0 && bounds(); }
+  bool known() const noexcept { return last().time > 0.0 && bounds(); }
   /// A smaller or larger bound of the force from outside [N].
   void set_outside_force(double force) noexcept { known_.outside_force = force; }
 
@@ -94,9 +100,12 @@ class Reach {
   bool goes_on(const Vec3& displacement, double hold_time) const noexcept {
     // reach >= (u.dx + q1) h/h0 + q1, and q1 >= q. The rest of q is for rounding.
     constexpr double kMost = 0.95;
-    const double rounded = kMost * known_.quantum * (hold_time + time_);
-    return (time_ * displacement - hold_time * displacement_).squaredNorm() < rounded * rounded &&
-           held_.squaredNorm() <= known_.outside_force * known_.outside_force;
+    const Past& before = last();
+    const double rounded = kMost * known_.quantum * (hold_time + before.time);
+    return (before.time * displacement - hold_time * before.displacement).squaredNorm() <
+               rounded * rounded &&
+           before.held.squaredNorm() <= known_.outside_force * known_.outside_force &&
+           before.time >= (1.0 - kUsual) * period_;
   }
   /// [m/N] the increase of that for each newton of `force`.
   double per_newton(double hold_time) const noexcept {
@@ -104,26 +113,53 @@ class Reach {
   }
 
  private:
-  double reached(const Vec3& v, double length, double force, double hold_time) const noexcept {
-    const double quantum = known_.quantum * v.lpNorm<1>();
-    const double before =
-        (joined_ ? strongest_ * length : held_.dot(v)) + known_.outside_force * length;
-    const double per_newton = per_mass_ * hold_time;
-    const double from_rest = before * per_newton * time_;
-    const double longer = hold_time == time_ ? 1.0 : hold_time / time_;
-    const double carried_on = (displacement_.dot(v) + quantum) * longer + 0.5 * from_rest;
-    return std::max(std::max(0.0, from_rest), carried_on) + 0.5 * force * per_newton * hold_time +
-           quantum;
+  /// A share of a period: a sample that is longer or shorter by more is irregular.
+  static constexpr double kUsual = 0.02;
+  static constexpr double kOnTime = 1e-9;  // of a period: off by no more than a clock's rounding
+
+  /// A sample that shows a speed: the movement, what was held meanwhile, for how long.
+  struct Past {
+    Vec3 displacement = Vec3::Zero();  // [m]
+    Vec3 held = Vec3::Zero();          // [N]
+    double time = 0.0;                 // [s] 0: not known
+    double strongest = 0.0;            // [N] the largest held force, of joined samples
+    bool joined = false;               // several samples together
+
+    /// |v| times the largest force along v.
+    double along(const Vec3& v, double length) const noexcept {
+      return joined ? strongest * length : held.dot(v);
+    }
+    double magnitude() const noexcept;
+  };
+  const Past& last() const noexcept { return past_[newest_]; }
+  /// The samples before it, from age 1 on.
+  const Past& past(std::size_t age) const noexcept {
+    return past_[(newest_ + past_.size() - age) % past_.size()];
   }
+  static Past together(const Past& first, const Past& second) noexcept;
+
+  double reached(const Vec3& v, double length, double force, double hold_time) const noexcept {
+    const Past& before = last();
+    const double quantum = known_.quantum * v.lpNorm<1>();
+    const double held = before.along(v, length) + known_.outside_force * length;
+    const double per_newton = per_mass_ * hold_time;
+    const double from_rest = held * per_newton * before.time;
+    const double longer = hold_time == before.time ? 1.0 : hold_time / before.time;
+    const double carried_on = (before.displacement.dot(v) + quantum) * longer + 0.5 * from_rest;
+    const double most = std::max(std::max(0.0, from_rest), carried_on);
+    const bool on_time = std::abs(before.time - period_) <= kOnTime * period_;
+    return (on_time ? most : hold_time * irregular(v, length, most / hold_time)) +
+           0.5 * force * per_newton * hold_time + quantum;
+  }
+  double irregular(const Vec3& v, double length, double simple) const noexcept;
+  double fastest(const Past& sample, std::size_t before, const Vec3& v,
+                 double length) const noexcept;
 
   PortKnowledge known_;
-  double per_mass_;  // 1/m [1/kg]
-  // The last movement that shows a speed.
-  Vec3 displacement_ = Vec3::Zero();  // [m]
-  Vec3 held_ = Vec3::Zero();          // [N] meanwhile
-  double time_ = 0.0;                 // [s] 0: not known
-  double strongest_ = 0.0;            // [N] the largest force held meanwhile, of joined samples
-  bool joined_ = false;               // several samples together
+  double per_mass_;      // 1/m [1/kg]
+  double period_ = 0.0;  // T [s]
+  std::array<Past, 3> past_;
+  std::size_t newest_ = 0;
 };
 
 }  // namespace feltwire

@@ -30,10 +30,10 @@ class RestingPlace {
       axes_[i].moved(displacement[static_cast<int>(i)], time, two_readings_);
   }
 
-  /// [m] from the reading after `displacement` to the place; half the displacement on an axis where
-  /// the hand does not rest (core/bounding/midpoint.hpp).
-  Vec3 offset(const Vec3& displacement) const noexcept {
-    Vec3 offset = 0.5 * displacement;
+  /// [m] from the reading after `displacement` to the place; the place ahead on an axis where the
+  /// hand does not rest: `ahead` samples ahead (core/bounding/midpoint.hpp).
+  Vec3 offset(const Vec3& displacement, double ahead) const noexcept {
+    Vec3 offset = ahead * displacement;
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       if (!axes_[i].rests()) continue;
       Axis axis = axes_[i];

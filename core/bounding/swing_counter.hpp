@@ -20,7 +20,8 @@ class SwingCounter {
   /// The hand moved by `way` [m] along the normal of its contact over `time` [s]. True when it
   /// swings; then the count restarts.
   bool moved(double way, double time) noexcept {
-    if (!movements_.moved(way, time, swing_, kWithin)) return false;
+    if (!movements_.moved(way, time, swing_)) return false;
+    if (movements_.count() < kReversals || movements_.since(kReversals - 1) > kWithin) return false;
     movements_.restart();
     return true;
   }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/number_text.hpp"
+
 namespace feltwire {
 
 /// The number of letters to insert, remove, replace, or swap with their neighbour in order to turn
@@ -57,6 +59,27 @@ inline std::string suggestion(const CLI::App& app) {
       return "; did you mean " + meant + "?";
   }
   return {};
+}
+
+/// "; write the number without its unit: 15" if a message is about a number with a unit behind it,
+/// as in "Could not convert: --duration = 15ms"; else empty.
+inline std::string unit_advice(std::string_view message) {
+  const std::size_t begin = message.find_last_of("= [,") + 1;
+  std::string_view word = message.substr(begin);
+  while (!word.empty() && (word.back() == ']' || word.back() == '\'' || word.back() == '"'))
+    word.remove_suffix(1);
+  const std::size_t number = length_of_number(word);
+  if (number == 0 || number == word.size()) return {};
+  for (const char c : word.substr(number))
+    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || c == '/' || c == '^' ||
+          c == ' ' || static_cast<unsigned char>(c) >= 0x80))
+      return {};
+  return "; write the number without unit: " + std::string(word.substr(0, number));
+}
+
+/// All that helps after an error of the command line.
+inline std::string advice(const CLI::Error& error, const CLI::App& app) {
+  return unit_advice(error.what()) + suggestion(app);
 }
 
 }  // namespace feltwire

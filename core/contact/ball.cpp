@@ -51,10 +51,10 @@ SurfacePoint met_by(const Grown<Solid>& grown, Side side, const Vec3& p, Feature
 }  // namespace
 
 SurfacePoint ball_surface(const Shape& shape, Side side, const Vec3& p, double radius,
-                          FeatureMemory& memory) noexcept {
+                          FeatureMemory& memory, WorkLimit* work) noexcept {
   if (const auto* grid = std::get_if<Grid>(&shape)) return sampled(*grid, side, p, radius, memory);
   if (const auto* mesh = std::get_if<Mesh>(&shape))
-    return mesh_surface_point(*mesh->surface, side, p, memory, radius);
+    return mesh_surface_point(*mesh->surface, side, p, memory, radius, work);
   return on_primitive(
       shape, [&](const auto& solid) { return met_by(solid.grown(side, radius), side, p, memory); },
       [&] {

@@ -14,9 +14,10 @@ namespace feltwire {
 /// centre is in the solid, the memory holds the face by which the ball entered. A mesh adds the
 /// radius to its own. A free ball gives depth 0 and a cleared memory (a mesh remembers the path).
 ///
-/// Precondition: a hollow has room for the ball; a grid's band is no less than the radius.
+/// Precondition: a hollow has room for the ball; a grid's band is no less than the radius. `work`:
+/// as in surface_point().
 SurfacePoint ball_surface(const Shape& shape, Side side, const Vec3& position, double radius,
-                          FeatureMemory& memory) noexcept;
+                          FeatureMemory& memory, WorkLimit* work = nullptr) noexcept;
 
 /// Whether the precondition of ball_surface() holds.
 bool ball_fits(const Shape& shape, Side side, double radius) noexcept;

@@ -10,7 +10,7 @@ bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double
 }
 
 bool touch(const Object& object, const Material& material, const Tool& tool, ContactMemory& memory,
-           double radius, Vec3& elastic, Vec3& frictional) noexcept {
+           double radius, Vec3& elastic, Vec3& frictional, WorkLimit* work) noexcept {
   const Quaternion& to_world = object.pose.orientation;
   const bool rubs = material.static_friction > 0.0;
   const auto* mesh = rubs && memory.touching ? std::get_if<Mesh>(&object.shape) : nullptr;
@@ -19,7 +19,9 @@ bool touch(const Object& object, const Material& material, const Tool& tool, Con
     proxy_before = memory.feature.proxy;
     normal_before = memory.feature.normal;
   }
-  const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature);
+  const SurfacePoint surface = surface_point(object, tool.position, radius, memory.feature, work);
+  if (is_cut(work)) [[unlikely]]
+    return false;
   if (!(surface.depth > 0.0)) {
     memory.touching = memory.slipping = false;
     return false;

@@ -27,19 +27,20 @@ Command touch(const Object& object, const Tool& tool, ContactMemory& memory,
 
 /// The proxy in the object's frame, for a tool at `tool` [m, world].
 inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double radius,
-                                  FeatureMemory& memory) noexcept {
+                                  FeatureMemory& memory, WorkLimit* work = nullptr) noexcept {
   const Vec3 position = object.pose.orientation.conjugate() * (tool - object.pose.position);
-  return radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory)
-                      : surface_point(object.shape, object.felt_from, position, memory);
+  return radius > 0.0 ? ball_surface(object.shape, object.felt_from, position, radius, memory, work)
+                      : surface_point(object.shape, object.felt_from, position, memory, work);
 }
 
 /// The same as touch(), with the two forces apart. Returns false for a free tool, and then writes
 /// neither.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
-/// The same, but the object has this material instead of its own.
+/// As above, but the object has this material instead of its own. Where `work` is cut off, the tool
+/// counts as free and the memory stays as it was.
 bool touch(const Object& object, const Material& material, const Tool& tool, ContactMemory& memory,
-           double radius, Vec3& elastic, Vec3& frictional) noexcept;
+           double radius, Vec3& elastic, Vec3& frictional, WorkLimit* work = nullptr) noexcept;
 
 /// Adds touch() to `sum`. It is called for every object of a scene with every sample. Most objects
 /// are plain springs that are not touched; these cost only a test of their surface.

@@ -26,9 +26,9 @@ SurfacePoint surface(const Grid& grid, Side side, const Vec3& p, FeatureMemory& 
 }  // namespace
 
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
-                           FeatureMemory& memory) noexcept {
+                           FeatureMemory& memory, WorkLimit* work) noexcept {
   if (const auto* mesh = std::get_if<Mesh>(&shape))
-    return mesh_surface_point(*mesh->surface, side, position, memory);
+    return mesh_surface_point(*mesh->surface, side, position, memory, 0.0, work);
   if (const auto* grid = std::get_if<Grid>(&shape)) return surface(*grid, side, position, memory);
   return on_primitive(
       shape, [&](const auto& solid) { return solid.surface_point(side, position, memory); },

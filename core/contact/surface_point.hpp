@@ -1,6 +1,7 @@
 #pragma once
 // The place to which a point inside a shape is pushed out.
 
+#include "core/base/work_limit.hpp"
 #include "core/geometry/shapes.hpp"
 
 namespace feltwire {
@@ -16,8 +17,11 @@ namespace feltwire {
 /// A grid remembers no face: depth times normal is -d grad d of its distance d. This force has a
 /// potential and falls to zero where two surfaces are equally near. So a hand is pushed through a
 /// part of a grid that is thinner than twice the hand's depth.
+///
+/// Only a mesh costs more than a few units of `work`. Where it is cut off, the memory stays as it
+/// was and the result means nothing.
 SurfacePoint surface_point(const Shape& shape, Side side, const Vec3& position,
-                           FeatureMemory& memory) noexcept;
+                           FeatureMemory& memory, WorkLimit* work = nullptr) noexcept;
 
 /// Whether the memory of this shape keeps the position of a free point. A mesh's memory does, and
 /// that of every solid with a far side.

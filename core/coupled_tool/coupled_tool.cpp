@@ -31,7 +31,7 @@ BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surr
   bool slipping = memory.slipping;
   step.damp(state, slipping);
   const FrictionSolution last = descend(step, state, slipping);
-  if (!coupled_tool::usable(state)) [[unlikely]]
+  if (is_cut(tool.work) || !coupled_tool::usable(state)) [[unlikely]]
     return result;  // poses beyond what products can hold
   memory.pose = state.pose;
   memory.contact = state.contact;

@@ -2,6 +2,7 @@
 // A tool coupled to the device by a spring: without mass, its balance with the contacts; with mass,
 // its movement.
 
+#include "core/base/work_limit.hpp"
 #include "core/coupled_tool/part_pairs.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
 #include "core/coupled_tool/tool_inertia.hpp"
@@ -57,8 +58,10 @@ struct BodyStep {
 class ToolSurroundings {
  public:
   virtual ~ToolSurroundings() = default;
-  /// The contact of the tool at a pose. Never allocates.
-  virtual ShellContact contact(const Pose& tool) const noexcept = 0;
+  /// The contact of the tool at a pose. Where `work` is cut off, the result means nothing. Never
+  /// allocates.
+  virtual ShellContact contact(const Pose& tool, WorkLimit* work) const noexcept = 0;
+  ShellContact contact(const Pose& tool) const noexcept { return contact(tool, nullptr); }
 };
 
 /// The properties of the tool for a step.
@@ -67,6 +70,7 @@ struct CoupledTool {
   double radius;                 // [m] of the farthest point from the tool's origin, > 0
   bool surroundings_move = false;
   const ToolInertia* inertia = nullptr;  // null, or of mass 0: the tool has no mass
+  WorkLimit* work = nullptr;             // of the step; null: no limit
 };
 
 /// Moves the tool towards the balance of coupling and contact. Returns the force and torque of the
@@ -123,7 +127,11 @@ struct CoupledTool {
 /// `elapsed`: [s] since the step before; at zero or less, or not finite, there is no damping, and a
 /// tool with mass stays where it is with its velocity.
 ///
-/// A pose that is not finite gives zero and leaves the memory unchanged. Never allocates.
+/// With less work than it would take, the descent ends sooner: the tool comes to its balance over
+/// more steps. If the work is not enough for one look around, it is cut off.
+///
+/// A pose that is not finite gives zero and leaves the memory unchanged; so does a step whose work
+/// is cut off, but for the first placing of the tool. Never allocates.
 BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surroundings,
                            const Pose& device, double elapsed, BodyMemory& memory) noexcept;
 

@@ -55,7 +55,9 @@ Pull pull(const ToolCoupling& c, const Pose& device, const Pose& tool) {
 }
 
 State Step::at(const Pose& pose) const {
-  State state{pose, pull(tool.coupling, device, pose), surroundings.contact(pose)};
+  constexpr std::uint64_t kStateWork = 16;
+  may_go_on(tool.work, kStateWork);
+  State state{pose, pull(tool.coupling, device, pose), surroundings.contact(pose, tool.work)};
   if (inertial != nullptr) state.inertial = inertial->energy(pose);
   ++result.evaluations;
   result.looked_at += state.contact.looked_at;
@@ -74,7 +76,7 @@ FrictionSolution Step::model(const State& state, bool slipping) const {
     wrench += term.wrench + dashpot.wrench(done);
   }
   return solve_friction(softened(stiffness, state.contact.softening), wrench, gripping(state),
-                        slipping);
+                        slipping, tool.work);
 }
 
 Vec6 Step::allowed(const State& state, const Vec6& way) const {
@@ -123,9 +125,16 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     if (!has_mass) return kCloseEnough * radius;
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
-  while (step.result.evaluations < step.budget) {
+  const auto done = [&] { return step.tool.work != nullptr ? step.tool.work->done() : 0; };
+  std::uint64_t look = done();  // units: of the first, no more than all that led to it
+  while (step.result.evaluations < step.budget && !is_cut(step.tool.work)) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
+    if (!step.has_room_for(look)) {
+      if (first) step.tool.work->take(WorkLimit::kUnlimited);
+      break;
+    }
+    const std::uint64_t began = done();
     State tried = step.at(moved(state.pose, way.head<3>(), way.tail<3>()));
     const std::span<const FrictionPatch> patches = step.gripping(state);
     const double cost = friction_work(patches, slipping, way) -
@@ -148,6 +157,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     } else {
       way *= 0.5;
     }
+    look = std::max(first ? 0 : look, done() - began);
   }
   slipping = slips && !step.gripping(state).empty();
   return next;

@@ -47,12 +47,18 @@ struct Step {
   Vec6 done = Vec6::Zero();               // how far the tool has moved
   double paid = 0.0;                      // [J] to friction and to the dampers of contacts
   std::size_t budget = kToolEvaluations;  // of all contacts, after which the descent ends
+  std::uint64_t reserve = 0;  // units of work that the descent leaves for what comes after it
   // Only a tool with mass uses these.
   const InertialStep* inertial = nullptr;
   Dashpot dashpot = {};
   bool frictionless = false;
 
   State at(const Pose& pose) const;
+
+  /// Whether the work that is left is enough for what took `units` before, and a half more.
+  bool has_room_for(std::uint64_t units) const {
+    return tool.work == nullptr || tool.work->left() >= reserve + units + units / 2;
+  }
 
   double length_of(const Vec6& way) const {
     return way.head<3>().norm() + tool.radius * way.tail<3>().norm();
@@ -79,7 +85,9 @@ struct Step {
   void damp(const State& state, bool slipping);
 };
 
-/// Goes down from a state. Returns what the tool would do further, and what holds it.
+/// Goes down from a state. Returns what the tool would do further, and what holds it. It ends where
+/// the work that is left may not be enough for one more look: each look leaves the tool lower. If
+/// there is not enough for the first one, the work is cut off.
 FrictionSolution descend(Step& step, State& state, bool& slipping);
 
 /// Finite, with an orientation.

@@ -10,6 +10,7 @@ namespace {
 constexpr int kSweeps = 4;      // over the patches
 constexpr int kRootSteps = 12;  // for one of them
 constexpr double kCloseToCone = 1e-3;
+constexpr std::uint64_t kSolveWork = 16;  // units of a system of six equations
 
 double limit_of(const FrictionPatch& patch, bool slipping) {
   return (slipping ? patch.dynamic_friction : patch.static_friction) * patch.load;
@@ -26,10 +27,12 @@ struct Springs {
   const Mat6& stiffness;
   const Vec6& wrench;
   std::span<const FrictionPatch> patches;
+  WorkLimit* work;
   std::array<double, ShellContact::kFrictionPatches> of{};  // [N/m]
   Vec6 motion = Vec6::Zero();
 
   void solve() {
+    if (!may_go_on(work, kSolveWork)) return;
     Mat6 all = stiffness;
     Vec6 pull = wrench;
     for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -85,10 +88,11 @@ struct Springs {
 }  // namespace
 
 FrictionSolution solve_friction(const Mat6& stiffness, const Vec6& wrench,
-                                std::span<const FrictionPatch> patches, bool slipping) noexcept {
-  Springs springs{stiffness, wrench, patches};
+                                std::span<const FrictionPatch> patches, bool slipping,
+                                WorkLimit* work) noexcept {
+  Springs springs{stiffness, wrench, patches, work};
   if (patches.empty()) springs.solve();
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kSweeps && !is_cut(work); ++sweep) {
     for (std::size_t i = 0; i < patches.size(); ++i)
       springs.find(i, limit_of(patches[i], slipping));
     if (patches.size() < 2 || springs.all_on_their_cones(slipping)) break;

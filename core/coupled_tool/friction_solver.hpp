@@ -20,9 +20,11 @@ struct FrictionSolution {
 /// The root mean square is never below the mean, so the magnitudes of a patch's forces along the
 /// surface sum up to at most mu load, and to exactly that where all points slip equally far. A
 /// patch that holds moves by no more than kHeld. mu is the dynamic friction where `slipping`, else
-/// the static one. `stiffness` must be positive definite. Never allocates.
+/// the static one. `stiffness` must be positive definite. Where `work` is cut off, the result means
+/// nothing. Never allocates.
 FrictionSolution solve_friction(const Mat6& stiffness, const Vec6& wrench,
-                                std::span<const FrictionPatch> patches, bool slipping) noexcept;
+                                std::span<const FrictionPatch> patches, bool slipping,
+                                WorkLimit* work = nullptr) noexcept;
 
 /// [J] The last sum above: the work of the motion against friction.
 double friction_work(std::span<const FrictionPatch> patches, bool slipping,

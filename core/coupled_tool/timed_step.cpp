@@ -138,6 +138,8 @@ struct TimeStep {
     Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
     step.inertial = &inertial;
     step.frictionless = true;
+    // It may have to be done again in another way.
+    if (tool.work != nullptr) step.reserve = tool.work->left() / 2;
     const Pull begins = pull_at(before);
     State& state = end.middle.emplace(start(step.device));
     const Dashpot dashpot = dashpot_of(tool, state.pull, before, device, elapsed, memory);
@@ -164,10 +166,16 @@ struct TimeStep {
     return settle(end, had - has + damped);
   }
 
+  /// It may fail, and an implicit step is done then: there must be work for both.
+  bool has_room_for_midpoint() const {
+    constexpr std::uint64_t kTimes = 4;  // of what the step has taken so far
+    return tool.work == nullptr || tool.work->left() >= kTimes * tool.work->done();
+  }
+
   bool may_take_midpoint() const {
     // If friction or a damper takes energy, there is none to keep.
     return tool.inertia->integration == ToolIntegration::midpoint && elapsed <= kLongestMidpoint &&
-           met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
+           has_room_for_midpoint() && met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
            met.viscosity.resistance.isZero(0.0);
   }
 
@@ -196,7 +204,7 @@ void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surrounding
                     const Pose& device, double elapsed, BodyMemory& memory,
                     BodyStep& result) noexcept {
   if (!memory.known) {
-    memory.contact = surroundings.contact(memory.pose);
+    memory.contact = surroundings.contact(memory.pose, tool.work);
     ++result.evaluations;
     result.looked_at += memory.contact.looked_at;
   }
@@ -208,8 +216,8 @@ void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surrounding
   else
     step.stay(end, memory.velocity);
   const double kinetic = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
-  if (!coupled_tool::usable(end.state) || !end.damper.allFinite() || !std::isfinite(kinetic))
-      [[unlikely]]
+  if (is_cut(tool.work) || !coupled_tool::usable(end.state) || !end.damper.allFinite() ||
+      !std::isfinite(kinetic)) [[unlikely]]
     return;
   memory.pose = end.state.pose;
   memory.velocity = end.velocity;

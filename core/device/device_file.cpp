@@ -19,6 +19,7 @@
 #include "core/device/sigma_7_text.hpp"
 #include "core/device/simulated_6dof_text.hpp"
 #include "core/device/simulated_text.hpp"
+#include "core/device/spec_names.hpp"
 #include "core/device/touch_text.hpp"
 #include "core/device/virtuose_6d_text.hpp"
 
@@ -66,6 +67,11 @@ double least(const JsonDocument& document, const std::string& field, double numb
   return given.least();
 }
 
+LagKind lag_kind(const JsonDocument& document, const flatbuffers::String* name) {
+  if (name == nullptr) return LagKind::delay;
+  return document.choice<LagKind>("actuation_kind", name->string_view(), kLagKindNames);
+}
+
 SpecSources sources_of(const device_file::DeviceSpec& given) {
   SpecSources sources;
   const auto* said = given.sources();
@@ -89,6 +95,8 @@ SpecSources sources_of(const device_file::DeviceSpec& given) {
       {"hand_force", &Said::hand_force},
       {"hand_speed", &Said::hand_speed},
       {"late_ticks", &Said::late_ticks},
+      {"actuation_lag", &Said::actuation_lag},
+      {"actuation_kind", &Said::actuation_kind},
       {"rotational_resolution", &Said::rotational_resolution},
       {"least_inertia", &Said::least_inertia},
       {"hand_torque", &Said::hand_torque},
@@ -126,6 +134,8 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
       .hand_force = given.hand_force(),
       .hand_speed = given.hand_speed(),
       .late_ticks = given.late_ticks(),
+      .actuation_lag = given.actuation_lag(),
+      .actuation_kind = lag_kind(document, given.actuation_kind()),
       .rotational_resolution = given.rotational_resolution(),
       .least_inertia =
           least(document, "least_inertia", given.least_inertia(), given.least_inertia_matrix()),
@@ -137,7 +147,7 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
   } catch (const DeviceSpecError& error) {
     document.fail(error.field, error.why);
   }
-  return {std::move(spec), sources_of(given)};
+  return {std::move(spec), sources_of(given), document.has("actuation_lag")};
 }
 
 /// In a fixed order.
@@ -156,6 +166,12 @@ const std::vector<SourcedSpec>& built_in() {
 }
 
 }  // namespace
+
+std::vector<std::string> device_spec_names() {
+  std::vector<std::string> names;
+  for (const SourcedSpec& known : built_in()) names.push_back(known.spec.name);
+  return names;
+}
 
 SourcedSpec load_sourced_spec(const std::filesystem::path& file) {
   return read_spec(read_text(file), file.string());

@@ -20,6 +20,7 @@ using SpecSources = std::map<std::string, std::string, std::less<>>;
 struct SourcedSpec {
   DeviceSpec spec;
   SpecSources sources;
+  bool tells_lag = false;  // actuation_lag was given, if only as 0
 };
 
 /// The request for a specification on a command line.

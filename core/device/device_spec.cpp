@@ -9,6 +9,7 @@ namespace {
 // Ceilings that no haptic device reaches; beyond them a unit has been mistaken.
 constexpr double kMaxDamping = 1e3;            // [N s/m]
 constexpr double kMaxRotationalDamping = 1e2;  // [N m s/rad]
+constexpr double kMaxLag = 0.1;                // [s]
 constexpr double kMaxMass = 1e3;               // [kg]
 constexpr double kMaxForce = 1e4;              // [N]
 constexpr double kMaxTorque = 1e3;             // [N m]
@@ -67,6 +68,12 @@ void validate(const DeviceSpec& spec) {
            "is " + std::to_string(spec.late_ticks) +
                "; give the ticks by which a force comes late, 0 to " +
                std::to_string(kMostLateTicks));
+
+  check_range(spec, "actuation_lag", spec.actuation_lag, kMaxLag, "s");
+  if (spec.actuation_lag > 0.0 && spec.late_ticks > 0)
+    refuse(spec, "actuation_lag",
+           "stands beside late_ticks; give the whole time between write() and the motor's force as "
+           "actuation_lag, and late_ticks 0");
 
   check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");
   check_damping(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,

@@ -1,6 +1,8 @@
 #pragma once
 // The specification of a haptic device, for the server and the bound.
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -10,6 +12,11 @@
 #include "core/device/damping.hpp"
 
 namespace feltwire {
+
+/// How a motor's force follows its command (core/bounding/lagging_forces.hpp): with a delay or any
+/// response that ends within the time, or with a first-order lag of that time constant.
+enum class LagKind : std::uint8_t { delay, filter };
+inline constexpr std::array<std::string_view, 2> kLagKindNames = {"delay", "filter"};
 
 /// Limits and physics of one device. The files of the built-in devices (core/device/*.json) have
 /// the source of each number.
@@ -36,6 +43,9 @@ struct DeviceSpec {
                                 // gravity that is not compensated
   double hand_speed = 0.0;      // [m/s] upper bound of the handle's speed; 0: not known
   int late_ticks = 0;           // by which a force that is written comes on the hand late
+  double actuation_lag = 0.0;   // L [s] upper bound of the time by which the motor's force follows
+                                // write(); 0: none is told. Instead of late_ticks, not beside it
+  LagKind actuation_kind = LagKind::delay;
   // The same for rotation.
   double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the

@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::string_view kAssumption = "assumption";
+constexpr std::string_view kAssumption = "assumption", kAssumedFor = "assumption for ";
 
 struct Number {
   const char* field;
@@ -59,6 +59,13 @@ const std::vector<Number>& numbers() {
       {"hand_force", "N", false, number(&DeviceSpec::hand_force)},
       {"hand_speed", "m/s", false, number(&DeviceSpec::hand_speed)},
       {"late_ticks", "", false, number(&DeviceSpec::late_ticks)},
+      {"actuation_lag", "s", true, number(&DeviceSpec::actuation_lag)},
+      {"actuation_kind", "", false,
+       [](const DeviceSpec& s) {
+         return s.actuation_lag > 0.0
+                    ? std::string(kLagKindNames[static_cast<std::size_t>(s.actuation_kind)])
+                    : std::string("0");
+       }},
       {"rotational_resolution", "rad", false, number(&DeviceSpec::rotational_resolution)},
       {"least_inertia", "kg m^2", true, number(&DeviceSpec::least_inertia)},
       {"hand_torque", "N m", false, number(&DeviceSpec::hand_torque)},
@@ -92,11 +99,16 @@ std::string spec_table(const SourcedSpec& described) {
 
 std::vector<std::string> assumptions(const SourcedSpec& described) {
   std::vector<std::string> said;
-  for (const Number& number : numbers())
-    if (number.counted_on && source_of(described, number.field).starts_with(kAssumption))
-      said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
-                     number.unit +
-                     " is an assumption; measure yours with feltwire-client identify");
+  for (const Number& number : numbers()) {
+    const std::string_view source = source_of(described, number.field);
+    if (!number.counted_on || !source.starts_with(kAssumption)) continue;
+    // "assumption for USB" says for what it was made.
+    const bool says_for = source.starts_with(kAssumedFor);
+    said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
+                   number.unit + " is an " + std::string(says_for ? source : kAssumption) + "; " +
+                   (says_for ? "give yours as " + std::string(number.field) + " in a device file"
+                             : std::string("measure yours with feltwire-client identify")));
+  }
   return said;
 }
 

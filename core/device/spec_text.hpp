@@ -13,7 +13,8 @@ namespace feltwire {
 std::string spec_table(const SourcedSpec& described);
 
 /// A sentence for each number that the account relies on and that is an assumption: "damping 0.05
-/// N s/m is an assumption; measure yours with feltwire-client identify". Empty: there is none.
+/// N s/m is an assumption; measure yours with feltwire-client identify". A source "assumption for
+/// USB" is named in it, with the field of a device file as the remedy. Empty: there is none.
 std::vector<std::string> assumptions(const SourcedSpec& described);
 
 }  // namespace feltwire

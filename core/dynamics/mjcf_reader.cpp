@@ -1,10 +1,11 @@
 // feltwire-mjcf: reads one MJCF file with MuJoCo's loader and writes the compiled model. A server
 // runs it as a child process: MuJoCo's loader leaves its own C++ code by longjmp and may crash on a
 // bad file, and neither may happen in a process that holds a hand.
-//   feltwire-mjcf FILE MODEL ERROR FILES ROOT
+//   feltwire-mjcf FILE MODEL ERROR FILES ROOT TEXT
 // Status 0: MODEL holds the binary model, and FILES the names of what was read, each with a zero
 // byte behind it. Status 1: ERROR holds MuJoCo's words. Where ROOT is not empty, what lies outside
-// of that folder is refused.
+// of that folder is refused. Where TEXT is not empty, it is a file whose text stands for that of
+// FILE; the files that it names still lie beside FILE.
 //
 // An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
 // open all of them by fopen(). The dynamic linker takes this program's own fopen() before libc's,
@@ -31,6 +32,7 @@ namespace {
 
 const char* error_file = nullptr;
 const char* root = "";
+const char *main_file = "", *main_text = "";
 int files = -1;  // descriptor of the list
 
 [[noreturn]] void refuse(const char* words) {
@@ -80,7 +82,9 @@ FILE* open_regular(const char* name, const char* mode) {
     errno = ENOENT;
     return nullptr;
   }
-  const int file = open(name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kPermissions);
+  const bool given = reads && *main_text != '\0' && std::strcmp(name, main_file) == 0;
+  const int file = open(given ? main_text : name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+                        kPermissions);
   if (file < 0) {
     // open() fails with ENXIO for a socket, and for a pipe that is opened to write and has no
     // reader.
@@ -120,7 +124,7 @@ int main(int count, char** words) {
     std::puts(feltwire::build_info("feltwire-mjcf").c_str());
     return 0;
   }
-  if (count != 6) {
+  if (count != 7) {
     std::fputs("feltwire-mjcf: is run by feltwire-server to read an MJCF file\n", stderr);
     return 2;
   }
@@ -128,6 +132,8 @@ int main(int count, char** words) {
   limit_resources();
   error_file = words[3];
   root = words[5];
+  main_file = words[1];
+  main_text = words[6];
   files = open(words[4], O_WRONLY | O_APPEND | O_CLOEXEC);
   mju_user_error = refuse;
   mju_user_warning = [](const char*) {};  // by itself it writes a file

@@ -1,12 +1,14 @@
 #include "core/dynamics/mujoco_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 
 #include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/thin_contacts.hpp"
 #include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire::mujoco {
@@ -103,6 +105,51 @@ std::string too_light(const Object& object, double mass, double tick) {
                                   : "; no tick that a scene may have is short enough");
 }
 
+/// The body that a warning's number means; below 0: it is not known.
+int body_of(const mjModel& model, int kind, int index) {
+  if (kind != mjWARN_BADQPOS) return index >= 0 && index < model.nv ? model.dof_bodyid[index] : -1;
+  int body = -1;
+  for (int joint = 0; joint < model.njnt; ++joint)
+    if (model.jnt_qposadr[joint] <= index) body = model.jnt_bodyid[joint];
+  return body;
+}
+
+/// For people: an object of that body, or else the body's own name.
+std::string name_of(const mjModel& model, int body, const std::vector<Object>& objects,
+                    std::size_t still, const std::vector<Mechanism::Part>& parts) {
+  const auto part = std::ranges::find(parts, body, &Mechanism::Part::body);
+  if (part != parts.end())
+    return "object '" + objects[still + static_cast<std::size_t>(part - parts.begin())].name + "'";
+  const char* name = body < 0 ? nullptr : mj_id2name(&model, mjOBJ_BODY, body);
+  return name != nullptr && *name != '\0' ? "body '" + std::string(name) + "'" : "a body";
+}
+
+struct BadStep {
+  int kind;  // of MuJoCo's warnings
+  const char* what;
+};
+constexpr std::array<BadStep, 3> kBadSteps = {
+    {{mjWARN_BADQACC, "acceleration"}, {mjWARN_BADQVEL, "speed"}, {mjWARN_BADQPOS, "place"}}};
+
+/// Does the first steps. One that comes to nothing resets MuJoCo's state, and so the world's, step
+/// after step: nothing moves.
+template <class Name>
+std::optional<std::string> first_steps(Simulation& simulation, Name name) {
+  constexpr int kSteps = 3;
+  for (int step = 1; step <= kSteps; ++step) {
+    const bool done = simulation.advance() && simulation.evaluate();
+    const std::string breaks = "the simulation breaks at its step " + std::to_string(step) + ": ";
+    for (const BadStep& bad : kBadSteps)
+      if (const mjWarningStat& warned = simulation.data()->warning[bad.kind]; warned.number > 0)
+        return breaks + "MuJoCo finds an impossible " + bad.what + " of " +
+               name(body_of(simulation.model(), bad.kind, warned.lastinfo)) +
+               " and puts everything back, so that nothing moves; give that more mass or inertia, "
+               "softer springs and weaker actuators, or the scene a shorter tick";
+    if (!done) return breaks + "MuJoCo cannot do it; have fewer bodies, or bodies that touch less";
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjtNum>& start,
@@ -143,6 +190,12 @@ std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjt
     });
     if (!said) warnings.push_back(line);
   }
+  for (std::string& thin : thin_contacts(model, *data, objects, object_of))
+    warnings.push_back(std::move(thin));
+  // Last, as it moves the bodies.
+  if (auto broken = first_steps(
+          *simulation, [&](int body) { return name_of(model, body, objects, still, parts); }))
+    warnings.push_back(*std::move(broken));
   return warnings;
 }
 

@@ -40,8 +40,10 @@ struct Loaded {
 /// Load a model in a child process (mjcf_reader.cpp), so that a fault of MuJoCo's loader on a bad
 /// file does not reach this process.
 Loaded load_text(const std::string& xml);
-/// Reads only files below `root`, an absolute path without links; empty: any file.
-Loaded load_file(const std::string& file, const std::string& root = {});
+/// Reads only files below `root`, an absolute path without links; empty: any file. `text`, where it
+/// is not null, stands for the file's own; files that it names still lie beside the file.
+Loaded load_file(const std::string& file, const std::string& root = {},
+                 const std::string* text = nullptr);
 
 /// Reads a file that mj_saveModel() wrote; null for any other file.
 Model read_binary(const std::string& file);

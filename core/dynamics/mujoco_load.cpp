@@ -137,7 +137,8 @@ struct Ends {
 };
 
 /// The child's status as waitpid() gives it. Throws std::system_error where none can be started.
-int run_reader(const std::string& file, const std::string& root, const Ends& ends) {
+int run_reader(const std::string& file, const std::string& root, const std::string& text,
+               const Ends& ends) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends.model, kModel);
@@ -159,9 +160,9 @@ int run_reader(const std::string& file, const std::string& root, const Ends& end
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   const std::string program = reader(), model_place = place(kModel), error_place = place(kError),
                     files_place = place(kFiles);
-  const std::array<const char*, 7> words = {
-      program.c_str(), file.c_str(), model_place.c_str(), error_place.c_str(), files_place.c_str(),
-      root.c_str(),    nullptr};
+  const std::array<const char*, 8> words = {
+      program.c_str(),     file.c_str(), model_place.c_str(), error_place.c_str(),
+      files_place.c_str(), root.c_str(), text.c_str(),        nullptr};
   pid_t child = 0;
   const int failed = posix_spawn(&child, program.c_str(), &actions, &attributes,
                                  const_cast<char* const*>(words.data()), environ);
@@ -170,6 +171,34 @@ int run_reader(const std::string& file, const std::string& root, const Ends& end
   if (failed != 0)
     throw std::system_error(failed, std::generic_category(), program + " cannot be started");
   return Child(child).end();
+}
+
+/// The text between quotes behind a word; empty: there is none.
+std::string quoted_behind(const std::string& words, std::string_view word) {
+  std::size_t begin = words.find(word);
+  if (begin == std::string::npos) return {};
+  begin = words.find('\'', begin + word.size());
+  const std::size_t end = begin == std::string::npos ? begin : words.find('\'', begin + 1);
+  return end == std::string::npos ? std::string() : words.substr(begin + 1, end - begin - 1);
+}
+
+/// A file may be right for a newer MuJoCo. Says which one this is, and which word it does not know.
+std::string of_this_version(const std::string& words) {
+  const std::string element = quoted_behind(words, "Element");
+  const std::string where = element.empty() ? "" : " in <" + element + ">";
+  std::string unknown;
+  if (words.find("unrecognized element") != std::string::npos)
+    unknown = "the element <" + element + ">";
+  else if (const auto attribute = quoted_behind(words, "unrecognized attribute:");
+           !attribute.empty())
+    unknown = "the attribute '" + attribute + "'" + where;
+  else if (const auto keyword = quoted_behind(words, "invalid keyword:"); !keyword.empty())
+    unknown = "the word '" + keyword + "'" + where;
+  else
+    return {};
+  return "; the MuJoCo here is version " + std::string(mj_versionString()) +
+         ", which does not know " + unknown +
+         "; if the file was made for a newer one, remove it or write it for this version";
 }
 
 /// Why there is no model.
@@ -189,7 +218,8 @@ std::string reason(int status, const MemoryFile& error) {
            "contacts, joints with limits or friction and its stack; have fewer bodies, or a "
            "smaller "
            "<size>";
-  return words.empty() ? "MuJoCo cannot compile it, and gives no reason" : words;
+  if (words.empty()) return "MuJoCo cannot compile it, and gives no reason";
+  return words + of_this_version(words);
 }
 
 /// Each ends with a zero byte.
@@ -202,12 +232,13 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-/// `text` where there is one, else the file.
+/// `text` stands for the file where there is one.
 Loaded load(const std::string& file, const std::string* text, const std::string& root = {}) try {
   constexpr std::size_t kMostNames = 1 << 20;  // [bytes]
   const MemoryFile input("input"), model("model"), error("error"), files("files");
   if (text != nullptr) input.write(*text);
-  const int status = run_reader(file, root,
+  const bool replaced = text != nullptr && file != place(kInput);
+  const int status = run_reader(file, root, replaced ? place(kInput) : "",
                                 {.input = text != nullptr ? input.descriptor() : -1,
                                  .model = model.descriptor(),
                                  .error = error.descriptor(),
@@ -224,8 +255,8 @@ Loaded load(const std::string& file, const std::string* text, const std::string&
 
 Loaded load_text(const std::string& xml) { return load(place(kInput), &xml); }
 
-Loaded load_file(const std::string& file, const std::string& root) {
-  return load(file, nullptr, root);
+Loaded load_file(const std::string& file, const std::string& root, const std::string* text) {
+  return load(file, text, root);
 }
 
 }  // namespace feltwire::mujoco

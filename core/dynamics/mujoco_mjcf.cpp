@@ -1,12 +1,17 @@
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <map>
 
+#include "core/base/foreign_content.hpp"
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"
+#include "core/dynamics/refused_model.hpp"
 #include "core/dynamics/unpacked_files.hpp"
+#include "core/dynamics/urdf_paths.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/mechanism.hpp"
 
@@ -46,11 +51,12 @@ class MjcfMeshes {
                                 static_cast<std::uint32_t>(face[1]),
                                 static_cast<std::uint32_t>(face[2])});
     try {
-      TriangleMesh triangles(soup);
+      TriangleMesh triangles(soup, {}, true);  // MuJoCo takes each mesh for a solid
       if (triangles.report().closed() && triangles.report().volume < 0.0) triangles.turn();
       return known_[id] = Mesh{std::make_shared<MeshSurface>(std::move(triangles))};
     } catch (const std::exception& error) {
-      throw FileError(file_ + ": " + described(model_, geom) + ": " + error.what());
+      throw RefusedModel(file_ + ": " + described(model_, geom) + ": " + error.what(),
+                         file_ + ": a geom of it: " + error.what());
     }
   }
 
@@ -76,11 +82,13 @@ Shape shape_of(const mjModel& model, int geom, const std::string& file, MjcfMesh
     case mjGEOM_MESH:
       return meshes.mesh_of(geom);
     default:
-      throw FileError(
-          file + ": " + described(model, geom) +
-          ": only plane, sphere, capsule, cylinder, box and mesh can be felt; replace it by "
-          "these, or make it decoration with contype=\"0\" conaffinity=\"0\"");
+      break;
   }
+  constexpr const char* kShapes =
+      ": only plane, sphere, capsule, cylinder, box and mesh can be felt; replace it by these, or "
+      "make it decoration with contype=\"0\" conaffinity=\"0\"";
+  throw RefusedModel(file + ": " + described(model, geom) + kShapes,
+                     file + ": a geom of it" + kShapes);
 }
 
 Material material_of(const mjModel& model, int geom, const MjcfMaterials& materials) {
@@ -98,8 +106,45 @@ void check_names(const mjModel& model, const MjcfMaterials& materials, const std
   for (const MjcfMaterials::Named& named : materials.named)
     if (mj_name2id(&model, mjOBJ_GEOM, named.name.c_str()) < 0 &&
         mj_name2id(&model, mjOBJ_MATERIAL, named.name.c_str()) < 0)
-      throw FileError(file + ": has no geom and no material '" + named.name +
-                      "' that the scene gives a feel to; correct the name");
+      throw RefusedModel(file + ": has no geom and no material '" + named.name +
+                         "' that the scene gives a feel to; correct the name");
+}
+
+/// A mesh that is far larger than a hand's reach is in millimetres, most likely.
+std::vector<std::string> odd_sizes(const std::vector<Object>& objects) {
+  constexpr double kLargest = 20.0;  // [m]
+  std::vector<std::string> warnings;
+  for (const Object& object : objects) {
+    const auto* mesh = std::get_if<Mesh>(&object.shape);
+    if (mesh == nullptr) continue;
+    const double size = mesh->surface->mesh().report().size;
+    if (size <= kLargest) continue;
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(),
+                  "': its mesh is %.3g m large; if its file is in millimetres, give the mesh "
+                  "scale=\"0.001 0.001 0.001\"",
+                  size);
+    warnings.push_back("object '" + object.name + text.data());
+  }
+  return warnings;
+}
+
+/// MuJoCo's own words for a file that cannot be read say less.
+std::string read_xml(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::string text;
+  try {
+    text = read_text(file);
+  } catch (const FileError& error) {
+    throw RefusedModel(error.what());
+  }
+  if (const auto foreign = foreign_content(text)) throw RefusedModel(name + ": " + *foreign);
+  const std::string_view body = without_byte_order_mark(text);
+  if (const std::size_t at = body.find_first_not_of(" \t\r\n");
+      at == std::string_view::npos || body[at] != '<')
+    throw RefusedModel(name +
+                       ": does not begin with '<', so it is no XML; name an MJCF or URDF file");
+  return text;
 }
 
 /// By MuJoCo, which reads files by itself: what was kept is put on the disk for it, and what it has
@@ -109,13 +154,16 @@ mujoco::Loaded read_model(const std::filesystem::path& file) {
   const FileReading reading = file_reading_of_this_thread;
   if (reading.given != nullptr) {
     const UnpackedFiles unpacked(*reading.given);
+    const std::filesystem::path place = unpacked.place(file.string());
+    const auto text = with_paths_kept(read_xml(file), place.parent_path());
     mujoco::Loaded loaded =
-        mujoco::load_file(unpacked.place(file.string()).string(), unpacked.root().string());
+        mujoco::load_file(place.string(), unpacked.root().string(), text ? &*text : nullptr);
     if (loaded.model == nullptr)
       loaded.error += "; where a file that it names was not kept, name the scene's own file";
     return loaded;
   }
-  mujoco::Loaded loaded = mujoco::load_file(file.string());
+  const auto text = with_paths_kept(read_xml(file), file.parent_path());
+  mujoco::Loaded loaded = mujoco::load_file(file.string(), {}, text ? &*text : nullptr);
   if (reading.keep != nullptr)
     for (const std::string& name : loaded.files) read_regular_file(name, kMost);
   return loaded;
@@ -128,7 +176,6 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                                            std::vector<Object>& objects,
                                            const SetStart& set_start) {
   const std::string name = file.string();
-  read_text(file);  // MuJoCo's own words for a file that cannot be read say less
   mujoco::Loaded loaded = read_model(file);
   if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
   mjModel& model = *loaded.model;
@@ -144,7 +191,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
   }
 
   const mujoco::Data data = mujoco::make_data(model, start);
-  if (data == nullptr) throw FileError(name + ": MuJoCo cannot evaluate it where it starts");
+  if (data == nullptr) throw RefusedModel(name + ": MuJoCo cannot evaluate it where it starts");
   std::vector<int> object_of(static_cast<std::size_t>(model.ngeom), -1);
   std::vector<Mechanism::Part> parts;
   MjcfMeshes meshes(model, name);
@@ -167,13 +214,15 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
       if (moving) parts.push_back({body, in_body});
     }
   if (objects.empty())
-    throw FileError(name +
-                    ": no geom of it collides, so there is nothing to touch; give one a "
-                    "contype or conaffinity other than 0");
+    throw RefusedModel(name +
+                       ": no geom of it collides, so there is nothing to touch; give one a contype "
+                       "or conaffinity other than 0");
   const std::size_t still = objects.size() - parts.size();
   mujoco::leave_room_open(model);
+  const std::vector<std::string> odd = odd_sizes(objects);
   std::vector<std::string> warnings =
       mujoco::warnings_of(model, start, objects, object_of, still, parts);
+  warnings.insert(warnings.end(), odd.begin(), odd.end());
   return std::make_shared<Mechanism>(
       std::shared_ptr<const mjModel>(loaded.model.release(), mujoco::DeleteModel{}), still,
       std::move(parts), std::move(warnings), std::move(start));

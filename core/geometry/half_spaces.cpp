@@ -44,8 +44,10 @@ bool on_planes(std::span<const HalfSpace> all, const Subset& which, int count, c
 
 }  // namespace
 
-Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance) noexcept {
+Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
+                   WorkLimit* work) noexcept {
   constexpr int kMostRounds = 64;
+  constexpr std::uint64_t kRoundWork = 8;
   Nearest best{.point = goal, .active = {}, .count = 0, .found = true};
   for (int round = 0; round < kMostRounds; ++round) {
     std::size_t worst = 0;
@@ -57,6 +59,7 @@ Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double t
       worst = i;
     }
     if (!(lowest < -tolerance)) return best;
+    if (!may_go_on(work, kRoundWork)) break;
 
     // Of the active planes and the worst, the subset with it whose point is in all four.
     Nearest next;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
+#include "core/base/work_limit.hpp"
 
 namespace feltwire {
 
@@ -26,7 +27,8 @@ struct Nearest {
 
 /// Returns the point of all half spaces that is nearest to `goal`, correct to `tolerance` [m]. Each
 /// round adds an active plane, as in Goldfarb & Idnani's dual method. The sets of four are so small
-/// that all of their subsets are tried.
-Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance) noexcept;
+/// that all of their subsets are tried. Where `work` is cut off, nothing is found.
+Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
+                   WorkLimit* work = nullptr) noexcept;
 
 }  // namespace feltwire

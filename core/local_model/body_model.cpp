@@ -95,10 +95,12 @@ PressedPart pressed_part(double depth, double half) noexcept {
   return in;
 }
 
-ShellContact ModelledSurroundings::contact(const Pose& tool) const noexcept {
+ShellContact ModelledSurroundings::contact(const Pose& tool, WorkLimit* work) const noexcept {
+  constexpr std::uint64_t kPlaneWork = 8;  // units of a part against its plane
   ShellContact sum;
-  if (solids_ != nullptr) sum = solids_->contact(tool);
-  if (model_.count > 0) add_planes(tool, sum);
+  if (solids_ != nullptr) sum = solids_->contact(tool, work);
+  if (model_.count > 0 && may_go_on(work, kPlaneWork * static_cast<std::uint64_t>(model_.count)))
+    add_planes(tool, sum);
   return sum;
 }
 

@@ -84,7 +84,8 @@ class ModelledSurroundings final : public ToolSurroundings {
   ModelledSurroundings(const BodyModel& model, double age, double elapsed,
                        const ToolSurroundings* solids = nullptr)
       : model_(model), age_(age), elapsed_(elapsed), solids_(solids) {}
-  ShellContact contact(const Pose& tool) const noexcept override;
+  using ToolSurroundings::contact;
+  ShellContact contact(const Pose& tool, WorkLimit* work) const noexcept override;
 
  private:
   void add_planes(const Pose& tool, ShellContact& sum) const noexcept;

@@ -46,7 +46,8 @@ void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
   memory_.pose = moved(memory_.pose, off, twisted);
 }
 
-BodyForce LocalBody::touch(const Pose& device, double age, double elapsed) noexcept {
+BodyForce LocalBody::touch(const Pose& device, double age, double elapsed,
+                           WorkLimit* work) noexcept {
   BodyForce force;
   last_weight_ = 0.0;
   const bool whole = has_whole();
@@ -58,8 +59,12 @@ BodyForce LocalBody::touch(const Pose& device, double age, double elapsed) noexc
       model_.coupling, model_.radius,
       std::ranges::any_of(model_.surfaces(),
                           [](const BodyPatch& patch) { return !patch.velocity.isZero(0.0); }),
-      whole ? &whole_->inertia : nullptr};
+      whole ? &whole_->inertia : nullptr, work};
   force.command = step_coupled_tool(tool, surroundings, device, elapsed, memory_).command;
+  if (is_cut(work)) {
+    clear();
+    return {.command = {}, .weight = 0.0, .cut = true};
+  }
   if (!force.command.finite()) {
     clear();
     return {};

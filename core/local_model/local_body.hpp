@@ -13,6 +13,7 @@ namespace feltwire {
 struct BodyForce {
   Command command;      // on the hand
   double weight = 0.0;  // as LocalForce::weight
+  bool cut = false;     // as LocalForce::cut
 };
 
 /// Renders the newest model. The tool's pose is its own state: a new model changes the contacts,
@@ -46,8 +47,10 @@ class LocalBody {
   void take(const BodyModel& model, std::uint64_t ticks = 0) noexcept;
 
   /// The force and torque on the hand. `age` [s]: of the model's state; moving surfaces are moved
-  /// on by it. `elapsed` [s]: since the last call. A model whose solids are not here gives none.
-  BodyForce touch(const Pose& device, double age, double elapsed) noexcept;
+  /// on by it. `elapsed` [s]: since the last call. A model whose solids are not here gives none. If
+  /// `work` is cut off, there is none until the next model, which places the tool anew.
+  BodyForce touch(const Pose& device, double age, double elapsed,
+                  WorkLimit* work = nullptr) noexcept;
 
   const BodyModel& model() const { return model_; }
   const BodyMemory& tool() const { return memory_; }

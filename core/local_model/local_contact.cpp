@@ -41,6 +41,11 @@ void LocalContact::use(const WholeSurfaces* surfaces) noexcept {
   if (surfaces == surfaces_) return;
   surfaces_ = surfaces;
   // A memory of the old surfaces means nothing on the new ones.
+  adopt_whole();
+}
+
+/// The contacts with whole surfaces go on from where the server's were.
+void LocalContact::adopt_whole() noexcept {
   for (Contact& contact : contacts_)
     if (contact.whole) contact.adopted = true;
 }
@@ -152,19 +157,20 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
 }
 
 /// By the scene's own contact; the object does not move.
-Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch,
-                                  const Tool& tool) const noexcept {
-  if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center);
+Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool,
+                                  WorkLimit* work) const noexcept {
+  if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center, work);
   contact.adopted = false;
-  return surfaces_->touch(patch.object, patch.material, tool, contact.memory);
+  if (is_cut(work)) return {};
+  return surfaces_->touch(patch.object, patch.material, tool, contact.memory, work);
 }
 
 Command LocalContact::touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
-                                   double& weight) const noexcept {
+                                   double& weight, WorkLimit* work) const noexcept {
   ContactMemory& memory = contact.memory;
   if (contact.whole) {
     const SurfacePatch& patch = patch_of(contact);
-    if (has_whole(patch)) return touch_whole(contact, patch, tool);
+    if (has_whole(patch)) return touch_whole(contact, patch, tool, work);
     weight = 0.0;  // the server counts on a surface that is not here
     return {};
   }
@@ -204,13 +210,23 @@ double LocalContact::weight_at(const Vec3& position) const noexcept {
   return share_within(length(Vec3(position - model_.center)), model_.reach);
 }
 
-LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed) noexcept {
+/// Nothing that was computed of this tick is kept.
+LocalForce LocalContact::cut_off() noexcept {
+  adopt_whole();
+  from_ = {};
+  last_weight_ = 0.0;
+  return {.command = {}, .weight = 0.0, .cut = true};
+}
+
+LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed,
+                               WorkLimit* work) noexcept {
   LocalForce force;
   force.weight = weight_at(tool.position);
   from_.elapsed = elapsed;
   for (int i = 0; i < count_; ++i) {
-    const Command part =
-        touch_object(contacts_[static_cast<std::size_t>(i)], tool, age, elapsed, force.weight);
+    const Command part = touch_object(contacts_[static_cast<std::size_t>(i)], tool, age, elapsed,
+                                      force.weight, work);
+    if (is_cut(work)) return cut_off();
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }

@@ -20,6 +20,8 @@ struct LocalForce {
   /// The share of the model's command in the whole. 1: the model is valid here; 0: it gives no
   /// force; between: the tool is about to leave the model's reach.
   double weight = 0.0;
+  /// The work was cut off, so the model gives no force now.
+  bool cut = false;
 };
 
 /// The height of a point above a patch's surface, and the normal there.
@@ -62,7 +64,9 @@ class LocalContact {
 
   /// The force on a tool. `age` [s]: of the model's state; moving surfaces are moved on by it, and
   /// damping and viscosity use the velocity relative to them. `elapsed` [s]: since the last call.
-  LocalForce touch(const Tool& tool, double age, double elapsed) noexcept;
+  /// If `work` is cut off, the weight is zero, and the contacts begin anew with the model's memory.
+  LocalForce touch(const Tool& tool, double age, double elapsed,
+                   WorkLimit* work = nullptr) noexcept;
 
   const LocalModel& model() const { return model_; }
   /// Whether the model means a whole surface that is here.
@@ -85,13 +89,16 @@ class LocalContact {
   Texture texture_of(const Command& answered) const noexcept;
   const SurfacePatch& patch_of(const Contact& contact) const noexcept;
   bool has_whole(const SurfacePatch& patch) const noexcept;
-  Command touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool) const noexcept;
+  Command touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool,
+                      WorkLimit* work) const noexcept;
   void bring_up(Contact& contact, double age, double elapsed) const noexcept;
   const Contact* contact_of(std::uint16_t object) const noexcept;
   Contact continued(const LocalModel& model, std::uint16_t object) const noexcept;
   double weight_at(const Vec3& position) const noexcept;
   Command touch_object(Contact& contact, const Tool& tool, double age, double elapsed,
-                       double& weight) const noexcept;
+                       double& weight, WorkLimit* work) const noexcept;
+  LocalForce cut_off() noexcept;
+  void adopt_whole() noexcept;
 
   const WholeSurfaces* surfaces_ = nullptr;
   LocalModel model_;  // normals and axes exactly unit

@@ -10,6 +10,7 @@
 #include "core/coupled_tool/coupled_tool.hpp"
 #include "core/geometry/shapes.hpp"
 #include "core/geometry/triangle_soup.hpp"
+#include "core/local_model/trial_way.hpp"
 #include "core/material/material.hpp"
 
 namespace feltwire {
@@ -21,6 +22,7 @@ struct WholeBody {
   double radius = 0.0;        // [m] of the tool's farthest point from its origin
   ToolInertia inertia;        // of mass 0: it has none
   std::unique_ptr<const ToolSurroundings> solids;  // never null
+  std::vector<TrialWay> ways;  // on which a contact is likely to cost the most, for try_contact()
 };
 
 /// The most points of a tool that travels: a client looks at them with every tick.

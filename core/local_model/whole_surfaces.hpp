@@ -9,12 +9,13 @@
 #include "core/base/types.hpp"
 #include "core/geometry/triangle_soup.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/local_model/trial_way.hpp"
 #include "core/local_model/whole_body.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
 
-/// Immutable. No function allocates, throws or reads a clock, except for the destructor.
+/// Immutable. No noexcept function allocates, throws or reads a clock, except for the destructor.
 class WholeSurfaces {
  public:
   virtual ~WholeSurfaces() = default;
@@ -23,12 +24,23 @@ class WholeSurfaces {
   /// Whether this object of the scene is here.
   virtual bool has(std::uint16_t object) const noexcept = 0;
   /// The force of an object with this material on a point [m, world]. `memory` is in the object's
-  /// frame; a new one knows nothing of the tool. Precondition: has(object).
+  /// frame; a new one knows nothing of the tool. Where `work` is cut off, it stays as it was, and
+  /// the force means nothing. Precondition: has(object).
   virtual Command touch(std::uint16_t object, const Material& material, const Tool& tool,
-                        ContactMemory& memory) const noexcept = 0;
+                        ContactMemory& memory, WorkLimit* work) const noexcept = 0;
+  Command touch(std::uint16_t object, const Material& material, const Tool& tool,
+                ContactMemory& memory) const noexcept {
+    return touch(object, material, tool, memory, nullptr);
+  }
   /// The memory of the server's contact, which a patch tells [world], of a tool at `tool` [m,
-  /// world]. Precondition: has(patch.object).
-  virtual ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool) const noexcept = 0;
+  /// world]. Where `work` is cut off, it means nothing. Precondition: has(patch.object).
+  virtual ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool,
+                                  WorkLimit* work) const noexcept = 0;
+  ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool) const noexcept {
+    return memory_of(patch, tool, nullptr);
+  }
+  /// Ways on which a contact is likely to cost the most, for try_contact(). It allocates.
+  virtual std::vector<TrialWay> trial_ways() const = 0;
 };
 
 /// An object's surface of triangles, as it travels. Corners from `origin`, and that in the frame of
@@ -51,6 +63,9 @@ struct FetchedScene {
   std::vector<std::uint16_t> objects;             // their numbers in the scene, rising
   std::shared_ptr<const WholeSurfaces> surfaces;  // for a tool that is a point or a ball; or null
   std::shared_ptr<const WholeBody> body;          // for a tool with a body; or null
+  /// The units of work that its contact may take in one tick. Beyond them the tick's contact is cut
+  /// off.
+  std::uint64_t most_work = WorkLimit::kUnlimited;
 };
 
 }  // namespace feltwire

@@ -12,9 +12,10 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Parts that the shell is cut into. The places that are left are for points of these parts that
-/// meet another side of the solid.
-constexpr int kParts = kMaxBodyPoints - 3;
+/// Parts that the shell is cut into at most. The places that are left are for points of these parts
+/// that meet another side of the solid.
+constexpr int kSpare = kLeastBodyPoints - 1;
+constexpr int kParts = kMaxBodyPoints - kSpare;
 
 constexpr double kLooked = 2e-3;      // [m] nearer parts are looked at point by point
 constexpr double kLeastReach = 1e-2;  // [m] where points that hardly matter found no place
@@ -71,10 +72,11 @@ double depth_for(double mean, double half) {
 class Cut {
  public:
   const Mat3& turned() const { return turned_; }
-  /// Of all objects except those of `known`.
+  /// Takes all objects except those of `known`, and at most `most` parts.
   Cut(const PointShell& shell, const std::vector<Object>& objects, const KnownSurfaces& known,
-      const Pose& tool)
-      : shell_(shell),
+      const Pose& tool, int most)
+      : most_(most),
+        shell_(shell),
         objects_(objects),
         known_(known),
         tool_(tool),
@@ -148,7 +150,7 @@ class Cut {
   void offer(Part part) {
     measure(part);
     if (!(part.nearest() < reach_)) return;
-    if (count_ == kParts) {
+    if (count_ == most_) {
       const auto end = parts_.begin() + count_;
       const auto farthest = std::max_element(parts_.begin(), end, [](const Part& a, const Part& b) {
         return a.nearest() < b.nearest();
@@ -191,13 +193,14 @@ class Cut {
     measure(low);
     measure(high);
     const bool keeps_low = low.nearest() < reach_, keeps_high = high.nearest() < reach_;
-    if (keeps_low && keeps_high && count_ == kParts) return false;
+    if (keeps_low && keeps_high && count_ == most_) return false;
     *coarsest = keeps_low ? low : high;
     if (keeps_low && keeps_high) parts_[static_cast<std::size_t>(count_++)] = high;
     if (!keeps_low && !keeps_high) *coarsest = parts_[static_cast<std::size_t>(--count_)];
     return true;
   }
 
+  int most_;
   const PointShell& shell_;
   const std::vector<Object>& objects_;
   const KnownSurfaces& known_;
@@ -214,6 +217,7 @@ struct Builder {
   const std::vector<Object>& objects;
   const Cut& cut;
   BodyModel& model;
+  int most = kMaxBodyPoints;
   const World* world = nullptr;  // where objects move
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
@@ -258,7 +262,7 @@ struct Builder {
   bool add(std::size_t object, const Gathered& points) {
     const Vec3 normal = direction(points.normal);
     if (!(points.squares > 0.0) || normal.isZero(0.0)) return true;
-    if (model.count == kMaxBodyPoints) return false;
+    if (model.count == most) return false;
     const double share =
         tool.shell().area / (tool.contact_area() * static_cast<double>(tool.shell().points.size()));
     BodyPoint point{
@@ -361,12 +365,14 @@ struct Builder {
 /// `objects`: the view's, where they now are. `world`: that moves them, or null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
                    const BodyMemory& memory, std::uint32_t version, const KnownSurfaces& known,
-                   const World* world = nullptr) noexcept {
+                   int most, const World* world = nullptr) noexcept {
   BodyModel model;
   if (!view.tool().body || !memory.placed) return model;
   const BodyTool& tool = *view.tool().body;
   if (tool.inertia().mass > 0.0 && version == 0) return model;
-  Cut cut(tool.shell(), objects, known, memory.pose);
+  if (most < kLeastBodyPoints) return model;
+  most = std::min(most, kMaxBodyPoints);
+  Cut cut(tool.shell(), objects, known, memory.pose, most - kSpare);
   cut.all();
   model.solids = version;
   model.tool = memory.pose;
@@ -376,7 +382,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   model.reach = cut.reach();
   for (const Guide& guide : view.guides())  // a model has no word for them
     model.reach = std::min(model.reach, begins(guide, device.position));
-  Builder{tool, objects, cut, model, world}.build();
+  Builder{tool, objects, cut, model, most, world}.build();
   model.reach = std::max(0.0, model.reach);
   model.turn = model.reach / model.radius;
   return model;
@@ -385,13 +391,15 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
 }  // namespace
 
 BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory,
-                     std::uint32_t version, const KnownSurfaces& known) noexcept {
-  return model_of(view, view.objects(), device, memory, version, known);
+                     std::uint32_t version, const KnownSurfaces& known, int most) noexcept {
+  return model_of(view, view.objects(), device, memory, version, known, most);
 }
 
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
-                     std::size_t held, std::uint32_t version, const KnownSurfaces& known) noexcept {
-  return model_of(world.view(held), world.objects(held), device, memory, version, known, &world);
+                     std::size_t held, std::uint32_t version, const KnownSurfaces& known,
+                     int most) noexcept {
+  return model_of(world.view(held), world.objects(held), device, memory, version, known, most,
+                  &world);
 }
 
 }  // namespace feltwire

@@ -46,10 +46,16 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
   NearestSurface nearest{found.point, found.triangle, 0.0, found.distance, found.distance};
   if (!(found.distance <= kMostFitted)) return nearest;
   const double off = surface.side_of(goal, found);
-  if (surface.options().double_sided)
+  const double side = felt_from == Side::outside ? 1.0 : -1.0;
+  if (surface.options().double_sided) {
     nearest.side = off < 0.0 ? -1.0 : 1.0;
-  else if (const double side = felt_from == Side::outside ? 1.0 : -1.0; side * off >= 0.0)
-    nearest.side = side;  // else it is behind, and nothing there holds it yet
+  } else if (side * off >= 0.0) {
+    nearest.side = side;
+  } else if (const std::uint32_t reverse = surface.mesh().reverse_of(found.triangle);
+             reverse != kNone) {
+    nearest.triangle = reverse;
+    nearest.side = side;
+  }  // else it is behind, and nothing there holds it yet
   return nearest;
 }
 

@@ -2,6 +2,7 @@
 // A tree of axis-aligned boxes, which finds the few of many things that can be near a place. It
 // answers with candidates; the caller decides.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/base/work_limit.hpp"
 
 namespace feltwire {
 
@@ -30,6 +32,7 @@ struct Bounds {
 
 /// Immutable. Boxes are kept in float and rounded outwards. A query therefore misses no thing whose
 /// box (in double) fits it, but may visit a few others. The order of the visits is not defined.
+/// Each node and each visit takes a unit of `work`; where it is cut off, visits are missing.
 class BoxTree {
  public:
   /// [m] The squares of lengths still fit a float.
@@ -42,14 +45,15 @@ class BoxTree {
 
   /// Visits every i whose box has a point in common with `box`.
   template <class Visit>
-  void overlapping(const Bounds& box, Visit visit) const noexcept {
+  void overlapping(const Bounds& box, Visit visit, WorkLimit* work = nullptr) const noexcept {
     const FloatBox q(box);
-    descend([&](const Node& node, int child) { return overlaps(node, child, q); }, visit);
+    descend([&](const Node& node, int child) { return overlaps(node, child, q); }, visit, work);
   }
 
   /// Visits every i whose box the straight way between two points can meet.
   template <class Visit>
-  void along(const Vec3& from, const Vec3& to, Visit visit) const noexcept {
+  void along(const Vec3& from, const Vec3& to, Visit visit,
+             WorkLimit* work = nullptr) const noexcept {
     Bounds box;
     box.add(from);
     box.add(to);
@@ -59,13 +63,14 @@ class BoxTree {
         [&](const Node& node, int child) {
           return overlaps(node, child, q) && !misses(node, child, middle, half);
         },
-        visit);
+        visit, work);
   }
 
   /// Visits every i whose box is at most `radius()` [m] from the center. `radius()` is asked again
   /// before each box and may shrink between visits. Nearer boxes tend to come first.
   template <class Radius, class Visit>
-  void within(const Vec3& center, Radius radius, Visit visit) const noexcept;
+  void within(const Vec3& center, Radius radius, Visit visit,
+              WorkLimit* work = nullptr) const noexcept;
 
   bool empty() const { return nodes_.empty(); }
   std::size_t memory() const {
@@ -132,20 +137,20 @@ class BoxTree {
   }
 
   template <class Enter, class Visit>
-  void descend(Enter enter, Visit& visit) const noexcept {
+  void descend(Enter enter, Visit& visit, WorkLimit* work) const noexcept {
     if (nodes_.empty()) return;
     std::array<std::uint32_t, kMostOpen> open;
     int count = 0;
     open[0] = 0;
     count = 1;
-    while (count > 0) {
+    while (count > 0 && may_go_on(work)) {
       const Node& node = nodes_[open[static_cast<std::size_t>(--count)]];
       for (int child = 0; child < kWidth; ++child) {
         if (!enter(node, child)) continue;
         const auto c = static_cast<std::size_t>(child);
         if (node.count[c] == 0)
           open[static_cast<std::size_t>(count++)] = node.first[c];
-        else
+        else if (may_go_on(work, node.count[c]))
           for (std::uint32_t i = 0; i < node.count[c]; ++i) visit(things_[node.first[c] + i]);
       }
     }
@@ -156,7 +161,8 @@ class BoxTree {
 };
 
 template <class Radius, class Visit>
-void BoxTree::within(const Vec3& center, Radius radius, Visit visit) const noexcept {
+void BoxTree::within(const Vec3& center, Radius radius, Visit visit,
+                     WorkLimit* work) const noexcept {
   struct Open {
     double square;
     std::uint32_t first, count;
@@ -168,6 +174,7 @@ void BoxTree::within(const Vec3& center, Radius radius, Visit visit) const noexc
   while (count > 0) {
     const Open here = open[--count];
     if (!(here.square <= radius() * radius())) continue;
+    if (!may_go_on(work, std::max<std::uint32_t>(1, here.count))) return;
     for (std::uint32_t i = 0; i < here.count; ++i) visit(things_[here.first + i]);
     if (here.count > 0) continue;
     const Node& node = nodes_[here.first];

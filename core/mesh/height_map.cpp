@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/file_error.hpp"
+#include "core/base/foreign_content.hpp"
 
 namespace feltwire {
 namespace {
@@ -20,10 +21,14 @@ class Pgm {
   Pgm(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   GreyImage read() {
-    const std::string_view kind = bytes_.substr(0, 2);
+    if (const auto foreign = foreign_content(bytes_)) throw FileError(name_ + ": " + *foreign);
+    bytes_ = without_byte_order_mark(bytes_);
+    // Blanks and comments before the first word.
+    skip();
+    const std::string_view kind = bytes_.substr(at_, 2);
     if (kind != "P5" && kind != "P2")
       fail("is no portable graymap (it begins with neither P5 nor P2); save it as PGM");
-    at_ = 2;
+    at_ += 2;
     GreyImage image;
     image.width = number("width", 1, kMostPixels);
     image.height = number("height", 1, kMostPixels);

@@ -21,29 +21,32 @@ constexpr std::size_t kMostHeld = 16;
 constexpr double kExact = 1e-7;                          // of the radius
 constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // of the radius
 constexpr double kLeastReach = 0x1p-16;
-constexpr double kFarther = 1.25;   // than the reach
-constexpr double kTolerance = 0.1;  // of planes, of what is exact
+constexpr double kFarther = 1.25;           // than the reach
+constexpr double kTolerance = 0.1;          // of planes, of what is exact
+constexpr std::size_t kTangentsInUnit = 8;  // of work
 
 class Ball {
  public:
   Ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
-       ProxyState& proxy)
+       ProxyState& proxy, WorkLimit* work)
       : surface_(surface),
         mesh_(surface.mesh()),
         radius_(radius),
         exact_(kExact * radius_),
         sides_(sides),
         goal_(goal),
-        stand_(proxy) {}
+        stand_(proxy),
+        work_(work) {}
 
   void run() {
     double reach = kFirstReach * radius_;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMostSteps && may_go_on(work_); ++step) {
       const double left = length(Vec3(goal_ - stand_.point));
       if (!(left > 0.0) || (step == 0 && stand_.side == 0 && is_open())) return arrive();
       reach = std::min(reach, kMostReach * radius_);
       while (!gather(reach))
-        if ((reach *= 0.5) < kLeastReach * radius_) return;  // too crowded to move on
+        if (is_cut(work_) || (reach *= 0.5) < kLeastReach * radius_)
+          return;  // too crowded to move on
       const Vec3 before = stand_.point;
       const bool whole = move(std::min(reach, left));
       const double moved = length(Vec3(stand_.point - before));
@@ -62,7 +65,8 @@ class Ball {
     way.add(stand_.point);
     way.add(goal_);
     bool open = true;
-    surface_.tree().overlapping(way.grown(radius_), [&](std::uint32_t) { open = false; });
+    surface_.tree().overlapping(
+        way.grown(radius_), [&](std::uint32_t) { open = false; }, work_);
     return open;
   }
 
@@ -93,8 +97,9 @@ class Ball {
                                   distance > 0.0 ? Vec3(away / distance) : Vec3::Zero()};
           least_ = std::min(least_, distance);
           if (distance <= radius_ + exact_) hold(t);
-        });
-    return fits;
+        },
+        work_);
+    return fits && !is_cut(work_);
   }
 
   Vec3 nearest_on(std::uint32_t t, const Vec3& p) const {
@@ -108,6 +113,7 @@ class Ball {
   /// Keeps the distance to each held triangle a radius, as far as it is linear at x.
   std::size_t linearise(const Vec3& x, std::array<HalfSpace, kMostHeld>& spaces) const {
     std::size_t count = 0;
+    if (!may_go_on(work_, held_count_)) return count;
     for (std::size_t i = 0; i < held_count_; ++i) {
       const Vec3 q = nearest_on(held_[i], x);
       const Vec3 n = direction(Vec3(x - q));
@@ -121,7 +127,7 @@ class Ball {
   /// tangent first.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
-    if (near_count_ == 0) return least;
+    if (near_count_ == 0 || !may_go_on(work_, 1 + near_count_ / kTangentsInUnit)) return least;
     const Vec3 moved = x - stand_.point;
     std::array<double, kMostNear> tangents;
     std::size_t first = 0;
@@ -136,8 +142,11 @@ class Ball {
       nearest = near.triangle;
     };
     ask(near_[first]);
-    for (std::size_t i = 0; i < near_count_; ++i)
-      if (tangents[i] < least && i != first) ask(near_[i]);
+    for (std::size_t i = 0; i < near_count_; ++i) {
+      if (!(tangents[i] < least) || i == first) continue;
+      if (!may_go_on(work_)) break;
+      ask(near_[i]);
+    }
     return least;
   }
 
@@ -147,18 +156,19 @@ class Ball {
     Vec3 x = from;
     bool cut = false, settled = false;
     std::uint32_t nearest = 0;
-    for (int i = 0; i < kMostCorrections && !settled; ++i) {
+    for (int i = 0; i < kMostCorrections && !settled && !is_cut(work_); ++i) {
       std::array<HalfSpace, kMostHeld> spaces;
       const std::size_t count = linearise(x, spaces);
       const std::span<const HalfSpace> planes(spaces.data(), count);
-      const Nearest aim = nearest_in(planes, goal_, kTolerance * exact_);
+      const Nearest aim = nearest_in(planes, goal_, kTolerance * exact_, work_);
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
       // A shortened step may have left the planes. Go back to them: that is less than the margin of
       // gather().
       Vec3 next = aim.point;
-      if (cut) next = nearest_in(planes, from + reach / far * way, kTolerance * exact_).point;
+      if (cut)
+        next = nearest_in(planes, from + reach / far * way, kTolerance * exact_, work_).point;
       const bool still = length(Vec3(next - x)) <= exact_;
       x = next;
       if (length(Vec3(x - from)) > kFarther * reach) break;
@@ -183,7 +193,7 @@ class Ball {
     Vec3 way = x - from;
     const double far = length(way);
     if (far > most) way *= most / far;
-    for (int i = 0; i < kMostHalvings; ++i, way *= 0.5)
+    for (int i = 0; i < kMostHalvings && !is_cut(work_); ++i, way *= 0.5)
       if (least_distance(from + way, nearest) >= std::min(radius_, least_) - exact_)
         return from + way;
     return from;
@@ -205,6 +215,7 @@ class Ball {
   const std::int8_t sides_;
   const Vec3& goal_;
   ProxyState& stand_;
+  WorkLimit* work_;
   struct Near {
     std::uint32_t triangle;
     double distance;  // [m] from where the step begins
@@ -219,8 +230,8 @@ class Ball {
 }  // namespace
 
 void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
-               ProxyState& proxy) noexcept {
-  Ball(surface, radius, sides, goal, proxy).run();
+               ProxyState& proxy, WorkLimit* work) noexcept {
+  Ball(surface, radius, sides, goal, proxy, work).run();
 }
 
 }  // namespace feltwire

@@ -17,28 +17,35 @@ std::int8_t sides_of(const MeshSurface& surface, Side felt_from) {
 
 /// The proxy of a tool that was never seen before. In a closed surface it is the nearest point, as
 /// if the tool had entered there.
-ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal) {
+ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
+                       WorkLimit* work) {
   ProxyState proxy{.point = goal, .triangle = 0, .side = 0, .on_face = false};
   if (sides == 0 || !surface.mesh().report().closed()) return proxy;
-  const auto nearest = surface.nearest(goal, std::numeric_limits<double>::infinity());
-  if (!(sides * surface.side_of(goal, nearest) < 0.0)) return proxy;
+  const auto nearest = surface.nearest(goal, std::numeric_limits<double>::infinity(), work);
+  if (!(sides * surface.side_of(goal, nearest, work) < 0.0)) return proxy;
   return {.point = nearest.point, .triangle = nearest.triangle, .side = sides, .on_face = false};
 }
 
 /// For a ball, a tool in the solid or nearer to it than its radius begins in front of the nearest
 /// point.
 ProxyState first_ball(const MeshSurface& surface, double radius, std::int8_t sides,
-                      const Vec3& goal) {
-  ProxyState proxy = first_stand(surface, sides, goal);
+                      const Vec3& goal, WorkLimit* work) {
+  ProxyState proxy = first_stand(surface, sides, goal, work);
   if (proxy.side != 0) {
     proxy.point += radius * proxy.side * triangle_normal(surface.mesh().corners(proxy.triangle));
     return proxy;
   }
-  const auto nearest = surface.nearest(goal, radius);
+  auto nearest = surface.nearest(goal, radius, work);
   if (!(nearest.distance < radius)) return proxy;
-  const Vec3 normal = triangle_normal(surface.mesh().corners(nearest.triangle));
-  const double side = normal.dot(goal - nearest.point) < 0.0 ? -1.0 : 1.0;
-  if (sides * side < 0.0) return proxy;
+  Vec3 normal = triangle_normal(surface.mesh().corners(nearest.triangle));
+  double side = normal.dot(goal - nearest.point) < 0.0 ? -1.0 : 1.0;
+  if (sides * side < 0.0) {
+    const std::uint32_t reverse = surface.mesh().reverse_of(nearest.triangle);
+    if (reverse == TriangleMesh::kNone) return proxy;
+    nearest.triangle = reverse;
+    normal = -normal;
+    side = -side;
+  }
   const Vec3 out =
       nearest.distance > 0.0 ? direction(Vec3(goal - nearest.point)) : Vec3(side * normal);
   proxy.point = nearest.point + radius * out;
@@ -111,7 +118,7 @@ SurfacePoint textured(const MeshOptions& options, const SurfacePoint& surface) {
 }  // namespace
 
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                                FeatureMemory& memory, double radius) noexcept {
+                                FeatureMemory& memory, double radius, WorkLimit* work) noexcept {
   const Vec3 goal = position - surface.mesh().origin();
   if (!goal.allFinite()) return {};
   const double around = surface.options().radius + radius;
@@ -119,11 +126,14 @@ SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, cons
   const std::int8_t sides = sides_of(surface, felt_from);
   ProxyState proxy{memory.proxy, memory.triangle, memory.side, false};
   if (!memory.tracked)
-    proxy = ball ? first_ball(surface, around, sides, goal) : first_stand(surface, sides, goal);
+    proxy = ball ? first_ball(surface, around, sides, goal, work)
+                 : first_stand(surface, sides, goal, work);
   if (ball)
-    move_ball(surface, around, sides, goal, proxy);
+    move_ball(surface, around, sides, goal, proxy, work);
   else
-    move_point(surface, sides, goal, proxy);
+    move_point(surface, sides, goal, proxy, work);
+  if (is_cut(work)) [[unlikely]]
+    return {};
 
   memory.proxy = proxy.point;
   memory.triangle = proxy.triangle;

@@ -14,9 +14,11 @@
 namespace feltwire {
 
 /// The proxy of a point [m, object frame], as surface_point() says. With a `radius` [m], the proxy
-/// is the middle of a ball; the radius is added to that of the surface's own options.
+/// is the middle of a ball; the radius is added to that of the surface's own options. Where `work`
+/// is cut off, the memory stays as it was and the result means nothing.
 SurfacePoint mesh_surface_point(const MeshSurface& surface, Side felt_from, const Vec3& position,
-                                FeatureMemory& memory, double radius = 0.0) noexcept;
+                                FeatureMemory& memory, double radius = 0.0,
+                                WorkLimit* work = nullptr) noexcept;
 
 /// The place of a proxy.
 struct ProxyState {
@@ -28,11 +30,11 @@ struct ProxyState {
 
 /// Moves the proxy of a point towards the goal, until it is there or no allowed movement brings it
 /// nearer.
-void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
-                ProxyState& proxy) noexcept;
+void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, ProxyState& proxy,
+                WorkLimit* work = nullptr) noexcept;
 
 /// The same for the middle of a ball of `radius` [m], > 0.
 void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
-               ProxyState& proxy) noexcept;
+               ProxyState& proxy, WorkLimit* work = nullptr) noexcept;
 
 }  // namespace feltwire

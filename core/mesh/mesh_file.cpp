@@ -1,10 +1,12 @@
 #include "core/mesh/mesh_file.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cstring>
 #include <limits>
 
+#include "core/base/foreign_content.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/mesh/mesh_text.hpp"
 
@@ -12,6 +14,7 @@ namespace feltwire {
 namespace {
 
 using mesh_text::broken_vertex;
+using mesh_text::is_word;
 using mesh_text::TokenReader;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
@@ -21,34 +24,84 @@ bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
         "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib", "usemap"})
-    if (word == known) return true;
+    if (is_word(word, known)) return true;
   return false;
 }
 
-/// "7", "7/1", "7//3", "-1": the vertex, counted from 1, or back from the last.
-std::uint32_t obj_index(const TokenReader& words, std::string_view word, std::size_t vertices) {
-  const long long index = words.whole(word.substr(0, word.find('/')), "face");
-  const auto count = static_cast<long long>(vertices);
-  if (index == 0 || index > count || index < -count)
-    words.fail("face: vertex " + std::to_string(index) + " does not exist, there are " +
-               std::to_string(count) + " so far; export the surface anew");
-  return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+/// The vertices that faces of an OBJ file name. A face may stand before its vertices.
+class ObjIndices {
+ public:
+  explicit ObjIndices(const TokenReader& words) : words_(words) {}
+
+  /// "7", "7/1", "7//3", "-1": the vertex, counted from 1, or back from the last of `vertices`.
+  std::uint32_t read(std::string_view word, std::size_t vertices) {
+    const long long index = words_.whole(word.substr(0, word.find('/')), "face");
+    const auto count = static_cast<long long>(vertices);
+    if (index == 0 || index > static_cast<long long>(kMostVertices) || index < -count)
+      words_.fail(missing(index, vertices) + " so far; export the surface anew");
+    if (index > count && (early_.empty() || index > early_.back().index))
+      early_.push_back({index, words_.line()});
+    return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+  }
+
+  /// At the end of the file, which has so many vertices.
+  void check(std::size_t vertices) const {
+    for (const Early& early : early_)
+      if (early.index > static_cast<long long>(vertices))
+        words_.fail_at(early.line, missing(early.index, vertices) + "; export the surface anew");
+  }
+
+ private:
+  struct Early {
+    long long index;
+    int line;
+  };
+
+  static std::string missing(long long index, std::size_t vertices) {
+    return "face: vertex " + std::to_string(index) + " does not exist, there are " +
+           std::to_string(vertices);
+  }
+
+  const TokenReader& words_;
+  std::vector<Early> early_;  // beyond the vertices so far, each higher than those before
+};
+
+constexpr std::size_t kStlHeader = 84, kStlRecord = 50, kStlCountAt = 80;
+
+/// A comment, or a line of blanks: some programs write them before the first word.
+std::string_view without_first_lines(std::string_view text) {
+  for (text = without_byte_order_mark(text);;) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n\v\f"), text.size()));
+    if (!text.starts_with('#') && !text.starts_with(';') && !text.starts_with("//")) return text;
+    text.remove_prefix(std::min(text.find_first_of("\r\n"), text.size()));
+  }
+}
+
+std::string_view first_word(std::string_view text) {
+  return text.substr(0, text.find_first_of(" \t\r\n\v\f"));
 }
 
 bool is_text_stl(std::string_view bytes) {
-  // A binary file may begin with "solid" too; what its length says is surer than any word.
-  constexpr std::size_t kHeader = 84, kRecord = 50, kCountAt = 80;
-  if (bytes.size() >= kHeader) {
+  // A binary file may begin with "solid" too. Its length says more than any word; if it was cut
+  // short, so do bytes that no text has.
+  if (bytes.size() >= kStlHeader) {
     std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + kCountAt, sizeof count);
-    if (bytes.size() == kHeader + kRecord * std::size_t{count}) return false;
+    std::memcpy(&count, bytes.data() + kStlCountAt, sizeof count);
+    if (bytes.size() == kStlHeader + kStlRecord * std::size_t{count}) return false;
   }
-  return bytes.substr(0, 5) == "solid";
+  constexpr std::size_t kLooked = 512;
+  const auto is_of_text = [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 || (c >= '\t' && c <= '\r');
+  };
+  const std::string_view first = first_word(without_first_lines(bytes));
+  return (is_word(first, "solid") || is_word(first, "facet")) &&
+         std::ranges::all_of(bytes.substr(0, kLooked), is_of_text);
 }
 
 TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name, double scale) {
   static_assert(std::endian::native == std::endian::little);
-  constexpr std::size_t kHeader = 84, kRecord = 50, kCountAt = 80, kNormal = 12, kPoint = 12;
+  constexpr std::size_t kHeader = kStlHeader, kRecord = kStlRecord, kCountAt = kStlCountAt,
+                        kNormal = 12, kPoint = 12;
   if (bytes.size() < kHeader)
     throw FileError(name + ": byte " + std::to_string(bytes.size()) +
                     ": the file ends within its header; it is no STL file, or was cut short");
@@ -84,33 +137,60 @@ void add_vertex(TokenReader& words, const char* what, double scale, TriangleSoup
     words.fail(*broken);
 }
 
+/// The normal of a facet. It is not used: the order of the corners says the outside.
+void skip_normal(TokenReader& words) {
+  if (!is_word(words.word(), "normal")) return words.end_line();
+  for (int i = 0; i < 3; ++i) words.word();
+}
+
 TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
-  TokenReader words(bytes, name);
+  TokenReader words(without_byte_order_mark(bytes), name);
   std::vector<std::uint32_t> loop;
-  bool in_loop = false;
+  bool in_loop = false, begun = false;
   while (words.next_line()) {
-    const std::string_view word = words.word();
-    if (word == "vertex") {
-      if (!in_loop) words.fail("vertex: stands outside of a loop; export the surface anew");
-      loop.push_back(static_cast<std::uint32_t>(soup.vertices.size()));
-      add_vertex(words, "vertex", scale, soup);
-    } else if (word == "outer") {
-      if (in_loop) words.fail("outer loop: the loop before it has no end; export it anew");
-      loop.clear();
-      in_loop = true;
-    } else if (word == "endloop") {
-      if (!in_loop || loop.size() < 3)
-        words.fail("endloop: a face needs three vertices, has " + std::to_string(loop.size()) +
-                   "; export the surface anew");
-      mesh_text::add_fan(loop, soup.triangles);
-      in_loop = false;
-    } else if (word != "solid" && word != "facet" && word != "endfacet" && word != "endsolid") {
-      words.fail(TokenReader::shown(word) + ": is no word of an STL file; export the surface anew");
+    const char first = words.rest().front();
+    if (!begun && (first == '#' || first == ';' || words.rest().starts_with("//"))) continue;
+    begun = true;
+    while (!words.line_ended()) {
+      const std::string_view word = words.word();
+      if (is_word(word, "vertex")) {
+        if (!in_loop) words.fail("vertex: stands outside of a loop; export the surface anew");
+        loop.push_back(static_cast<std::uint32_t>(soup.vertices.size()));
+        add_vertex(words, "vertex", scale, soup);
+      } else if (is_word(word, "outer")) {
+        if (in_loop) words.fail("outer loop: the loop before it has no end; export it anew");
+        loop.clear();
+        in_loop = true;
+      } else if (is_word(word, "endloop")) {
+        if (!in_loop || loop.size() < 3)
+          words.fail("endloop: a face needs three vertices, has " + std::to_string(loop.size()) +
+                     "; export the surface anew");
+        mesh_text::add_fan(loop, soup.triangles);
+        in_loop = false;
+      } else if (is_word(word, "facet")) {
+        skip_normal(words);
+      } else if (is_word(word, "solid") || is_word(word, "endsolid")) {
+        words.end_line();  // its name
+      } else if (!is_word(word, "endfacet") && !is_word(word, "loop")) {
+        words.fail(TokenReader::shown(word) +
+                   ": is no word of an STL file; export the surface anew");
+      }
     }
   }
   if (in_loop) words.fail("the file ends within a face; it was cut short, copy it anew");
   return soup;
+}
+
+/// If a file's first word is that of another format.
+void check_ending(std::string_view bytes, const std::string& name, std::string_view format) {
+  const std::string_view text = without_first_lines(bytes);
+  const auto refuse = [&](const char* what, const char* end) {
+    throw FileError(name + ": is " + what +
+                    " by its first word, its name ends otherwise; rename it to " + end);
+  };
+  if (format != ".ply" && is_word(first_word(text), "ply")) refuse("a PLY file", ".ply");
+  if (format != ".stl" && is_word(first_word(text), "solid")) refuse("an STL file", ".stl");
 }
 
 std::string ending(const std::string& name) {
@@ -123,7 +203,8 @@ std::string ending(const std::string& name) {
 
 TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double scale) {
   TriangleSoup soup;
-  TokenReader words(bytes, name, true);
+  TokenReader words(without_byte_order_mark(bytes), name, true);
+  ObjIndices indices(words);
   std::vector<std::uint32_t> corners;
   while (words.next_line()) {
     if (words.rest().front() == '#') {
@@ -131,13 +212,13 @@ TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double s
       continue;
     }
     const std::string_view word = words.word();
-    if (word == "v") {
+    if (is_word(word, "v")) {
       if (soup.vertices.size() >= kMostVertices) words.fail("v: too many vertices; simplify it");
       add_vertex(words, "v", scale, soup);  // a weight or a colour may follow
-    } else if (word == "f") {
+    } else if (is_word(word, "f") || is_word(word, "fo")) {
       corners.clear();
       while (!words.line_ended() && words.rest().front() != '#')
-        corners.push_back(obj_index(words, words.word(), soup.vertices.size()));
+        corners.push_back(indices.read(words.word(), soup.vertices.size()));
       if (!words.line_ended()) words.end_line();
       if (corners.size() < 3)
         words.fail("f: a face needs three vertices, has " + std::to_string(corners.size()) +
@@ -148,6 +229,7 @@ TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double s
                  ": is nothing that can be touched; export triangles or polygons only");
     }
   }
+  indices.check(soup.vertices.size());
   return soup;
 }
 
@@ -158,7 +240,9 @@ TriangleSoup parse_stl(std::string_view bytes, const std::string& name, double s
 
 TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double scale) {
   const std::string format = ending(name);
+  if (const auto foreign = foreign_content(bytes)) throw FileError(name + ": " + *foreign);
   TriangleSoup soup;
+  check_ending(bytes, name, format);
   if (format == ".obj")
     soup = parse_obj(bytes, name, scale);
   else if (format == ".stl")

@@ -18,6 +18,9 @@ constexpr int kMostPieces = 32;  // of a way over triangles, looked over togethe
 constexpr int kMostLegs = 64;    // so many pieces a sample at most; then the next sample goes on
 constexpr int kMostStill = 16;   // steps that led nowhere: only rounding is left to gain
 constexpr int kMostRounds = 48;  // of rays
+// Units of work beside those of the tree.
+constexpr std::uint64_t kTriangleWork = 4;  // that the walk crosses, or looks at round a corner
+constexpr std::uint64_t kRoundWork = 8;
 
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
 std::size_t previous(std::size_t k) { return k == 0 ? 2 : k - 1; }
@@ -53,13 +56,14 @@ struct Piece {
 
 class Walk {
  public:
-  Walk(const MeshSurface& surface, const Vec3& goal, ProxyState& at)
-      : surface_(surface), mesh_(surface.mesh()), goal_(goal), at_(at) {}
+  Walk(const MeshSurface& surface, const Vec3& goal, ProxyState& at, WorkLimit* work)
+      : surface_(surface), mesh_(surface.mesh()), goal_(goal), at_(at), work_(work) {}
 
   Outcome run() {
     count_ = 0;
     for (int still = 0; still < kMostStill;) {
       if (count_ + 2 > kMostPieces) return Outcome::going;
+      if (!may_go_on(work_, kTriangleWork)) return Outcome::standing;
       const Vec3 before = at_.point;
       const auto outcome = cross_triangle();
       if (outcome) return *outcome;
@@ -169,6 +173,7 @@ class Walk {
     std::uint32_t best = at_.triangle;
     Vec3 mean = Vec3::Zero();
     for (const std::uint32_t t : mesh_.around(vertex)) {
+      if (!may_go_on(work_, kTriangleWork)) return Outcome::standing;
       const Triangle& corner = mesh_.triangles()[t];
       const std::size_t k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
       if (mesh_.neighbour(t, static_cast<int>(k)) == TriangleMesh::kNone ||
@@ -199,6 +204,7 @@ class Walk {
   const TriangleMesh& mesh_;
   const Vec3& goal_;
   ProxyState& at_;
+  WorkLimit* work_;
   std::array<Piece, kMostPieces> pieces_;
   std::size_t count_ = 0;
 };
@@ -211,7 +217,8 @@ bool have_common_corner(const Triangle& a, const Triangle& b) {
 }
 
 /// Does a way over triangles go through one that is no neighbour?
-bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces) {
+bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces,
+               WorkLimit* work) {
   Bounds box;
   for (const Piece& piece : pieces) {
     box.add(piece.from);
@@ -219,11 +226,16 @@ bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Pi
   }
   bool barred = false;
   const auto& triangles = surface.mesh().triangles();
-  surface.tree().overlapping(box, [&](std::uint32_t t) {
-    for (const Piece& piece : pieces)
-      barred = barred || (t != piece.triangle && surface.crossing(t, piece.from, piece.to, sides) &&
-                          !have_common_corner(triangles[t], triangles[piece.triangle]));
-  });
+  surface.tree().overlapping(
+      box,
+      [&](std::uint32_t t) {
+        if (!may_go_on(work, pieces.size())) return;
+        for (const Piece& piece : pieces)
+          barred =
+              barred || (t != piece.triangle && surface.crossing(t, piece.from, piece.to, sides) &&
+                         !have_common_corner(triangles[t], triangles[piece.triangle]));
+      },
+      work);
   return barred;
 }
 
@@ -263,18 +275,18 @@ Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
 
 /// By rays and planes (Zilles & Salisbury), from a point in the open.
 void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
-                  ProxyState& proxy) {
+                  ProxyState& proxy, WorkLimit* work) {
   const double skin = surface.skin();
   std::array<std::optional<HoldingPlane>, 3> held;
   std::size_t count = 0;
   Vec3 at = proxy.point;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostRounds && may_go_on(work, kRoundWork); ++round) {
     std::array<HalfSpace, 3> spaces;
     for (std::size_t i = 0; i < count; ++i)
       spaces[i] = {held[i]->face.normal, held[i]->face.normal.dot(held[i]->face.corners[0]) + skin};
     const Nearest aim = nearest_in({spaces.data(), count}, goal, 0.25 * skin);
     if (!aim.found) break;
-    const auto hit = surface.first_crossing(at, aim.point, sides);
+    const auto hit = surface.first_crossing(at, aim.point, sides, work);
     if (hit) {
       const Face face(surface, hit->triangle, hit->side);
       const Vec3 way = aim.point - at;
@@ -311,10 +323,10 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
 
 }  // namespace
 
-void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
-                ProxyState& proxy) noexcept {
+void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, ProxyState& proxy,
+                WorkLimit* work) noexcept {
   if (proxy.side == 0) {
-    const auto hit = surface.first_crossing(proxy.point, goal, sides);
+    const auto hit = surface.first_crossing(proxy.point, goal, sides, work);
     if (!hit) {
       proxy.point = goal;
       return;
@@ -324,18 +336,18 @@ void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
              .side = hit->side,
              .on_face = false};
   }
-  Walk walk(surface, goal, proxy);
-  for (int leg = 0; leg < kMostLegs; ++leg) {
+  Walk walk(surface, goal, proxy, work);
+  for (int leg = 0; leg < kMostLegs && !is_cut(work); ++leg) {
     const ProxyState before = proxy;
     Outcome outcome = walk.run();
-    if (is_barred(surface, sides, walk.pieces())) {
+    if (is_barred(surface, sides, walk.pieces(), work)) {
       proxy = before;
       outcome = Outcome::crowded;
     }
     if (outcome == Outcome::going) continue;
     if (outcome != Outcome::standing) {
       proxy.point = lifted(surface, proxy);
-      move_by_rays(surface, sides, goal, proxy);
+      move_by_rays(surface, sides, goal, proxy, work);
     }
     return;
   }

@@ -13,6 +13,8 @@ namespace {
 /// and what a hand could feel.
 constexpr double kSkin = 0x1p-22;
 
+constexpr std::uint64_t kCornerWork = 4;  // units of a triangle round a corner: it has an angle
+
 /// Edges without a neighbour reach a skin farther.
 std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   std::vector<Bounds> boxes(mesh.triangles().size());
@@ -96,9 +98,10 @@ MeshSurface::MeshSurface(TriangleMesh mesh, const MeshOptions& options)
   for (std::uint32_t v = 0; v < normals_.size(); ++v) normals_[v] = corner_normal(v);
 }
 
-Vec3 MeshSurface::corner_normal(std::uint32_t vertex) const noexcept {
+Vec3 MeshSurface::corner_normal(std::uint32_t vertex, WorkLimit* work) const noexcept {
   Vec3 sum = Vec3::Zero();
   for (const std::uint32_t t : mesh_.around(vertex)) {
+    if (!may_go_on(work, kCornerWork)) break;
     const std::array<Vec3, 3> c = mesh_.corners(t);
     const Triangle& corner = mesh_.triangles()[t];
     const std::size_t k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
@@ -142,18 +145,24 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
 }
 
 std::optional<Crossing> MeshSurface::first_crossing(const Vec3& from, const Vec3& to,
-                                                    std::int8_t sides) const noexcept {
+                                                    std::int8_t sides,
+                                                    WorkLimit* work) const noexcept {
   std::optional<Crossing> first;
-  tree_.along(from, to, [&](std::uint32_t t) {
-    const auto found = crossing(t, from, to, sides);
-    if (!found) return;
-    if (!first || found->part < first->part || (found->part == first->part && t < first->triangle))
-      first = found;
-  });
+  tree_.along(
+      from, to,
+      [&](std::uint32_t t) {
+        const auto found = crossing(t, from, to, sides);
+        if (!found) return;
+        if (!first || found->part < first->part ||
+            (found->part == first->part && t < first->triangle))
+          first = found;
+      },
+      work);
   return first;
 }
 
-MeshSurface::NearestTriangle MeshSurface::nearest(const Vec3& p, double most) const noexcept {
+MeshSurface::NearestTriangle MeshSurface::nearest(const Vec3& p, double most,
+                                                  WorkLimit* work) const noexcept {
   NearestTriangle best;
   double radius = most;
   tree_.within(
@@ -164,11 +173,13 @@ MeshSurface::NearestTriangle MeshSurface::nearest(const Vec3& p, double most) co
         if (distance > radius || (distance == best.distance && t > best.triangle)) return;
         best = {t, here.point, here.weights, distance};
         radius = distance;
-      });
+      },
+      work);
   return best;
 }
 
-double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest) const noexcept {
+double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest,
+                            WorkLimit* work) const noexcept {
   const Triangle& corner = mesh_.triangles()[nearest.triangle];
   Vec3 normal = triangle_normal(mesh_.corners(nearest.triangle));
   std::size_t zeros = 0, zero = 0, one = 0;
@@ -181,7 +192,7 @@ double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest) const
     }
   }
   if (zeros == 2) {
-    normal = corner_normal(corner[one]);
+    normal = corner_normal(corner[one], work);
   } else if (zeros == 1) {  // on the edge opposite that corner
     const std::uint32_t other = mesh_.neighbour(nearest.triangle, static_cast<int>((zero + 1) % 3));
     if (other != TriangleMesh::kNone) normal += triangle_normal(mesh_.corners(other));

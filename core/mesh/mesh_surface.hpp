@@ -77,8 +77,8 @@ class MeshSurface {
                                    std::int8_t sides) const noexcept;
   /// The first crossing of any triangle; of equal ones, that of the lowest index. sides: 1, -1, or
   /// 0 for both.
-  std::optional<Crossing> first_crossing(const Vec3& from, const Vec3& to,
-                                         std::int8_t sides) const noexcept;
+  std::optional<Crossing> first_crossing(const Vec3& from, const Vec3& to, std::int8_t sides,
+                                         WorkLimit* work = nullptr) const noexcept;
 
   struct NearestTriangle {
     std::uint32_t triangle = 0;
@@ -88,16 +88,17 @@ class MeshSurface {
   };
   /// The nearest triangle within `most` [m]. Its distance is infinite if there is none. Of equal
   /// ones, that of the lowest index.
-  NearestTriangle nearest(const Vec3& p, double most) const noexcept;
+  NearestTriangle nearest(const Vec3& p, double most, WorkLimit* work = nullptr) const noexcept;
   /// The side of the surface that p lies on, if `nearest` is its nearest point: > 0 outside. The
   /// sign is that of the angle-weighted pseudo-normal of the face, edge or corner (Baerentzen &
   /// Aanaes, Signed distance computation using the angle weighted pseudonormal, TVCG 2005).
-  double side_of(const Vec3& p, const NearestTriangle& nearest) const noexcept;
+  double side_of(const Vec3& p, const NearestTriangle& nearest,
+                 WorkLimit* work = nullptr) const noexcept;
 
   std::size_t memory() const;  // [bytes]
 
  private:
-  Vec3 corner_normal(std::uint32_t vertex) const noexcept;
+  Vec3 corner_normal(std::uint32_t vertex, WorkLimit* work = nullptr) const noexcept;
 
   TriangleMesh mesh_;
   MeshOptions options_;

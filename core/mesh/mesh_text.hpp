@@ -33,15 +33,31 @@ inline std::optional<std::string> broken_vertex(std::size_t number, const Vec3& 
   return std::nullopt;
 }
 
-/// Cuts a text into lines, and lines into words at white space.
+/// Compares a word with one in small letters. Programs write both.
+inline bool is_word(std::string_view word, std::string_view lower) {
+  if (word.size() != lower.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const char c = word[i];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != lower[i]) return false;
+  }
+  return true;
+}
+
+/// Cuts a text into lines, and lines into words at white space. A line ends with a line feed. In a
+/// file whose first line ends with a carriage return alone, all lines end so.
 class TokenReader {
  public:
   /// `continued`: a backslash at the end of a line joins the next one to it.
   TokenReader(std::string_view text, const std::string& name, bool continued = false)
-      : text_(text), name_(name), continued_(continued) {}
+      : text_(text), name_(name), continued_(continued) {
+    const std::size_t end = text_.find_first_of("\r\n");
+    if (end != std::string_view::npos && text_[end] == '\r' && text_.substr(end + 1, 1) != "\n")
+      line_end_ = '\r';
+  }
 
-  [[noreturn]] void fail(const std::string& message) const {
-    throw FileError(name_ + ":" + std::to_string(line_) + ": " + message);
+  [[noreturn]] void fail(const std::string& message) const { fail_at(line_, message); }
+  [[noreturn]] void fail_at(int line, const std::string& message) const {
+    throw FileError(name_ + ":" + std::to_string(line) + ": " + message);
   }
 
   /// Goes to the next line that is not empty; false at the end. Skips the rest of the line before,
@@ -83,7 +99,8 @@ class TokenReader {
     if (w.empty() || read.ec != std::errc{} || read.ptr != w.data() + w.size() ||
         !std::isfinite(value))
       fail(std::string(what) + ": must be a number, is " + shown(written) +
-           "; export the surface anew");
+           "; export the surface anew" +
+           (written.find(',') != std::string_view::npos ? " with a decimal point" : ""));
     return value;
   }
   Vec3 vector(const char* what) {
@@ -111,7 +128,9 @@ class TokenReader {
   int line() const { return line_; }
 
  private:
-  static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  static bool is_space(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+  }
   void skip_space() {
     for (;;) {
       std::size_t n = 0;
@@ -126,7 +145,7 @@ class TokenReader {
     goes_on_ = false;
     rest_ = {};
     if (at_ >= text_.size()) return;
-    std::size_t end = text_.find('\n', at_);
+    std::size_t end = text_.find(line_end_, at_);
     if (end == std::string_view::npos) end = text_.size();
     rest_ = text_.substr(at_, end - at_);
     at_ = end + 1;
@@ -144,6 +163,7 @@ class TokenReader {
   const std::string& name_;
   std::size_t at_ = 0;
   int line_ = 0;
+  char line_end_ = '\n';
   bool continued_ = false;
   bool goes_on_ = false;  // the next line belongs to this one
 };

@@ -5,16 +5,24 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/foreign_content.hpp"
 #include "core/mesh/mesh_file.hpp"
 #include "core/mesh/mesh_text.hpp"
 
 namespace feltwire {
 namespace {
 
+using mesh_text::is_word;
 using mesh_text::TokenReader;
 
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 constexpr std::size_t kNotThere = std::numeric_limits<std::size_t>::max();
+
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return small;
+}
 
 std::optional<Scalar> scalar_named(std::string_view name) {
   constexpr std::array<std::string_view, 8> kOld = {"char", "uchar", "short", "ushort",
@@ -22,7 +30,7 @@ std::optional<Scalar> scalar_named(std::string_view name) {
   constexpr std::array<std::string_view, 8> kNew = {"int8",  "uint8",  "int16",   "uint16",
                                                     "int32", "uint32", "float32", "float64"};
   for (std::size_t i = 0; i < kOld.size(); ++i)
-    if (name == kOld[i] || name == kNew[i]) return static_cast<Scalar>(i);
+    if (is_word(name, kOld[i]) || is_word(name, kNew[i])) return static_cast<Scalar>(i);
   return std::nullopt;
 }
 
@@ -49,8 +57,7 @@ struct Header {
   std::vector<Element> elements;
 };
 
-Scalar scalar(TokenReader& words) {
-  const std::string_view word = words.word();
+Scalar scalar(const TokenReader& words, std::string_view word) {
   const auto type = scalar_named(word);
   if (!type)
     words.fail("property: " + TokenReader::shown(word) + " is no type of PLY; export it anew");
@@ -59,47 +66,50 @@ Scalar scalar(TokenReader& words) {
 
 Header read_header(TokenReader& words) {
   Header header;
-  if (!words.next_line() || words.word() != "ply")
+  bool begun = words.next_line();
+  while (begun && words.rest().front() == '#') begun = words.next_line();
+  if (!begun || !is_word(words.word(), "ply"))
     words.fail("does not begin with 'ply'; it is no PLY file");
   bool format = false;
   while (words.next_line()) {
     const std::string_view word = words.word();
-    if (word == "end_header") {
+    if (is_word(word, "end_header")) {
       if (!format) words.fail("format: is missing; export the surface anew");
       return header;
     }
-    if (word == "format") {
+    if (is_word(word, "format")) {
       const std::string_view f = words.word();
       format = true;
-      if (f == "binary_little_endian")
+      if (is_word(f, "binary_little_endian"))
         header.format = Format::little;
-      else if (f == "binary_big_endian")
+      else if (is_word(f, "binary_big_endian"))
         header.format = Format::big;
-      else if (f != "ascii")
+      else if (!is_word(f, "ascii"))
         words.fail("format: " + TokenReader::shown(f) +
                    " is unknown; export it as ascii or binary");
-    } else if (word == "element") {
-      Element element{.name = std::string(words.word()), .count = 0, .properties = {}};
+    } else if (is_word(word, "element")) {
+      Element element{.name = in_small_letters(words.word()), .count = 0, .properties = {}};
       const long long count = words.whole(words.word(), "element");
       if (count < 0 || count >= std::numeric_limits<std::uint32_t>::max())
         words.fail("element: there cannot be " + std::to_string(count) + "; export it anew");
       element.count = static_cast<std::size_t>(count);
       header.elements.push_back(std::move(element));
-    } else if (word == "property") {
+    } else if (is_word(word, "property")) {
       if (header.elements.empty()) words.fail("property: of no element; export the surface anew");
       Property property;
-      if (words.rest().substr(0, 5) == "list ") {
-        words.word();
-        property.list = scalar(words);
+      std::string_view type = words.word();
+      if (is_word(type, "list")) {
+        property.list = scalar(words, words.word());
+        type = words.word();
       }
-      property.type = scalar(words);
-      property.name = words.word();
+      property.type = scalar(words, type);
+      property.name = in_small_letters(words.word());
       const bool coordinate = property.name == "x" || property.name == "y" || property.name == "z";
       if (property.list && coordinate && header.elements.back().name == "vertex")
         words.fail("property " + property.name +
                    ": is a list, must be one number; export the surface anew");
       header.elements.back().properties.push_back(std::move(property));
-    } else if (word != "comment" && word != "obj_info") {
+    } else if (!is_word(word, "comment") && !is_word(word, "obj_info")) {
       words.fail(TokenReader::shown(word) +
                  ": is no word of a PLY header; export the surface anew");
     }
@@ -178,6 +188,9 @@ void read_body(Values& values, const Header& header, double scale, TriangleSoup&
   std::vector<double> row;   // the scalars of an element
   std::vector<double> list;  // of the property that is wanted
   std::vector<std::uint32_t> corners;
+  std::size_t vertices = 0;  // faces may stand before them
+  for (const Element& element : header.elements)
+    if (element.name == "vertex") vertices += element.count;
   for (const Element& element : header.elements) {
     const bool vertex = element.name == "vertex", face = element.name == "face";
     const std::size_t x = element.find({"x"}), y = element.find({"y"}), z = element.find({"z"});
@@ -221,10 +234,9 @@ void read_body(Values& values, const Header& header, double scale, TriangleSoup&
                     "; export the surface anew");
       corners.clear();
       for (const double index : list) {
-        if (!(index >= 0.0 && index < static_cast<double>(soup.vertices.size())) ||
-            index != std::floor(index))
-          values.fail("face: a vertex does not exist among the " +
-                      std::to_string(soup.vertices.size()) + "; export the surface anew");
+        if (!(index >= 0.0 && index < static_cast<double>(vertices)) || index != std::floor(index))
+          values.fail("face: a vertex does not exist among the " + std::to_string(vertices) +
+                      "; export the surface anew");
         corners.push_back(static_cast<std::uint32_t>(index));
       }
       mesh_text::add_fan(corners, soup.triangles);
@@ -235,6 +247,7 @@ void read_body(Values& values, const Header& header, double scale, TriangleSoup&
 }  // namespace
 
 TriangleSoup parse_ply(std::string_view bytes, const std::string& name, double scale) {
+  bytes = without_byte_order_mark(bytes);
   TokenReader words(bytes, name);
   const Header header = read_header(words);
   TriangleSoup soup;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <tuple>
@@ -11,6 +10,9 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/splitmix.hpp"
+#include "core/mesh/bucketed.hpp"
+#include "core/mesh/doubled_faces.hpp"
+#include "core/mesh/edge_splits.hpp"
 #include "core/mesh/mesh_seams.hpp"
 
 namespace feltwire {
@@ -76,36 +78,6 @@ void require_whole(const TriangleSoup& soup) {
                                     std::to_string(soup.vertices.size()) + "; correct the index");
 }
 
-std::string metres(double length) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g m", length);
-  return text.data();
-}
-
-Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
-
-/// make(0), make(1), ... by their `low`, which is below `lows`, and those of the same by `less`.
-template <class Made, class Make, class Less>
-std::vector<Made> bucketed(std::size_t count, std::size_t lows, const Make& make,
-                           const Less& less) {
-  std::vector<std::size_t> first(lows + 1, 0);
-  for (std::size_t i = 0; i < count; ++i) ++first[make(i).low + 1];
-  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-  std::vector<Made> all(count);
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Made made = make(i);
-    all[next[made.low]++] = made;
-  }
-  for (std::size_t low = 0; low < lows; ++low)
-    std::sort(all.begin() + static_cast<std::ptrdiff_t>(first[low]),
-              all.begin() + static_cast<std::ptrdiff_t>(first[low + 1]), less);
-  return all;
-}
-
 }  // namespace
 
 Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
@@ -125,7 +97,8 @@ Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
   return direction(Vec3(direction(a).cross(direction(b))));
 }
 
-TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld) {
+TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld, bool solid)
+    : solid_(solid) {
   require_whole(soup);
   this->weld(soup);
   if (triangles_.empty())
@@ -136,7 +109,7 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld)
   report_.typical_side = typical_side();
   index_vertices();
   drop_duplicates();
-  const auto open = join_open_edges(find_neighbours());
+  const auto open = split_open_edges(join_open_edges(find_neighbours())).edges;
   const mesh_seams::Holes holes = mesh_seams::holes(vertices_, open);
   report_.holes = holes.count;
   for (std::size_t v = 0; v + 1 < first_.size(); ++v)
@@ -149,10 +122,11 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld)
 
 /// Returns the edges that are still open. A triangle that loses its area can open other edges,
 /// which are joined in turn.
-std::vector<mesh_seams::Edge> TriangleMesh::join_open_edges(std::vector<mesh_seams::Edge> open) {
+TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   constexpr int kMostJoinRounds = 8;
-  for (int round = 0; round < kMostJoinRounds && !open.empty(); ++round) {
-    const mesh_seams::Joined joined = mesh_seams::join(vertices_, triangles_, open, report_.weld);
+  for (int round = 0; round < kMostJoinRounds && !open.edges.empty(); ++round) {
+    const mesh_seams::Joined joined =
+        mesh_seams::join(vertices_, triangles_, open.edges, report_.weld);
     if (joined.count == 0) break;
     const std::vector<Triangle> before = triangles_;
     for (Triangle& t : triangles_)
@@ -168,6 +142,39 @@ std::vector<mesh_seams::Edge> TriangleMesh::join_open_edges(std::vector<mesh_sea
     open = find_neighbours();
   }
   return open;
+}
+
+/// Returns the edges that are still open. Of a triangle one side is split at a time.
+TriangleMesh::OpenEdges TriangleMesh::split_open_edges(OpenEdges open) {
+  constexpr int kMostSplitRounds = 32;
+  constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+  const double weld = std::max(report_.weld, kRounding * report_.size);
+  for (int round = 0; round < kMostSplitRounds && !open.edges.empty(); ++round) {
+    edge_splits::Split split = edge_splits::split(vertices_, triangles_, open.sides, weld);
+    report_.split_search_ended = report_.split_search_ended || !split.all_looked;
+    if (split.edges == 0 || split.triangles.size() > kMostTriangles) break;
+    report_.split += split.edges;
+    report_.split_farthest = std::max(report_.split_farthest, split.farthest);
+    report_.added += split.triangles.size() - triangles_.size();
+    triangles_ = std::move(split.triangles);
+    index_vertices();
+    drop_duplicates();
+    open = find_neighbours();
+  }
+  return open;
+}
+
+bool TriangleMesh::same_corners(std::uint32_t one, std::uint32_t other) const {
+  for (const std::uint32_t v : triangles_[one])
+    if (std::ranges::find(triangles_[other], v) == triangles_[other].end()) return false;
+  return true;
+}
+
+std::uint32_t TriangleMesh::reverse_of(std::uint32_t t) const {
+  if (report_.both_sides == 0) return kNone;
+  for (const std::uint32_t other : around(triangles_[t][0]))
+    if (other != t && same_corners(other, t)) return other;
+  return kNone;
 }
 
 /// Drops triangles without an area, and vertices without a triangle; false: none is left.
@@ -262,36 +269,16 @@ void TriangleMesh::index_vertices() {
 }
 
 void TriangleMesh::drop_duplicates() {
-  // By their lowest corner, then by the other two: a corner may have a hundred thousand triangles.
-  struct Corners {
-    std::uint32_t low, middle, high, triangle;
-    bool operator==(const Corners& other) const {
-      return low == other.low && middle == other.middle && high == other.high;
-    }
-  };
-  std::vector<Corners> all = bucketed<Corners>(
-      triangles_.size(), vertices_.size(),
-      [&](std::size_t t) {
-        const Triangle c = sorted(triangles_[t]);
-        return Corners{c[0], c[1], c[2], static_cast<std::uint32_t>(t)};
-      },
-      [](const Corners& a, const Corners& b) {
-        return std::tie(a.middle, a.high, a.triangle) < std::tie(b.middle, b.high, b.triangle);
-      });
-  std::vector<bool> twice(triangles_.size());
-  for (std::size_t i = 1; i < all.size(); ++i) twice[all[i].triangle] = all[i] == all[i - 1];
-  std::vector<Triangle> kept;
-  kept.reserve(triangles_.size());
-  for (std::size_t t = 0; t < triangles_.size(); ++t)
-    if (!twice[t]) kept.push_back(triangles_[t]);
-  if (kept.size() == triangles_.size()) return;
-  report_.duplicate += triangles_.size() - kept.size();
-  triangles_ = std::move(kept);
+  doubled_faces::Kept kept = doubled_faces::keep_one_of_each(vertices_, triangles_, solid_);
+  report_.both_sides = kept.both_sides;
+  if (kept.triangles.empty()) return;
+  report_.duplicate += triangles_.size() - kept.triangles.size();
+  report_.opposed += kept.opposed;
+  triangles_ = std::move(kept.triangles);
   index_vertices();
 }
 
-/// The edges that have one triangle.
-std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
+TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
   struct EdgeSide {
     std::uint32_t low, high;  // the edge's ends
     std::uint32_t side;       // kSides * triangle + number
@@ -311,14 +298,17 @@ std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
       });
   report_.non_manifold_edges = report_.turned_edges = 0;
   neighbours_.assign(triangles_.size(), {kNone, kNone, kNone});
-  std::vector<bool> is_open(sides.size());
+  OpenEdges open;
+  std::vector<bool> is_open(sides.size()), is_second(sides.size());
   for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
     while (end < sides.size() && sides[end].low == sides[first].low &&
            sides[end].high == sides[first].high)
       ++end;
     const std::uint32_t one = sides[first].side, other = sides[end - 1].side;
-    if (end - first == 1) {
-      is_open[one] = true;
+    if (end - first == 1 || (end - first == 2 && report_.both_sides > 0 &&
+                             same_corners(one / kSides, other / kSides))) {
+      is_open[one] = is_open[other] = true;
+      if (one != other) is_second[other] = true;  // the same edge, of a face with both sides
     } else if (end - first > 2) {
       ++report_.non_manifold_edges;
     } else if (ends(one)[0] == ends(other)[0]) {
@@ -328,10 +318,12 @@ std::vector<mesh_seams::Edge> TriangleMesh::find_neighbours() {
       neighbours_[other / kSides][other % kSides] = one / kSides;
     }
   }
-  std::vector<mesh_seams::Edge> open;
-  for (std::size_t side = 0; side < is_open.size(); ++side)
-    if (is_open[side]) open.push_back(ends(side));
-  report_.boundary_edges = open.size();
+  for (std::size_t side = 0; side < is_open.size(); ++side) {
+    if (!is_open[side]) continue;
+    open.sides.push_back(static_cast<std::uint32_t>(side));
+    if (!is_second[side]) open.edges.push_back(ends(side));
+  }
+  report_.boundary_edges = open.edges.size();
   return open;
 }
 
@@ -356,45 +348,6 @@ std::size_t TriangleMesh::memory() const {
   return vertices_.capacity() * sizeof(Vec3) +
          (triangles_.capacity() + neighbours_.capacity()) * sizeof(Triangle) +
          (first_.capacity() + around_.capacity()) * sizeof(std::uint32_t);
-}
-
-std::string holes_text(const MeshReport& report) {
-  if (report.holes == 0) return "";
-  if (report.holes == 1) return ", 1 hole " + metres(report.widest_hole) + " across";
-  return ", " + std::to_string(report.holes) + " holes " + metres(report.narrowest_hole) + " to " +
-         metres(report.widest_hole) + " across";
-}
-
-std::vector<std::string> warnings(const MeshReport& report, bool closed) {
-  std::vector<std::string> found;
-  const auto say = [&](std::size_t count, const std::string& what) {
-    if (count > 0) found.push_back(std::to_string(count) + what);
-  };
-  say(report.joined, " vertices of open edges were joined with one that is at most " +
-                         metres(report.weld) + " away; the farthest was " +
-                         metres(report.joined_farthest) + " away");
-  say(report.degenerate, " triangles have no area and were left out; " +
-                             (report.degenerate_height > 0.0
-                                  ? "the highest is " + metres(report.degenerate_height) + " high"
-                                  : std::string("nothing is missing of the surface")));
-  say(report.duplicate, " triangles stand twice; one of each was left out");
-  say(report.non_manifold_edges, " edges have more than two triangles; the hand is slower there");
-  say(report.turned_edges,
-      " edges lie between triangles that disagree about the outside; unify the normals");
-  if (closed)
-    say(report.boundary_edges,
-        " edges have one triangle: the surface has holes" + holes_text(report) +
-            "; close them, raise weld above narrow ones, or set double_sided");
-  constexpr std::size_t kCrowd = 1000;
-  if (report.most_at_corner > kCrowd)
-    found.push_back(std::to_string(report.most_at_corner) +
-                    " triangles meet at one corner; the hand is slower there, cut the face with so "
-                    "many corners into smaller ones");
-  if (report.typical_side < TriangleMesh::kWeld * report.size)
-    found.push_back("the surface is " + metres(report.size) + " large, its triangles are " +
-                    metres(report.typical_side) +
-                    ": a vertex lies far away from the others, and details are lost; remove it");
-  return found;
 }
 
 }  // namespace feltwire

@@ -24,7 +24,13 @@ struct MeshReport {
   double joined_farthest = 0.0;        // [m] largest distance that was joined
   std::size_t degenerate = 0;          // triangles without an area: left out
   double degenerate_height = 0.0;      // [m] largest height of these
-  std::size_t duplicate = 0;           // triangles on the corners of an earlier one: left out
+  std::size_t split = 0;               // open edges with corners of others on them, split there
+  std::size_t added = 0;               // triangles more than before by that
+  double split_farthest = 0.0;         // [m] largest distance of such a corner from its edge
+  bool split_search_ended = false;     // too many open edges lie over each other: not all looked at
+  std::size_t duplicate = 0;           // triangles on the corners of another one: left out
+  std::size_t opposed = 0;             // of these: they faced the other way than their neighbours
+  std::size_t both_sides = 0;          // faces with a triangle on each side: no neighbour decides
   std::size_t boundary_edges = 0;      // with one triangle
   std::size_t non_manifold_edges = 0;  // with more than two
   std::size_t turned_edges = 0;        // whose two triangles disagree about the outside
@@ -56,11 +62,19 @@ class TriangleMesh {
 
   TriangleMesh() = default;
   /// Joins equal vertices, and ends of open edges that are at most `weld` [m] apart (by default:
-  /// kWeld times the size; 0: none). Leaves out duplicate triangles, and degenerate ones, whose
-  /// height is within the rounding of their own corners; no size is too small. Finds the
-  /// neighbours. Throws std::invalid_argument for an index without a vertex, a coordinate that is
-  /// not finite, more than 2^30 triangles, or if no triangle is left.
-  explicit TriangleMesh(const TriangleSoup& soup, std::optional<double> weld = {});
+  /// kWeld times the size; 0: none). Splits open edges on which such ends lie, at most as far away.
+  /// Leaves out duplicate triangles, and degenerate ones, whose height is within the rounding of
+  /// their own corners; no size is too small. Of two triangles on the same corners that face away
+  /// from each other, the one stays that agrees with its neighbours. If no neighbour decides, both
+  /// stay, and the face is felt from both sides. Finds the neighbours.
+  ///
+  /// `solid`: the surface is meant to bound a solid. A closed shell that no neighbour decides is
+  /// then kept with its outside outwards.
+  ///
+  /// Throws std::invalid_argument for an index without a vertex, a coordinate that is not finite,
+  /// more than 2^30 triangles, or if no triangle is left.
+  explicit TriangleMesh(const TriangleSoup& soup, std::optional<double> weld = {},
+                        bool solid = false);
 
   const Vec3& origin() const { return origin_; }  // [m]
   /// [m] half the size of the bounding box, whose middle is the origin.
@@ -75,6 +89,8 @@ class TriangleMesh {
   std::span<const std::uint32_t> around(std::uint32_t vertex) const {
     return std::span(around_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
+  /// The triangle on the same corners that faces the other way, or kNone.
+  std::uint32_t reverse_of(std::uint32_t t) const;
   const MeshReport& report() const { return report_; }
   std::array<Vec3, 3> corners(std::uint32_t t) const {
     const Triangle& c = triangles_[t];
@@ -86,12 +102,20 @@ class TriangleMesh {
   void turn();
 
  private:
+  /// Edges that one face has, and the sides of its triangles there (3 * triangle + number): two for
+  /// a face with a triangle on each side.
+  struct OpenEdges {
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    std::vector<std::uint32_t> sides;
+  };
+
   void weld(const TriangleSoup& soup);
   void index_vertices();
   void drop_duplicates();
-  std::vector<std::array<std::uint32_t, 2>> find_neighbours();
-  std::vector<std::array<std::uint32_t, 2>> join_open_edges(
-      std::vector<std::array<std::uint32_t, 2>> open);
+  OpenEdges find_neighbours();
+  OpenEdges join_open_edges(OpenEdges open);
+  OpenEdges split_open_edges(OpenEdges open);
+  bool same_corners(std::uint32_t one, std::uint32_t other) const;
   bool keep_areas();
   double volume() const;
   double typical_side() const;
@@ -102,6 +126,7 @@ class TriangleMesh {
   std::vector<Triangle> neighbours_;
   std::vector<std::uint32_t> first_, around_;  // of vertex v: around_[first_[v]] ...
   MeshReport report_;
+  bool solid_ = false;
 };
 
 /// The findings that a person should know, one line each, with the remedy. Empty for a clean closed

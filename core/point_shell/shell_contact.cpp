@@ -15,6 +15,8 @@ namespace {
 /// a smaller one would leave little that is sure of their distance, for the clearance.
 constexpr double kFarEnough = 0.5;
 
+constexpr std::uint64_t kGroupWork = 4;  // units of eight points or nodes against one solid
+
 double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; }
 
 using Lanes = FieldGroup::Lanes;
@@ -76,6 +78,7 @@ struct ShellQuery {
   Vec3 origin;  // [m] of the tool
   ShellContact& sum;
   bool slides;  // what slips where is asked for
+  WorkLimit* work;
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
 
@@ -127,7 +130,7 @@ struct ShellQuery {
     group.gradient_y *= inside;
     group.gradient_z *= inside;
     sums.add(group, arm);
-    if (slides) slip(group, arm);
+    if (slides && may_go_on(work, kGroupWork)) slip(group, arm);
   }
 
   void slip(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
@@ -178,7 +181,7 @@ struct ShellQuery {
     std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
     std::size_t count = 0;
     if (root_is_near()) waiting[count++] = 0;
-    while (count > 0) {
+    while (count > 0 && may_go_on(work, kGroupWork)) {
       const ShellNode& node = shell.nodes[waiting[--count]];
       if (node.children == 0) {
         points(node);
@@ -206,7 +209,9 @@ struct ShellQuery {
 }  // namespace
 
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
-                 double contact_area, ShellContact& sum, const ObjectInStep& in) noexcept {
+                 double contact_area, ShellContact& sum, const ObjectInStep& in,
+                 WorkLimit* work) noexcept {
+  if (!may_go_on(work, kGroupWork)) return;
   const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
   ShellQuery look{shell,
@@ -214,7 +219,8 @@ void add_contact(const PointShell& shell, const Pose& tool, const Object& object
                   to_world.transpose() * tool.orientation.toRotationMatrix(),
                   to_world.transpose() * (tool.position - object.pose.position),
                   sum,
-                  material.static_friction > 0.0 || material.viscous_friction > 0.0};
+                  material.static_friction > 0.0 || material.viscous_friction > 0.0,
+                  work};
   look.all();
   const Sums& sums = look.sums;
   if (!(sums.squares > 0.0)) return;

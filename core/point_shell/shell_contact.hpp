@@ -24,8 +24,9 @@ struct ObjectInStep {
 /// them costs nothing more.
 ///
 /// With more patches or touched objects than kFrictionPatches, the last one takes all further ones.
-/// Poses must be finite. Never allocates.
+/// Poses must be finite. Where `work` is cut off, the sum means nothing. Never allocates.
 void add_contact(const PointShell& shell, const Pose& tool, const Object& object,
-                 double contact_area, ShellContact& sum, const ObjectInStep& in = {}) noexcept;
+                 double contact_area, ShellContact& sum, const ObjectInStep& in = {},
+                 WorkLimit* work = nullptr) noexcept;
 
 }  // namespace feltwire

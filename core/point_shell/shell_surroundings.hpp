@@ -17,11 +17,12 @@ class ShellSurroundings final : public ToolSurroundings {
                     std::span<const ObjectMotion> motions = {})
       : shell_(shell), contact_area_(contact_area), objects_(objects), motions_(motions) {}
 
-  ShellContact contact(const Pose& tool) const noexcept override {
+  using ToolSurroundings::contact;
+  ShellContact contact(const Pose& tool, WorkLimit* work) const noexcept override {
     ShellContact sum;
-    for (std::size_t i = 0; i < objects_.size(); ++i)
+    for (std::size_t i = 0; i < objects_.size() && !is_cut(work); ++i)
       add_contact(shell_, tool, objects_[i], contact_area_, sum,
-                  in_step(i, objects_[i], motions_, tool));
+                  in_step(i, objects_[i], motions_, tool), work);
     return sum;
   }
 

@@ -45,6 +45,9 @@ void make_flight_folder(const fs::path& folder) {
   if (const std::error_code error = make_private_folder(folder))
     throw FileError(folder.string() + ": cannot be made: " + error.message() +
                     "; check the path in " + kFlightOption);
+  if (const auto shared = shared_folder(folder))
+    throw FileError(*shared + ", or choose another folder in " + kFlightOption +
+                    ": a flight record tells what a person's hand did");
 }
 
 fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {

@@ -18,7 +18,7 @@ inline constexpr std::uintmax_t kMostFlightBytes = std::uintmax_t{256} << 20;  /
 std::optional<std::filesystem::path> state_flight_folder();
 
 /// Creates the folder, for this user alone, if it is missing. Throws FileError that names it, the
-/// reason and the option.
+/// reason and the option; also if it is there and open to other users.
 void make_flight_folder(const std::filesystem::path& folder);
 
 /// DIR/flight-TIME-NAME.mcap for a time [ns since 1970], and removes the oldest files of this name

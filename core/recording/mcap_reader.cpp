@@ -4,21 +4,31 @@
 #include <utility>
 
 #include "core/base/file_error.hpp"
+#include "core/base/foreign_content.hpp"
 
 namespace feltwire::mcap {
 
 Reader::Reader(std::istream& in, std::string name, ReaderLimits limits)
     : in_(in), name_(std::move(name)), limits_(limits) {
   const bool whole = fill(record_, kMagic.size());
-  if (!kMagic.starts_with(record_))
+  if (!kMagic.starts_with(record_)) {
+    std::string begin = record_;
+    constexpr std::size_t kLooked = 1024;
+    fill(record_, kLooked);
+    begin += record_;
+    if (const auto foreign = foreign_content(begin))
+      throw FileError(name_ + ": byte 0: " + *foreign);
     throw FileError(name_ + ": byte 0: this is no MCAP file; give one that --record wrote");
+  }
   ended_ = !whole;
   if (ended_) cut_at_ = 0;
 }
 
 void Reader::damaged(const std::string& what) const {
-  throw FileError(name_ + ": byte " + std::to_string(record_at_) + ": " + what +
-                  "; the file is damaged: copy it anew from where it was recorded");
+  throw FileError(
+      name_ + ": byte " + std::to_string(record_at_) + ": " + what +
+      "; the file is damaged: copy it anew from where it was recorded, or take what is whole in "
+      "it with feltwire-lab export --skip-damaged");
 }
 
 /// Reads as much as there is, and takes memory only for that. False where there is less.

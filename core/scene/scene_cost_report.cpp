@@ -1,8 +1,11 @@
 #include "core/scene/scene_cost_report.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <functional>
 
+#include "core/grid/distance_grid.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/validation.hpp"
@@ -108,6 +111,45 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
   return a;
 }
 
+std::string length_text(double metres) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g", metres);
+  return text.data();
+}
+
+/// The box about an object, in its own frame: half of it [m]. Empty: it is endless.
+std::optional<Vec3> half_box_of(const Shape& shape) {
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) return mesh->surface->mesh().half_extents();
+  if (const auto* grid = std::get_if<Grid>(&shape))
+    return Vec3(0.5 * (grid->field->high() - grid->field->low()));
+  return on_primitive(
+      shape,
+      [](const auto& solid) -> std::optional<Vec3> {
+        if (!is_bounded(solid)) return std::nullopt;
+        return solid.half_box();
+      },
+      [] { return std::optional<Vec3>(); });
+}
+
+/// A line for each object, to see a wrong unit at once.
+std::string sizes_text(const Scene& scene) {
+  constexpr std::size_t kShown = 32;
+  std::string text;
+  const std::vector<Object>& objects = scene.objects();
+  for (std::size_t i = 0; i < objects.size() && i < kShown; ++i) {
+    text += "  size of " + objects[i].name + ": ";
+    const auto half = half_box_of(objects[i].shape);
+    if (half)
+      text += length_text(2.0 * half->x()) + " x " + length_text(2.0 * half->y()) + " x " +
+              length_text(2.0 * half->z()) + " m\n";
+    else
+      text += "endless\n";
+  }
+  if (objects.size() > kShown)
+    text += "  and " + std::to_string(objects.size() - kShown) + " objects more\n";
+  return text;
+}
+
 /// The first few names, and how many more.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 5;
@@ -168,12 +210,33 @@ std::vector<FeatureCost> feature_costs(const Scene& scene) {
   };
 }
 
+std::optional<StartInside> start_inside(const Scene& scene) {
+  constexpr double kLeast = 1e-4;  // [m] what a hand hardly feels; a start lies on a surface
+  std::optional<StartInside> deepest;
+  for (const Object& object : scene.objects()) {
+    FeatureMemory memory;
+    const double depth =
+        surface_point(object, scene.start().position, scene.tool().radius, memory).depth;
+    // A ball that touches the start with its middle on the surface is meant to.
+    if (depth > kLeast + scene.tool().radius && (!deepest || depth > deepest->depth))
+      deepest = {object.name, depth - scene.tool().radius};
+  }
+  return deepest;
+}
+
 std::string describe_costs(const Scene& scene) {
   std::string text =
       "scene " + scene.name() + ": " + counted(scene.objects().size(), "object", "objects") + ", " +
       counted(scene.guides().size(), "guide", "guides") + ", " +
       std::to_string(scene.objects().size() * sizeof(ContactMemory)) + " bytes a tool\n";
   if (!scene.tool().name.empty()) text += listed_tools(scene);
+  text += sizes_text(scene);
+  if (const auto inside = start_inside(scene))
+    text +=
+        "  the start (" + length_text(scene.start().position.x()) + ", " +
+        length_text(scene.start().position.y()) + ", " + length_text(scene.start().position.z()) +
+        ") m lies inside " + inside->object + ", " + length_text(inside->depth) +
+        " m deep: a hand that begins there is pushed at once; put start.position on a surface\n";
   std::string unused;
   for (const FeatureCost& need : feature_costs(scene)) {
     if (need.needed.empty())
@@ -189,9 +252,9 @@ std::string describe_costs(const Scene& scene) {
   if (!unused.empty()) text += "  nothing is spent on: " + unused + "\n";
   const double k = scene.requirements().stiffness;
   if (k > 0.0)
-    text += "  stiffest: " + number_text(k) +
-            " N/m, rendered undiminished while pressed by a device of " + number_text(0.5e-3 * k) +
-            " N s/m and more at 1 kHz (b >= k T / 2)\n";
+    text += "  stiffest: " + number_text(k) + " N/m. A device of " + number_text(0.5e-3 * k) +
+            " N s/m and more renders all of it at 1 kHz by its damping alone (b >= k T / 2). With "
+            "less, the usual mode shaped returns what the device has dissipated\n";
   return text;
 }
 

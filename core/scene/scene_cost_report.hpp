@@ -1,6 +1,7 @@
 #pragma once
 // The costs of a scene: its features, and the parts that need them.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,16 @@ struct FeatureCost {
 /// needs is neither allocated, stepped nor sent.
 std::vector<FeatureCost> feature_costs(const Scene& scene);
 
-/// The same as text: one line for each feature that is needed, and one that lists all others.
+/// An object that the start of a scene lies in.
+struct StartInside {
+  std::string object;
+  double depth = 0.0;  // [m]
+};
+/// The deepest. Empty if the start lies on surfaces or outside of all objects.
+std::optional<StartInside> start_inside(const Scene& scene);
+
+/// The size of each object, whether the start lies inside of one, and the costs: one line for each
+/// feature that is needed, and one that lists all others.
 std::string describe_costs(const Scene& scene);
 
 }  // namespace feltwire

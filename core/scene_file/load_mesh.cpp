@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +23,12 @@ struct Unit {
 };
 constexpr std::array<Unit, 6> kUnits = {
     {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}}};
+
+std::string rounded(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
 
 double scale_of(const JsonDocument& document, const std::string& path,
                 const scene_file::Mesh& mesh) {
@@ -88,7 +95,23 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
 
 }  // namespace
 
-Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
+std::optional<std::string> odd_size(const std::string& name, double size, double scale) {
+  constexpr double kLargest = 20.0, kLeast = 1e-4;    // [m] no hand feels it as a whole
+  constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] what a hand holds or reaches
+  if (size <= kLargest && size >= kLeast) return std::nullopt;
+  std::string others;
+  for (const Unit& unit : kUnits) {
+    const double then = size / scale * unit.metres;
+    if (then < kUsualLeast || then > kUsual) continue;
+    others += (others.empty() ? "" : ", or ") + number_text(unit.metres) + " if its file is in " +
+              unit.name + " (then it is " + rounded(then) + " m)";
+  }
+  return name + ": is " + rounded(size) + " m large with a scale of " + number_text(scale) +
+         (others.empty() ? "; check its unit" : "; give a scale of " + others);
+}
+
+Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, bool moves) {
+  const bool solid = moves || solids_ || mesh.closed();
   const double scale = scale_of(document_, path, mesh);
   MeshOptions options = options_of(document_, path, mesh);
   const std::optional<double> weld = weld_of(document_, path, mesh);
@@ -99,7 +122,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   const std::string key =
       name + '\n' + number_text(scale) + '\n' + number_text(options.radius) +
       (options.double_sided ? "d" : "s") + (options.smooth ? "i" : "f") +
-      (mesh.closed() ? "c" : "o") + number_text(mesh.weld()) + "/" +
+      (mesh.closed() ? "c" : "o") + (solid ? "s" : "f") + number_text(mesh.weld()) + "/" +
       number_text(options.grain.amplitude) + "/" + number_text(options.grain.wavelength) + "\n" +
       (map != nullptr ? map->file()->str() + '\n' + number_text(map->amplitude()) + "/" +
                             number_text(map->size())
@@ -111,7 +134,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
   if (map != nullptr)
     options.height_map = height_map_of(document_, path + ".height_map", folder_, *map);
   try {
-    TriangleMesh triangles(read_scene_mesh(folder_, name, scale), weld);
+    TriangleMesh triangles(read_scene_mesh(folder_, name, scale), weld, solid);
     const MeshReport& report = triangles.report();
     if (mesh.closed() && !report.closed())
       document_.fail(
@@ -122,6 +145,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh) {
               " between triangles turned against each other; mend it, or leave closed out");
     for (const std::string& warning : feltwire::warnings(report, !options.double_sided))
       warnings_.push_back(name + ": " + warning);
+    if (auto odd = odd_size(name, report.size, scale)) warnings_.push_back(std::move(*odd));
     if (report.closed() && report.volume < 0.0 && !options.double_sided) {
       triangles.turn();
       warnings_.push_back(name + ": its normals look inwards; the surface was turned");

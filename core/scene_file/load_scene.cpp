@@ -1,5 +1,6 @@
 #include "core/scene_file/load_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -52,6 +53,14 @@ const Material& find_material(const JsonDocument& document, const std::string& p
                     (known.empty() ? "add it to materials" : "those of this scene are: " + known));
 }
 
+/// Whether a hand may hold a body, to which every mesh is a solid.
+bool has_body_tool(const scene_file::Scene& scene) {
+  if (scene.tool() != nullptr && scene.tool()->body() != nullptr) return true;
+  if (scene.tools() == nullptr) return false;
+  return std::any_of(scene.tools()->begin(), scene.tools()->end(),
+                     [](const scene_file::NamedTool* tool) { return tool->body() != nullptr; });
+}
+
 Shape read_shape(const JsonDocument& document, const std::string& path,
                  const scene_file::Object& object, const std::filesystem::path& folder,
                  MeshLoader& meshes) {
@@ -66,8 +75,10 @@ Shape read_shape(const JsonDocument& document, const std::string& path,
     shape = given;
   };
   take_primitives(document, path, take);
-  if (object.mesh()) take("mesh", meshes.load(path + ".mesh", *object.mesh()));
-  if (const auto* g = object.grid()) take("grid", read_grid(document, path + ".grid", *g, folder));
+  if (object.mesh())
+    take("mesh", meshes.load(path + ".mesh", *object.mesh(), object.body() != nullptr));
+  if (const auto* g = object.grid())
+    take("grid", read_grid(document, path + ".grid", *g, folder, meshes.warnings()));
   if (kind.empty()) document.fail(path, "has no shape; give exactly one of " + choices);
   require(document, path + "." + kind, check(shape));
   return shape;
@@ -200,6 +211,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
 
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   MeshLoader meshes(document, folder);
+  if (has_body_tool(scene)) meshes.take_all_for_solids();
   std::vector<Object> objects;
   Names names(document, "objects");
   if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);

@@ -144,7 +144,7 @@ std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
                          if (seat.arm) go_home(model, file.string(), *seat.arm, coordinates);
                      });
   } catch (const FileError& error) {
-    document.fail("mjcf.file", shown_mjcf_error(error.what(), file, folder));
+    document.fail("mjcf.file", shown_mjcf_error(error, file, folder));
   }
 }
 

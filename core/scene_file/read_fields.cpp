@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "core/grid/signed_distance.hpp"
+#include "core/mesh/box_tree.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/tessellation.hpp"
+#include "core/scene_file/load_mesh.hpp"
 #include "core/scene_file/read_polygons.hpp"
 #include "core/scene_file/read_tool_mass.hpp"
 #include "core/scene_file/read_values.hpp"
@@ -23,7 +25,15 @@ constexpr int kSegments = 128;  // of a round body
 struct Given {
   std::optional<Shape> shape;
   TriangleSoup surface;
+  std::optional<std::string> warning = {};  // about the file
 };
+
+double size_of(const TriangleSoup& surface) {
+  Bounds box;
+  for (const Triangle& t : surface.triangles)
+    for (const std::uint32_t i : t) box.add(surface.vertices[i]);
+  return (box.most - box.least).maxCoeff();
+}
 
 /// The only solid of a table that may have several.
 template <class Table>
@@ -54,13 +64,14 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
                                          " [m per unit of the file], is " +
                                          number_text(table.scale()) + "; check the unit");
     given.surface = read_scene_mesh(folder, file->str(), table.scale());
+    given.warning = odd_size(file->str(), size_of(given.surface), table.scale());
   }
   if (kind.empty()) document.fail(path, "has no solid; give exactly one of " + solids());
   return given;
 }
 
 Solid solid(const Given& given) {
-  return given.shape ? solid_of(*given.shape) : solid_of(TriangleMesh(given.surface));
+  return given.shape ? solid_of(*given.shape) : solid_of(TriangleMesh(given.surface, {}, true));
 }
 
 TriangleSoup placed(TriangleSoup surface, const Pose& pose) {
@@ -79,8 +90,10 @@ Pose read_place(const JsonDocument& document, const std::string& path,
 std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const std::string& path,
                                           const scene_file::ToolBody& body,
                                           const std::filesystem::path& folder,
-                                          const scene_file::Scene& file, const Scene& scene) {
+                                          const scene_file::Scene& file, const Scene& scene,
+                                          std::vector<std::string>& warnings) {
   const Given given = read_solid(document, path, body, folder);
+  if (given.warning) warnings.push_back(*given.warning);
   const Pose place = read_place(document, path, body);
   const ToolInertia inertia =
       read_tool_mass(document, path, body, file, given.shape, given.surface, place);
@@ -101,14 +114,14 @@ std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const st
 template <class Table>
 HandTool read_tool(const JsonDocument& document, const std::string& path, const Table& tool,
                    const std::filesystem::path& folder, const scene_file::Scene& file,
-                   const Scene& scene) {
+                   const Scene& scene, std::vector<std::string>& warnings) {
   HandTool hand;
   if (const auto* sphere = tool.sphere()) {
     require(document, path + ".sphere", check(Shape(Sphere{sphere->radius()})));
     hand.radius = sphere->radius();
   }
   if (const auto* body = tool.body())
-    hand.body = read_body(document, path + ".body", *body, folder, file, scene);
+    hand.body = read_body(document, path + ".body", *body, folder, file, scene, warnings);
   require(document, path, check(hand, scene.objects()));
   return hand;
 }
@@ -116,8 +129,9 @@ HandTool read_tool(const JsonDocument& document, const std::string& path, const 
 }  // namespace
 
 Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
-               const std::filesystem::path& folder) {
+               const std::filesystem::path& folder, std::vector<std::string>& warnings) {
   const Given given = read_solid(document, path, grid, folder);
+  if (given.warning) warnings.push_back(*given.warning);
   try {
     return {std::make_shared<const DistanceGrid<float>>(
         solid(given), GridOptions{.resolution = grid.resolution(), .band = grid.band()})};
@@ -129,11 +143,12 @@ Grid read_grid(const JsonDocument& document, const std::string& path, const scen
 void read_tools(const JsonDocument& document, const scene_file::Scene& file,
                 const std::filesystem::path& folder, Scene& scene) {
   if (file.tool() && file.tools()) document.fail("tools", "stand beside tool; keep one of the two");
+  std::vector<std::string> warnings = scene.warnings();
   try {
     if (const auto* tool = file.tool()) {
       if (!tool->sphere() && !tool->body())
         document.fail("tool", "holds nothing; give exactly one of sphere, body, or leave it out");
-      scene.set_tool(read_tool(document, "tool", *tool, folder, file, scene));
+      scene.set_tool(read_tool(document, "tool", *tool, folder, file, scene, warnings));
     }
     if (const auto* named = file.tools()) {
       require(document, "", broken_tools(named->size()));
@@ -141,8 +156,8 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
       Names names(document, "tools");
       for (const scene_file::NamedTool* tool : *named) {
         names.add(tool->name()->str());
-        HandTool hand =
-            read_tool(document, element("tools", tools.size()), *tool, folder, file, scene);
+        HandTool hand = read_tool(document, element("tools", tools.size()), *tool, folder, file,
+                                  scene, warnings);
         hand.name = tool->name()->str();
         tools.push_back(std::move(hand));
       }
@@ -151,6 +166,7 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
   } catch (const std::invalid_argument& error) {  // a mesh that has no distances
     document.fail(file.tool() ? "tool" : "tools", error.what());
   }
+  scene.warn(std::move(warnings));
 }
 
 }  // namespace feltwire

@@ -24,7 +24,7 @@ std::string use_of_tool(const scene_file::ToolBody& body) {
 Corners parts_of_tool(const JsonDocument& document, const std::string& path,
                       const scene_file::ToolBody& body, const TriangleSoup& surface,
                       const std::filesystem::path& folder) {
-  const MeshSurface mesh{TriangleMesh(surface)};
+  const MeshSurface mesh{TriangleMesh(surface, {}, true)};
   if (!mesh.mesh().report().closed() || !(mesh.mesh().report().volume > 0.0))
     document.fail(path + ".contact",
                   "is polygons, but the surface is not closed with its normals outwards; mend the "

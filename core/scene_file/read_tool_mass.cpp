@@ -34,7 +34,7 @@ void read_damping(const JsonDocument& document, const std::string& path,
 MassProperties solid_of(const JsonDocument& document, const std::string& field,
                         const std::optional<Shape>& shape, const TriangleSoup& surface) {
   if (shape) return mass_properties(*shape);
-  const TriangleMesh mesh(surface);
+  const TriangleMesh mesh(surface, {}, true);
   if (!mesh.report().closed() || !(mesh.report().volume > 0.0))
     document.fail(
         field,

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <vector>
 
 #include "core/base/file_error.hpp"
+#include "core/base/foreign_content.hpp"
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
+#include "core/dynamics/refused_model.hpp"
 #include "core/mesh/mesh_file.hpp"
 
 namespace feltwire {
@@ -43,7 +47,7 @@ std::vector<std::string> values_of(std::string_view xml, std::string_view attrib
   return values;
 }
 
-/// Files that an MJCF file names, and those that the files it includes name.
+/// Files that an MJCF or URDF file names, and those that the files it includes name.
 class NamedFiles {
  public:
   explicit NamedFiles(const fs::path& file) : main_(file.parent_path()) { read(file); }
@@ -51,16 +55,57 @@ class NamedFiles {
   /// The first that lies outside of a folder, beside the model or in any folder that it names.
   std::optional<fs::path> outside(const fs::path& folder) const {
     if (too_many_) return main_;
-    for (const fs::path& name : names_) {
-      if (lies_outside(main_ / name, folder)) return main_ / name;
-      for (const fs::path& own : folders_)
-        if (lies_outside(main_ / own / name, folder)) return main_ / own / name;
+    for (const auto& [name, is_plain] : names_)
+      for (const fs::path& place : places_of(name))
+        if (lies_outside(place, folder)) return place;
+    return std::nullopt;
+  }
+
+  /// Whether text of the model itself, or of a file that it includes, lies outside of a folder.
+  bool has_text_outside(const fs::path& folder) const {
+    return too_many_ || std::ranges::any_of(texts_, [&](const fs::path& text) {
+             return lies_outside(text, folder);
+           });
+  }
+
+  /// The first name of a file that stands nowhere where MuJoCo may look for it.
+  std::optional<std::string> missing() const {
+    for (const auto& [name, is_plain] : names_) {
+      if (!is_plain) continue;
+      std::vector<fs::path> places = places_of(name);
+      for (const fs::path& place : places_of(name.filename())) places.push_back(place);  // stripped
+      std::error_code error;
+      if (std::ranges::none_of(places, [&](const fs::path& place) {
+            return fs::exists(fs::symlink_status(place, error));
+          }))
+        return name.string();
     }
     return std::nullopt;
   }
 
+  /// The first that holds something else than its name says: its place, and what.
+  std::optional<std::string> foreign() const {
+    for (const auto& [name, is_plain] : names_)
+      for (const fs::path& place : places_of(name)) {
+        std::error_code error;
+        if (!fs::is_regular_file(place, error)) continue;  // a pipe would be waited for
+        std::ifstream in(place, std::ios::binary);
+        std::string begin(kLooked, '\0');
+        in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+        begin.resize(static_cast<std::size_t>(in.gcount()));
+        if (const auto what = foreign_content(begin)) return place.string() + " " + *what;
+      }
+    return std::nullopt;
+  }
+
  private:
-  static constexpr std::size_t kMostNames = 10000;
+  static constexpr std::size_t kMostNames = 10000, kLooked = 1024;
+
+  std::vector<fs::path> places_of(const fs::path& name) const {
+    std::vector<fs::path> places = {main_ / name};
+    for (const fs::path& own : folders_) places.push_back(main_ / own / name);
+    return places;
+  }
 
   void read(const fs::path& file) {
     std::string xml;
@@ -69,12 +114,16 @@ class NamedFiles {
     } catch (const FileError&) {
       return;  // there is nothing to quote
     }
+    const std::size_t begin = xml.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (begin == std::string::npos || xml[begin] == '<' || texts_.empty()) texts_.push_back(file);
     for (const char* attribute : {"meshdir", "texturedir", "assetdir"})
       for (const std::string& value : values_of(xml, attribute)) folders_.insert(value);
-    for (const char* attribute :
-         {"file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"})
+    for (const char* attribute : {"file", "filename", "fileright", "fileleft", "fileup", "filedown",
+                                  "filefront", "fileback"})
       for (const std::string& value : values_of(xml, attribute)) {
-        if (!names_.insert(value).second) continue;
+        const bool is_plain =
+            value.find('&') == std::string::npos && value.find(':') == std::string::npos;
+        if (!names_.emplace(value, is_plain).second) continue;
         too_many_ = too_many_ || names_.size() * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
         std::error_code error;  // any of them may be an include, which names others
@@ -83,7 +132,9 @@ class NamedFiles {
   }
 
   fs::path main_;
-  std::set<fs::path> names_, folders_;
+  std::map<fs::path, bool> names_;  // true: a path as it is written
+  std::set<fs::path> folders_;
+  std::vector<fs::path> texts_;
   bool too_many_ = false;
 };
 
@@ -111,13 +162,22 @@ std::string shown_error(const std::string& message, const fs::path& file, const 
   return end == digits ? message : message.substr(0, end) + kNotShown;
 }
 
-std::string shown_mjcf_error(const std::string& message, const fs::path& file,
-                             const fs::path& folder) {
-  std::optional<fs::path> outside;
-  if (lies_outside(file, folder))
-    outside = file;
-  else if (file_reading_of_this_thread.given == nullptr)
-    outside = NamedFiles(file).outside(folder);
+std::string shown_mjcf_error(const FileError& error, const fs::path& file, const fs::path& folder) {
+  std::string message = error.what();
+  const auto* own = dynamic_cast<const RefusedModel*>(&error);
+  if (file_reading_of_this_thread.given != nullptr) return message;
+  const NamedFiles named(file);
+  const bool shows_names = !lies_outside(file, folder) && !named.has_text_outside(folder);
+  if (own != nullptr) return shows_names ? message : own->without_names();
+  const std::string begin = file.string() + ": MuJoCo cannot use it: ";
+  if (const auto missing = named.missing())
+    return begin +
+           (shows_names ? "it names '" + *missing + "', which does not exist"
+                        : "a file that it names does not exist") +
+           "; correct the name, or put the file there";
+  if (const auto foreign = named.foreign())
+    return begin + (shows_names ? *foreign : "a file that it names is not what its name says");
+  const std::optional<fs::path> outside = lies_outside(file, folder) ? file : named.outside(folder);
   if (!outside) return message;
   return file.string() + ": MuJoCo cannot use it; what it says is not shown, because " +
          outside->string() + " lies outside of the scene's folder; copy it there to be told more";

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/base/file_error.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
@@ -22,8 +23,11 @@ bool lies_outside(const std::filesystem::path& file, const std::filesystem::path
 std::string shown_error(const std::string& message, const std::filesystem::path& file,
                         const std::filesystem::path& folder);
 
-/// The same for an error about an MJCF file, which may quote any file that the MJCF file names.
-std::string shown_mjcf_error(const std::string& message, const std::filesystem::path& file,
+/// Does so for an error about an MJCF or URDF file. MuJoCo's words may quote any file that this
+/// file names; if one of them lies outside, they are not shown. feltwire's own reasons
+/// (RefusedModel) are always shown, without the names in the model if its text lies outside. A file
+/// that is named and does not exist, or holds something else, is said to.
+std::string shown_mjcf_error(const FileError& error, const std::filesystem::path& file,
                              const std::filesystem::path& folder);
 
 /// Reads a mesh that a scene in `folder` names. Throws FileError as read_mesh() does, cut by the

@@ -18,7 +18,8 @@ class PolygonSolids final : public ToolSurroundings {
                 std::span<const ObjectMotion> motions, PartPairs& near)
       : tool_(tool), objects_(objects), motions_(motions), near_(near) {}
 
-  ShellContact contact(const Pose& pose) const noexcept override {
+  /// A server's own: it has no limit.
+  ShellContact contact(const Pose& pose, WorkLimit*) const noexcept override {
     return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose, motions_,
                            &near_.push);
   }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/mesh/mesh_surface.hpp"
+#include "core/whole_surfaces/trial_ways.hpp"
 
 namespace feltwire {
 namespace {
@@ -52,12 +53,15 @@ class MeshSurfaces final : public WholeSurfaces {
     return object < places_.size() && places_[object] != kNone;
   }
   Command touch(std::uint16_t object, const Material& material, const Tool& tool,
-                ContactMemory& memory) const noexcept override {
+                ContactMemory& memory, WorkLimit* work) const noexcept override {
     Command command;
-    feltwire::touch(at(object), material, tool, memory, 0.0, command.elastic, command.frictional);
+    feltwire::touch(at(object), material, tool, memory, 0.0, command.elastic, command.frictional,
+                    work);
     return command;
   }
-  ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool) const noexcept override;
+  ContactMemory memory_of(const SurfacePatch& patch, const Vec3& tool,
+                          WorkLimit* work) const noexcept override;
+  std::vector<TrialWay> trial_ways() const override;
 
  private:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -68,7 +72,8 @@ class MeshSurfaces final : public WholeSurfaces {
   std::vector<Object> objects_;
 };
 
-ContactMemory MeshSurfaces::memory_of(const SurfacePatch& patch, const Vec3& tool) const noexcept {
+ContactMemory MeshSurfaces::memory_of(const SurfacePatch& patch, const Vec3& tool,
+                                      WorkLimit* work) const noexcept {
   const Object& object = at(patch.object);
   const MeshSurface& surface = *mesh_of(object);
   const Quaternion to_object = object.pose.orientation.conjugate();
@@ -80,7 +85,7 @@ ContactMemory MeshSurfaces::memory_of(const SurfacePatch& patch, const Vec3& too
   if (!patch.touching) return memory;
   const Vec3 point = in_object(patch.point) - surface.mesh().origin();
   const Vec3 normal = to_object * patch.normal;
-  const auto nearest = surface.nearest(point, std::numeric_limits<double>::infinity());
+  const auto nearest = surface.nearest(point, std::numeric_limits<double>::infinity(), work);
   const bool front = triangle_normal(surface.mesh().corners(nearest.triangle)).dot(normal) >= 0.0;
   memory.touching = true;
   memory.slipping = patch.slipping;
@@ -91,6 +96,17 @@ ContactMemory MeshSurfaces::memory_of(const SurfacePatch& patch, const Vec3& too
   memory.feature.side = front ? std::int8_t{1} : std::int8_t{-1};
   memory.feature.proxy = nearest.point + surface.options().radius * normal;
   return memory;
+}
+
+std::vector<TrialWay> MeshSurfaces::trial_ways() const {
+  std::vector<TrialWay> all;
+  for (std::size_t index = 0; index < places_.size(); ++index) {
+    if (places_[index] == kNone) continue;
+    const std::vector<TrialWay> ways =
+        mesh_ways(objects_[places_[index]], static_cast<std::uint16_t>(index));
+    all.insert(all.end(), ways.begin(), ways.end());
+  }
+  return all;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/coupled_tool/tool_checks.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
+#include "core/whole_surfaces/trial_ways.hpp"
 
 namespace feltwire {
 namespace {
@@ -23,8 +24,8 @@ class OwnSurroundings final : public ToolSurroundings {
   OwnSurroundings(const OwnSurroundings&) = delete;
   OwnSurroundings& operator=(const OwnSurroundings&) = delete;
 
-  ShellContact contact(const Pose& tool) const noexcept override {
-    return surroundings_.contact(tool);
+  ShellContact contact(const Pose& tool, WorkLimit* work) const noexcept override {
+    return surroundings_.contact(tool, work);
   }
 
  private:
@@ -101,7 +102,8 @@ std::shared_ptr<const WholeBody> whole_body(std::uint32_t version, const BodyDat
                 .radius = radius,
                 .inertia = tool.inertia,
                 .solids = std::make_unique<const OwnSurroundings>(
-                    std::move(shell), tool.contact_area, std::move(objects))});
+                    std::move(shell), tool.contact_area, std::move(objects)),
+                .ways = body_ways(solids, radius)});
 }
 
 }  // namespace feltwire

@@ -81,8 +81,13 @@ struct Gateway::Parts {
       : files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
+    // A server may lie about the sessions of each.
+    const LookOptions options_of_scene{
+        .list_room =
+            std::max(kRoomOfServer / std::max<std::size_t>(1, looks.size()), kLeastRoomOfScene)};
     for (Scene& look : looks) {
-      scenes.push_back(std::make_unique<RemoteScene>(std::move(look), config.server));
+      scenes.push_back(
+          std::make_unique<RemoteScene>(std::move(look), config.server, options_of_scene));
       shown.push_back(scenes.back().get());
     }
     web::WebOptions options = page_place(config.web, config.web_names);

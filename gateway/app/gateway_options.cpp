@@ -79,12 +79,12 @@ GatewayConfig gateway_config(int argc, char** argv) {
   CredentialOptions words;
   add_page(app, config);
   add_server(app, endpoint, words);
-  read_environment(app);
+  read_environment(app, argc, argv, credential_rivals());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
-    throw std::invalid_argument(error.what() + suggestion(app) + " (see --help)");
+    throw std::invalid_argument(error.what() + advice(error, app) + " (see --help)");
   }
   if (config.certificate.empty() != config.key.empty())
     throw std::invalid_argument("--certificate and --key belong together; give both, or neither");

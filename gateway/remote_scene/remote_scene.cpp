@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <asio/post.hpp>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "client/run/observed_scene.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/control_dialogue.hpp"
+#include "client/transport/listing.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
@@ -175,7 +177,7 @@ void RemoteScene::show(const ObservedScene& seen) {
 }
 
 /// Asks, while a session looks on, for what its views do not have. A server that is older than
-/// these questions is not asked again.
+/// these questions, or whose answers cannot be, is not asked again.
 void RemoteScene::ask_on(const Event& over) {
   std::optional<ControlDialogue> server;
   int wait = kBetweenAsks;
@@ -198,37 +200,27 @@ void RemoteScene::ask_on(const Event& over) {
 }
 
 void RemoteScene::ask_once(ControlDialogue& server) {
-  std::vector<control::SessionDescription> told;
-  std::uint32_t after = 0;
-  for (bool more = true; more;) {
-    auto list =
-        server.ask_for<control::SessionDescriptions>(control::DescribeSessions{name_, after});
-    more = list.more && !list.sessions.empty() && list.sessions.back().number > after;
-    if (more) after = list.sessions.back().number;
-    for (control::SessionDescription& session : list.sessions)
-      if (session.role != Role::observer) told.push_back(std::move(session));
-  }
+  ListRoom room(options_.list_room);
+  auto all = described_sessions(server, name_, room);
+  std::erase_if(all, [](const auto& session) { return session.role == Role::observer; });
+  std::vector<control::SessionDescription> told(std::make_move_iterator(all.begin()),
+                                                std::make_move_iterator(all.end()));
   {
     const std::lock_guard lock(mutex_);
     told_ = std::move(told);
     told_at_ = monotonic_now();
   }
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
-  auto scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, kNone});
+  const auto scene =
+      server.ask_for<control::SceneDescription>(control::DescribeScene{name_, kNone});
   {
     const std::lock_guard lock(mutex_);
     server_times_ = scene.times;
     if (adopted_ == std::pair(scene.version, scene.changes)) return;
   }
-  std::vector<Material> materials;
-  std::size_t before = 1;  // other than the number of materials
-  while (materials.size() < scene.objects && materials.size() != before) {
-    before = materials.size();
-    const auto from = static_cast<std::uint32_t>(before);
-    scene = server.ask_for<control::SceneDescription>(control::DescribeScene{name_, from});
-    materials.insert(materials.end(), scene.materials.begin(), scene.materials.end());
-  }
-  adopt(scene, materials);
+  const DescribedMaterials described =
+      described_materials(server, name_, current_scene().scene->objects().size());
+  adopt(described.scene, described.materials);
 }
 
 /// Takes over the values that an admin of the server may have changed.
@@ -276,7 +268,9 @@ std::string RemoteScene::look_on() {
   control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
   request.version = version();
   request.figures = true;
-  const Joined joined = join(server_, request, options_.timeout);
+  // It feels nothing, so the server may choose how long a command holds.
+  const Joined joined =
+      join(server_, request, options_.timeout, {.hold_time = kLongestGrantedHold});
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
@@ -289,6 +283,7 @@ std::string RemoteScene::look_on() {
     task = std::make_shared<Look>(std::move(eye), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
+    task->let_go_after = parameters.hold_time;  // it has no force to let go
     task->outputs.views = &task->views;
     thread.emplace(task);
   } catch (...) {

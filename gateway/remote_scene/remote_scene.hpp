@@ -14,6 +14,7 @@
 
 #include "client/servo/servo_loop.hpp"
 #include "client/transport/control_client.hpp"
+#include "client/transport/listing.hpp"
 #include "gateway/remote_scene/near_surfaces.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/picture/scene_in_view.hpp"
@@ -25,6 +26,7 @@ namespace feltwire {
 struct LookOptions {
   std::chrono::milliseconds first_wait{250}, longest_wait{4000};
   std::chrono::milliseconds timeout{1000};  // of each attempt, in each of its steps
+  std::size_t list_room = kRoomOfServer;    // [bytes] for the list of the scene's sessions
 };
 
 class RemoteScene final : public SceneInView {

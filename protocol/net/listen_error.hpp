@@ -7,6 +7,8 @@
 #include <string>
 #include <system_error>
 
+#include "protocol/net/link_local.hpp"
+
 namespace feltwire {
 
 /// Makes a socket on :: (every network) accept IPv4 too, for every setting of the system.
@@ -25,6 +27,8 @@ inline std::runtime_error listen_error(const char* transport, const asio::ip::ad
         std::string("; another server may be running, choose another port with ") + port_option;
   else if (code.value() == EACCES)
     remedy = std::string("; choose a port above 1023 with ") + port_option;
+  else if (const auto wrong = missing_zone(address))
+    remedy = "; " + *wrong;
   else if (code.value() == EADDRNOTAVAIL)
     remedy = "; choose an address of this machine with --address";
   return std::runtime_error("cannot listen on " + address.to_string() + " port " +

@@ -2,6 +2,7 @@
 
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <charconv>
@@ -68,6 +69,30 @@ bool forbid_fragments(int descriptor) noexcept {
   const bool six = family(descriptor) == AF_INET6;
   if (six && !set(descriptor, IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_DO)) return false;
   return set(descriptor, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO) || six;
+}
+
+std::optional<int> path_mtu(const sockaddr_storage& to, socklen_t size) noexcept {
+  const bool six = to.ss_family == AF_INET6;
+  const int descriptor = ::socket(to.ss_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return std::nullopt;
+  int mtu = 0;
+  socklen_t length = sizeof mtu;
+  // A connected socket has the path's own.
+  const auto ask = [&](int level, int option) {
+    return ::getsockopt(descriptor, level, option, &mtu, &length) == 0;
+  };
+  const bool known =
+      ::connect(descriptor, reinterpret_cast<const sockaddr*>(&to), size) == 0 &&
+      (six ? ask(IPPROTO_IPV6, IPV6_MTU) || ask(IPPROTO_IP, IP_MTU) : ask(IPPROTO_IP, IP_MTU));
+  ::close(descriptor);
+  return known ? std::optional<int>(mtu) : std::nullopt;
+}
+
+std::size_t header_bytes(const sockaddr_storage& to) noexcept {
+  constexpr std::size_t kFour = 20, kSix = 40, kUdp = 8;
+  const auto& six = reinterpret_cast<const sockaddr_in6&>(to);
+  const bool is_six = to.ss_family == AF_INET6 && !IN6_IS_ADDR_V4MAPPED(&six.sin6_addr);
+  return kUdp + (is_six ? kSix : kFour);
 }
 
 }  // namespace feltwire

@@ -1,6 +1,9 @@
 #pragma once
 // Socket options that client and server set for their datagrams.
 
+#include <sys/socket.h>
+
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,5 +27,12 @@ std::optional<int> get_dscp(int descriptor) noexcept;
 /// path fails with EMSGSIZE. A lost fragment loses the whole datagram, and many networks drop all
 /// fragments. False, with errno, if the system refuses.
 bool forbid_fragments(int descriptor) noexcept;
+
+/// [bytes] The longest packet that the system knows the path to this address to take, IP's header
+/// included; empty: it has no way there. It opens a socket, and never blocks or allocates.
+std::optional<int> path_mtu(const sockaddr_storage& to, socklen_t size) noexcept;
+
+/// [bytes] The headers of IP and UDP before a datagram to this address.
+std::size_t header_bytes(const sockaddr_storage& to) noexcept;
 
 }  // namespace feltwire

@@ -61,8 +61,9 @@ std::optional<std::string> refuses_law(const SessionParameters& started, const L
     return "the bound of this session does not run at the client alone: have it leave and join "
            "again with other options";
   if (taken == LawsTaken::none)
-    return "its client takes no other law: it was started with --fixed, or its program has none to "
-           "change; start it anew with other options";
+    return "its client takes no other law: its owner did not allow it; start it anew with "
+           "--changes "
+           "safe, or with the --mode that you want";
   const SessionParameters wanted = with_law(started, law);
   try {
     validate(wanted);

@@ -43,12 +43,14 @@ std::optional<std::string> first(const SessionParameters& one, const SessionPara
 
 }  // namespace
 
-bool grant::hold_time(const SessionParameters& asked, const SessionParameters& granted) {
+bool grant::hold_time(const SessionParameters& asked, const SessionParameters& granted,
+                      const GrantLimits& limits) {
   return granted.hold_time >= std::min(asked.hold_time, kShortestUsualHold) &&
-         granted.hold_time <= std::max(asked.hold_time, kLongestGrantedHold);
+         granted.hold_time <= std::max(asked.hold_time, limits.hold_time);
 }
 
-bool grant::keep_alive(const SessionParameters& asked, const SessionParameters& granted) {
+bool grant::keep_alive(const SessionParameters& asked, const SessionParameters& granted,
+                       const GrantLimits&) {
   return granted.keep_alive <= std::max(asked.keep_alive, 0.5 * granted.hold_time);
 }
 
@@ -58,9 +60,10 @@ std::optional<std::string> difference(const SessionParameters& asked,
 }
 
 std::optional<std::string> forbidden_grant(const SessionParameters& asked,
-                                           const SessionParameters& granted) {
+                                           const SessionParameters& granted,
+                                           const GrantLimits& limits) {
   return first(asked, granted, kAtTheJoin, [&](const auto& rule) {
-    return rule.may_grant == nullptr || !rule.may_grant(asked, granted);
+    return rule.may_grant == nullptr || !rule.may_grant(asked, granted, limits);
   });
 }
 

@@ -15,7 +15,13 @@
 namespace feltwire {
 
 inline constexpr double kShortestUsualHold = 0.1;   // [s] a grant shortens hold_time no further
-inline constexpr double kLongestGrantedHold = 0.8;  // [s] and lengthens it no further
+inline constexpr double kLongestGrantedHold = 0.8;  // [s] of a profile: the longest that a server
+                                                    // grants by itself
+
+/// The grants beyond the request that the owner of a client allows.
+struct GrantLimits {
+  double hold_time = 0.0;  // [s] the longest hold_time; 0, or less than asked for: as asked for
+};
 
 /// The side that uses a parameter while a session runs, and so must know of a change.
 enum class ActedOnBy : std::uint8_t {
@@ -32,20 +38,27 @@ struct ParameterRule {
   const char* field;
   Value SessionParameters::*value;
   ActedOnBy acted_on_by;
-  bool (*may_grant)(const SessionParameters& asked, const SessionParameters& granted);
+  bool (*may_grant)(const SessionParameters& asked, const SessionParameters& granted,
+                    const GrantLimits& limits);
 };
 
 namespace grant {
 
 /// The amount of traffic, within the ranges of validate().
-inline bool traffic(const SessionParameters&, const SessionParameters&) { return true; }
+inline bool traffic(const SessionParameters&, const SessionParameters&, const GrantLimits&) {
+  return true;
+}
 /// The bound may move to the client, and never away from it.
-inline bool to_client(const SessionParameters& asked, const SessionParameters& granted) {
+inline bool to_client(const SessionParameters& asked, const SessionParameters& granted,
+                      const GrantLimits&) {
   return asked.side == BoundingSide::server && granted.side == BoundingSide::client;
 }
-/// Within both kinds of limits, or equal to the requested value.
-bool hold_time(const SessionParameters& asked, const SessionParameters& granted);
-bool keep_alive(const SessionParameters& asked, const SessionParameters& granted);
+/// No shorter than kShortestUsualHold, unless a shorter one was requested, and no longer than the
+/// client's owner allows.
+bool hold_time(const SessionParameters& asked, const SessionParameters& granted,
+               const GrantLimits& limits);
+bool keep_alive(const SessionParameters& asked, const SessionParameters& granted,
+                const GrantLimits& limits);
 
 }  // namespace grant
 
@@ -53,7 +66,7 @@ bool keep_alive(const SessionParameters& asked, const SessionParameters& granted
 inline constexpr auto kParameterRules = [] {
   using P = SessionParameters;
   const auto rule = []<class Value>(const char* field, Value P::*value, ActedOnBy by,
-                                    bool (*may_grant)(const P&, const P&)) {
+                                    bool (*may_grant)(const P&, const P&, const GrantLimits&)) {
     return ParameterRule<Value>{field, value, by, may_grant};
   };
   using enum ActedOnBy;
@@ -104,7 +117,8 @@ std::optional<std::string> difference(const SessionParameters& asked,
 /// The first field that a server may not grant in this way, in the same form. Precondition: both
 /// are valid (validate()).
 std::optional<std::string> forbidden_grant(const SessionParameters& asked,
-                                           const SessionParameters& granted);
+                                           const SessionParameters& granted,
+                                           const GrantLimits& limits = {});
 
 /// The first field that cannot be changed at the server while a session runs, because its client
 /// uses it, with the reason and the remedy.

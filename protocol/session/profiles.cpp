@@ -41,7 +41,16 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
 }
 
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& p) {
-  return p.packet_interval < interval(line, p.servo_period) ? over(line, p) : p;
+  if (p.packet_interval >= interval(line, p.servo_period)) return p;
+  constexpr double kSilences = 5.0;  // that a command outlives (docs/lab/deadband.md)
+  SessionParameters whole = over(line, p);
+  const double between = whole.packet_interval * whole.servo_period;
+  // A client lets nobody lengthen its hold time by default, so it stays if the line leaves room.
+  if (whole.hold_time <= p.hold_time || kSilences * between > p.hold_time) return whole;
+  SessionParameters kept = whole;
+  kept.hold_time = p.hold_time;
+  kept.keep_alive = std::clamp(p.hold_time / kSilences, between, whole.keep_alive);
+  return kept;
 }
 
 }  // namespace feltwire

@@ -51,7 +51,8 @@ std::string network_profile_names();
 SessionParameters over(const NetworkProfile& line, SessionParameters parameters);
 
 /// The parameters that a server behind such a line grants: the requested ones, if the line has room
-/// for that many datagrams, else over(line, parameters).
+/// for that many datagrams, else over(line, parameters). The hold time is not lengthened if it is
+/// five datagrams long; then the keep-alive time is a fifth of it.
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& parameters);
 
 }  // namespace feltwire

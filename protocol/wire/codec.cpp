@@ -15,7 +15,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
-                        kFlagGap = 1u << 3, kFlagRecovering = 1u << 4;
+                        kFlagGap = 1u << 3, kFlagRecovering = 1u << 4, kFlagShortened = 1u << 5;
 constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
 
 bool plausible(const Sample& sample, bool rotation) {
@@ -128,14 +128,15 @@ Bytes Encoder::samples(const SampleBatch& batch) {
       batch.lead ? &lead : nullptr, said.times ? &times : nullptr));
 }
 
-Bytes Encoder::reply(const Reply& reply, const SceneView* view) {
+Bytes Encoder::reply(const Reply& reply, const SceneView* view, bool shortened) {
   const wire::Vec3d elastic = wire_double(reply.command.elastic);
   const wire::Vec3d frictional = wire_double(reply.command.frictional);
   const wire::Vec3d torque = wire_double(reply.command.torque);
   const std::uint32_t flags =
       (reply.active ? kFlagActive : 0) | (reply.saturated ? kFlagSaturated : 0) |
       (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
-      (reply.recovering ? kFlagRecovering : 0) | (std::uint32_t{reply.reloads} << kReloadsShift);
+      (reply.recovering ? kFlagRecovering : 0) | (shortened ? kFlagShortened : 0) |
+      (std::uint32_t{reply.reloads} << kReloadsShift);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
                                     reply.delivered.torque, static_cast<float>(reply.ratio), flags,
                                     0);
@@ -300,6 +301,12 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
     return DropReason::not_finite;
   out.normals = usable(out.normals);
   return DropReason::none;
+}
+
+bool is_shortened(Bytes payload) noexcept {
+  const Aligned bytes(payload);
+  const auto* root = bytes.root<wire::Reply>();
+  return root != nullptr && (root->report()->flags() & kFlagShortened) != 0;
 }
 
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept {

@@ -21,8 +21,9 @@ class Encoder {
 
   Bytes samples(const SampleBatch& batch);
   /// `view`: for an observer's reply. Precondition: such a reply has no model, no normals and no
-  /// remote, so that it fits a datagram.
-  Bytes reply(const Reply& reply, const SceneView* view = nullptr);
+  /// remote, so that it fits a datagram. `shortened`: the reply says less than it might, because
+  /// the path takes no longer datagrams.
+  Bytes reply(const Reply& reply, const SceneView* view = nullptr, bool shortened = false);
   Bytes goodbye(GoodbyeReason reason);
   Bytes state(const RobotState& state);
   Bytes target(const RobotTarget& target);
@@ -37,6 +38,8 @@ class Encoder {
 DropReason decode(Bytes payload, SampleBatch& out) noexcept;
 /// Writes the view in the reply to `view`, unless that is null.
 DropReason decode(Bytes payload, Reply& out, SceneView* view = nullptr) noexcept;
+/// Whether a reply says that it was shortened. Precondition: decode() took it as a reply.
+bool is_shortened(Bytes payload) noexcept;
 DropReason decode(Bytes payload, GoodbyeReason& out) noexcept;
 DropReason decode(Bytes payload, RobotState& out) noexcept;
 DropReason decode(Bytes payload, RobotTarget& out) noexcept;

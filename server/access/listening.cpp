@@ -1,11 +1,18 @@
 #include "server/access/listening.hpp"
 
+#include <openssl/ssl.h>
+
 #include <system_error>
 
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/listen_error.hpp"
 
 namespace feltwire {
+namespace {
+
+constexpr long kMostCertificates = 16L * 1024;  // [bytes] of a client
+
+}  // namespace
 
 std::uint16_t listen_on(asio::ip::tcp::acceptor& acceptor, const asio::ip::tcp::endpoint& endpoint,
                         const char* port_option) {
@@ -27,6 +34,8 @@ std::uint16_t listen_on(asio::ip::tcp::acceptor& acceptor, const asio::ip::tcp::
 asio::ssl::context server_tls(const Identity& identity) {
   asio::ssl::context tls(new_tls_context(TLS_server_method()));
   require_tls_13(*tls.native_handle());
+  // OpenSSL takes as much memory as a client announces for its certificates.
+  SSL_CTX_set_max_cert_list(tls.native_handle(), kMostCertificates);
   tls.use_certificate_chain(asio::buffer(identity.certificate));
   tls.use_private_key(asio::buffer(identity.key.text().data(), identity.key.text().size()),
                       asio::ssl::context::pem);

@@ -1,12 +1,20 @@
 #include "server/access/places.hpp"
 
+#include <string_view>
+#include <utility>
+
 namespace feltwire {
 
-std::optional<Places::Id> Places::take(Id id, const Network& network) {
-  const std::optional<Id> loser = victim(network);
+Places::Member Places::member_of(const asio::ip::address& address) {
+  const HostAddress host = host_of(address);
+  return {host.begin(), host.end()};
+}
+
+std::optional<Places::Id> Places::take(Id id, const Network& network, const Member& member) {
+  const std::optional<Id> loser = victim(network, member);
   if (loser) leave(*loser);
   Line& line = lines_[network];
-  line.emplace(next_, id);
+  line.emplace(next_, Place{id, member});
   try {
     holders_.emplace(id, Holder{network, next_});
   } catch (...) {
@@ -21,9 +29,9 @@ void Places::renew(Id id) {
   const auto found = holders_.find(id);
   if (found == holders_.end()) return;
   Line& line = lines_.at(found->second.network);
-  line.erase(found->second.turn);
-  found->second.turn = next_++;
-  line.emplace(found->second.turn, id);
+  auto place = line.extract(found->second.turn);
+  place.key() = found->second.turn = next_++;
+  line.insert(std::move(place));
 }
 
 bool Places::leave(Id id) {
@@ -41,11 +49,45 @@ std::size_t Places::size(const Network& network) const {
   return found == lines_.end() ? 0 : found->second.size();
 }
 
-/// The connection that must make room for one more of this network; none while there is room.
-std::optional<Places::Id> Places::victim(const Network& newcomer) const {
+/// The oldest connection of the member that has the most; of two as large ones, of whose is older.
+/// `newcomer` is about to have one more; null: it is of another network. Precondition: a line that
+/// is not empty.
+Places::Id Places::oldest_of_most(const Line& line, const Member* newcomer) {
+  std::map<std::string_view, std::size_t> counts;
+  if (newcomer != nullptr) ++counts[*newcomer];
+  for (const auto& [turn, place] : line) ++counts[place.member];
+  const Place* oldest = nullptr;
+  std::size_t most = 0;
+  for (const auto& [turn, place] : line) {
+    const std::size_t count = counts[place.member];
+    if (count <= most) continue;
+    most = count;
+    oldest = &place;
+  }
+  return oldest->id;
+}
+
+/// The oldest connection of a member that has as many as it may have.
+std::optional<Places::Id> Places::oldest_of_too_many(const Member& member) const {
+  std::size_t count = 0;
+  std::optional<std::pair<Turn, Id>> oldest;
+  for (const auto& [network, line] : lines_)
+    for (const auto& [turn, place] : line) {
+      if (place.member != member) continue;
+      ++count;
+      if (!oldest || turn < oldest->first) oldest.emplace(turn, place.id);
+    }
+  if (count < most_of_member_) return std::nullopt;
+  return oldest->second;
+}
+
+/// The connection that must make room for one more of this member of a network; none while there is
+/// room.
+std::optional<Places::Id> Places::victim(const Network& newcomer, const Member& member) const {
+  if (const auto own = oldest_of_too_many(member)) return own;
   const auto own = lines_.find(newcomer);
   if (own != lines_.end() && own->second.size() >= most_of_network_)
-    return own->second.begin()->second;
+    return oldest_of_most(own->second, &member);
   if (holders_.size() < most_) return std::nullopt;
   const Line* largest = nullptr;
   std::size_t most = 0;
@@ -56,7 +98,9 @@ std::optional<Places::Id> Places::victim(const Network& newcomer) const {
     largest = &line;
     most = count;
   }
-  return largest == nullptr ? std::nullopt : std::optional(largest->begin()->second);
+  if (largest == nullptr) return std::nullopt;
+  const bool its_own = own != lines_.end() && largest == &own->second;
+  return oldest_of_most(*largest, its_own ? &member : nullptr);
 }
 
 }  // namespace feltwire

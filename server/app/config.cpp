@@ -12,6 +12,7 @@
 #include "core/base/json_document.hpp"
 #include "core/recording/recording_files.hpp"
 #include "protocol/net/busy_poll.hpp"
+#include "protocol/net/link_local.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/control.hpp"
@@ -96,12 +97,14 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
                      std::to_string(scenes) + " scenes are too many; one server has at most " +
                          std::to_string(control::kMaxScenes)};
   std::error_code bad_address;
-  asio::ip::make_address(c.address, bad_address);
+  const auto address = asio::ip::make_address(c.address, bad_address);
   if (bad_address)
     return Complaint{"address", "--address",
                      "'" + c.address +
                          "' is no IP address; 127.0.0.1 serves this machine, :: "
                          "every network, 0.0.0.0 those of IPv4"};
+  if (auto wrong = missing_zone(address))
+    return Complaint{"address", "--address", *std::move(wrong)};
   // Each scene has a port of its own behind the control port.
   if (c.port < 0 || c.port + (c.port == 0 ? 0 : scenes) > kLastPort)
     return Complaint{"port", "--port",

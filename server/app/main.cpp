@@ -20,6 +20,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "server/app/health.hpp"
+#include "server/app/known_scenes.hpp"
 #include "server/app/log_format.hpp"
 #include "server/app/options.hpp"
 #include "server/app/page_address.hpp"
@@ -92,8 +93,11 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
     std::printf(", scene %s udp %u", feltwire::visible(scene.scene).c_str(),
                 unsigned{scene.udp_port});
   std::printf("\njoin: %s\n", join_line(config, server).c_str());
-  if (const std::string page = server.web_url(); !page.empty())
-    std::printf("live page: %s%s\n", page.c_str(), token_for_page(config).c_str());
+  if (const std::string page = server.web_url(); !page.empty()) {
+    std::printf("live page: %s%s\n", page.c_str(), feltwire::token_for_page(config).c_str());
+    if (const std::string admin = feltwire::admin_token_for_page(config); !admin.empty())
+      std::printf("as an admin: %s%s\n", page.c_str(), admin.c_str());
+  }
   std::fflush(stdout);
 }
 
@@ -176,6 +180,9 @@ int main(int argc, char** argv) {
       feltwire::remove_leftovers(asked.summary);
       write_summary(asked.summary, server->summary(), server->control_summary());
     }
+    std::vector<std::string> names;
+    for (const auto& scene : server->scenes()) names.push_back(scene.scene);
+    feltwire::note_scenes(config, names);
     print_ready(config, *server);
     if (!serve(*server, signals, asked.summary)) leave_now();
     return 0;

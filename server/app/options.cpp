@@ -38,7 +38,8 @@ Once every port is open three lines say so: whom clients trust, where they find 
   join: feltwire-client --connect 127.0.0.1:)" +
          port + R"( --scene room --fingerprint 3f0e... --token-file ...
 End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
-Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
+Every option that does not end the program may come from the environment, --log-level from
+FELTWIRE_LOG_LEVEL.)";
 }
 
 /// An option that, given on the command line, stands over the file.
@@ -163,7 +164,7 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_rate, "--handshake-rate",
-      "[1/s] Sustained limit of control connections from one network")
+      "[1/s] Sustained limit of control connections from one network; others wait up to 3 s")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_burst, "--handshake-burst",
@@ -197,12 +198,12 @@ ServerTask server_task(int argc, char** argv) {
   app.add_flag(
       "--health", asked.health,
       "Check the server that runs with these options on this machine. Exit status 0: it answers");
-  read_environment(app);
+  read_environment(app, argc, argv, {}, {"explain", "health"});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
-    throw std::invalid_argument(error.what() + suggestion(app) + " (see --help)");
+    throw std::invalid_argument(error.what() + advice(error, app) + " (see --help)");
   }
   if (file.empty()) return asked;
   ServerConfig config = load_config(file);

@@ -7,18 +7,37 @@
 #include <filesystem>
 
 #include "core/base/json_document.hpp"
+#include "server/access/admin_token.hpp"
 #include "server/access/security.hpp"
 #include "server/app/config.hpp"
 
 namespace feltwire {
 
-std::string token_for_page(const SecurityOptions& config) {
-  const auto token = local_token_file(config);
-  if (::isatty(STDOUT_FILENO) == 0 || token.empty() || !std::filesystem::exists(token)) return {};
-  std::string text = read_text(token);
+namespace {
+
+/// Its text; empty if there is no such file, or no terminal to print it on.
+std::string token_to_print(const std::filesystem::path& file) {
+  if (::isatty(STDOUT_FILENO) == 0 || file.empty() || !std::filesystem::exists(file)) return {};
+  std::string text = read_text(file);
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
     text.pop_back();
-  return "#token=" + text;
+  return text;
+}
+
+std::string fragment(const std::string& token) { return token.empty() ? "" : "#token=" + token; }
+
+}  // namespace
+
+std::string token_for_page(const SecurityOptions& config) {
+  return fragment(token_to_print(local_token_file(config)));
+}
+
+std::string admin_token_for_page(const SecurityOptions& config) {
+  const std::string token = token_to_print(admin_token_file(config));
+  if (token.empty()) return {};
+  const TokenFile tokens(token_file(config));
+  const Token* good = authenticate(tokens.tokens(), token, calendar_now());
+  return fragment(good != nullptr && covers(good->role, Role::admin) ? token : "");
 }
 
 web::WebOptions page_place(const std::string& web, const std::vector<std::string>& names) {

@@ -12,6 +12,8 @@ namespace feltwire {
 /// not send it (RFC 3986, 3.5). Empty if there is none, or if stdout is not a terminal, because
 /// others may read a file or a journal. Throws FileError.
 std::string token_for_page(const SecurityOptions& config);
+/// As token_for_page(), with the token of an admin. Also empty if that token is good no more.
+std::string admin_token_for_page(const SecurityOptions& config);
 
 /// The address of the page: `web` as in ServerConfig::web, and host names that browsers may use for
 /// it. Throws the same as web_place().

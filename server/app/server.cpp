@@ -10,7 +10,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/base/file_error.hpp"
+#include "core/base/visible_text.hpp"
 #include "protocol/net/udp_socket.hpp"
+#include "server/access/admin_token.hpp"
 #include "server/app/metrics.hpp"
 #include "server/app/page_address.hpp"
 #include "server/control/control_service.hpp"
@@ -77,6 +80,9 @@ ControlOptions control_options(const ServerConfig& config) {
   options.max_connections = static_cast<std::size_t>(config.max_connections);
   options.max_connections_per_network =
       static_cast<std::size_t>(config.max_connections_per_network);
+  options.max_connections_per_client =
+      std::max(options.max_connections_per_client,
+               2 * static_cast<std::size_t>(config.max_sessions_per_client));
   options.handshake_rate = config.handshake_rate;
   options.handshake_burst = config.handshake_burst;
   return options;
@@ -92,6 +98,20 @@ std::string own_host(const std::string& listens_on) {
   const auto address = asio::ip::make_address(listens_on);
   if (!address.is_unspecified()) return listens_on;
   return address.is_v6() ? "::1" : "127.0.0.1";
+}
+
+/// With a token for the link by which an admin opens the page on this machine.
+Security security_of(const ServerConfig& config) {
+  Security security = open_security(config);
+  if (config.web.empty() || !config.tokens.empty()) return security;
+  try {
+    make_admin_token(config);
+  } catch (const FileError& error) {
+    spdlog::warn("there is no link to the page for an admin: {}", visible(error.what()));
+    return security;
+  }
+  security.tokens = TokenFile(token_file(config));
+  return security;
 }
 
 SceneHostOptions host_options(const ServerConfig& config) {
@@ -336,7 +356,7 @@ struct Server::Parts {
 };
 
 Server::Server(const ServerConfig& config, const web::MakePageHands& hands)
-    : Server(config, load_scenes(config), open_security(config), loader_of(config), hands) {}
+    : Server(config, load_scenes(config), security_of(config), loader_of(config), hands) {}
 Server::Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
                SceneLoader::Load load, const web::MakePageHands& hands)
     : parts_(std::make_unique<Parts>(config, std::move(scenes), std::move(security),

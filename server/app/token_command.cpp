@@ -11,6 +11,7 @@
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
 #include "server/app/config.hpp"
+#include "server/app/known_scenes.hpp"
 
 namespace feltwire {
 namespace {
@@ -36,6 +37,8 @@ void add(const ServerConfig& config, const TokenArguments& words) {
                   parse_expiry(words.expires, calendar_now()), words.lead_share, words.seat);
   const std::string_view text = issued.text.text();
   make_state_folder(config);
+  if (const auto warning = unknown_scene(words.scene, known_scenes(config)))
+    std::fprintf(stderr, "feltwire-server token: warning: %s\n", visible(*warning).c_str());
   // Written before the token is stored: its text stands nowhere else and cannot be had again.
   std::optional<PendingFile> out;
   if (!words.out.empty()) out.emplace(words.out, text, kPrivate);
@@ -131,7 +134,7 @@ int token_command(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "feltwire-server token: %s (see --help)\n",
-                 visible(error.what() + suggestion(app)).c_str());
+                 visible(error.what() + advice(error, app)).c_str());
     return kBadUsage;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());

@@ -48,11 +48,8 @@ bool ControlService::serve_observer(PendingRequest& asked, const control::Messag
       scene_for(asked, sessions != nullptr ? sessions->scene : wanted->scene, Role::observer);
   if (const auto* refused = std::get_if<Refused>(&scene)) {
     asked.answer(*refused);
-  } else if (!covers(asked.token.role, Role::admin) &&
-             !looks_.take(asked.token.client, monotonic_now())) {
-    asked.answer(refuse(RefusalCode::too_many, "client '" + asked.token.client +
-                                                   "' asks for descriptions too often; ask twice "
-                                                   "a second at most"));
+  } else if (auto hasty = refuse_curious(asked)) {
+    asked.answer(*std::move(hasty));
   } else if (wanted != nullptr) {
     SceneHost& host = *hosts_[std::get<std::size_t>(scene)];
     host.ask(request, 0, {}, io_,

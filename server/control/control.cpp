@@ -1,11 +1,11 @@
 #include "server/control/control.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <asio/read.hpp>
-#include <asio/ssl/stream.hpp>
 #include <asio/write.hpp>
 #include <utility>
 #include <vector>
@@ -13,6 +13,7 @@
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/access/listening.hpp"
+#include "server/access/tls_socket.hpp"
 
 namespace feltwire {
 
@@ -29,6 +30,24 @@ asio::ssl::context server_context(const Identity& identity, const std::string& c
     tls.set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
   }
   return tls;
+}
+
+/// Half as many again as may be open, within each network too.
+TurnLimits turn_limits(const ControlOptions& options) {
+  TurnLimits limits;
+  limits.rate = options.handshake_rate;
+  limits.burst = options.handshake_burst;
+  limits.patience = options.handshake_patience;
+  limits.waiting = std::max<std::size_t>(1, options.max_connections / 2);
+  limits.waiting_of_network = std::max<std::size_t>(1, options.max_connections_per_network / 2);
+  return limits;
+}
+
+/// Whether the other end has closed it meanwhile.
+bool has_left(tcp::socket& socket) {
+  char next = 0;
+  const ssize_t size = ::recv(socket.native_handle(), &next, sizeof next, MSG_PEEK | MSG_DONTWAIT);
+  return size == 0 || (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
 }
 
 }  // namespace
@@ -63,9 +82,8 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
              const asio::ip::address& address)
       : endpoint_(endpoint),
         id_(id),
-        stream_(std::move(socket), new_tls_connection(*endpoint.tls_.native_handle())),
+        stream_(std::move(socket), *endpoint.tls_.native_handle()),
         deadline_(endpoint.io_) {
-    require_buffers(*stream_.native_handle());
     peer_.address = address;
     peer_.keys = [this](std::uint64_t session, CipherSuite suite) {
       return export_keys(*stream_.native_handle(), session, suite);
@@ -74,13 +92,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void start() {
     set_deadline(endpoint_.options_.handshake_timeout);
-    stream_.async_handshake(asio::ssl::stream_base::server, then([this](const Error& error) {
-                              if (error) {
-                                ++endpoint_.counters_.failed;
-                                return end();
-                              }
-                              read_length();
-                            }));
+    stream_.async_handshake(then([this](const Error& error) {
+      if (error) {
+        ++endpoint_.counters_.failed;
+        return end();
+      }
+      read_length();
+    }));
   }
 
   /// Whether its next handler was lost: an exception came between two steps of an operation, or an
@@ -88,11 +106,19 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   bool lost() const { return going_on_.use_count() == 1; }
 
   Places::Id id() const { return id_; }
-  const asio::ip::address& address() const { return peer_.address; }
+  const ControlPeer& peer() const { return peer_; }
+
+  /// Says its fate, for the turns of others; only the first word counts.
+  void judge(ConnectionTurns::Outcome outcome) {
+    if (judged_) return;
+    endpoint_.turns_.judge(peer_.address, outcome, monotonic_now());
+    judged_ = true;
+  }
 
   /// Every way out: the endpoint forgets the connection, and with the last handler it is gone.
   void end() {
     close();
+    judge(ConnectionTurns::Outcome::none);
     endpoint_.strangers_.leave(id_);
     endpoint_.known_.leave(id_);
     endpoint_.connections_.erase(id_);
@@ -159,6 +185,8 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
     if (stranger()) wipe(body_);
+    // A connection that waits stores nothing of its last request, nor of its answer.
+    body_ = std::vector<std::uint8_t>();
     if (!request) return refuse_malformed("the frame holds no control message of this version");
     endpoint_.handler_(peer_, std::move(*request), then([this](const control::Message& answer) {
                          if (const auto* refused = std::get_if<control::Refused>(&answer))
@@ -181,14 +209,15 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     frame_ = control::encode(answer);
     asio::async_write(stream_, asio::buffer(frame_), then([this](const Error& error, std::size_t) {
                         if (error) return end();
+                        frame_ = std::vector<std::uint8_t>();
                         if (ends_after_answer_) return say_end();
                         read_length();
                       }));
   }
 
   /// Says that nothing more comes (TLS, then TCP) and reads on until the other side closes too, or
-  /// the deadline ends it: closing over unread bytes would reset the connection and lose the
-  /// refusal.
+  /// sends more than any request has, or the deadline ends it: closing over unread bytes would
+  /// reset the connection and lose the refusal.
   void say_end() {
     stream_.async_shutdown(then([this](const Error&) {
       Error ignored;
@@ -200,22 +229,26 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void discard() {
     constexpr std::size_t kAtOnce = 4096;
     body_.resize(kAtOnce);
-    socket().async_read_some(asio::buffer(body_), then([this](const Error& error, std::size_t) {
-                               if (error) return end();
+    socket().async_read_some(asio::buffer(body_),
+                             then([this](const Error& error, std::size_t size) {
+                               discarded_ += size;
+                               if (error || discarded_ > control::kMaxFrame) return end();
                                discard();
                              }));
   }
 
   ControlEndpoint& endpoint_;
   const Places::Id id_;
-  asio::ssl::stream<tcp::socket> stream_;
+  TlsSocket stream_;
   asio::steady_timer deadline_;
   ControlPeer peer_;
   std::array<std::uint8_t, control::kFrameLengthSize> length_{};
   std::vector<std::uint8_t> body_, frame_;
+  std::size_t discarded_ = 0;                                                  // [bytes]
   std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);  // in its handlers
   bool ends_after_answer_ = false;
   bool closed_ = false;
+  bool judged_ = false;
 };
 
 ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& options,
@@ -227,11 +260,12 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
       handler_(std::move(handler)),
       acceptor_(io),
       retry_(io),
-      strangers_(std::max<std::size_t>(1, options.max_connections / 2),
+      strangers_(std::clamp<std::size_t>(options.max_connections / 2, 1, options.max_strangers),
                  options.max_connections_per_network),
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
-             options.max_connections_per_network),
-      handshakes_(options.handshake_rate, options.handshake_burst) {
+             options.max_connections_per_network, options.max_connections_per_client),
+      turns_(turn_limits(options)),
+      next_look_(io) {
   port_ = listen_on(acceptor_, {options.address, options.port});
 }
 
@@ -257,7 +291,7 @@ bool ControlEndpoint::take() {
     Error error;
     tcp::socket socket(io_);
     acceptor_.accept(socket, error);
-    if (!error) admit(std::move(socket));
+    if (!error) greet(std::move(socket));
     return !error || error == asio::error::would_block ||
            error == asio::error::connection_aborted;  // it has gone meanwhile
   } catch (const std::exception& failure) {
@@ -277,7 +311,9 @@ void ControlEndpoint::accept_later() {
 }
 
 void ControlEndpoint::keep_accepting() {
-  if (!accepting_ && acceptor_.is_open()) accept();
+  if (!acceptor_.is_open()) return;
+  if (!accepting_) accept();
+  if (!waiting_.empty()) look_again();
 }
 
 void ControlEndpoint::end_lost() {
@@ -287,23 +323,25 @@ void ControlEndpoint::end_lost() {
   for (const auto& connection : lost) connection->end();
 }
 
-void ControlEndpoint::admit(tcp::socket socket) {
-  Error gone;
-  const asio::ip::address address = socket.remote_endpoint(gone).address();
-  if (gone) return;
-  // Closed without a word, as a word would take a handshake: that is what is limited.
-  const Network network = network_of(address);
-  if (!handshakes_.take(network, monotonic_now())) {
-    ++counters_.too_often;
-    return;
-  }
-  socket.set_option(tcp::no_delay(true), gone);  // an answer waits for no acknowledgement
+void ControlEndpoint::open(Places::Id id) {
+  auto waited = waiting_.extract(id);
+  if (waited.empty()) return;
+  auto& [socket, address] = waited.mapped();
+  if (has_left(socket))
+    return turns_.judge(address, ConnectionTurns::Outcome::left, monotonic_now());
+  Error ignored;
+  socket.set_option(tcp::no_delay(true), ignored);  // an answer waits for no acknowledgement
   ++counters_.accepted;
-  const Places::Id id = next_id_++;
-  auto connection = std::make_shared<Connection>(*this, id, std::move(socket), address);
-  connections_.emplace(id, connection);
+  std::shared_ptr<Connection> connection;
   try {
-    end(strangers_.take(id, network));
+    connection = std::make_shared<Connection>(*this, id, std::move(socket), address);
+    connections_.emplace(id, connection);
+  } catch (const std::exception&) {
+    turns_.judge(address, ConnectionTurns::Outcome::none, monotonic_now());
+    throw;
+  }
+  try {
+    end(strangers_.take(id, network_of(address), Places::member_of(address)));
     connection->start();
   } catch (const std::exception& error) {
     connection->fail(error);
@@ -311,10 +349,13 @@ void ControlEndpoint::admit(tcp::socket socket) {
 }
 
 /// It has shown a good token. No stranger can take its place from now on; if places for such
-/// connections are short, the one that has asked nothing for the longest time loses its place.
-void ControlEndpoint::make_known(const Connection& connection) {
+/// connections are short, one loses its place that has asked nothing for the longest time: of the
+/// network that has the most, and there of the client's name that has the most.
+void ControlEndpoint::make_known(Connection& connection) {
   if (!strangers_.leave(connection.id())) return;
-  end(known_.take(connection.id(), network_of(connection.address())));
+  connection.judge(ConnectionTurns::Outcome::good);
+  end(known_.take(connection.id(), network_of(connection.peer().address),
+                  connection.peer().client));
 }
 
 void ControlEndpoint::end(std::optional<Places::Id> crowded_out) {
@@ -331,6 +372,8 @@ void ControlEndpoint::close() {
   Error ignored;
   acceptor_.close(ignored);
   retry_.cancel();
+  next_look_.cancel();
+  waiting_.clear();
   for (const auto& [id, connection] : connections_) connection->close();
   connections_.clear();
 }

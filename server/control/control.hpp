@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "protocol/wire/control.hpp"
+#include "server/access/connection_turns.hpp"
 #include "server/access/identity.hpp"
 #include "server/access/places.hpp"
-#include "server/access/rate_limit.hpp"
 
 namespace feltwire {
 
@@ -24,17 +24,21 @@ struct ControlOptions {
   /// For TLS handshake and token together; a slower connection is closed.
   std::chrono::milliseconds handshake_timeout{5'000};
   std::chrono::milliseconds idle_timeout{60'000};  // a connection that sends no request ends
-  /// Half of them for connections without a valid token, half for those with one.
+  /// Half of them, but no more than max_strangers, for connections without a valid token; half for
+  /// those with one.
   std::size_t max_connections = 512;
+  std::size_t max_strangers = 96;                 // each may have 60 KB of memory for its handshake
   std::size_t max_connections_per_network = 128;  // of either half (server/access/network.hpp)
+  std::size_t max_connections_per_client = 64;    // with a valid token, by the client's name
   double handshake_rate = 50.0;                   // [1/s] connections of a network, for ever,
-  double handshake_burst = 100.0;                 // and at once
+  double handshake_burst = 100.0;                 // and at once; others wait (ConnectionTurns)
+  std::chrono::milliseconds handshake_patience{3'000};  // a connection that waits longer is closed
 };
 
 /// Totals of connections.
 struct ControlCounters {
   std::uint64_t accepted = 0;
-  std::uint64_t too_often = 0;    // closed at once: their network connects too often
+  std::uint64_t too_often = 0;    // closed before TLS: their network connects too often
   std::uint64_t crowded_out = 0;  // closed for newer ones: there were as many as there may be
   std::uint64_t failed = 0;       // TLS came to nothing: not 1.3, no certificate, no TLS at all
   std::uint64_t too_slow = 0;     // TLS or token took too long
@@ -44,6 +48,7 @@ struct ControlCounters {
 struct ControlPeer {
   asio::ip::address address;
   std::string token;   // id of the one it has shown; empty: none yet
+  std::string client;  // the name of that token's holder
   bool waits = false;  // the answer may take long: the connection stays until it is given
   /// The keys of a session that is joined by this connection (protocol/crypto/tls.hpp).
   std::function<SessionKeys(std::uint64_t session, CipherSuite suite)> keys;
@@ -85,8 +90,12 @@ class ControlEndpoint {
   void accept();
   bool take();
   void accept_later();
-  void admit(asio::ip::tcp::socket socket);
-  void make_known(const Connection& connection);
+  void greet(asio::ip::tcp::socket socket);
+  void let_in();
+  void look_again();
+  void open(Places::Id id);
+  void send_away(std::optional<Places::Id> id);
+  void make_known(Connection& connection);
   void end(std::optional<Places::Id> crowded_out);
 
   asio::io_context& io_;
@@ -95,9 +104,17 @@ class ControlEndpoint {
   ControlHandler handler_;
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer retry_;
+  /// Before TLS.
+  struct Waiting {
+    asio::ip::tcp::socket socket;
+    asio::ip::address address;
+  };
+  std::map<Places::Id, Waiting> waiting_;
   std::map<Places::Id, std::shared_ptr<Connection>> connections_;
   Places strangers_, known_;  // those without and with a good token; each connection is in one
-  RateLimit<Network> handshakes_;
+  ConnectionTurns turns_;
+  asio::steady_timer next_look_;  // at those that wait
+  bool looking_ = false;
   Places::Id next_id_ = 0;
   bool accepting_ = false;  // a handler waits for a connection, or for the next try
   ControlCounters counters_;

@@ -41,6 +41,7 @@ ControlService::ControlService(asio::io_context& io, Hosts& hosts, TokenFile tok
       joins_(limits.join_rate, limits.join_burst),
       changes_(limits.join_rate, limits.join_burst),
       looks_(limits.join_rate, limits.join_burst),
+      requests_(limits.request_rate, limits.request_burst),
       reload_(std::move(reload)),
       connections_(std::move(connections)),
       write_flight_(std::move(write_flight)) {}
@@ -57,17 +58,21 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Answer 
   PendingRequest asked{peer, *token, std::move(answer)};
   if (auto* wanted = std::get_if<control::JoinRequest>(&request))
     return join(std::move(asked), std::move(*wanted));
-  if (const auto* wanted = std::get_if<control::LeaveRequest>(&request))
+  if (const auto* wanted = std::get_if<control::LeaveRequest>(&request)) {
+    if (auto refused = refuse_endless(token->client)) return asked.answer(*std::move(refused));
     return pass_on(std::move(asked), wanted->session, std::move(request));
+  }
   if (const auto* wanted = std::get_if<control::SetParameters>(&request)) {
     if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
     return pass_on(std::move(asked), wanted->session, std::move(request));
   }
-  if (std::holds_alternative<control::ListScenes>(request))
+  if (serve_surfaces(asked, request)) return;
+  if (auto refused = refuse_endless(token->client)) return asked.answer(*std::move(refused));
+  if (std::holds_alternative<control::ListScenes>(request)) {
+    if (auto refused = refuse_curious(asked)) return asked.answer(*std::move(refused));
     return asked.answer(list_scenes(*token));
-  if (serve_surfaces(asked, request) || serve_observer(asked, request) ||
-      serve_admin(asked, request))
-    return;
+  }
+  if (serve_observer(asked, request) || serve_admin(asked, request)) return;
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
 
@@ -76,13 +81,16 @@ control::Message ControlService::authenticate(ControlPeer& peer,
   peer.token.clear();
   const Token* token = feltwire::authenticate(tokens_.tokens(), shown.token.text(), calendar_now());
   if (token != nullptr) {
+    if (auto refused = refuse_endless(token->client)) return *std::move(refused);
     peer.token = token->id;
+    peer.client = token->client;
     return control::Authenticated{token->client, token->scene, token->role};
   }
   // Only wrong tokens count, so that nobody's guesses keep a neighbour with a good one out.
-  if (!wrong_tokens_.take(network_of(peer.address), monotonic_now()))
+  if (!wrong_tokens_.take(peer.address, monotonic_now()))
     return refuse(RefusalCode::too_many,
-                  "too many wrong tokens from this network; correct the token, or wait a moment");
+                  "too many wrong tokens from this address or its network; correct the token, or "
+                  "wait a moment");
   spdlog::info("{} has shown no token that is good", peer.address.to_string());
   return refuse(RefusalCode::unauthenticated, kNoGoodToken);
 }
@@ -156,10 +164,15 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
     spdlog::error("{} could not join: {}", who, error.what());
     return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
   }
-  seated_[id] = {asked.token.id,  asked.token.client,
-                 request.tool,    scene,
-                 request.role,    who,
-                 monotonic_now(), {}};
+  seated_.insert_or_assign(id, ListedSession{asked.token.id,
+                                             asked.token.client,
+                                             request.tool,
+                                             scene,
+                                             request.role,
+                                             who,
+                                             monotonic_now(),
+                                             {},
+                                             TokenBucket(limits_.fetch_rate, limits_.fetch_burst)});
   if (!asked.token.seat.empty()) request.seat = asked.token.seat;
   request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
   SceneHost& host = *hosts_[scene];
@@ -210,8 +223,8 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
 }
 
 /// The session if it is the asker's, or the asker is an admin of its scene; else null.
-const ControlService::ListedSession* ControlService::own_session(const PendingRequest& asked,
-                                                                 std::uint64_t id) const {
+ControlService::ListedSession* ControlService::own_session(const PendingRequest& asked,
+                                                           std::uint64_t id) {
   const auto found = seated_.find(id);
   if (found == seated_.end()) return nullptr;
   const bool may =
@@ -247,6 +260,22 @@ std::optional<Refused> ControlService::refuse_hasty(const PendingRequest& asked)
   return refuse(
       RefusalCode::too_many,
       "client '" + asked.token.client + "' changes parameters or reloads too often; wait a moment");
+}
+
+/// An observer's questions are work for a scene's thread, or for this one.
+std::optional<Refused> ControlService::refuse_curious(const PendingRequest& asked) {
+  if (covers(asked.token.role, Role::admin) || looks_.take(asked.token.client, monotonic_now()))
+    return std::nullopt;
+  return refuse(RefusalCode::too_many,
+                "client '" + asked.token.client +
+                    "' asks for descriptions and lists too often; ask twice a second at most");
+}
+
+/// No client keeps this thread busy, whatever it asks for.
+std::optional<Refused> ControlService::refuse_endless(const std::string& client) {
+  if (requests_.take(client, monotonic_now())) return std::nullopt;
+  return refuse(RefusalCode::too_many,
+                "client '" + client + "' asks too often; wait a moment between requests");
 }
 
 control::Message ControlService::list_scenes(const Token& token) const {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/access/network.hpp"
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
+#include "server/access/wrong_tokens.hpp"
 #include "server/control/control.hpp"
 #include "server/scene/scene_host.hpp"
 
@@ -20,9 +20,15 @@ namespace feltwire {
 struct ServiceLimits {
   std::size_t sessions_per_client = 16;
   std::size_t pointers = 4;  // sessions of role pointer, of all clients together
-  /// [1/s] sustained, and at once: joins, changes of parameters and reloads, descriptions, each for
-  /// all tokens with one client's name; wrong tokens, for one network.
+  /// [1/s] sustained, and at once: joins, changes of parameters and reloads, an observer's
+  /// descriptions and lists of scenes, each for all tokens with one client's name; wrong tokens,
+  /// for one network.
   double join_rate = 20.0, join_burst = 60.0;
+  /// [1/s] sustained, and at once: all requests of one client's name that have no other limit.
+  double request_rate = 200.0, request_burst = 1000.0;
+  /// [1/s] sustained, and at once: parts and lists of what a session's client fetches in full. The
+  /// most that an honest one asks for at once is some 750 (docs/limits.md).
+  double fetch_rate = 100.0, fetch_burst = 2000.0;
   /// A client whose hand broke the simulation of a scene again and again (SessionEnd::disturbing)
   /// can join that scene with no hand for this time.
   static constexpr std::chrono::seconds kDisturberPause{60};
@@ -82,6 +88,7 @@ class ControlService {
     std::string who;               // for the log
     Nanoseconds since{0};          // time of the server's clock
     SessionParameters parameters;  // in force
+    TokenBucket fetches;           // requests for surfaces and solids
   };
   struct PendingRequest;  // a request and its sender
   using Directory = std::map<std::uint64_t, ListedSession>;
@@ -94,7 +101,9 @@ class ControlService {
   control::Message evict(const PendingRequest& asked, const control::Evict& request);
   control::Message list_scenes(const Token& token) const;
   bool serve_surfaces(PendingRequest& asked, control::Message& request);
-  const ListedSession* own_session(const PendingRequest& asked, std::uint64_t id) const;
+  control::Message fetch(const PendingRequest& asked, std::uint64_t session,
+                         const control::Message& request);
+  ListedSession* own_session(const PendingRequest& asked, std::uint64_t id);
   control::Message list_sessions(const PendingRequest& asked, const control::ListSessions& request);
   void reload(PendingRequest asked, const control::ReloadScene& request);
   bool serve_observer(PendingRequest& asked, const control::Message& request);
@@ -109,6 +118,8 @@ class ControlService {
   control::Refused refuse(control::RefusalCode code, std::string reason);
   std::optional<control::Refused> refuse_below(Role role, const PendingRequest& asked);
   std::optional<control::Refused> refuse_hasty(const PendingRequest& asked);
+  std::optional<control::Refused> refuse_curious(const PendingRequest& asked);
+  std::optional<control::Refused> refuse_endless(const std::string& client);
   std::optional<control::Refused> refuse_join(const PendingRequest& asked,
                                               const control::JoinRequest& request);
   std::optional<control::Refused> refuse_pointer(const control::JoinRequest& request);
@@ -122,8 +133,8 @@ class ControlService {
   Hosts& hosts_;
   TokenFile tokens_;
   ServiceLimits limits_;
-  RateLimit<Network> wrong_tokens_;
-  RateLimit<std::string> joins_, changes_, looks_;  // by client
+  WrongTokens wrong_tokens_;
+  RateLimit<std::string> joins_, changes_, looks_, requests_;  // by client
   RateLimit<std::string> refused_lines_{1.0,
                                         20.0};  // by client, for the log: joins refused at once
   Reload reload_;

@@ -8,6 +8,7 @@
 #include "core/mesh/mesh_surface.hpp"
 #include "core/tool/body_tool.hpp"
 #include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "protocol/net/clock.hpp"
 #include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
 
@@ -144,12 +145,24 @@ bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& req
   }
   const std::optional<std::uint64_t> session = session_of(request);
   if (!session) return false;
-  const ListedSession* seated = own_session(asked, *session);
-  if (seated == nullptr)
-    asked.answer(unknown_session(*session));
-  else
-    asked.answer(answer_to(request, hosts_[seated->scene]->current_scene(), seated->tool));
+  asked.answer(fetch(asked, *session, request));
   return true;
+}
+
+/// A session's client fetches a scene within the session's limit; who asks for a session that is
+/// not there, within that of all requests.
+control::Message ControlService::fetch(const PendingRequest& asked, std::uint64_t session,
+                                       const control::Message& request) {
+  ListedSession* seated = own_session(asked, session);
+  if (seated == nullptr) {
+    if (auto refused = refuse_endless(asked.token.client)) return *std::move(refused);
+    return unknown_session(session);
+  }
+  if (!seated->fetches.take(monotonic_now()))
+    return refuse(RefusalCode::too_many, "session " + std::to_string(session) +
+                                             " fetches surfaces too often; wait a moment, then "
+                                             "go on where it stopped");
+  return answer_to(request, hosts_[seated->scene]->current_scene(), seated->tool);
 }
 
 }  // namespace feltwire

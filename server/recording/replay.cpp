@@ -77,6 +77,10 @@ class Replayer {
         return std::nullopt;
       case EventKind::change:
         return change(event);
+      case EventKind::path:
+        sessions_.limit_replies(id_of(event.hand), event.payload[0] | event.payload[1] << 8,
+                                event.time);
+        return std::nullopt;
       case EventKind::none:
       case EventKind::count_of_kinds:
         break;

@@ -25,6 +25,7 @@ enum class EventKind : std::uint8_t {
   reload,
   change,
   check,
+  path,
   count_of_kinds
 };
 enum class EventOutcome : std::uint8_t { nothing, answered, withheld, count_of_outcomes };

@@ -147,7 +147,7 @@ struct SceneSessions::Change {
     if (!(*slot)->takes.link)
       return Refused{RefusalCode::not_supported,
                      "its client has no emulated link to change; start it with --link, say "
-                     "--link delay=0, and without --fixed"};
+                     "--link delay=0, and with --changes safe"};
     AskedChange asked = next_for(**slot, ClientChange{.law = {}, .link = change.link});
     Changed made{fmt::format("session {} ({}): its client is asked for: {}", (*slot)->number,
                              (*slot)->session.client(), text(change.link)),

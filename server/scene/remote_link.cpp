@@ -123,7 +123,7 @@ RemoteLink::Leader* RemoteLink::let_in(std::uint32_t hand, double share, const S
     return &*seat;
   }
   const bool led = std::ranges::any_of(
-      leaders_, [&](const Leader& l) { return sits(l) && l.lead.deadman && !l.silent(now); });
+      leaders_, [&](const Leader& l) { return sits(l) && l.deadman.pressed() && !l.silent(now); });
   if (!asks(hand, pressed) || led) return nullptr;
   return hand_over(hand, share, newest, now);
 }
@@ -151,6 +151,7 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   leader->share = share;
   leader->sample = newest;
   leader->lead = *batch.lead;
+  leader->deadman.step(batch.lead->deadman, now);
   leader->heard = now;
   step(*leader, refused, now);
   regroup();
@@ -206,7 +207,7 @@ void RemoteLink::step(Leader& leader, bool refused, Nanoseconds now) noexcept {
        .robot_well = now - robot_heard_ <= kSilence && said_.ok && !said_.stopped,
        .hand_silent = leader.silent(now),
        .refused = refused,
-       .deadman = leader.lead.deadman,
+       .deadman = leader.deadman.pressed(),
        .wrench_above = said_.force && said_.force->norm() > seat_.force,
        .aligned = !seat_.aligned || turn_missing(leader).norm() <= seat_.aligned->gate});
   fresh_ |= leader.authority.state() != before;

@@ -9,6 +9,7 @@
 #include "core/scene/scene.hpp"
 #include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/shared_index.hpp"
+#include "core/teleoperation/steady_switch.hpp"
 #include "protocol/wire/datagram.hpp"
 #include "protocol/wire/scene_view.hpp"
 
@@ -54,6 +55,8 @@ class RemoteLink {
   /// and state. The weight of an engaged hand is its share over the sum of the engaged ones
   /// (SharedIndex). The target's first step is zero when a hand engages, releases, leaves or gets
   /// another share. A hand that gets the share 0 while others have a seat loses its seat.
+  /// A switch that flickers counts as released (SteadySwitch), so that it neither keeps the lead
+  /// from another hand nor changes the weights all the time.
   void lead(std::uint32_t hand, const SampleBatch& batch, double period, Nanoseconds now,
             double share = 0.0) noexcept;
   /// The robot's state, received at `now`; false: it is not newer than the one before.
@@ -89,6 +92,7 @@ class RemoteLink {
     Authority authority;
     Sample sample;  // its newest; index 0: none yet
     Lead lead;
+    SteadySwitch deadman;  // what lead.deadman has been
     Nanoseconds heard{0};
 
     bool engaged() const noexcept { return authority.state() == LinkState::engaged; }

@@ -31,7 +31,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
     taken.reply.remote = lead(slot, origin.now);
   const Bytes answer = taken.withheld            ? Bytes{}
                        : slot.session.observes() ? show(slot, taken.reply, origin.now)
-                                                 : encoder_.reply(taken.reply);
+                                                 : fitted(slot, taken.reply, origin.now);
   if (log_ != nullptr)
     log({.kind = EventKind::samples,
          .outcome = taken.withheld ? EventOutcome::withheld : EventOutcome::answered,
@@ -46,16 +46,23 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
 Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
-  view_.robot = next_robot(slot, now);
-  const std::size_t room = view_room(between) - (view_.robot ? kSeenRobotRoom : 0);
-  if (slot.figures) {
+  std::size_t room = room_of(slot, view_room(between), now);
+  const bool is_short = room < view_room(between);
+  const std::size_t hand_size =
+      SceneView::kHandSize + (slot.figures ? SceneView::kFiguresSize + kFiguresOverhead : 0);
+  // On a path without room for a robot and a hand together, they take turns.
+  const bool both = room >= kSeenRobotRoom + hand_size;
+  view_.robot.reset();
+  if (both || slot.session.counters().replies % 2 == 0) view_.robot = next_robot(slot, now);
+  if (view_.robot) room -= std::min(room, kSeenRobotRoom);
+  if (slot.figures && room >= hand_size) {
     slot.observer_view.show(hands_, world_.get(), room - kFiguresOverhead, view_,
                             SceneView::kHandSize + SceneView::kFiguresSize);
     add_figures(view_, now);
   } else {
     slot.observer_view.show(hands_, world_.get(), room, view_);
   }
-  return encoder_.reply(reply, &view_);
+  return encoder_.reply(reply, &view_, is_short);
 }
 
 Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept {

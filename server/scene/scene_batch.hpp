@@ -22,6 +22,8 @@ struct SceneHost::Batch {
   std::array<DatagramBuffer, kMostSent> sent;
   std::array<Peer, kMost> peers;
   std::array<Peer, kMostSeats> robots;
+  std::array<LocalAddressRoom, kMost> received_at;
+  std::array<LocalAddressRoom, kMostSent> sent_from;
   std::array<iovec, kMost> received_parts{};
   std::array<iovec, kMostSent> sent_parts{};
   std::array<mmsghdr, kMost> incoming{};
@@ -44,8 +46,10 @@ struct SceneHost::Batch {
 
   /// The kernel overwrites the lengths that it was given.
   void rearm(std::size_t used) noexcept {
-    for (std::size_t i = 0; i < used; ++i)
+    for (std::size_t i = 0; i < used; ++i) {
       incoming[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+      make_room(incoming[i].msg_hdr, received_at[i]);
+    }
   }
 
   /// sent[at] has so many bytes now, for this receiver.
@@ -53,6 +57,7 @@ struct SceneHost::Batch {
     sent_parts[at].iov_len = size;
     outgoing[at].msg_hdr.msg_name = &to.address;
     outgoing[at].msg_hdr.msg_namelen = to.length;
+    leave_from(to.local, outgoing[at].msg_hdr, sent_from[at]);
   }
 };
 

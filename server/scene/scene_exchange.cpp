@@ -6,6 +6,9 @@
 #include <cerrno>
 
 #include "core/base/visible_text.hpp"
+#include "protocol/net/datagram_io.hpp"
+#include "protocol/net/udp_socket.hpp"
+#include "protocol/wire/guard.hpp"
 #include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
@@ -16,6 +19,7 @@ constexpr std::chrono::milliseconds kTurn{2};
 // [ns] of an answer: from here on a reading of the clock for each is no more than a thousandth
 // (20 to 50 ns where the kernel answers without a system call).
 constexpr Nanoseconds kSlowAnswer{100'000};
+constexpr std::chrono::milliseconds kBetweenMeasures{10};  // of paths that take too little
 
 }  // namespace
 
@@ -57,6 +61,7 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
     const std::size_t i = batch.next++;
     Peer& peer = batch.peers[i];
     peer.length = batch.incoming[i].msg_hdr.msg_namelen;
+    peer.local = local_address(batch.incoming[i].msg_hdr);
     const Bytes datagram{batch.received[i].data(), batch.incoming[i].msg_len};
     if (slow_) now = tick_apart(now);
     const Bytes answer = sessions_.receive(datagram, peer, now, batch.sent[answers]);
@@ -99,6 +104,12 @@ void SceneHost::tell_of_answers() {
     spdlog::info("scene {}: {}", name_, visible(line));
 }
 
+/// Logs the sessions whose replies are shortened from now on.
+void SceneHost::tell_of_paths() {
+  for (const std::string& line : sessions_.short_paths())
+    spdlog::warn("scene {}: {}", name_, visible(line));
+}
+
 /// Steps the moving bodies apart from the answers, so that no session is charged for it. Returns
 /// the time after that.
 Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
@@ -117,6 +128,26 @@ Nanoseconds SceneHost::account(Nanoseconds since) {
   return now;
 }
 
+/// Has the session of a reply that was too long for its path get shorter ones.
+void SceneHost::learn_path(std::size_t sent) noexcept {
+  const std::size_t size = batch_->sent_parts[sent].iov_len;
+  const Guarded guarded = guard({batch_->sent[sent].bytes.data(), size},
+                                set_of({DatagramKind::reply, DatagramKind::follower_target}));
+  if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::reply) return;
+  const std::uint64_t session = guarded.header.session;
+  // A path that takes not even a reply without a model is measured now and then only.
+  if (sessions_.is_limited(session, size - kOverhead) && served_at_ < measured_until_) return;
+  measured_until_ = served_at_ + kBetweenMeasures;
+  const msghdr& message = batch_->outgoing[sent].msg_hdr;
+  const auto& to = *static_cast<const sockaddr_storage*>(message.msg_name);
+  std::size_t longest = size - kOverhead - 1;
+  if (const auto mtu = path_mtu(to, message.msg_namelen); mtu && *mtu > 0) {
+    const auto packet = static_cast<std::size_t>(*mtu);
+    longest = std::min(longest, packet - std::min(packet, header_bytes(to) + kOverhead));
+  }
+  sessions_.limit_replies(session, longest, served_at_);
+}
+
 void SceneHost::send(std::size_t count) noexcept {
   for (std::size_t done = 0; done < count;) {
     const int sent = ::sendmmsg(socket_.native_handle(), batch_->outgoing.data() + done,
@@ -127,10 +158,24 @@ void SceneHost::send(std::size_t count) noexcept {
       // No room: the replies are lost like any datagram may be. The next samples are newer anyway.
       unsent_ += count - done;
       return;
+    } else if (errno == EMSGSIZE) {
+      learn_path(done);
+      ++unsent_;  // lost; what follows fits
+      ++done;
     } else if (errno != EINTR) {
       ++unsent_;  // this one cannot be sent (no route, say); the others can
       ++done;
     }
+  }
+}
+
+void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept {
+  for (const auto& goodbye : goodbyes) {
+    if (goodbye.to.length == 0) continue;  // never sent a sample: nobody knows where it is
+    if (!send_datagram(socket_.native_handle(), goodbye.datagram,
+                       reinterpret_cast<const sockaddr*>(&goodbye.to.address), goodbye.to.length,
+                       goodbye.to.local))
+      ++unsent_;
   }
 }
 

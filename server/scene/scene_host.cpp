@@ -55,6 +55,8 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     const int descriptor = socket_.native_handle();
     if (!forbid_fragments(descriptor) || (options.dscp != 0 && !set_dscp(descriptor, options.dscp)))
       throw std::system_error(errno, std::generic_category());
+    if (options.address.is_unspecified() && !report_local_address(descriptor))
+      throw std::system_error(errno, std::generic_category());
     socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer));
     socket_.non_blocking(true);
     port_ = socket_.local_endpoint().port();
@@ -361,16 +363,6 @@ void SceneHost::tell_of_world(Nanoseconds now) {
 void SceneHost::tell_of_load(Nanoseconds now) {
   for (const std::string& line : load_log_.lines(sessions_.share().slow(), sessions_.shed(), now))
     spdlog::warn("scene {}: {}", name_, line);
-}
-
-void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept {
-  for (const auto& goodbye : goodbyes) {
-    if (goodbye.to.length == 0) continue;  // never sent a sample: nobody knows where it is
-    const auto sent = ::sendto(
-        socket_.native_handle(), goodbye.datagram.data(), goodbye.datagram.size(), MSG_DONTWAIT,
-        reinterpret_cast<const sockaddr*>(&goodbye.to.address), goodbye.to.length);
-    if (sent < 0) ++unsent_;
-  }
 }
 
 SceneSummary SceneHost::count() const {

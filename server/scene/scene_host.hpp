@@ -120,6 +120,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   template <class Handler>
   void post(Handler handler);
   void send(std::size_t count) noexcept;
+  void learn_path(std::size_t sent) noexcept;
   void await_silence();
   void await_tick();
   struct PendingAnswer;
@@ -132,6 +133,8 @@ class SceneHost final : public SceneInView, public SceneControls {
     tell_of_links();
     if (sessions_.has_answers()) [[unlikely]]
       tell_of_answers();
+    if (sessions_.has_short_paths()) [[unlikely]]
+      tell_of_paths();
     if (!sessions_.ended().empty()) tell_ended();
   }
   void tell_ended();
@@ -141,6 +144,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   void tell_of_load(Nanoseconds now);
   void tell_of_links();
   void tell_of_answers();
+  void tell_of_paths();
   void draw(Nanoseconds now) noexcept {
     draw(pictures_, now);
     if (recorded_) draw(recorded_pictures_, now);
@@ -176,10 +180,11 @@ class SceneHost final : public SceneInView, public SceneControls {
   LogLimit failures_;
   WorldLog world_log_;
   LoadLog load_log_;
-  std::unique_ptr<Batch> batch_;  // buffers of one exchange
-  bool slow_ = false;             // answers take so long that the clock is read for each
-  Nanoseconds served_at_{0};      // time of the answers to the newest exchange
-  std::atomic<int> posts_{0};     // posted requests that are not yet handled
+  std::unique_ptr<Batch> batch_;   // buffers of one exchange
+  bool slow_ = false;              // answers take so long that the clock is read for each
+  Nanoseconds served_at_{0};       // time of the answers to the newest exchange
+  Nanoseconds measured_until_{0};  // no path is measured again before
+  std::atomic<int> posts_{0};      // posted requests that are not yet handled
   std::uint16_t port_ = 0;
   std::uint64_t unsent_ = 0;
   TimeCounts answers_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/time_counts.hpp"
+#include "protocol/net/local_address.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/control.hpp"
@@ -28,10 +29,12 @@
 
 namespace feltwire {
 
-/// The address of a datagram's sender, to which its answer goes.
+/// The address of a datagram's sender, to which its answer goes, and the address of this machine
+/// that the sender spoke to, from which the answer leaves.
 struct Peer {
   sockaddr_storage address{};
   socklen_t length = 0;  // [bytes] 0: not known yet
+  LocalAddress local{};
 };
 
 /// The limits of a session. Beyond them it is slowed or ended.
@@ -152,6 +155,16 @@ class SceneSessions {
   /// are any.
   std::vector<std::string> answers();
   bool has_answers() const noexcept { return has_answers_; }
+  /// The payload of a session's replies is at most so long from now on [bytes], because its path
+  /// takes no longer ones: they carry less of the model or the view. After a minute longer ones are
+  /// tried again. A session that does not exist is none of its business. Never allocates.
+  void limit_replies(std::uint64_t id, std::size_t payload, Nanoseconds now) noexcept;
+  /// Whether a session's replies have less room than that already, or there is no such session.
+  bool is_limited(std::uint64_t id, std::size_t payload) noexcept;
+  /// The sessions whose path was found to be short since the last call, one log line each.
+  /// Allocates if there are any.
+  std::vector<std::string> short_paths();
+  bool has_short_paths() const noexcept { return has_short_paths_; }
   /// [m/s^2] on moving objects; empty: nothing moves.
   std::optional<Vec3> gravity() const;
 
@@ -230,6 +243,9 @@ class SceneSessions {
                         DatagramBuffer& out) noexcept;
   Bytes answer_samples(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
   Bytes show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept;
+  Bytes fitted(SessionSlot& slot, Reply& reply, Nanoseconds now) noexcept;
+  std::size_t room_of(SessionSlot& slot, std::size_t whole, Nanoseconds now) noexcept;
+  void limit_replies(SessionSlot& slot, std::size_t payload, Nanoseconds now) noexcept;
   std::optional<control::Refused> refuse_robot(const control::JoinRequest& request) const;
   const RemoteSeat* seat_named(const std::string& name) const noexcept;
   void receive_state(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept;
@@ -277,6 +293,7 @@ class SceneSessions {
   RobotState robot_state_;
   SceneCounters counters_;
   bool has_answers_ = false;  // clients have answered to changes
+  bool has_short_paths_ = false;
   EventLog* log_ = nullptr;
   Nanoseconds logged_at_{0};  // the time of the newest event
 };

@@ -291,10 +291,11 @@ LocalModel Session::model() const noexcept {
   return model;
 }
 
-BodyModel Session::body_model() const noexcept {
-  return world_ != nullptr ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held,
-                                                  surfaces_, known_)
-                           : feltwire::body_model(*view_, last_.pose, body_, surfaces_, known_);
+BodyModel Session::body_model(int most) const noexcept {
+  return world_ != nullptr
+             ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held, surfaces_,
+                                    known_, most)
+             : feltwire::body_model(*view_, last_.pose, body_, surfaces_, known_, most);
 }
 
 LocalModel Session::surfaces() const noexcept {

@@ -7,6 +7,7 @@
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
 #include "core/dynamics/world.hpp"
+#include "core/local_model/body_model.hpp"
 #include "core/local_model_extraction/extract.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
@@ -69,6 +70,12 @@ class Session {
   /// dropped batch leaves everything unchanged, also a held contact. Precondition: none; check() is
   /// repeated here. Never allocates.
   Taken take(const SampleBatch& batch, Nanoseconds now) noexcept;
+
+  /// Takes so much out of the reply's model that the reply is about `excess` [bytes] shorter: the
+  /// farthest surfaces, the finest parts of a tool with a body, in the end the model. Precondition:
+  /// a reply of this session's newest sample. Returns false if it has no model any more. Never
+  /// allocates.
+  bool shorten(Reply& reply, std::size_t excess) const noexcept;
 
   /// Applies the hand's force to the moving objects, for the next step of the world: in full until
   /// half of hold_time after its newest sample, then fading to zero at hold_time, as the command
@@ -160,7 +167,7 @@ class Session {
   bool touches() const noexcept { return !observes_ && !through_arm_; }
   LocalModel model() const noexcept;
   void forget_surfaces() noexcept;
-  BodyModel body_model() const noexcept;
+  BodyModel body_model(int most = kMaxBodyPoints) const noexcept;
   Command touch(const Pose& device, const Tool& tool, double elapsed) noexcept;
   Movement movement_to(const Sample& sample, bool rotation) const noexcept;
   void hear(const HandReport& report) noexcept;

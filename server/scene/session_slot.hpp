@@ -59,6 +59,9 @@ struct SceneSessions::SessionSlot {
   bool leads = false;       // its samples have a lead
   std::uint8_t seen = 0;    // for an observer: the seat of the robot in its last view
   Nanoseconds joined{0};
+  std::size_t room = kMaxPayload;  // [bytes] of a reply's payload, as the path was found to take
+  Nanoseconds room_until{0};       // then longer ones are tried again
+  bool was_short = false, told_short = false;  // the room was less once; the log says so
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };

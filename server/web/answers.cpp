@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <asio/ip/address.hpp>
 #include <optional>
 #include <utility>
 
+#include "server/web/authority.hpp"
 #include "server/web/query.hpp"
 
 namespace feltwire::web {
@@ -18,7 +18,7 @@ struct Status {
 constexpr Status kOk{200, "OK"}, kNotModified{304, "Not Modified"}, kBad{400, "Bad Request"},
     kUnauthorized{401, "Unauthorized"}, kForbidden{403, "Forbidden"}, kNotFound{404, "Not Found"},
     kNotAllowed{405, "Method Not Allowed"}, kUpgrade{426, "Upgrade Required"},
-    kUnavailable{503, "Service Unavailable"};
+    kTooMany{429, "Too Many Requests"}, kUnavailable{503, "Service Unavailable"};
 
 // No script, style, picture or connection but this server's own, and no frame around the page.
 constexpr std::string_view kPolicy =
@@ -57,26 +57,57 @@ Answer plain(const Status& status, const std::string& text, std::string_view mor
   return {bytes_of(head(status, "text/plain; charset=utf-8", text.size(), more), text), false};
 }
 
-/// "host", "host:port", "[::1]" or "[::1]:port" without the port and the brackets.
-std::string_view host_of(std::string_view authority) {
-  if (authority.starts_with('[')) {
-    const auto end = authority.find(']');
-    return end == std::string_view::npos ? std::string_view{} : authority.substr(1, end - 1);
-  }
-  return authority.substr(0, authority.find(':'));
+/// The answer to a wrong token or ticket where there were too many before; empty: this one is
+/// answered as what it is.
+std::optional<Answer> too_many(const Site& site) {
+  if (!site.may_try_again || site.may_try_again()) return std::nullopt;
+  return plain(kTooMany, "too many wrong tokens from this address or its network; wait a minute\n",
+               "Retry-After: 60\r\n");
+}
+
+/// Whether it is a name that the owner gave this server.
+bool is_named(const Authority& asked, std::span<const std::string> names) {
+  return std::ranges::any_of(names, [&](const std::string& name) {
+    const auto known = parse_authority(name);
+    return known && known->host == asked.host;
+  });
+}
+bool is_named(std::string_view authority, std::span<const std::string> names) {
+  const auto asked = parse_authority(authority);
+  return asked && is_named(*asked, names);
 }
 
 bool is_ours(std::string_view authority, std::span<const std::string> names) {
-  const std::string host(host_of(authority));
-  std::error_code no_address;
-  asio::ip::make_address(host, no_address);
-  return !no_address || host == "localhost" || std::ranges::find(names, host) != names.end();
+  const auto asked = parse_authority(authority);
+  return asked && (asked->is_address || asked->host == "localhost" || is_named(*asked, names));
 }
 
-/// Whether the page that opens the WebSocket was served by this server.
-bool same_origin(const HttpRequest& request, const std::string& authority, bool secure) {
-  const std::string* origin = request.header("origin");
-  return origin != nullptr && *origin == (secure ? "https://" : "http://") + authority;
+/// An authority as browsers write it: without the port that its scheme has anyway.
+std::string_view without_port(std::string_view authority, std::string_view port) {
+  if (authority.ends_with(port)) authority.remove_suffix(port.size());
+  return authority;
+}
+
+/// Whether the page that opens the WebSocket was served by this server. A page by a name of this
+/// server may have come over HTTPS although this server speaks HTTP: through a proxy on this
+/// machine, which speaks TLS. A page of another machine cannot have that name.
+bool same_origin(const HttpRequest& request, const std::string& authority, const Site& site) {
+  const std::string* header = request.header("origin");
+  if (header == nullptr) return false;
+  const std::string_view origin = *header;
+  const auto is = [&](std::string_view scheme, std::string_view port) {
+    return origin.starts_with(scheme) &&
+           without_port(origin.substr(scheme.size()), port) == without_port(authority, port);
+  };
+  if (is("https://", ":443")) return site.secure || is_named(authority, site.names);
+  return !site.secure && is("http://", ":80");
+}
+
+/// Whether the client's own connection is by TLS: to this server, or to a proxy before it, which
+/// says so.
+bool by_tls(const HttpRequest& request, const Site& site) {
+  const std::string* forwarded = request.header("x-forwarded-proto");
+  return site.secure || (forwarded != nullptr && *forwarded == "https");
 }
 
 /// The refusal of a malformed request for a WebSocket; empty if it is well formed.
@@ -110,9 +141,9 @@ Answer switch_protocols(const HttpRequest& request, std::span<const std::string_
           true};
 }
 
-Answer live(const HttpRequest& request, const std::string& authority, bool secure) {
+Answer live(const HttpRequest& request, const std::string& authority, const Site& site) {
   if (auto refused = refuse_upgrade(request)) return *refused;
-  if (!same_origin(request, authority, secure))
+  if (!same_origin(request, authority, site))
     return plain(kForbidden, "a page of another site may not look on\n");
   return switch_protocols(request, {&kLiveProtocol, 1});
 }
@@ -124,11 +155,11 @@ Answer foxglove(const HttpRequest& request, const Site& site) {
   if (!accepted.upgraded) return accepted;
   const auto shown = query_value(request.query, "ticket");
   if (shown && site.redeem) accepted.ticket = site.redeem(*shown);
-  if (!accepted.ticket)
-    return plain(kForbidden,
-                 "the ticket is not good: each is for one connection, within a minute; take a new "
-                 "one\n");
-  return accepted;
+  if (accepted.ticket) return accepted;
+  if (auto refused = too_many(site)) return *std::move(refused);
+  return plain(kForbidden,
+               "the ticket is not good: each is for one connection, within a minute; take a new "
+               "one\n");
 }
 
 /// The token of `Authorization: Bearer fw_...`; empty where none was shown.
@@ -139,7 +170,10 @@ std::string_view bearer(const HttpRequest& request) {
   return std::string_view(*shown).substr(kScheme.size());
 }
 
-Answer unauthorized() {
+/// A request without a token is no guess.
+Answer unauthorized(const HttpRequest& request, const Site& site) {
+  if (!bearer(request).empty())
+    if (auto refused = too_many(site)) return *std::move(refused);
   return plain(kUnauthorized, "show a token: Authorization: Bearer fw_...\n",
                "WWW-Authenticate: Bearer\r\n");
 }
@@ -147,13 +181,13 @@ Answer unauthorized() {
 /// Also on this machine for those with a token only: a ticket opens a scene.
 Answer ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string_view token = bearer(request);
-  if (!site.opens || !site.mint || !site.opens(token)) return unauthorized();
+  if (!site.opens || !site.mint || !site.opens(token)) return unauthorized(request, site);
   const auto minted = site.mint(token, query_value(request.query, "scene").value_or(""));
   if (!minted)
     return plain(kNotFound, "there is no such scene, or the token does not open it\n", kNoStore);
   return plain(kOk,
-               (site.secure ? "wss://" : "ws://") + authority + std::string(kFoxglovePath) +
-                   "?ticket=" + std::string(minted->text()) + "\n",
+               (by_tls(request, site) ? "wss://" : "ws://") + authority +
+                   std::string(kFoxglovePath) + "?ticket=" + std::string(minted->text()) + "\n",
                kNoStore);
 }
 
@@ -171,14 +205,15 @@ Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
   Answer answer;
   answer.bytes =
       bytes_of(head(kOk, found->type, found->gzip.size(), "Content-Encoding: gzip\r\n" + caching));
-  if (request.method == "GET")
-    answer.bytes.insert(answer.bytes.end(), found->gzip.begin(), found->gzip.end());
+  // Not a copy: the slowest of readers costs the server no more than its socket.
+  if (request.method == "GET") answer.body = SharedBytes::of_program(found->gzip);
   return answer;
 }
 
 /// Counters tell who is here: on a network they are for those who have a token.
 Answer metrics(const HttpRequest& request, const Site& site) {
-  if (site.secure && (!site.opens || !site.opens(bearer(request)))) return unauthorized();
+  if (site.secure && (!site.opens || !site.opens(bearer(request))))
+    return unauthorized(request, site);
   const std::string text = site.metrics();
   return {
       bytes_of(head(kOk, "text/plain; version=0.0.4; charset=utf-8", text.size(), kNoStore), text),
@@ -205,7 +240,7 @@ Answer answer(const HttpRequest* request, const Site& site) {
     return plain(kForbidden, "this server is not known by that name; use its IP address\n");
   if (request->method != "GET" && request->method != "HEAD")
     return plain(kNotAllowed, "only GET and HEAD are answered\n", "Allow: GET, HEAD\r\n");
-  if (request->path == kLivePath) return live(*request, *authority, site.secure);
+  if (request->path == kLivePath) return live(*request, *authority, site);
   if (request->path == kFoxglovePath) return foxglove(*request, site);
   if (request->path == kTicketPath) return ticket(*request, *authority, site);
   // Every port is open, and every scene is loaded, before this one answers.

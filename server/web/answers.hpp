@@ -11,6 +11,7 @@
 
 #include "server/web/http_request.hpp"
 #include "server/web/page_assets.hpp"
+#include "server/web/shared_bytes.hpp"
 #include "server/web/view_tickets.hpp"
 
 namespace feltwire::web {
@@ -36,6 +37,8 @@ struct Site {
   std::function<bool(std::string_view token)> opens = {};
   /// Returns a ticket for a scene that the token opens; empty if it opens none of that name.
   std::function<std::optional<Secret>(std::string_view token, std::string_view scene)> mint = {};
+  /// Counts a wrong token or ticket of whoever asks. False: there were too many. Empty: no limit.
+  std::function<bool()> may_try_again = {};
   /// Redeems a ticket, which is void from then on.
   std::function<std::optional<ViewTicket>(std::string_view ticket)> redeem = {};
 };
@@ -45,14 +48,17 @@ struct Answer {
   std::vector<std::uint8_t> bytes;
   bool upgraded = false;
   std::optional<ViewTicket> ticket = {};  // the viewer's ticket
+  SharedBytes body = {};                  // after the bytes: a file of the page
 };
 
 /// Answers a request; null: a malformed one.
 ///
 /// A request must name this server as an IP address or localhost, or by one of the site's names. So
 /// a page of another site whose name was directed here (DNS rebinding) is refused. The page's
-/// WebSocket must be opened by a page of this server (Origin). That of the Foxglove protocol may be
-/// opened by any page or program with a ticket, because no browser adds one by itself.
+/// WebSocket must be opened by a page of this server (Origin). Where this server speaks HTTP, a
+/// page over HTTPS counts too if it has one of the site's names: a proxy speaks TLS for it. That of
+/// the Foxglove protocol may be opened by any page or program with a ticket, because no browser
+/// adds one by itself.
 Answer answer(const HttpRequest* request, const Site& site);
 
 }  // namespace feltwire::web

@@ -16,6 +16,9 @@ namespace {
 constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
 constexpr Nanoseconds kBetweenTokenLooks = std::chrono::seconds(1);
 constexpr const char* kFull = "this server has as many viewers as it may have; close another page";
+constexpr const char* kFullButForAdmins =
+    "this server has as many viewers as it may have, and keeps its last places for admins; close "
+    "another page";
 constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that may hold a hand
 
 }  // namespace
@@ -38,7 +41,7 @@ Audience::~Audience() = default;
 
 Audience::Id Audience::join(Viewer& viewer, const asio::ip::address& address) {
   const Id id = next_id_++;
-  slots_.try_emplace(id, id, &viewer, network_of(address));
+  slots_.try_emplace(id, id, &viewer, address);
   return id;
 }
 
@@ -52,12 +55,16 @@ void Audience::refuse(Id id, WebSocketClose code, const std::string& reason) {
   viewer->close(code, reason);
 }
 
+void Audience::count(Id id) {
+  const auto found = slots_.find(id);
+  if (found == slots_.end() || found->second.messages.take(monotonic_now())) return;
+  refuse(id, WebSocketClose::bad_message, "too many messages");
+}
+
 void Audience::receive(Id id, std::string_view message) {
   const auto found = slots_.find(id);
   if (found == slots_.end()) return;
   ViewerSlot& slot = found->second;
-  if (!slot.messages.take(monotonic_now()))
-    return refuse(id, WebSocketClose::bad_message, "too many messages");
   if (slot.foxglove) return slot.foxglove->receive(message);
   const std::optional<ViewerMessage> said = parse_viewer_message(message);
   if (!said) return refuse(id, WebSocketClose::bad_message, "a message is not a JSON object");
@@ -76,16 +83,38 @@ void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.hand == "release") slot.hand.release();
   if (said.hand == "take" && slot.stage != nullptr) {
     ++counters_.hands;
-    slot.hand.take(slot.stage->scene->name());
+    slot.hand.take(slot.stage->scene->name(), said.mode.value_or(""));
   }
   if (said.watch) return watch(slot, *said.watch);
   if (said.ticket) give_ticket(slot, *said.ticket);
 }
 
-bool Audience::is_full() const {
-  const auto known =
-      std::ranges::count_if(slots_, [](const auto& entry) { return !entry.second.token.empty(); });
-  return static_cast<std::size_t>(known) >= kMostViewers;
+/// The reason why one more viewer with this token has no place; empty: there is one. One client
+/// does not keep the others out, and all others together do not keep an admin out.
+std::optional<std::string> Audience::no_place_for(const Token& token) const {
+  std::size_t all = 0, of_client = 0, of_others = 0;
+  for (const auto& [id, slot] : slots_) {
+    if (slot.token.empty()) continue;
+    ++all;
+    if (slot.client == token.client) ++of_client;
+    if (!slot.of_admin) ++of_others;
+  }
+  if (all >= kMostViewers) return kFull;
+  if (of_client >= kMostViewersOfClient)
+    return "this client's name has all its " + std::to_string(kMostViewersOfClient) +
+           " viewers; close another page, or use a token with another name";
+  if (!covers(token.role, Role::admin) && of_others >= kMostViewers - kPlacesForAdmins)
+    return kFullButForAdmins;
+  return std::nullopt;
+}
+
+/// Takes a place for a viewer with this token.
+void Audience::enter(ViewerSlot& slot, const Token& token) {
+  ++counters_.viewers;
+  slot.token = token.id;
+  slot.client = token.client;
+  slot.of_admin = covers(token.role, Role::admin);
+  slot.viewer->admitted();
 }
 
 void Audience::refresh_tokens() {
@@ -99,17 +128,17 @@ const Token* Audience::good_token(std::string_view text) {
 
 bool Audience::may_try_again(const ViewerSlot& slot) {
   ++counters_.refused;
-  if (wrong_tokens_.take(slot.network, monotonic_now())) return true;
+  if (may_try_again(slot.address)) return true;
   refuse(slot.id, WebSocketClose::too_many,
-         "too many wrong tokens from this network; wait a minute");
+         "too many wrong tokens from this address or its network; wait a minute");
   return false;
 }
 
+bool Audience::may_try_again(const asio::ip::address& address) {
+  return wrong_tokens_.take(address, monotonic_now());
+}
+
 void Audience::admit(ViewerSlot& slot, std::string_view text) {
-  if (is_full()) {
-    ++counters_.refused;
-    return refuse(slot.id, WebSocketClose::too_many, kFull);
-  }
   const Token* token = good_token(text);
   if (token == nullptr) {
     if (may_try_again(slot)) refuse(slot.id, WebSocketClose::bad_token, kNoGoodToken);
@@ -122,9 +151,11 @@ void Audience::admit(ViewerSlot& slot, std::string_view text) {
     ++counters_.refused;
     return refuse(slot.id, WebSocketClose::bad_token, "the token opens no scene of this server");
   }
-  ++counters_.viewers;
-  slot.token = token->id;
-  slot.viewer->admitted();
+  if (const auto reason = no_place_for(*token)) {
+    ++counters_.refused;
+    return refuse(slot.id, WebSocketClose::too_many, *reason);
+  }
+  enter(slot, *token);
   spdlog::debug("live page: {} looks on", visible(token->client));
   const bool observes =
       std::ranges::all_of(stages_, [](const auto& s) { return s->scene->controls() == nullptr; });
@@ -136,24 +167,23 @@ void Audience::admit(ViewerSlot& slot, std::string_view text) {
   watch(slot, scenes.front());
 }
 
-bool Audience::opens_something(std::string_view text, const asio::ip::address& address) {
-  if (good_token(text) != nullptr) return true;
-  wrong_tokens_.take(network_of(address), monotonic_now());
-  return false;
-}
+bool Audience::opens_something(std::string_view text) { return good_token(text) != nullptr; }
 
 void Audience::admit(Id id, const ViewTicket& ticket) {
   const auto found = slots_.find(id);
   if (found == slots_.end()) return;
-  if (is_full()) {
+  const Token* token = find_token(tokens_.tokens(), ticket.token);
+  if (token == nullptr) {
     ++counters_.refused;
-    return refuse(id, WebSocketClose::too_many, kFull);
+    return refuse(id, WebSocketClose::bad_token, kNoGoodToken);
+  }
+  if (const auto reason = no_place_for(*token)) {
+    ++counters_.refused;
+    return refuse(id, WebSocketClose::too_many, *reason);
   }
   ViewerSlot& slot = found->second;
-  ++counters_.viewers;
-  slot.token = ticket.token;
-  slot.viewer->admitted();
-  watch(slot, ticket.scene);  // which refuses where the token was revoked in the meantime
+  enter(slot, *token);
+  watch(slot, ticket.scene);  // which refuses where the token opens that scene no more
   if (const auto still = slots_.find(id); still != slots_.end())
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
 }
@@ -173,13 +203,9 @@ std::optional<Secret> Audience::mint_ticket(std::string_view text, std::string_v
   return token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
 }
 
-std::optional<ViewTicket> Audience::redeem_ticket(std::string_view text,
-                                                  const asio::ip::address& address) {
+std::optional<ViewTicket> Audience::redeem_ticket(std::string_view text) {
   auto ticket = tickets_.redeem(text, calendar_now());
-  if (!ticket) {
-    ++counters_.refused;
-    wrong_tokens_.take(network_of(address), monotonic_now());
-  }
+  if (!ticket) ++counters_.refused;
   return ticket;
 }
 
@@ -236,13 +262,15 @@ void Audience::tick(Nanoseconds now) {
 void Audience::show(Stage& stage, Nanoseconds now) {
   const SceneInView::CurrentScene current = stage.scene->current_scene();
   if (current.version != stage.version) {
-    stage.text = scene_text(*current.scene, current.version);
-    stage.geometry = geometry(*current.scene, current.version);
+    stage.text = SharedBytes(scene_text(*current.scene, current.version));
+    stage.geometry.clear();
+    for (Bytes& object : geometry(*current.scene, current.version))
+      stage.geometry.emplace_back(std::move(object));
     stage.version = current.version;
-    stage.materials.clear();
+    stage.materials = {};
   }
   if (stage.materials.empty() || current.changes != stage.changes) {
-    stage.materials = materials_text(*current.scene, current.version, current.gravity);
+    stage.materials = SharedBytes(materials_text(*current.scene, current.version, current.gravity));
     stage.changes = current.changes;
   }
   tell_of_sight(stage);
@@ -260,16 +288,16 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       show_scene(stage, *slot);
     } else if (slot->changes != stage.changes) {
       slot->changes = stage.changes;
-      slot->viewer->send(stage.materials);
+      slot->viewer->show_text(stage.materials);
     }
 
   const bool news = stage.scene->take_picture(stage.picture);
   if (news && stage.picture.version == stage.version) {
-    const Bytes shown = picture(stage.picture, stage.rates, begin_);
-    const Bytes near = surfaces(stage.picture);
+    const SharedBytes shown(picture(stage.picture, stage.rates, begin_));
+    const SharedBytes near(surfaces(stage.picture));
     for (ViewerSlot* slot : ready) {
-      slot->viewer->send(shown);
-      if (!near.empty()) slot->viewer->send(near);
+      slot->viewer->show_binary(shown);
+      if (!near.empty()) slot->viewer->show_binary(near);
     }
     counters_.pictures += ready.size();
   }
@@ -278,8 +306,8 @@ void Audience::show(Stage& stage, Nanoseconds now) {
   stage.described = now;
   stage.describing = true;
   count_rates(stage);
-  const std::string text = sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_));
-  for (ViewerSlot* slot : ready) slot->viewer->send(text);
+  const SharedBytes text(sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_)));
+  for (ViewerSlot* slot : ready) slot->viewer->show_text(text);
   stage.scene->describe(
       io_, [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
         if (alive.expired()) return;
@@ -288,14 +316,12 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       });
 }
 
-std::optional<std::string> Audience::hidden_scene(std::string_view text,
-                                                  const asio::ip::address& address) {
+std::optional<std::string> Audience::hidden_scene(std::string_view text) {
   std::vector<std::string> hidden;
   for (const auto& stage : stages_)
     if (stage->scene->out_of_sight()) hidden.push_back(stage->scene->name());
   if (hidden.empty()) return std::nullopt;
   const Token* token = text.empty() ? nullptr : good_token(text);
-  if (token == nullptr && !text.empty()) wrong_tokens_.take(network_of(address), monotonic_now());
   const auto opened = std::ranges::find_if(
       hidden, [&](const std::string& name) { return token != nullptr && opens(*token, name); });
   return opened != hidden.end() ? *opened : std::string();
@@ -333,9 +359,9 @@ void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
 void Audience::show_scene(Stage& stage, ViewerSlot& slot) {
   slot.version = stage.version;
   slot.changes = stage.changes;
-  slot.viewer->send(stage.text);
-  for (const Bytes& object : stage.geometry) slot.viewer->send(object);
-  slot.viewer->send(stage.materials);
+  slot.viewer->show_text(stage.text);
+  for (const SharedBytes& object : stage.geometry) slot.viewer->show_binary(object);
+  slot.viewer->show_text(stage.materials);
   if (stage.hidden) slot.viewer->send(log_text("error", *stage.hidden));
 }
 

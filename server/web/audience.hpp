@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/base/token_bucket.hpp"
-#include "server/access/network.hpp"
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
+#include "server/access/wrong_tokens.hpp"
 #include "server/picture/scene_in_view.hpp"
 #include "server/web/page_hands.hpp"
 #include "server/web/view_tickets.hpp"
@@ -36,8 +36,10 @@ struct AudienceCounters {
 class Audience {
  public:
   using Scenes = std::vector<SceneInView*>;
-  static constexpr std::size_t kMostViewers = 32;
-  static constexpr std::size_t kMostMessage = 4096;  // [bytes] from a viewer
+  static constexpr std::size_t kMostViewers = 32;         // with a valid token
+  static constexpr std::size_t kMostViewersOfClient = 8;  // of all tokens with one client's name
+  static constexpr std::size_t kPlacesForAdmins = 4;      // of kMostViewers, for tokens of admins
+  static constexpr std::size_t kMostMessage = 4096;       // [bytes] from a viewer
 
   /// Reloads a scene, by its index; told() reports the result later. Empty: there is no reload.
   using Reload = std::function<void(std::size_t scene)>;
@@ -59,6 +61,9 @@ class Audience {
   void leave(Id id);
   /// It has shown a ticket, and uses the Foxglove protocol. It may have left when this returns.
   void admit(Id id, const ViewTicket& ticket);
+  /// A frame of a viewer has begun: a message, a part of one, a ping, a pong or a close. Too many a
+  /// second end the viewer; it may have left when this returns.
+  void count(Id id);
   /// A text message of a viewer. It may have left when this returns.
   void receive(Id id, std::string_view message);
 
@@ -67,20 +72,20 @@ class Audience {
   void tell(std::size_t scene, const std::optional<std::string>& wrong);
 
   /// The name of the first scene that the token (empty: none was shown) opens and that cannot be
-  /// seen now (SceneInView::out_of_sight). An empty name: the token opens none of those. Nothing:
-  /// all are seen. Wrong tokens from this address are limited.
-  std::optional<std::string> hidden_scene(std::string_view token, const asio::ip::address& address);
+  /// seen now (SceneInView::out_of_sight). An empty name: the token opens none of those, or is
+  /// wrong. Nothing: all are seen.
+  std::optional<std::string> hidden_scene(std::string_view token);
 
-  /// Whether a text from this address is a valid token. Wrong ones are limited.
-  bool opens_something(std::string_view token, const asio::ip::address& address);
+  /// Whether a text is a valid token.
+  bool opens_something(std::string_view token);
+  /// Counts a wrong token or ticket from this address. False: there were too many.
+  bool may_try_again(const asio::ip::address& address);
 
   /// A ticket for a scene, by its name; an empty name is the first scene that the token opens.
   /// Empty if the token is not valid, or opens no such scene.
   std::optional<Secret> mint_ticket(std::string_view token, std::string_view scene);
-  /// Redeems a ticket that came from this address; it is void from then on. A wrong ticket counts
-  /// as a wrong token of that network.
-  std::optional<ViewTicket> redeem_ticket(std::string_view ticket,
-                                          const asio::ip::address& address);
+  /// Redeems a ticket, which is void from then on. Empty: it is not good.
+  std::optional<ViewTicket> redeem_ticket(std::string_view ticket);
 
   /// Sends the news to all viewers. Call it 60 times a second while there are viewers.
   void tick(Nanoseconds now);
@@ -100,7 +105,8 @@ class Audience {
   bool may_try_again(const ViewerSlot& slot);
   void watch(ViewerSlot& slot, std::string_view scene);
   void give_ticket(ViewerSlot& slot, std::string_view scene);
-  bool is_full() const;
+  std::optional<std::string> no_place_for(const Token& token) const;
+  void enter(ViewerSlot& slot, const Token& token);
   std::optional<Secret> mint_ticket(const Token& by, std::string_view scene);
   void follow(ViewerSlot& slot, const ViewerMessage& said);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
@@ -128,7 +134,7 @@ class Audience {
   Reload reload_;
   WriteFlight write_flight_;
   RateLimit<std::string> changes_{20.0, 60.0};  // of admins' clients
-  RateLimit<Network> wrong_tokens_{0.2, 10.0};
+  WrongTokens wrong_tokens_{0.2, 10.0};
   ViewTickets tickets_;
   std::vector<std::unique_ptr<Stage>> stages_;  // one for each scene
   std::map<Id, ViewerSlot> slots_;

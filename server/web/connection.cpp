@@ -2,9 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <asio/post.hpp>
 #include <utility>
-
-#include "server/web/answers.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -14,18 +13,14 @@ constexpr std::chrono::seconds kCloseTime{2};   // for its answer to a close
 
 }  // namespace
 
-WebServer::Connection::Connection(WebServer& server, Places::Id id, std::unique_ptr<Stream> stream,
-                                  const asio::ip::address& address)
-    : server_(server),
-      id_(id),
-      address_(address),
-      stream_(std::move(stream)),
-      deadline_(server.io_) {}
+Connection::Connection(ConnectionHost& host, Places::Id id, std::unique_ptr<Stream> stream,
+                       const asio::ip::address& address)
+    : host_(host), id_(id), address_(address), stream_(std::move(stream)), deadline_(host.io()) {}
 
 /// A handler that keeps this connection, does nothing once it has ended, and ends it, and nothing
 /// else, when `work` throws.
 template <class Work>
-auto WebServer::Connection::safely(Work work) {
+auto Connection::safely(Work work) {
   return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
     if (self->ended_) return;
     try {
@@ -38,117 +33,145 @@ auto WebServer::Connection::safely(Work work) {
   };
 }
 
-void WebServer::Connection::set_deadline(std::chrono::milliseconds patience) {
+void Connection::set_deadline(std::chrono::milliseconds patience) {
   deadline_.expires_after(patience);
   deadline_.async_wait(safely([this](const std::error_code& cancelled) {
     if (!cancelled) end();
   }));
 }
 
-void WebServer::Connection::end() noexcept {
+void Connection::end() noexcept {
   if (ended_) return;
   ended_ = true;
   stream_->close();
   deadline_.cancel();
-  if (seat_) server_.audience_.leave(*seat_);
-  server_.places_.leave(id_);
-  server_.connections_.erase(id_);
-  server_.leave_if_empty();
+  if (seat_) host_.audience().leave(*seat_);
+  host_.ended(id_);
 }
 
-void WebServer::Connection::start() {
-  set_deadline(server_.options_.patience);
+void Connection::start() {
+  set_deadline(host_.patience());
   stream_->handshake(safely([this](const std::error_code& error) {
     if (error) return end();
     read_head();
   }));
 }
 
-void WebServer::Connection::read_head() {
+void Connection::read_head() {
   stream_->read(safely([this](const std::error_code& error, std::span<const std::uint8_t> bytes) {
     if (error) return end();
     head_.append(bytes.begin(), bytes.end());
     if (const auto length = http_head_length(head_)) return answer_head(*length);
     if (head_.size() <= kMaxHttpHead) return read_head();
-    write_last(answer(nullptr, {}).bytes);
+    write_last(answer(nullptr, {}));
   }));
 }
 
-void WebServer::Connection::answer_head(std::size_t length) {
+void Connection::answer_head(std::size_t length) {
   const auto request = parse_http_head(std::string_view(head_).substr(0, length));
-  Answer answered = answer(request ? &*request : nullptr, server_.site(address_));
-  if (!answered.upgraded) return write_last(std::move(answered.bytes));
+  Answer answered = answer(request ? &*request : nullptr, host_.site(address_));
+  if (!answered.upgraded) return write_last(std::move(answered));
   head_.erase(0, length);
   become_viewer(std::move(answered));
 }
 
-void WebServer::Connection::become_viewer(Answer accepted) {
-  socket_ = std::make_unique<WebSocket>(Audience::kMostMessage, [this](std::string_view message) {
-    if (seat_) server_.audience_.receive(*seat_, message);
-  });
+void Connection::become_viewer(Answer accepted) {
+  const auto take = [this](std::string_view message) {
+    if (seat_) host_.audience().receive(*seat_, message);
+  };
+  const auto begun = [this] {
+    if (seat_) host_.audience().count(*seat_);
+  };
+  socket_ = std::make_unique<WebSocket>(Audience::kMostMessage, take, begun);
   writing_ = true;
   stream_->write(
-      std::move(accepted.bytes),
+      {std::move(accepted.bytes), {}},
       safely([this, ticket = accepted.ticket](const std::error_code& error) {
         writing_ = false;
         if (error) return end();
-        seat_ = server_.audience_.join(*this, address_);
-        if (ticket) server_.audience_.admit(*seat_, *ticket);
+        seat_ = host_.audience().join(*this, address_);
+        if (ticket) host_.audience().admit(*seat_, *ticket);
         const std::string early = std::exchange(head_, {});
         take_messages({reinterpret_cast<const std::uint8_t*>(early.data()), early.size()});
-        if (!ended_) read_messages();
       }));
 }
 
-void WebServer::Connection::read_messages() {
+/// Nothing more is read before all that was said to the viewer is on its way. So a viewer that does
+/// not read is answered no more than what one read holds.
+void Connection::read_on() {
+  if (reading_ || taking_ || writing_ || ended_ || socket_->has_output()) return;
+  reading_ = true;
   stream_->read(safely([this](const std::error_code& error, std::span<const std::uint8_t> bytes) {
-    if (error) return end();
+    reading_ = false;
+    if (error || (closing_ && !discards(bytes.size()))) return end();
     take_messages(bytes);
-    if (!ended_) read_messages();
   }));
 }
 
-void WebServer::Connection::take_messages(std::span<const std::uint8_t> bytes) {
-  if (!socket_->receive(bytes)) return end();
+void Connection::take_messages(std::span<const std::uint8_t> bytes) {
+  taking_ = true;
+  const bool good = socket_->receive(bytes);
+  taking_ = false;
+  if (!good) return end();
+  if (!socket_->reads()) part();
   pump();
 }
 
-/// Its time to show a token is over; from here on only writing has a limit.
-void WebServer::Connection::admitted() {
-  stays_ = true;
-  deadline_.cancel();
-  server_.show();
+/// It says nothing more that counts. It has a moment to take the close and to answer it.
+void Connection::part() {
+  if (closing_ || ended_) return;
+  closing_ = true;
+  if (seat_) host_.audience().leave(*std::exchange(seat_, std::nullopt));
+  host_.parting(id_);
+  set_deadline(kCloseTime);
 }
 
-void WebServer::Connection::send(const std::string& text) {
+/// Its time to show a token is over; from here on only writing has a limit.
+void Connection::admitted() {
+  stays_ = true;
+  deadline_.cancel();
+  host_.admitted(id_);
+}
+
+void Connection::send(const std::string& text) {
+  if (overfull_) return;
+  socket_->send_text(text);
+  pump();
+  if (socket_->waiting() <= kMostWaiting) return;
+  // Not at once: the audience may be going through its viewers.
+  overfull_ = true;
+  asio::post(host_.io(), safely([this] { end(); }));
+}
+
+void Connection::show_text(const SharedBytes& text) {
   socket_->send_text(text);
   pump();
 }
 
-void WebServer::Connection::send(const Bytes& binary) {
-  socket_->send_binary(binary);
+void Connection::show_binary(std::span<const std::uint8_t> head, const SharedBytes& data) {
+  socket_->send_binary(data, head);
   pump();
 }
 
-bool WebServer::Connection::ready() const { return !writing_ && !socket_->has_output(); }
+bool Connection::ready() const {
+  return !writing_ && !closing_ && !overfull_ && !socket_->has_output();
+}
 
-void WebServer::Connection::close(WebSocketClose code, std::string_view reason) {
+void Connection::close(WebSocketClose code, std::string_view reason) {
   seat_.reset();  // the audience has taken it away
-  closing_ = true;
   socket_->close(code, reason);
-  set_deadline(kCloseTime);
+  part();
   pump();
 }
 
-/// Writes what the WebSocket has to say, one piece after the other.
-void WebServer::Connection::pump() {
+/// Writes what the WebSocket has to say, one piece after the other; then it reads on.
+void Connection::pump() {
   if (writing_ || ended_) return;
-  if (!socket_->has_output()) {
-    if (socket_->closed()) end();
-    return;
+  Output output = socket_->take_output();
+  if (output.empty()) {
+    if (socket_->closed()) return end();
+    return read_on();
   }
-  std::vector<std::uint8_t> output = socket_->take_output();
-  if (output.empty()) return;
   writing_ = true;
   if (stays_ && !closing_) set_deadline(kWriteTime);
   stream_->write(std::move(output), safely([this](const std::error_code& error) {
@@ -160,20 +183,27 @@ void WebServer::Connection::pump() {
 }
 
 /// The answer to a request; then the connection ends. Closing over unread bytes would reset it, and
-/// the answer would be lost: so it is read until the other end closes too, or the deadline ends it.
-void WebServer::Connection::write_last(std::vector<std::uint8_t> bytes) {
-  stream_->write(std::move(bytes), safely([this](const std::error_code& error) {
+/// the answer would be lost: so it is read until the other end closes too, or the deadline ends it,
+/// or it sends more than any request has.
+void Connection::write_last(Answer last) {
+  stream_->write({std::move(last.bytes), last.body}, safely([this](const std::error_code& error) {
                    if (error) return end();
                    stream_->end_writing();
                    discard();
                  }));
 }
 
-void WebServer::Connection::discard() {
-  stream_->read(safely([this](const std::error_code& error, std::span<const std::uint8_t>) {
-    if (error) return end();
+void Connection::discard() {
+  stream_->read(safely([this](const std::error_code& error, std::span<const std::uint8_t> bytes) {
+    if (error || !discards(bytes.size())) return end();
     discard();
   }));
+}
+
+/// Whether so many more bytes may be thrown away.
+bool Connection::discards(std::size_t count) {
+  discarded_ += count;
+  return discarded_ <= kMostDiscarded;
 }
 
 }  // namespace feltwire::web

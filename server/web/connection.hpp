@@ -3,25 +3,34 @@
 
 #include <asio/steady_timer.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
-#include "server/access/places.hpp"
+#include "server/web/connection_host.hpp"
 #include "server/web/stream.hpp"
-#include "server/web/web_server.hpp"
 
 namespace feltwire::web {
 
-class WebServer::Connection : public Viewer, public std::enable_shared_from_this<Connection> {
+/// It stores little for the other end, whatever that does: nothing is read while something waits to
+/// be written, a viewer with more than kMostWaiting of answers and news ends, and data that all
+/// viewers get are not copied.
+class Connection : public Viewer, public std::enable_shared_from_this<Connection> {
  public:
-  Connection(WebServer& server, Places::Id id, std::unique_ptr<Stream> stream,
+  /// [bytes] that are read, and thrown away, of a connection that closes.
+  static constexpr std::size_t kMostDiscarded = std::size_t{64} * 1024;
+
+  /// `host` outlives the handlers of `stream`.
+  Connection(ConnectionHost& host, Places::Id id, std::unique_ptr<Stream> stream,
              const asio::ip::address& address);
 
+  const asio::ip::address& address() const { return address_; }
   void start();
   /// All exits: the server forgets the connection, and its last handler destroys it.
   void end() noexcept;
 
   void send(const std::string& text) override;
-  void send(const Bytes& binary) override;
+  void show_text(const SharedBytes& text) override;
+  void show_binary(std::span<const std::uint8_t> head, const SharedBytes& data) override;
   bool ready() const override;
   void close(WebSocketClose code, std::string_view reason) override;
   void admitted() override;
@@ -33,13 +42,15 @@ class WebServer::Connection : public Viewer, public std::enable_shared_from_this
   void read_head();
   void answer_head(std::size_t length);
   void become_viewer(Answer accepted);
-  void read_messages();
+  void read_on();
   void take_messages(std::span<const std::uint8_t> bytes);
   void pump();
-  void write_last(std::vector<std::uint8_t> bytes);
+  void part();
+  void write_last(Answer last);
   void discard();
+  bool discards(std::size_t count);
 
-  WebServer& server_;
+  ConnectionHost& host_;
   const Places::Id id_;
   asio::ip::address address_;
   std::unique_ptr<Stream> stream_;
@@ -47,7 +58,9 @@ class WebServer::Connection : public Viewer, public std::enable_shared_from_this
   std::string head_;  // the received part
   std::unique_ptr<WebSocket> socket_;
   std::optional<Audience::Id> seat_;
-  bool writing_ = false, stays_ = false, closing_ = false, ended_ = false;
+  std::size_t discarded_ = 0;  // [bytes]
+  bool reading_ = false, taking_ = false, writing_ = false;
+  bool stays_ = false, closing_ = false, overfull_ = false, ended_ = false;
 };
 
 }  // namespace feltwire::web

@@ -2,7 +2,6 @@
 
 #include <openssl/evp.h>
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -139,14 +138,13 @@ std::string foxglove_status(FoxgloveLevel level, std::string_view message) {
                             {"message", text(message)}});
 }
 
-Bytes foxglove_data(std::uint32_t subscription, std::uint64_t time, std::string_view payload) {
+Bytes foxglove_data_head(std::uint32_t subscription, std::uint64_t time) {
   constexpr std::uint8_t kMessageData = 1;
   constexpr std::size_t kTimeAt = 5, kHead = 13;
-  Bytes bytes(kHead + payload.size());
+  Bytes bytes(kHead);
   bytes[0] = kMessageData;
   put_little_endian(bytes.data() + 1, subscription);
   put_little_endian(bytes.data() + kTimeAt, time);
-  std::ranges::copy(payload, bytes.begin() + kHead);
   return bytes;
 }
 

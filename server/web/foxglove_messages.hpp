@@ -33,8 +33,9 @@ enum class FoxgloveLevel : std::uint8_t { info = 0, warning = 1, error = 2 };
 /// For the viewer's list of problems.
 std::string foxglove_status(FoxgloveLevel level, std::string_view message);
 
-/// A message of a channel, for one subscription. `time` [ns] since 1970.
-Bytes foxglove_data(std::uint32_t subscription, std::uint64_t time, std::string_view payload);
+/// The begin of a message of a channel, for one subscription; its payload follows. `time` [ns]
+/// since 1970.
+Bytes foxglove_data_head(std::uint32_t subscription, std::uint64_t time);
 
 /// A request of a viewer. Members that its operation does not need are not read.
 struct FoxgloveRequest {

@@ -63,7 +63,7 @@ std::string foxglove_hand_id(std::uint32_t number) { return "hand " + std::to_st
 
 void FoxgloveScene::put(FoxgloveChannel channel, std::uint64_t time, std::string payload) {
   FoxgloveTopic& topic = topics_[static_cast<std::size_t>(channel)];
-  topic = {std::move(payload), time, topic.revision + 1};
+  topic = {SharedBytes(std::move(payload)), time, topic.revision + 1};
 }
 
 void FoxgloveScene::set(const Scene& scene, std::uint32_t version, Nanoseconds now) {

@@ -9,12 +9,13 @@
 #include "core/scene/scene.hpp"
 #include "server/picture/picture.hpp"
 #include "server/web/foxglove_messages.hpp"
+#include "server/web/shared_bytes.hpp"
 
 namespace feltwire::web {
 
 /// The newest message of a channel.
 struct FoxgloveTopic {
-  std::string payload;         // Protobuf
+  SharedBytes payload;         // Protobuf
   std::uint64_t time = 0;      // [ns] since 1970
   std::uint64_t revision = 0;  // 0: there was none yet; rises with each message
 };

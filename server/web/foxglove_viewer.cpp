@@ -64,7 +64,7 @@ void FoxgloveViewer::send(FoxgloveChannel channel, const FoxgloveScene& scene,
   if (topic.revision == subscription.sent) return;
   subscription.sent = topic.revision;
   if (channel != FoxgloveChannel::picture)
-    return viewer_.send(foxglove_data(subscription.id, topic.time, topic.payload));
+    return viewer_.show_binary(foxglove_data_head(subscription.id, topic.time), topic.payload);
   // A viewer that was sent no picture for a while missed who left.
   std::vector<std::uint32_t> gone;
   std::ranges::set_difference(hands_, scene.hands(), std::back_inserter(gone));
@@ -72,7 +72,9 @@ void FoxgloveViewer::send(FoxgloveChannel channel, const FoxgloveScene& scene,
   std::string payload;
   for (const std::uint32_t hand : gone)
     append_deletion(payload, topic.time, foxglove_hand_id(hand));
-  viewer_.send(foxglove_data(subscription.id, topic.time, payload + topic.payload));
+  Bytes begin = foxglove_data_head(subscription.id, topic.time);
+  begin.insert(begin.end(), payload.begin(), payload.end());
+  viewer_.show_binary(begin, topic.payload);
 }
 
 }  // namespace feltwire::web

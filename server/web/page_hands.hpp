@@ -40,6 +40,7 @@ struct PageHandRequest {
   std::string scene;
   std::string client;  // its name for others
   Secret token;
+  std::string mode = {};  // its bounding method; empty: the usual one
 };
 
 class PageHands {

@@ -2,11 +2,10 @@
 
 #include <asio/buffer.hpp>
 #include <asio/post.hpp>
-#include <asio/ssl/stream.hpp>
 #include <asio/write.hpp>
 #include <utility>
 
-#include "protocol/crypto/tls.hpp"
+#include "server/access/tls_socket.hpp"
 
 namespace feltwire::web {
 namespace {
@@ -27,11 +26,16 @@ class Layered : public Stream {
           done(error, std::span(input_).first(count));
         });
   }
-  void write(std::vector<std::uint8_t> bytes, Done done) override {
-    output_ = std::move(bytes);
-    asio::async_write(
-        layer_, asio::buffer(output_),
-        [done = std::move(done)](const std::error_code& error, std::size_t) { done(error); });
+  void write(Output output, Done done) override {
+    output_ = std::move(output);
+    const auto shared = output_.shared.bytes();
+    const std::array<asio::const_buffer, 2> parts = {asio::buffer(output_.own),
+                                                     asio::buffer(shared.data(), shared.size())};
+    asio::async_write(layer_, parts,
+                      [this, done = std::move(done)](const std::error_code& error, std::size_t) {
+                        output_ = {};
+                        done(error);
+                      });
   }
   void close() noexcept override {
     std::error_code ignored;
@@ -49,7 +53,7 @@ class Layered : public Stream {
   static constexpr std::size_t kAtOnce = 4096;
   Layer layer_;
   std::array<std::uint8_t, kAtOnce> input_{};
-  std::vector<std::uint8_t> output_;
+  Output output_;  // is written now
 };
 
 class Plain : public Layered<tcp::socket> {
@@ -64,16 +68,11 @@ class Plain : public Layered<tcp::socket> {
   }
 };
 
-class Tls : public Layered<asio::ssl::stream<tcp::socket>> {
+class Tls : public Layered<TlsSocket> {
  public:
   Tls(tcp::socket socket, asio::ssl::context& tls)
-      : Layered(std::move(socket), new_tls_connection(*tls.native_handle())) {
-    require_buffers(*layer_.native_handle());
-  }
-  void handshake(Done done) override {
-    layer_.async_handshake(asio::ssl::stream_base::server,
-                           [done = std::move(done)](const std::error_code& error) { done(error); });
-  }
+      : Layered(std::move(socket), *tls.native_handle()) {}
+  void handshake(Done done) override { layer_.async_handshake(std::move(done)); }
   /// The answer has its length, so that no end of TLS is needed to see that it is whole.
   void end_writing() override {
     std::error_code ignored;

@@ -9,7 +9,8 @@
 #include <memory>
 #include <span>
 #include <system_error>
-#include <vector>
+
+#include "server/web/shared_bytes.hpp"
 
 namespace feltwire::web {
 
@@ -26,7 +27,7 @@ class Stream {
   /// Reads the next bytes: at least one if there is no error.
   virtual void read(Read done) = 0;
   /// Writes all bytes.
-  virtual void write(std::vector<std::uint8_t> bytes, Done done) = 0;
+  virtual void write(Output output, Done done) = 0;
   /// Ends writing; reading continues.
   virtual void end_writing() = 0;
   virtual void close() noexcept = 0;

@@ -41,6 +41,7 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
     if (depth_ == 1 && key_ == "watch") message.watch = text;
     if (depth_ == 1 && key_ == "ticket") message.ticket = text;
     if (depth_ == 1 && key_ == "hand") message.hand = text;
+    if (depth_ == 1 && key_ == "mode") message.mode = text;
     if (depth_ == 1 && key_ == "admin") message.admin = text;
     if (depth_ == 1 && key_ == "evict") message.evict = text;
     return value() && (!in_set() || set_text(text));

@@ -29,6 +29,7 @@ struct ViewerMessage {
   std::optional<std::string> watch;   // the name of the scene that it wants to watch
   std::optional<std::string> ticket;  // the name of a scene for another program
   std::optional<std::string> hand;    // take or release
+  std::optional<std::string> mode;    // with take: the hand's bounding method
   std::optional<Vec3> point;          // [m] target of its hand; not finite: no three numbers
   // For admins, about the watched scene.
   std::optional<std::string> admin;  // a token of this role, if the viewer's own has another

@@ -17,8 +17,8 @@ struct Audience::Stage {
   SceneInView* scene;
   // Of the shown version, made once for all viewers.
   std::uint32_t version = 0, changes = 0;
-  std::string text, materials;
-  std::vector<Bytes> geometry;
+  SharedBytes text, materials;
+  std::vector<SharedBytes> geometry;
   Picture picture;
   std::vector<HandRates> rates;  // by rising number
   Picture counted;               // the picture at which the rates begin
@@ -30,18 +30,20 @@ struct Audience::Stage {
 };
 
 struct Audience::ViewerSlot {
-  ViewerSlot(Id number, Viewer* way, const Network& from)
-      : id(number), viewer(way), network(from) {}
+  ViewerSlot(Id number, Viewer* way, const asio::ip::address& from)
+      : id(number), viewer(way), address(from) {}
   Id id;
   Viewer* viewer;
-  Network network;
-  std::string token;  // its id; empty: the viewer has shown none yet
+  asio::ip::address address;
+  std::string token;      // its id; empty: the viewer has shown none yet
+  std::string client;     // the name in that token
+  bool of_admin = false;  // that token's role
   Stage* stage = nullptr;
   std::string admin = {};                    // id of a second token, of an admin; empty: none
   std::uint32_t version = 0;                 // of the scene that was sent
   std::uint32_t changes = 0;                 // live changes of that scene that it knows
   std::optional<FoxgloveViewer> foxglove{};  // it uses that protocol, not the page's
-  TokenBucket messages{kMessageRate, kMessageBurst};
+  TokenBucket messages{kMessageRate, kMessageBurst};  // frames of every kind
   ViewersHand hand;
 };
 

@@ -1,20 +1,27 @@
 #include "server/web/viewers_hand.hpp"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "core/bounding/method.hpp"
 #include "server/web/messages.hpp"
 
 namespace feltwire::web {
 
 void ViewersHand::refuse(std::string reason) { news_ = std::move(reason); }
 
-void ViewersHand::take(const std::string& scene) {
+void ViewersHand::take(const std::string& scene, const std::string& mode) {
   if (hand_ != nullptr) return;
   if (hands_ == nullptr)
     return refuse(
         "this token's role holds no hand, or this server lends none; the role must be pointer, "
         "operator or admin, and --web-hands above 0");
-  hand_ = hands_->take({scene, client_, token_});
+  const std::vector<std::string_view> laws = bounding_method_names();
+  if (!mode.empty() && std::ranges::find(laws, mode) == laws.end())
+    return refuse("there is no law '" + mode + "'; choose " + bounding_method_choices());
+  hand_ = hands_->take({scene, client_, token_, mode});
   if (hand_ == nullptr)
     refuse("all hands of this server (--web-hands) are held; wait until one is let go");
   told_.reset();

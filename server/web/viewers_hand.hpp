@@ -25,8 +25,9 @@ class ViewersHand {
 
   bool offered() const { return hands_ != nullptr; }
 
-  /// Takes a hand in the scene; does nothing if one is held already. news() reports the result.
-  void take(const std::string& scene);
+  /// Takes a hand in the scene, with this bounding method (empty: the usual one); does nothing if
+  /// one is held already. news() reports the result.
+  void take(const std::string& scene, const std::string& mode = {});
   /// False if the place is not finite or too far away: the hand does not move.
   bool point(const Vec3& target) noexcept;
   void release() noexcept;

@@ -33,7 +33,10 @@ WebServer::WebServer(const WebOptions& options, const Audience::Scenes& scenes, 
       tls_(tls_for(options.address, identity)),
       audience_(io_, scenes, std::move(tokens), options.hands, options.reload,
                 options.write_flight),
-      places_(options.max_connections, options.max_connections_per_network) {
+      strangers_(std::max<std::size_t>(1, options.max_connections / 2),
+                 options.max_connections_per_network),
+      known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
+             options.max_connections_per_network) {
   port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
 }
 
@@ -133,33 +136,58 @@ void WebServer::take() {
   if (error) return;
   socket.set_option(tcp::no_delay(true), error);
   const Places::Id id = next_id_++;
-  const auto crowded_out = places_.take(id, network_of(address));
+  const auto crowded_out = strangers_.take(id, network_of(address), Places::member_of(address));
+  ConnectionHost& host = *this;
   const auto connection = std::make_shared<Connection>(
-      *this, id, make_stream(std::move(socket), tls_ ? &*tls_ : nullptr), address);
+      host, id, make_stream(std::move(socket), tls_ ? &*tls_ : nullptr), address);
   connections_.emplace(id, connection);
-  if (crowded_out)
-    if (const auto found = connections_.find(*crowded_out); found != connections_.end()) {
-      const std::shared_ptr<Connection> other = found->second;
-      other->end();
-    }
+  crowd_out(crowded_out);
   connection->start();
+}
+
+void WebServer::take_place(Places& half, Places::Id id) {
+  const auto found = connections_.find(id);
+  if (found == connections_.end()) return;
+  const asio::ip::address& address = found->second->address();
+  crowd_out(half.take(id, network_of(address), Places::member_of(address)));
+}
+
+void WebServer::crowd_out(std::optional<Places::Id> id) {
+  if (!id) return;
+  const auto found = connections_.find(*id);
+  if (found == connections_.end()) return;
+  // A handle of its own: end() takes the connection out of the map.
+  const std::shared_ptr<Connection> connection = found->second;
+  connection->end();
+}
+
+void WebServer::admitted(Places::Id id) {
+  show();
+  if (strangers_.leave(id)) take_place(known_, id);
+}
+
+/// A viewer that leaves slowly keeps no other out.
+void WebServer::parting(Places::Id id) {
+  if (known_.leave(id)) take_place(strangers_, id);
+}
+
+void WebServer::ended(Places::Id id) noexcept {
+  strangers_.leave(id);
+  known_.leave(id);
+  connections_.erase(id);
+  leave_if_empty();
 }
 
 Site WebServer::site(const asio::ip::address& asked_from) {
   Site site{page_assets(), options_.names, secure()};
   if (options_.metrics) site.metrics = [this] { return options_.metrics(audience_.counters()); };
-  site.hidden_scene = [this, asked_from](std::string_view token) {
-    return audience_.hidden_scene(token, asked_from);
-  };
-  site.opens = [this, asked_from](std::string_view token) {
-    return audience_.opens_something(token, asked_from);
-  };
+  site.hidden_scene = [this](std::string_view token) { return audience_.hidden_scene(token); };
+  site.opens = [this](std::string_view token) { return audience_.opens_something(token); };
+  site.may_try_again = [this, asked_from] { return audience_.may_try_again(asked_from); };
   site.mint = [this](std::string_view token, std::string_view scene) {
     return audience_.mint_ticket(token, scene);
   };
-  site.redeem = [this, asked_from](std::string_view ticket) {
-    return audience_.redeem_ticket(ticket, asked_from);
-  };
+  site.redeem = [this](std::string_view ticket) { return audience_.redeem_ticket(ticket); };
   return site;
 }
 

@@ -17,16 +17,20 @@
 #include "server/access/places.hpp"
 #include "server/web/answers.hpp"
 #include "server/web/audience.hpp"
+#include "server/web/connection_host.hpp"
 
 namespace feltwire::web {
+
+class Connection;
 
 struct WebOptions {
   asio::ip::address address;  // to listen on
   std::uint16_t port = 0;     // 0: the operating system chooses
   /// From connecting to a whole request, and from there to a valid token.
   std::chrono::milliseconds patience{5'000};
+  /// Half of them for connections that have shown no valid token, half for viewers that have.
   std::size_t max_connections = 128;
-  std::size_t max_connections_per_network = 64;
+  std::size_t max_connections_per_network = 64;  // of either half
   std::vector<std::string> names = {};  // host names that browsers may use, besides IP addresses
   PageHands* hands = nullptr;           // for viewers; outlives the server; null: none
   /// Makes the answer to `/metrics` (docs/live_page.md), on the page's thread; empty: there is no
@@ -38,7 +42,7 @@ struct WebOptions {
   Audience::WriteFlight write_flight = {};
 };
 
-class WebServer {
+class WebServer final : private ConnectionHost {
  public:
   /// Binds and listens. On a loopback address it uses HTTP, on all others HTTPS with the identity.
   /// Throws std::runtime_error with one line if it cannot. The scenes outlive this.
@@ -63,14 +67,21 @@ class WebServer {
   const AudienceCounters& counters() const { return audience_.counters(); }
 
  private:
-  class Connection;
+  asio::io_context& io() override { return io_; }
+  Audience& audience() override { return audience_; }
+  Site site(const asio::ip::address& asked_from) override;
+  std::chrono::milliseconds patience() const override { return options_.patience; }
+  void admitted(Places::Id id) override;
+  void parting(Places::Id id) override;
+  void ended(Places::Id id) noexcept override;
   bool secure() const { return tls_.has_value(); }
   std::string host() const;
   void run();
   void accept();
   void accept_later();
   void take();
-  Site site(const asio::ip::address& asked_from);
+  void take_place(Places& half, Places::Id id);
+  void crowd_out(std::optional<Places::Id> id);
   void end_all();
   void leave_if_empty();
   void show();
@@ -82,7 +93,7 @@ class WebServer {
   asio::steady_timer retry_{io_}, frame_{io_};
   Audience audience_;
   std::map<Places::Id, std::shared_ptr<Connection>> connections_;
-  Places places_;
+  Places strangers_, known_;  // each connection is in one; those in known_ are admitted viewers
   Places::Id next_id_ = 0;
   bool showing_ = false;  // the timer of pictures is running
   std::uint16_t port_ = 0;

@@ -1,14 +1,16 @@
 #include "sim/emulator/link_relay.hpp"
 
 #include <algorithm>
-#include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
+#include <cerrno>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "client/emulated_link/link_json.hpp"
+#include "protocol/net/datagram_io.hpp"
 #include "server/scene/scene_ports.hpp"
 #include "sim/emulator/control_bridge.hpp"
 #include "sim/emulator/relay_client.hpp"
@@ -34,6 +36,27 @@ tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   return found.begin()->endpoint();
 }
 
+/// The way of a datagram: its client, and the address of this machine that the client spoke to.
+struct Way {
+  udp::endpoint client;
+  LocalAddress local;
+};
+
+/// As receive_datagram().
+ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, Way& way) {
+  auto length = static_cast<socklen_t>(way.client.capacity());
+  const ssize_t size =
+      receive_datagram(socket.native_handle(), into, way.client.data(), length, way.local);
+  if (size >= 0) way.client.resize(length);
+  return size;
+}
+
+/// As send_datagram().
+bool send(udp::socket& socket, Bytes datagram, const Way& way) {
+  return send_datagram(socket.native_handle(), datagram, way.client.data(),
+                       static_cast<socklen_t>(way.client.size()), way.local);
+}
+
 }  // namespace
 
 struct LinkRelay::Parts {
@@ -41,7 +64,11 @@ struct LinkRelay::Parts {
   struct ScenePort {
     udp::socket socket;
     udp::endpoint scene;
-    std::map<udp::endpoint, std::shared_ptr<RelayClient>> clients;
+    struct Client {
+      std::shared_ptr<RelayClient> relayed;
+      std::shared_ptr<Way> back;
+    };
+    std::map<udp::endpoint, Client> clients;
     std::array<std::uint8_t, kMaxDatagram + 1> buffer{};
   };
   struct Known {
@@ -86,6 +113,9 @@ struct LinkRelay::Parts {
       ports.push_back(std::make_unique<ScenePort>(
           ScenePort{std::move(sockets[i]), {server.address(), scene}, {}, {}}));
       ports.back()->socket.non_blocking(true);
+      if (address.is_unspecified() && !report_local_address(ports.back()->socket.native_handle()))
+        throw listen_error("udp", address, ports.back()->socket.local_endpoint().port(),
+                           {errno, std::generic_category()}, "--listen");
       await_clients(*ports.back());
     }
   }
@@ -96,6 +126,7 @@ struct LinkRelay::Parts {
     try {
       acceptor.open(own.protocol());
       acceptor.set_option(tcp::acceptor::reuse_address(true));
+      serve_both_families(acceptor, address);
       acceptor.bind(own);
       acceptor.listen();
     } catch (const std::system_error& failed) {
@@ -116,14 +147,12 @@ struct LinkRelay::Parts {
       if (stopped) return;
       const Nanoseconds now = relay_now();
       for (int i = 0; i < kBurst; ++i) {
-        udp::endpoint from;
-        Error error;
-        const std::size_t size =
-            port.socket.receive_from(asio::buffer(port.buffer), from, 0, error);
-        if (error == asio::error::would_block) break;
-        if (error) continue;
+        Way from;
+        const ssize_t size = receive(port.socket, port.buffer, from);
+        if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+        if (size < 0) continue;
         if (RelayClient* client = client_at(port, from, now))
-          client->enter({port.buffer.data(), size}, now);
+          client->enter({port.buffer.data(), static_cast<std::size_t>(size)}, now);
         else
           ++refused;
       }
@@ -131,24 +160,25 @@ struct LinkRelay::Parts {
     });
   }
 
-  RelayClient* client_at(ScenePort& port, const udp::endpoint& from, Nanoseconds now) {
-    const auto found = port.clients.find(from);
-    if (found != port.clients.end()) return found->second.get();
+  RelayClient* client_at(ScenePort& port, const Way& from, Nanoseconds now) {
+    const auto found = port.clients.find(from.client);
+    if (found != port.clients.end()) {
+      *found->second.back = from;  // it may speak to another address of this machine now
+      return found->second.relayed.get();
+    }
     if (alive >= kMaxClients) forget_silent(now);
     if (alive >= kMaxClients) return nullptr;
     try {
+      const auto back = std::make_shared<Way>(from);
       auto client = std::make_shared<RelayClient>(
           io.get_executor(), port.scene,
           std::make_unique<TwoWayLink>(options.link, known.size(), kLinkRoom),
-          [&port, from](Bytes datagram) {
-            Error error;
-            port.socket.send_to(asio::buffer(datagram.data(), datagram.size()), from, 0, error);
-            return !error;
-          });
+          [&port, back](Bytes datagram) { return send(port.socket, datagram, *back); });
       client->start();
-      known.push_back({from, port.scene.port(), client, {}});
+      known.push_back({from.client, port.scene.port(), client, {}});
       ++alive;
-      return port.clients.emplace(from, std::move(client)).first->second.get();
+      return port.clients.emplace(from.client, ScenePort::Client{std::move(client), back})
+          .first->second.relayed.get();
     } catch (const std::exception&) {  // no more sockets, or no memory
       return nullptr;
     }

@@ -17,6 +17,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
+#include "core/command_line/suggestion.hpp"
 #include "sim/follower/follower_record.hpp"
 #include "sim/follower/follower_report.hpp"
 #include "sim/follower/robots.hpp"
@@ -140,7 +141,14 @@ int main(int argc, char** argv) {
                  "FILE.csv for a recording of every sample (docs/teleoperation.md)");
   app.add_option("--link", words.link, "Emulated link, as of feltwire-client --link");
   add_credential_options(app, words.credentials);
-  read_environment(app);
+  Rivals rivals = exclusive({"surroundings", "arm", "socket"});
+  rivals.push_back({"socket", "at"});  // the driver says where its robot is
+  for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
+  read_environment(app, argc, argv, rivals);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return "feltwire-follower: " + visible(error.what() + advice(error, *failed)) +
+           "; see --help\n";
+  });
   CLI11_PARSE(app, argc, argv);
   try {
     return follow(words);

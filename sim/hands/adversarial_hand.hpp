@@ -19,7 +19,6 @@ struct TakingTask {
 /// the energy f v h - b v^2 h that it takes, this is the most that one hold can give, f^2 h / (4
 /// b), which is all that the contact frame stores for a force f. When the force is gone it goes
 /// back to its start, and in again. Kinematic: no force moves it, and it is read exactly.
-/// start, and in again. Kinematic: nothing moves it but itself, and it is read exactly.
 class AdversarialHand final : public Device {
  public:
   /// Precondition: the damping of `spec` is above zero in every direction.

@@ -2,6 +2,7 @@
 // The hands for judging a bound: one hand may be calm where another swings.
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "client/devices/simulated_device.hpp"
@@ -25,5 +26,11 @@ inline constexpr std::array<NamedHand, 8> kEightHands = {
      {"heavy", {.mass = 0.5, .damping = 2.0, .stiffness = 300.0}},
      {"strong", {.mass = 0.2, .damping = 10.0, .stiffness = 1000.0}},
      {"undamped", {.mass = 0.1, .damping = 0.0, .stiffness = 300.0}}}};
+
+/// A plant for hands of a study: without the mass, damping and stiffness of its own hand.
+inline Plant for_any_hand(Plant plant) {
+  plant.hand.mass = plant.hand.damping = plant.hand.stiffness = std::nullopt;
+  return plant;
+}
 
 }  // namespace feltwire

@@ -153,7 +153,7 @@ void add_export(CLI::App& app) {
   struct Options {
     std::vector<std::filesystem::path> files;
     std::string csv, npz;
-    bool replies = false;
+    bool replies = false, skip_damaged = false;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command =
@@ -170,15 +170,23 @@ void add_export(CLI::App& app) {
   CLI::Option* csv =
       command->add_option("--csv", o->csv, "Folder for one CSV file a table; created when missing");
   command->add_option("--npz", o->npz, "FILE.npz for one array a column")->excludes(csv);
-  command->add_flag("--replies", o->replies,
-                    "Compute the replies of a server's recording again, and export them, too");
+  CLI::Option* replies =
+      command->add_flag("--replies", o->replies,
+                        "Compute the replies of a server's recording again, and export them, too");
+  command
+      ->add_flag("--skip-damaged", o->skip_damaged,
+                 "Export the whole chunks of damaged files, and list what is missing")
+      ->excludes(replies);
   command->callback([o] {
     if (o->csv.empty() && o->npz.empty())
       throw std::invalid_argument("export needs --csv DIR or --npz FILE");
     std::vector<NamedFile> read;
     for (const auto& file : o->files) read.push_back({"FILE", file});
     if (!o->npz.empty()) require_different({{"--npz", o->npz}}, read);
-    const auto [tables, cuts] = read_recording_tables(o->files, o->replies);
+    const auto [tables, cuts, missing] = read_recording_tables(
+        o->files, o->replies, o->skip_damaged ? Damaged::skip : Damaged::refuse);
+    for (const auto& [file, line] : missing)
+      std::cerr << visible("feltwire-lab: " + file.string() + ": " + line) << '\n';
     for (const auto& [file, byte] : cuts)
       std::cerr << "feltwire-lab: " << visible(file.string()) << " was cut at byte " << byte
                 << ": its last second may be missing\n";
@@ -254,15 +262,12 @@ int main(int argc, char** argv) {
   std::ios::sync_with_stdio(false);
   std::cin.tie(nullptr);
   CLI::App app{"feltwire-lab: experiments on the energy bound, and filters", "feltwire-lab"};
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "feltwire-lab: " + visible(error.what()) + "; see --help\n";
-  });
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-lab"); },
       "Print version, commit, compiler and kind of build");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-lab: " + std::string(error.what()) + suggestion(*failed) + "; see --help\n";
+    return "feltwire-lab: " + visible(error.what() + advice(error, *failed)) + "; see --help\n";
   });
   int status = 0;
   add_studies(app, status);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/visible_text.hpp"
 #include "core/mesh/mesh_file.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "sim/lab/study_commands.hpp"
@@ -36,10 +37,10 @@ std::vector<DecompositionOptions> rows_of(const PartsOptions& given, double size
 }
 
 void run_parts(const PartsOptions& given) {
-  TriangleMesh mesh(read_mesh(given.mesh, given.scale));
+  TriangleMesh mesh(read_mesh(given.mesh, given.scale), {}, true);
   if (mesh.report().closed() && mesh.report().volume < 0.0) mesh.turn();
   mesh = refined(mesh, given.refine);
-  std::cout << given.mesh << ": "
+  std::cout << visible(given.mesh) << ": "
             << parts_table(mesh, measure_parts(mesh, rows_of(given, mesh.report().size)));
 }
 

@@ -13,6 +13,7 @@
 #include "core/base/file_error.hpp"
 #include "core/base/line_file.hpp"
 #include "core/recording/mcap_reader.hpp"
+#include "core/recording/mcap_salvage.hpp"
 #include "core/recording/messages.hpp"
 #include "core/recording/picture_message.hpp"
 #include "server/recording/event_reader.hpp"
@@ -95,12 +96,22 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
 class Reading {
  public:
   void read(const std::filesystem::path& path) {
-    file_ = path.string();
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw FileError(file_ + ": cannot be read; check the path");
+    std::ifstream in = opened(path);
     mcap::Reader reader(in, file_);
-    while (const auto message = reader.next()) take(reader, *message);
+    read(reader);
     if (reader.cut_at()) result_.cuts.emplace_back(path, *reader.cut_at());
+  }
+
+  void read_whole_parts(const std::filesystem::path& path) {
+    std::ifstream in = opened(path);
+    mcap::SalvagedFile file(in, file_);
+    mcap::Reader reader(file.whole_parts(), file_);
+    read(reader);
+    for (const mcap::MissingPart& part : file.missing())
+      result_.missing.emplace_back(path, mcap::text(part, first_message_));
+    if (!file.missing().empty() && file.missing_messages())
+      result_.missing.emplace_back(
+          path, "in all " + std::to_string(*file.missing_messages()) + " messages are missing");
   }
 
   void compute_replies(const std::vector<std::filesystem::path>& files) {
@@ -123,6 +134,20 @@ class Reading {
   ReadRecording result() && { return std::move(result_); }
 
  private:
+  std::ifstream opened(const std::filesystem::path& path) {
+    file_ = path.string();
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw FileError(file_ + ": cannot be read; check the path");
+    return in;
+  }
+
+  void read(mcap::Reader& reader) {
+    while (const auto message = reader.next()) {
+      if (!first_message_) first_message_ = message->log_time;
+      take(reader, *message);
+    }
+  }
+
   void take(const mcap::Reader& reader, const mcap::Message& message) {
     const mcap::Channel& channel = reader.channels().at(message.channel);
     if (channel.schema == 0) return;
@@ -197,7 +222,7 @@ class Reading {
   ReadRecording result_;
   EventTables events_{result_.tables};
   EventReader event_reader_;
-  std::optional<std::uint64_t> first_picture_;
+  std::optional<std::uint64_t> first_picture_, first_message_;  // [ns]
   std::string file_;
 };
 
@@ -223,9 +248,11 @@ void RecordingTable::add(std::uint64_t time, std::span<const double> row) {
   log_time.push_back(static_cast<std::int64_t>(time));
 }
 
-ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& files, bool replies) {
+ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& files, bool replies,
+                                    Damaged damaged) {
   Reading reading;
-  for (const auto& file : files) reading.read(file);
+  for (const auto& file : files)
+    damaged == Damaged::skip ? reading.read_whole_parts(file) : reading.read(file);
   if (replies) reading.compute_replies(files);
   return std::move(reading).result();
 }

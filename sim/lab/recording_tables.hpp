@@ -38,14 +38,20 @@ struct ReadRecording {
   RecordingTables tables;
   /// The files that were cut, and the byte of each.
   std::vector<std::pair<std::filesystem::path, std::uint64_t>> cuts;
+  /// With Damaged::skip: one line for each part of a file that is missing, with its file.
+  std::vector<std::pair<std::filesystem::path, std::string>> missing;
 };
+
+/// The treatment of a file with damaged parts.
+enum class Damaged { refuse, skip };
 
 /// Reads the files of one recording, in their order: the samples and accounts of a client, the
 /// samples and reports of all hands of a server (event_tables.hpp), and the pictures of a scene.
 /// `replies`: computes a server's replies again and adds them, too. Throws FileError that names the
-/// file, the place and the remedy.
+/// file, the place and the remedy. Damaged::skip: reads the whole chunks of damaged files, and
+/// lists what is missing.
 ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& files,
-                                    bool replies = false);
+                                    bool replies = false, Damaged damaged = Damaged::refuse);
 
 /// Writes one file for each topic into the folder, which is created: /hand/sample is
 /// hand_sample.csv. Numbers have enough digits to read back the same bits. Returns the files.

@@ -6,6 +6,8 @@
 #include <iostream>
 #include <memory>
 
+#include "client/devices/plant_file.hpp"
+#include "core/base/visible_text.hpp"
 #include "core/device/device_file.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "sim/studies/bound/compare.hpp"
@@ -26,8 +28,8 @@
 namespace feltwire {
 
 std::string placed(const std::string& what, const std::string& out) {
-  return "\n" + what + " are in " + std::filesystem::absolute(out).lexically_normal().string() +
-         "\n";
+  return "\n" + what + " are in " +
+         visible(std::filesystem::absolute(out).lexically_normal().string()) + "\n";
 }
 
 void add_out(CLI::App& command, std::string& out) {
@@ -72,36 +74,79 @@ void add_choices(CLI::App& app) {
   command->callback([] { std::cout << choices_tables(); });
 }
 
+void add_plant(CLI::App& command, std::string& plant) {
+  command.add_option("--plant", plant,
+                     "FILE.json with the lag of the motors, their transmission and more "
+                     "(docs/devices.md)");
+}
+
 void add_zwidth(CLI::App& app) {
-  add_study(
-      app, "zwidth", "zwidth",
-      "Map the stiffest wall without oscillation, by method, device and loop",
+  struct Options {
+    std::string out = "zwidth", plant;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "zwidth", "Map the stiffest wall without oscillation, by method, device and loop");
+  command->footer(
       "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
       "Writes zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a picture a "
       "damping (zwidth_bB.png).\nSome minutes on two cores; deterministic. docs/lab/laboratory.md "
-      "says how to read it.",
-      "Map and pictures", [](const std::string& out) {
-        const ZWidthGrid grid = full_zwidth_grid();
-        const std::string table = zwidth_table(write_zwidth(out, grid), grid);
-        const auto by_hands = map_zwidth(hands_zwidth_grid());
-        write_zwidth_hands(out, by_hands);
-        return table + zwidth_hands_table(by_hands);
-      });
+      "says how to read it.\n"
+      "With --plant: zwidth_hands.csv alone, of the eight hands without delay on devices with this "
+      "plant.");
+  add_out(*command, o->out);
+  add_plant(*command, o->plant);
+  command->callback([o] {
+    ZWidthGrid by_hands = hands_zwidth_grid();
+    std::string table;
+    if (o->plant.empty()) {
+      const ZWidthGrid grid = full_zwidth_grid();
+      table = zwidth_table(write_zwidth(o->out, grid), grid);
+    } else {
+      by_hands.plant = load_plant(o->plant);
+      by_hands.delays = {0.0};
+      std::filesystem::create_directories(o->out);
+    }
+    const auto cells = map_zwidth(by_hands);
+    write_zwidth_hands(o->out, cells);
+    std::cout << table << zwidth_hands_table(cells)
+              << placed(o->plant.empty() ? "Map and pictures" : "Table", o->out);
+  });
 }
 
 void add_frontier(CLI::App& app) {
-  add_study(
-      app, "frontier", "frontier",
-      "Map the stiffness that each law displays on real devices, by what is known of the hand",
+  struct Options {
+    std::string out = "frontier", plant;
+    bool told = false;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "frontier",
+      "Map the stiffness that each law displays on real devices, by what is known of the hand");
+  command->footer(
       "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
       "device damping x wall x delay;\nand laws of other papers at some of them. Writes "
       "frontier.json, frontier.csv and three pictures. Some minutes\non two cores; all but the "
-      "cost is deterministic. docs/lab/frontier.md says how to read it.",
-      "Table and pictures", [](const std::string& out) {
-        const auto rows = write_frontier(out, frontier_cases());
-        return frontier_table(rows) + sessions_table(rows) + published_table(rows) +
-               learning_table(run_frontier(learning_cases()));
-      });
+      "cost is deterministic. docs/lab/frontier.md says how to read it.\n"
+      "With --plant: first presses and taps of the same hands on devices with this plant, without "
+      "pictures; shaped runs as\na whole session.");
+  add_out(*command, o->out);
+  add_plant(*command, o->plant);
+  command->add_flag("--told", o->told,
+                    "With --plant: the laws and accounts are told the lag of its motors, as by "
+                    "actuation_lag of a device file");
+  command->callback([o] {
+    if (!o->plant.empty()) {
+      const auto rows = run_frontier(plant_cases(load_plant(o->plant), o->told));
+      write_rows(o->out, rows);
+      std::cout << plant_table(rows) << placed("Tables", o->out);
+      return;
+    }
+    const auto rows = write_frontier(o->out, frontier_cases());
+    std::cout << frontier_table(rows) << sessions_table(rows) << published_table(rows)
+              << learning_table(run_frontier(learning_cases()))
+              << placed("Table and pictures", o->out);
+  });
 }
 
 void add_compare(CLI::App& app) {
@@ -109,7 +154,7 @@ void add_compare(CLI::App& app) {
     std::string out = "compare";
     CompareLoop loop;
     double delay_ms = 0.0;
-    std::string scene, link, device = "simulated", path = "press";
+    std::string scene, link, device = "simulated", plant, path = "press";
     double press = 3.0, duration = 4.0;
   };
   auto o = std::make_shared<Options>();
@@ -133,6 +178,11 @@ void add_compare(CLI::App& app) {
   command->add_option("--device", o->device, "A built-in device, or FILE.json (docs/devices.md)")
       ->needs(scene)
       ->capture_default_str();
+  command
+      ->add_option("--plant", o->plant,
+                   "FILE.json with the lag of its motors, their transmission and more, which the "
+                   "methods are not told (docs/devices.md)")
+      ->needs(scene);
   command
       ->add_option("--path", o->path, "Movement of the hand: press|slide|orbit|figure-eight|taps")
       ->needs(scene)
@@ -163,6 +213,7 @@ void add_compare(CLI::App& app) {
     OverLinkTask task{.hand = press_at_start(felt, o->press),
                       .link = parse_link(o->link),
                       .device = device_spec(o->device),
+                      .plant = o->plant.empty() ? Plant{} : load_plant(o->plant),
                       .rate = o->loop.rate,
                       .duration = o->duration};
     task.hand.path = hand_path(o->path);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/visible_text.hpp"
 #include "sim/lab/study_commands.hpp"
 #include "sim/studies/bound/torque.hpp"
 
@@ -29,7 +30,7 @@ void add_torque(CLI::App& app, int& status) {
     run_sessions(sessions);
     write_torque(*out, rows, sessions);
     std::cout << torque_table(rows) << torque_sessions_table(sessions) << "\nTables are in "
-              << std::filesystem::absolute(*out).lexically_normal().string() << '\n';
+              << visible(std::filesystem::absolute(*out).lexically_normal().string()) << '\n';
     std::erase_if(sessions, [](const TorqueSession& s) { return s.mode == kUnbounded; });
     status = ports_hold(rows, sessions) ? 0 : 1;
   });

@@ -58,6 +58,8 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
     s.time = static_cast<double>(n) * period;
     const Vec3 measured = device.read(Nanoseconds(std::llround(s.time * 1e9))).pose.position;
     s.position = device.true_position();
+    s.motor = device.motor_position();
+    s.energy = device.true_energy();
     s.displacement = measured - last_position;
     s.held = held.force();
     last_position = measured;

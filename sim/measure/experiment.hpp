@@ -30,11 +30,13 @@ struct ExperimentSetup {
 /// One servo sample. Forces on the hand.
 struct ExperimentSample {
   double time = 0.0;                 // [s]
-  Vec3 position = Vec3::Zero();      // [m] true
+  Vec3 position = Vec3::Zero();      // [m] true, of the handle
+  Vec3 motor = Vec3::Zero();         // [m] true, of the motor
   Vec3 displacement = Vec3::Zero();  // [m] as the encoders report
   Command commanded, rendered;       // f_e(n), f_d(n)
   Vec3 held = Vec3::Zero();          // [N] f_d(n-1), which acted during the displacement
   bool in_debt = false;              // of the account
+  TrueEnergy energy;                 // until now
 };
 
 /// The environment of a hand: the force on the hand for a tool, once a sample in their order. It

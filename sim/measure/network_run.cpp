@@ -38,7 +38,9 @@ class TruePort {
   void look(const Vec3& measured) {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     const Vec3 position = hand != nullptr ? hand->true_position() : measured;
-    moved_ = known_ ? Vec3(position - position_) : Vec3::Zero();
+    const Vec3 motor = hand != nullptr ? hand->motor_position() : measured;
+    moved_ = known_ ? Vec3(motor - motor_) : Vec3::Zero();
+    motor_ = motor;
     velocity_ = hand != nullptr ? hand->true_velocity() : Vec3(moved_ / period_);
     position_ = position;
     const Quaternion orientation =
@@ -51,8 +53,12 @@ class TruePort {
   const Vec3& position() const { return position_; }
   const Vec3& velocity() const { return velocity_; }
   const Quaternion& orientation() const { return orientation_; }
-  const Vec3& moved() const { return moved_; }          // [m] since the tick before
+  const Vec3& moved() const { return moved_; }          // [m] of the motor since the tick before
   const Vec3& turned_since() const { return turned_; }  // [rad] likewise
+  TrueEnergy energy() const {
+    const auto* hand = std::get_if<SimulatedDevice>(&device_);
+    return hand != nullptr ? hand->true_energy() : TrueEnergy{};
+  }
   /// [J] that Coulomb friction burned at least meanwhile: it acts axis by axis.
   double friction_work() const {
     return friction_ * moved_.lpNorm<1>() + rotational_friction_ * turned_.lpNorm<1>();
@@ -72,7 +78,8 @@ class TruePort {
   Either device_;
   double period_, friction_, rotational_friction_;
   bool known_ = false;
-  Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero(), moved_ = Vec3::Zero();
+  Vec3 position_ = Vec3::Zero(), motor_ = Vec3::Zero(), velocity_ = Vec3::Zero(),
+       moved_ = Vec3::Zero();
   Quaternion orientation_ = Quaternion::Identity();
   Vec3 turned_ = Vec3::Zero();
 };
@@ -190,6 +197,7 @@ class NetworkRun {
       tick(now, static_cast<double>(n) * period, period);
     }
     result_.servo = servo_.statistics();
+    result_.true_energy = port_.energy();
     result_.observed_port = servo_.port();
     result_.clock = servo_.server_clock();
     result_.client_drops = datagrams_.dropped();

@@ -82,6 +82,9 @@ struct NetworkRunResult {
   /// [J] least value over time of the energy that the device burned, with its Coulomb friction,
   /// less the energy that the hand got, over the true displacements and turns.
   double least_device_margin = 0.0;
+  /// The energy at the true ends of the simulated hand's device, to the end. Its plant may hold
+  /// another force than the one that was written, which the other energies here do not know.
+  TrueEnergy true_energy{};
 };
 
 /// A tick every servo period from time 0 to `duration`. A datagram leaves the link when it is due,

@@ -7,6 +7,7 @@
 
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/transport.hpp"
+#include "core/bounding/method.hpp"
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {
@@ -51,9 +52,21 @@ std::string why(const LoopResult& result, bool neglected) {
   }
 }
 
+/// The usual ones with this law (empty: with the usual law), on the side where it can stand.
+SessionParameters parameters_with(const std::string& mode) {
+  SessionParameters parameters = usual_parameters();
+  if (mode.empty()) return parameters;
+  parameters.mode = mode;
+  if (stands_beside_scene(bounding_method(mode))) {
+    parameters.side = BoundingSide::server;
+    parameters.local_model = false;
+  }
+  return parameters;
+}
+
 control::JoinRequest request_of(const std::string& client, const std::string& scene,
-                                const DeviceSpec& spec) {
-  control::JoinRequest request{client, scene, spec, usual_parameters(), Role::pointer};
+                                const DeviceSpec& spec, const std::string& mode) {
+  control::JoinRequest request{client, scene, spec, parameters_with(mode), Role::pointer};
   request.version = version();
   return request;
 }
@@ -75,7 +88,7 @@ PointedHandOptions page_hand_options() {
 }
 
 ClientPageHand::ClientPageHand(const ServerAccess& server, const web::PageHandRequest& request)
-    : server_(server), scene_(request.scene), client_(request.client) {
+    : server_(server), scene_(request.scene), client_(request.client), mode_(request.mode) {
   server_.credentials.token = request.token;
 }
 
@@ -134,7 +147,9 @@ std::string ClientPageHand::hold() {
   const PointedHandOptions options = page_hand_options();
   auto device = std::make_unique<OwnPointings>(options, pointings_);
   const PointedDevice& hand = device->device();
-  const Joined joined = join(server_, request_of(client_, scene_, device->spec()), kJoinTime);
+  // Nobody's hand is at this device, so the server may choose how long a command holds.
+  const Joined joined = join(server_, request_of(client_, scene_, device->spec(), mode_), kJoinTime,
+                             {.hold_time = kLongestGrantedHold});
   server_.credentials.token = {};  // needed no more
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
@@ -150,6 +165,7 @@ std::string ClientPageHand::hold() {
     task = std::make_shared<ServoTask>(std::move(device), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
+    task->let_go_after = parameters.hold_time;  // nobody holds this device
     thread.emplace(task);
     become({.state = State::held,
             .session = joined.accepted.session,

@@ -14,8 +14,8 @@ namespace feltwire {
 /// The device and the arm of such a hand.
 PointedHandOptions page_hand_options();
 
-/// Joins by TLS and UDP as any client does, with the usual parameters and the limits that protect a
-/// hand, and has role pointer.
+/// Joins by TLS and UDP as any client does, with the usual parameters but for the bounding method
+/// of the request, and the limits that protect a hand, and has role pointer.
 class ClientPageHand final : public web::PageHand {
  public:
   /// Shows `server` the request's token.
@@ -42,7 +42,7 @@ class ClientPageHand final : public web::PageHand {
 
   static constexpr std::size_t kRoom = 256;  // pointings: more than come while a thread is late
   ServerAccess server_;
-  const std::string scene_, client_;
+  const std::string scene_, client_, mode_;
   /// Of its own life, for a servo thread that hangs in its device is left behind with it.
   std::shared_ptr<Ring<Pointing>> pointings_ = std::make_shared<Ring<Pointing>>(kRoom);
   mutable std::mutex mutex_;

@@ -29,7 +29,7 @@ Vec3 moved(std::optional<Vec3>& before, const Vec3& now) {
 
 RemoteLeader::RemoteLeader(const Plant& plant)
     : plant_(plant),
-      midpoint_(plant.leader_quantum),
+      midpoint_(plant.leader_quantum, plant.period),
       account_(account_config(device(plant), plant.period)),
       remote_(RemoteTrust{}) {}
 

@@ -161,6 +161,14 @@ class ControlPeer {
     thread_.join();
     return request_;
   }
+  /// The next message of a client; empty: it has closed, or sent none.
+  static std::optional<control::Message> read(test::TlsConnection& tls) {
+    const auto prefix = tls.read(control::kFrameLengthSize);
+    if (prefix.size() < control::kFrameLengthSize) return std::nullopt;
+    const std::uint32_t size = control::frame_length(
+        std::span<const std::uint8_t, control::kFrameLengthSize>(prefix.data(), prefix.size()));
+    return control::decode(tls.read(std::min<std::size_t>(size, control::kMaxFrame)));
+  }
 
  private:
   void serve(const std::vector<std::uint8_t>& answer) {
@@ -178,13 +186,6 @@ class ControlPeer {
     }
     ::close(connection);
     ::shutdown(socket_.descriptor(), SHUT_RDWR);  // whoever comes again is sent away at once
-  }
-  static std::optional<control::Message> read(test::TlsConnection& tls) {
-    const auto prefix = tls.read(control::kFrameLengthSize);
-    if (prefix.size() < control::kFrameLengthSize) return std::nullopt;
-    const std::uint32_t size = control::frame_length(
-        std::span<const std::uint8_t, control::kFrameLengthSize>(prefix.data(), prefix.size()));
-    return control::decode(tls.read(std::min<std::size_t>(size, control::kMaxFrame)));
   }
 
   LocalSocket socket_{SOCK_STREAM};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "client/servo/servo.hpp"
 
@@ -32,6 +33,19 @@ inline Command elastic(double x, double y, double z) { return {.elastic = Vec3(x
 inline DeviceReading at(double x, double y, double z) {
   return {.pose = {.position = Vec3(x, y, z)}};
 }
+/// As at(), from a driver that vouches for the reading, where a test moves farther than a hand can.
+inline DeviceReading surely_at(double x, double y, double z) {
+  DeviceReading reading = at(x, y, z);
+  reading.jumped = false;
+  return reading;
+}
+
+/// The usual device, of which the account is told no mass: then it counts on none.
+inline DeviceSpec without_known_mass(const std::string& device = "simulated") {
+  DeviceSpec spec = builtin_device(device);
+  spec.least_mass = spec.least_inertia = spec.hand_torque = 0.0;
+  return spec;
+}
 
 /// A servo with a device that holds what it is given, ticked every period.
 struct Bench {
@@ -41,6 +55,7 @@ struct Bench {
 
   explicit Bench(const SessionParameters& p, const ServoOptions& options = {})
       : servo(spec, p, options) {}
+  Bench(const SessionParameters& p, const DeviceSpec& device) : spec(device), servo(spec, p) {}
 
   Command tick(const DeviceReading& reading = {}, Nanoseconds after = kPeriod) {
     now += after;

@@ -20,15 +20,15 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> ticks(2, 400);
   for (int n = 0; n < 20; ++n) {
-    Mapped mapped(any_mapping(random));
+    // A device that did not say how late it is would soon owe more than ends the force.
+    Mapped mapped(any_mapping(random), kSessionMethod, false, static_cast<std::size_t>(n % 3));
     Handle& handle = *mapped.handle;
-    handle.lag = static_cast<std::size_t>(n % 3);
     for (int turn = 0; turn < 8; ++turn) {
       for (int left = ticks(random); left > 0; --left) mapped.tick();
       handle.orientation = turned(handle.orientation, Vec3(0.1, 0.2, -0.3));
       mapped.tick();
       handle.clutch = true;
-      mapped.run(0.004);
+      mapped.run(0.008);  // a late device may hold a force for some ticks more
       const Pose stands = mapped.tool;
       const Vec3 hand = vec(handle.mass.position);
       for (int left = 100 + ticks(random); left > 0; --left) {
@@ -110,6 +110,26 @@ TEST(Clutch, WhatMovesUnderAForceIsTold) {
       if (!pulls) continue;
       ++pulled;
       EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << n;
+    }
+    EXPECT_GE(pulled, static_cast<int>(lag));
+    EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+  }
+}
+
+/// A device that says how late it is, and not what it holds.
+TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
+  for (const std::size_t lag : {1U, 2U, 4U}) {
+    Mapped mapped({}, kSessionMethod, false, lag);
+    mapped.handle->tells_held = false;
+    mapped.feel(1.0);
+    mapped.handle->clutch = true;
+    int pulled = 0;
+    for (int n = 0; n < 20; ++n) {
+      const bool pulls = mapped.handle->on_hand != Command{};
+      mapped.tick();
+      if (!pulls) continue;
+      ++pulled;
+      EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << lag << ' ' << n;
     }
     EXPECT_GE(pulled, static_cast<int>(lag));
     EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);

@@ -270,6 +270,52 @@ TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
   }
 }
 
+/// The user of a script knows a run by its exit status and its last line.
+TEST(DeviceTrouble, ARunWhoseDeviceFailsEndsWithAnErrorThatSaysSo) {
+  for (const bool holds_nothing : {false, true}) {
+    const Room room;
+    NewPage page(room.folder / "plugin.page");
+    page->waits.store(kStill);
+    const std::string file = room.folder / "report.json";
+    Program client(FELTWIRE_CLIENT_PROGRAM,
+                   room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN, kOnTheTable, file));
+    test::eventually("a force", [&] { return page->force.load() > kFelt; });
+    (holds_nothing ? page->refuses : page->unplugged).store(true);
+    const char* const says =
+        holds_nothing ? "no force: the device does not hold" : "no force: the device gives no";
+    std::string told = client.error_until(says);
+    told += client.error_until(says);  // a second later
+    client.signal(SIGINT);
+    const Outcome outcome = client.finish();
+    EXPECT_EQ(outcome.status, 1) << told << outcome.error;
+    EXPECT_THAT(outcome.out, HasSubstr("; the device failed at "));
+    EXPECT_THAT(outcome.error, HasSubstr("feltwire-client: the device failed at "));
+    EXPECT_FALSE(report_in(file)["device_trouble"].is_null());
+    if (!holds_nothing) {
+      EXPECT_THAT(outcome.out, HasSubstr(" device fault"));
+    }
+  }
+}
+
+/// Its ticks come late, and nothing else says why.
+TEST(DeviceTrouble, ADeviceThatIsSlowIsNamed) {
+  const Room room;
+  NewPage page(room.folder / "plugin.page");
+  page->slow_read.store(20);
+  const std::string file = room.folder / "report.json";
+  Program client(FELTWIRE_CLIENT_PROGRAM,
+                 room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN, kOnTheTable, file));
+  const std::string told = client.error_until("the device is slow: its calls took ");
+  client.signal(SIGINT);
+  const Outcome outcome = client.finish();
+  EXPECT_EQ(outcome.status, 0) << told << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("warning: the device's read() takes "));
+  const nlohmann::json report = report_in(file);
+  EXPECT_GT(report["device_read_us"]["p50"], 15000.0);  // 20 ms, as a histogram rounds them
+  EXPECT_GT(report["device_slow_ticks"], 0);
+  EXPECT_THAT(report["device_slow"].get<std::string>(), HasSubstr("read()"));
+}
+
 /// The tool stands while the chosen button is held, and not while the driver's own one is.
 TEST(Buttons, TheChosenOneIsTheClutch) {
   const Room room;

@@ -79,7 +79,7 @@ struct Falcon : ::testing::Test {
     session.strike(stand_in->edge);
     fault();
     session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
-    EXPECT_EQ(servo.held(), Command{});
+    EXPECT_EQ(servo.given(), Command{});
     session.run(*opened.device, servo, [&] { return stand_in->force == 0.0; });
     session.expect_let_go("falcon", name, stand_in->edge);
     feel(*opened.device, servo);
@@ -302,7 +302,7 @@ TEST_F(Falcon, ABlockedTransferNeverHoldsTheServoUp) {
   stand_in->blocks = true;
   const std::uint64_t faults = servo.statistics().device_faults;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 5; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   session.stiffness = 0.0;
   stand_in->edge.strike();
   stand_in->blocks = false;
@@ -316,7 +316,7 @@ TEST_F(Falcon, UnpluggedItIsAFaultForGood) {
   feel(*opened.device, servo);
   stand_in->unplug = true;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
   EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("does not answer"));
 }

@@ -174,6 +174,7 @@ TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
       open().device, std::make_shared<Transport>(peer.session(), SessionParameters{}, true),
       parameters, ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
+  task->let_go_after = parameters.hold_time;  // a busy machine must not be it
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

@@ -81,6 +81,17 @@ TEST_F(ForceDimension, OtherModelsPromiseLess) {
   EXPECT_EQ(open().device->spec().max_force, 5.0);
 }
 
+TEST_F(ForceDimension, TheLagOfItsBusIsAssumed) {
+  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  EXPECT_THAT(open().notes,
+              Contains(HasSubstr("actuation_lag 0.0005 s is an assumption for USB; ")));
+  // With the maker's library a Falcon takes no tick to take a force up, but its bus is slow.
+  stand_in->system = "Falcon";
+  const OpenedDevice falcon = open();
+  EXPECT_EQ(falcon.device->spec().late_ticks, 0);
+  EXPECT_EQ(falcon.device->spec().actuation_lag, 1.5e-3);
+}
+
 TEST_F(ForceDimension, WhatIsMissingIsSaid) {
   stand_in->plugged = false;
   EXPECT_THAT(refusal(), AllOf(HasSubstr("no device found (error 5)"), HasSubstr("udev")));

@@ -244,7 +244,7 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
     if (!seen && wanted == 0 && &wanted == &board.jumps) strike();
     return seen;
   });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   // By that one tick, without another.
   test::eventually("it is let go", [&] { return board.force == 0.0; });
   session.expect_let_go("hapi", GetParam().name, board.edge);
@@ -270,7 +270,7 @@ TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
   test::eventually("it is unplugged", [&] { return board.unplugged.load(); });
   const std::uint64_t faults = servo.statistics().device_faults;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
 }
 
@@ -284,7 +284,7 @@ TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   const std::uint64_t faults = servo.statistics().device_faults;
   session.run(*opened.device, servo,
               [&] { return servo.statistics().device_faults > faults + 20; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   session.stiffness = 0.0;
   board.blocks.store(false);
   test::eventually("it is let go", [&] { return board.force == 0.0; });

@@ -259,7 +259,7 @@ TEST_P(HaplyFault, LetsTheForceGoAndIsOver) {
   session.strike(service.edge);
   service.*GetParam().count = 1;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
   // By that one tick, without another.
   test::eventually("it is let go", [&] { return service.force == 0.0; });
   session.expect_let_go("haply", GetParam().name, service.edge);
@@ -291,7 +291,7 @@ struct HaplyLoss : ::testing::Test {
     }
     session.run(*opened.device, servo,
                 [&] { return servo.statistics().device_faults > faults + 3; });
-    EXPECT_EQ(servo.held(), Command{});
+    EXPECT_EQ(servo.given(), Command{});
     EXPECT_EQ(servo.no_force(), NoForce::device_fault);
     service.blocks = false;
     test::eventually("it is let go", [&] { return service.force == 0.0; });
@@ -327,7 +327,7 @@ TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
   session.run(*opened.device, servo, [&] { return service.edge.ended(); });
   session.expect_let_go("haply", "another's force", service.edge);
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
-  EXPECT_EQ(servo.held(), Command{});
+  EXPECT_EQ(servo.given(), Command{});
 }
 
 TEST(Haply, TheOldestJsonIsRefused) {

@@ -13,8 +13,8 @@ namespace {
 /// Answers at once, and holds what it was sent last.
 class Obedient final : public LockStepDevice {
  public:
-  explicit Obedient(const char* spec = "simulated")
-      : LockStepDevice({.spec = builtin_device(spec), .sources = {}}, {}) {}
+  explicit Obedient(const char* spec = "simulated") : Obedient(builtin_device(spec)) {}
+  explicit Obedient(const DeviceSpec& spec) : LockStepDevice({.spec = spec, .sources = {}}, {}) {}
   Command held;
   bool blocked = false;  // nothing can be sent
 
@@ -40,6 +40,21 @@ TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
   EXPECT_EQ(device.spec().rotation_actuated, 0);
   EXPECT_EQ(device.spec().max_torque, 0.0);
   EXPECT_EQ(device.spec().max_force, all.max_force);
+}
+
+/// Its account pays for a force one tick late. It cannot do both.
+TEST(LockStep, ALagBesideItsLateTickIsRefused) {
+  DeviceSpec spec = builtin_device("falcon");
+  EXPECT_EQ(Obedient(spec).spec().actuation_lag, 0.0);
+  spec.late_ticks = 0;
+  spec.actuation_lag = 2e-3;
+  try {
+    Obedient device(spec);
+    FAIL() << "both were taken";
+  } catch (const DeviceSpecError& error) {
+    EXPECT_EQ(error.field, "actuation_lag");
+    EXPECT_NE(error.why.find("one tick late"), std::string::npos) << error.why;
+  }
 }
 
 TEST(LockStep, ZeroIsSentAgainUntilItGoesOut) {

@@ -168,8 +168,9 @@ TEST(MappedDevice, BeginsWhereTheSceneSays) {
 
 /// [J] that the true motion of the handle made more than it burned, in ten seconds at a late wall.
 double made(const WorkspaceMapping& mapping, std::string_view mode, std::size_t lag = 0,
-            bool told_wrong = false, bool tells_lag = true) {
+            bool told_wrong = false, bool tells_lag = true, bool tells_held = true) {
   Mapped mapped(mapping, mode, told_wrong, lag, tells_lag);
+  mapped.handle->tells_held = tells_held;
   mapped.run(10.0);
   EXPECT_GT(mapped.handle->mass.largest_force, 0.3);
   return mapped.handle->mass.most_made;
@@ -180,6 +181,16 @@ TEST(MappedDevice, MakesNoEnergyAtTheTruePortWhateverTheMapping) {
   for (int n = 0; n < test::rounds(40); ++n) {
     const WorkspaceMapping mapping = any_mapping(random);
     EXPECT_LE(made(mapping, kSessionMethod, n % 3), 1e-12)
+        << n << " scale " << mapping.scale << " turned " << mapping.rotation.transpose();
+  }
+}
+
+/// A device that says how late it is, and not what it holds: write() returns what it was given.
+TEST(MappedDevice, NorWhereTheDeviceCannotTellWhatItHolds) {
+  std::mt19937 random(8);
+  for (int n = 0; n < test::rounds(20); ++n) {
+    const WorkspaceMapping mapping = any_mapping(random);
+    EXPECT_LE(made(mapping, kSessionMethod, 1 + n % 4, false, true, false), 1e-12)
         << n << " scale " << mapping.scale << " turned " << mapping.rotation.transpose();
   }
 }

@@ -50,6 +50,7 @@ class Handle final : public Device {
     reading.buttons = buttons;
     reading.withheld = withheld;
     reading.ok = ok;
+    reading.jumped = false;  // a test turns the handle faster than a hand can
     return reading;
   }
   Command write(const Command& command) noexcept override {
@@ -59,13 +60,14 @@ class Handle final : public Device {
     if (released) held = {};
     if (lag == 0) return on_hand = held;
     coming_.push_back(held);
-    return on_hand;
+    return tells_held ? on_hand : held;
   }
   void release() noexcept override { released = true; }
 
   stand_in::SimulatedMass mass;
   Quaternion orientation = Quaternion::Identity();
-  std::size_t lag;  // ticks
+  std::size_t lag;         // ticks
+  bool tells_held = true;  // write() returns what is on the hand; else what it was given
   bool clutch = false, deadman = false, ok = true, released = false;
   std::uint32_t buttons = 0;
   Withheld withheld = Withheld::nothing;

@@ -3,6 +3,9 @@
 
 #include "tests/devices/plugin_stand_in.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -35,7 +38,47 @@ void pace() {
   std::this_thread::sleep_until(next);
 }
 
-bool unplugged() { return device->unplugged_at >= 0 && device->ticks >= device->unplugged_at; }
+bool by_clock() { return stand_in::page() != nullptr && stand_in::page()->by_clock; }
+
+/// By the clock the mass moves on under the force that is on it, up to now. A force that was
+/// released meanwhile was on it until then.
+std::atomic<std::int64_t> released_at{0};  // [ns] of the steady clock
+std::int64_t moved_to = 0;
+std::int64_t clock_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+void advance_to(std::int64_t time) {
+  constexpr double kNano = 1e-9;
+  if (time > moved_to) device->mass.advance(kNano * static_cast<double>(time - moved_to), force);
+  moved_to = std::max(moved_to, time);
+}
+void move_on() {
+  const std::int64_t now = clock_now();
+  if (moved_to == 0) moved_to = now;
+  if (released) {
+    advance_to(std::min(now, released_at.load()));
+    before = force = {};
+  }
+  advance_to(now);
+  stand_in::page()->tell_motion(device->mass);
+}
+
+/// The reading takes so long, and the hand goes on meanwhile.
+void stall(int milliseconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
+  while (Clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    move_on();
+  }
+}
+
+bool unplugged() {
+  if (stand_in::page() != nullptr && stand_in::page()->unplugged) return true;
+  return device->unplugged_at >= 0 && device->ticks >= device->unplugged_at;
+}
 
 void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, std::size_t size) {
   if (*device->open_error != '\0') {
@@ -61,6 +104,7 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
   }
   for (double& w : spec->workspace) w = 0.2;
   released = false;
+  moved_to = 0;
   before = force = {};
   stand_in::begin_for_page(device->mass, 0);
   return device.get();
@@ -69,13 +113,16 @@ void* open_device(const char* arguments, feltwire_spec_v1* spec, char* error, st
 int wait_for_tick(void*, std::int64_t) {
   if (unplugged()) return 0;
   if (stand_in::page() != nullptr) pace();
+  if (by_clock()) move_on();
   drop_released();
   ++device->ticks;
   device->edge.tick();
   random_share = std::fmod(random_share * 997.13 + 0.317, 1.0);
   const double span = device->period - device->jitter * random_share;
-  device->mass.advance(device->late * span, before);
-  device->mass.advance((1.0 - device->late) * span, force);
+  if (!by_clock()) {
+    device->mass.advance(device->late * span, before);
+    device->mass.advance((1.0 - device->late) * span, force);
+  }
   if (stand_in::page() != nullptr) {
     stand_in::page()->tell(device->mass);
     device->buttons = stand_in::page()->buttons.load();
@@ -87,6 +134,12 @@ int wait_for_tick(void*, std::int64_t) {
 int read_device(void*, feltwire_reading_v1* reading) {
   while (device->blocks.load()) device->blocked.store(true);
   if (unplugged()) return FELTWIRE_FAULT;
+  if (stand_in::page() != nullptr && stand_in::page()->slow_read > 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(stand_in::page()->slow_read));
+  if (by_clock()) {
+    stall(stand_in::page()->stall.exchange(0));
+    move_on();
+  }
   if (!fresh) {
     before = force;
     return FELTWIRE_STALE;
@@ -107,7 +160,13 @@ int read_device(void*, feltwire_reading_v1* reading) {
 }
 
 int write_device(void*, const double* asked, const double* twist, double* held, double* turned) {
+  if (stand_in::page() != nullptr && stand_in::page()->refuses) {
+    force = {};
+    stand_in::page()->force.store(0.0);
+    return 1;
+  }
   if (unplugged() || released) return 1;
+  if (by_clock()) move_on();
   before = force;
   const double size = std::hypot(asked[0], asked[1], asked[2]);
   const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
@@ -122,6 +181,7 @@ int write_device(void*, const double* asked, const double* twist, double* held, 
 }
 
 void release_device(void*) {
+  if (!released) released_at = clock_now();
   released = true;
   device->edge.command(false);
   ++device->releases;
@@ -129,7 +189,10 @@ void release_device(void*) {
   device->pulls.store(false);
 }
 
-void close_device(void*) { ++device->closes; }
+void close_device(void*) {
+  if (by_clock()) move_on();
+  ++device->closes;
+}
 
 }  // namespace
 

@@ -54,7 +54,10 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->spec().least_mass, 0.1);
   EXPECT_EQ(opened.device->spec().hand_force, 10.0);
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
-  EXPECT_THAT(opened.notes, IsEmpty());
+  // The ABI has no field for the lag.
+  EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
+  EXPECT_THAT(opened.notes, ::testing::ElementsAre(HasSubstr(
+                                "is an assumption for a connection that the driver does not")));
   stand_in->source = nullptr;
   EXPECT_THAT(open().notes, ::testing::Contains(HasSubstr("damping 0.5 N s/m is an assumption")));
   const OpenedDevice told =
@@ -72,6 +75,8 @@ TEST_F(Plugin, TellsLatenessButtonsAndLever) {
   const OpenedDevice opened = open();
   Device& device = *opened.device;
   EXPECT_EQ(device.spec().late_ticks, 2);
+  EXPECT_EQ(device.spec().actuation_lag, 0.0);
+  EXPECT_THAT(opened.notes, IsEmpty());
   const auto read = [&] {
     device.await_tick(Nanoseconds(0));
     return device.read(Nanoseconds(0));
@@ -257,6 +262,7 @@ TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
       }(),
       ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
+  task->let_go_after = SessionParameters{}.hold_time;  // a busy machine must not be it
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

@@ -20,10 +20,14 @@ namespace stand_in {
 inline constexpr const char* kPageVariable = "FELTWIRE_STAND_IN_PAGE";
 
 struct Page {
-  // The test sets these before the program starts, but for the buttons.
-  std::atomic<double> waits{0.0};  // [s] that the hand is still at the start
-  std::atomic<int> devices{1};     // on USB
+  // The test sets these; the first three before the program starts.
+  std::atomic<double> waits{0.0};     // [s] that the hand is still at the start
+  std::atomic<bool> by_clock{false};  // the mass moves by the clock, also while no tick comes
+  std::atomic<int> devices{1};        // on USB
   std::atomic<unsigned> buttons{0};
+  std::atomic<bool> unplugged{false}, refuses{false};  // no readings any more; no forces
+  std::atomic<int> slow_read{0};                       // [ms] that a reading takes
+  std::atomic<int> stall{0};                           // [ms] that the next one takes, once
 
   // The stand-in sets these.
   std::atomic<int> number{-1};                        // of the device that was opened
@@ -33,9 +37,12 @@ struct Page {
 
   /// At each tick of the stand-in.
   void tell(const SimulatedMass& mass) noexcept {
+    tell_motion(mass);
+    ticks.fetch_add(1);
+  }
+  void tell_motion(const SimulatedMass& mass) noexcept {
     largest_force.store(mass.largest_force);
     made.store(mass.most_made);
-    ticks.fetch_add(1);
   }
   static_assert(std::atomic<double>::is_always_lock_free && std::atomic<long>::is_always_lock_free);
 };

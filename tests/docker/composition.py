@@ -173,7 +173,7 @@ class Composition:
         return {scene["scene"]: scene for scene in json.loads(file.read_text())["scenes"]}
 
     def stop(self, *names):
-        """Ends what runs with SIGTERM. By service: exit code, and how long it took [s]."""
+        """Ends what runs with SIGTERM. By service: exit code, and its time [s]."""
         ended = {}
         for name in names:
             begin = time.time()

@@ -2,10 +2,12 @@
 """Checks that what the documents tell people to type exists.
 
 Every command of README.md, SECURITY.md, CONTRIBUTING.md and docs/*.md that runs one of our programs or scripts, in a code block or
-with its options in a sentence: the program has that subcommand and those options (it is asked with --help), the files of the repository that it
+with its options in a sentence: the program has that subcommand and those options and none that it requires is missing (it is asked with --help), the files of the repository that it
 names are there, a filter of the benchmarks finds some, and a page that uses a program which the usual build
 leaves out says how to build it first. Every table has one number of cells in all its rows. A link to a file or to a heading leads
-somewhere. docs/README.md has a link to every page of docs. A code block that is said to be of a file (```json scenes/tutorial/1_table.json) stands in that file, line by line.
+somewhere. A path of the repository between backticks is there. docs/README.md has a link to every page of docs. A code block that is said to be of a file (```json scenes/tutorial/1_table.json) stands in that file, line by line.
+
+Quotes of a program and its defaults, which the pages mark, are the program's (quotes.py).
 
 usage: check_docs.py SOURCE_FOLDER BIN_FOLDER
 """
@@ -15,6 +17,9 @@ import re
 import shlex
 import subprocess
 import sys
+
+sys.dont_write_bytecode = True
+import quotes  # noqa: E402
 
 USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab", "feltwire-view", "feltwire-follower"}
 PROGRAM = re.compile(r"^(?:build/[a-z]+/bin/)?(feltwire-[a-z]+)$")
@@ -132,6 +137,14 @@ def check_program(programs, words, built_on_page, quoted):
             continue
         if not re.search(rf"{re.escape(option)}(?![a-z0-9_-])", text + whole):
             yield f"{' '.join(command)} has no option {option}"
+    if not any("..." in word for word in words):
+        required = set(re.findall(r"(?m)^\s+(--[a-z][\w-]*) [^\n]*\bREQUIRED\b", text))
+        given = {word.split("=")[0] for word in words}
+        ends = given & {"--help", "--version", "--list-specs"}
+        # A sentence may name one option of a command. Where it names one that is required, it means the whole command.
+        if not ends and (required & given or not quoted):
+            for option in sorted(required - given):
+                yield f"{' '.join(command)} needs {option}"
     for word in words:
         if word.startswith("--benchmark_filter="):
             status, listed = programs.output(program, word, "--benchmark_list_tests")
@@ -177,6 +190,19 @@ def check_excerpts(source, page):
             begun = 0
         elif begun:
             block.append(line)
+
+
+def check_paths(source, page):
+    """A path between backticks is there: core/base/ring, which has no ending, and core/bounding/*.hpp, too."""
+    fenced, folders = False, [folder.name for folder in source.iterdir() if folder.is_dir() and folder.name not in ("build", ".git")]
+    begins = "|".join(re.escape(name) for name in folders)
+    for number, line in enumerate(page.lines, 1):
+        fenced ^= line.strip().startswith("```")
+        for path in [] if fenced else re.findall(rf"`((?:{begins}|schema)/[\w.*/-]+)`", line):
+            if re.search(r"/[A-Z]{4,}(\.|$)", path):
+                continue  # a word for any name
+            if not any(source.glob(path.rstrip("/"))) and not any(source.glob(path + ".*")):
+                yield number, f"there is no {path}"
 
 
 def anchors(path):
@@ -231,7 +257,9 @@ def main():
     source, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     programs = Programs(folder)
     found, commands = [], 0
-    pages = [source / "README.md", source / "SECURITY.md", source / "CONTRIBUTING.md", *sorted((source / "docs").rglob("*.md"))]
+    pages = [source / "README.md", source / "SECURITY.md", source / "CONTRIBUTING.md", source / "protocol/PROTOCOL.md",
+             *sorted((source / "docs").rglob("*.md"))]
+    marks = quotes.Marks(source, programs)
     for page in (Page(path, source) for path in pages):
         built = set()
         for number, words, quoted in page.commands():
@@ -243,13 +271,14 @@ def main():
                     commands += 1
                     wrong += check_program(programs, part, built, quoted)
                 found += [f"{page.name}:{number}: {what}" for what in wrong]
-        for number, what in [*check_tables(page), *check_excerpts(source, page), *check_links(source, page, source / page.name)]:
+        for number, what in [*check_tables(page), *check_excerpts(source, page), *check_links(source, page, source / page.name), *check_paths(source, page),
+                             *marks.check(page)]:
             found.append(f"{page.name}:{number}: {what}")
     found += [*check_index(source), *check_metrics(source)]
-    print("\n".join(found + [f"{commands} commands of our programs, {len(found)} wrong"]))
-    if commands == 0:
-        print("no command was found: the check reads nothing")
-    return 1 if found or commands == 0 else 0
+    print("\n".join(found + [f"{commands} commands of our programs, {marks.count} quotes and defaults, {len(found)} wrong"]))
+    if commands == 0 or marks.count == 0:
+        print("no command or no quote was found: the check reads nothing")
+    return 1 if found or commands == 0 or marks.count == 0 else 0
 
 
 if __name__ == "__main__":

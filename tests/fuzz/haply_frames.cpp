@@ -63,6 +63,8 @@ struct Heard {
 Heard heard(Bytes bytes) {
   Heard all;
   bool begun = false;
+  int idle = 0;                 // frames in a row that ended no message
+  std::uint64_t announced = 0;  // bytes of the present message
   std::string text;
   while (const auto frame = frame_at(bytes)) {
     const bool control = frame->opcode >= kClose;
@@ -71,7 +73,9 @@ Heard heard(Bytes bytes) {
     const bool in_turn = control || begun == (frame->opcode == kMore);
     if (!frame->possible) return all.ends = true, all;
     const Bytes body = bytes.subspan(frame->head);
-    if (!known || !in_turn || frame->masked || frame->reserved != 0) {
+    if (!control) announced += frame->size;
+    const bool endless = announced > ServiceSocket::kMostSkipped;
+    if (!known || !in_turn || frame->masked || frame->reserved != 0 || endless) {
       (frame->size == 0 || !body.empty() ? all.ends : all.may_end) = true;
       return all;
     }
@@ -79,6 +83,9 @@ Heard heard(Bytes bytes) {
     const auto size = static_cast<std::size_t>(frame->size);
     const std::string data(body.begin(), body.begin() + static_cast<std::ptrdiff_t>(size));
     bytes = body.subspan(size);
+    const bool ends_message = !control && frame->last;
+    idle = ends_message ? 0 : idle + 1;
+    if (idle > ServiceSocket::kMostIdle) return all.ends = true, all;
     if (frame->opcode == kClose) return all.ends = true, all;
     if (frame->opcode == kPing) all.pings.push_back(data);
     if (control) continue;
@@ -87,6 +94,7 @@ Heard heard(Bytes bytes) {
     if (begun) continue;
     all.messages.push_back(text.size() <= kLongest ? Text(text) : std::nullopt);
     text.clear();
+    announced = 0;
   }
   return all;
 }

@@ -68,8 +68,8 @@ inline std::vector<ParameterChange> parameter_changes() {
   change("local_model", true, [](P& p) { p.local_model = false; });
   asked = {};
 
-  change("hold_time", true, [](P& p) { p.hold_time = 0.8; });
-  change("hold_time", false, [](P& p) { p.hold_time = 0.81; });
+  change("hold_time", false, [](P& p) { p.hold_time = 0.1000001; });
+  change("hold_time", false, [](P& p) { p.hold_time = 0.8; });
   change("hold_time", false, [](P& p) { p.hold_time = 1.0; });
   change("hold_time", false, [](P& p) { p.hold_time = 0.09; });
   asked.hold_time = 1.0;
@@ -77,7 +77,7 @@ inline std::vector<ParameterChange> parameter_changes() {
   change("hold_time", true, [](P& p) { p.hold_time = 0.1; });
   change("hold_time", false, [](P& p) { p.hold_time = 0.09; });
   asked.hold_time = 0.05;
-  change("hold_time", true, [](P& p) { p.hold_time = 0.1; });
+  change("hold_time", false, [](P& p) { p.hold_time = 0.1; });
   change("hold_time", false, [](P& p) { p.hold_time = 0.04; });
   asked = {};
   change("keep_alive", true, [](P& p) { p.keep_alive = 0.05; });

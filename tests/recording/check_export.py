@@ -161,10 +161,21 @@ def main():
 
         before = (folder / "ticks.mcap").read_bytes()
         damaged = folder / "damaged.mcap"
-        damaged.write_bytes(before[:len(before) // 2] + b"\xff\xff" + before[len(before) // 2 + 2:])
+        several = (folder / "open.mcap").read_bytes()  # of several chunks
+        damaged.write_bytes(several[:len(several) // 2] + b"\xff\xff" + several[len(several) // 2 + 2:])
         refused = run(lab, "export", str(damaged), "--npz", str(folder / "none.npz"), status=1)
         assert "damaged.mcap: byte " in refused and "the file is damaged" in refused, refused
-        assert not (folder / "none.npz").exists()
+        assert "--skip-damaged" in refused and not (folder / "none.npz").exists()
+        skipped = run(lab, "export", str(damaged), "--skip-damaged", "--csv", str(folder / "skipped"))
+        assert "damaged.mcap: byte " in skipped and "missing: " in skipped, skipped
+        run(lab, "export", str(folder / "open.mcap"), "--csv", str(folder / "open"))
+        whole, left = rows(folder / "open/hand_sample.csv"), rows(folder / "skipped/hand_sample.csv")
+        assert 0 < len(left) < len(whole) and all(row in whole for row in left[::97]), (len(left), len(whole))
+        served = (folder / "server-EvictionIsWrittenWithTheLastTenSeconds.mcap").read_bytes()  # with a summary
+        damaged.write_bytes(served[:len(served) // 2] + b"\xff\xff" + served[len(served) // 2 + 2:])
+        skipped = run(lab, "export", str(damaged), "--skip-damaged", "--csv", str(folder / "served"))
+        assert "messages are missing" in skipped, skipped
+        refused = run(lab, "export", str(damaged), "--skip-damaged", "--replies", "--csv", str(folder / "none"), status=2)
         same = run(lab, "export", str(folder / "ticks.mcap"), "--npz", str(folder / "ticks.mcap"), status=1)
         assert "name the same file" in same and (folder / "ticks.mcap").read_bytes() == before, same
         assert "--csv DIR or --npz FILE" in run(lab, "export", str(folder / "ticks.mcap"), status=1)

@@ -23,28 +23,27 @@ inline constexpr int kPatience =
 /// A plain blocking socket to the server.
 class RawSocket {
  public:
-  /// To this machine, `family` AF_INET or AF_INET6. From the address `from`, one of 127.0.0.0/8.
-  RawSocket(int type, std::uint16_t port, int family = AF_INET, const char* from = nullptr)
+  /// To the address `to` of this machine, else its loopback address; `family` AF_INET or AF_INET6.
+  /// From the address `from`, of the same family.
+  RawSocket(int type, std::uint16_t port, int family = AF_INET, const char* from = nullptr,
+            const char* to = nullptr)
       : file_(::socket(family, type, 0)) {
-    if (from != nullptr) {
-      sockaddr_in here{};
-      here.sin_family = AF_INET;
-      if (::inet_pton(AF_INET, from, &here.sin_addr) != 1 ||
-          ::bind(file_, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0)
-        throw std::runtime_error("cannot bind");
-    }
-    sockaddr_in four{};
-    four.sin_family = AF_INET;
-    four.sin_port = htons(port);
-    four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    sockaddr_in6 six{};
-    six.sin6_family = AF_INET6;
-    six.sin6_port = htons(port);
-    six.sin6_addr = in6addr_loopback;
-    const bool is_four = family == AF_INET;
-    const auto* address = is_four ? reinterpret_cast<const sockaddr*>(&four)
-                                  : reinterpret_cast<const sockaddr*>(&six);
-    if (::connect(file_, address, is_four ? sizeof four : sizeof six) != 0)
+    const auto with = [&](const char* address, std::uint16_t with_port, auto call) {
+      sockaddr_in four{};
+      four.sin_family = AF_INET;
+      four.sin_port = htons(with_port);
+      sockaddr_in6 six{};
+      six.sin6_family = AF_INET6;
+      six.sin6_port = htons(with_port);
+      if (family == AF_INET)
+        return ::inet_pton(AF_INET, address, &four.sin_addr) == 1 &&
+               call(file_, reinterpret_cast<const sockaddr*>(&four), sizeof four) == 0;
+      return ::inet_pton(AF_INET6, address, &six.sin6_addr) == 1 &&
+             call(file_, reinterpret_cast<const sockaddr*>(&six), sizeof six) == 0;
+    };
+    if (from != nullptr && !with(from, 0, ::bind)) throw std::runtime_error("cannot bind");
+    const char* loopback = family == AF_INET ? "127.0.0.1" : "::1";
+    if (!with(to != nullptr ? to : loopback, port, ::connect))
       throw std::runtime_error("cannot connect");
   }
   ~RawSocket() { ::close(file_); }

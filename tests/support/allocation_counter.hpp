@@ -14,4 +14,10 @@ std::size_t allocations();
 /// The same of all other threads of the program, those that have ended too.
 std::size_t allocations_of_others();
 
+/// [bytes] of the heap that the whole program holds now, and the most since the last
+/// begin_heap_peak() or the beginning. 0 under sanitizers.
+std::size_t heap_held();
+std::size_t heap_peak();
+void begin_heap_peak();
+
 }  // namespace feltwire::test

@@ -6,10 +6,11 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::test {
 
@@ -22,10 +23,10 @@ struct Outcome {
 class Program {
  public:
   Program(const std::string& program, std::vector<std::string> arguments) {
-    // Files that a program keeps by default, such as flight records, are not put beside the user's
-    // own.
-    ::setenv("XDG_STATE_HOME", (std::filesystem::temp_directory_path() / "feltwire-tests").c_str(),
-             0);
+    // Files that a program keeps by default, such as flight records, go into a folder of this test
+    // program, which is removed at its end.
+    static const TemporaryFolder kState;
+    ::setenv("XDG_STATE_HOME", (kState / "state").c_str(), 0);
     int out[2], error[2];
     if (::pipe(out) != 0 || ::pipe(error) != 0) throw std::runtime_error("no pipe");
     arguments.insert(arguments.begin(), program);
@@ -38,6 +39,8 @@ class Program {
       ::dup2(error[1], STDERR_FILENO);
       // Nothing else of the test's: a socket that the program kept open would still be listened to.
       ::close_range(STDERR_FILENO + 1, ~0U, 0);
+      // A busy machine must not end a session. Tests of the watch give the option themselves.
+      ::setenv("FELTWIRE_LET_GO_AFTER", "0.1", 0);
       ::execv(argv[0], argv.data());
       ::_exit(127);
     }

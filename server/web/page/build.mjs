@@ -9,11 +9,25 @@ import {build} from 'esbuild';
 const out = process.argv[2];
 mkdirSync(out, {recursive: true});
 
+/**
+ * uPlot asks for numbers in the browser's language, and throws where that is none, such as "en-US@posix". Its authors have mended that,
+ * in no release yet. The page speaks English to everyone.
+ */
+const englishPlots = {
+  name: 'english-plots',
+  setup: ({onLoad}) => onLoad({filter: /uPlot\.esm\.js$/}, ({path}) => {
+    const language = "domEnv ? nav.language : 'en-US'";
+    const parts = readFileSync(path, 'utf8').split(language);
+    if (parts.length !== 2) throw new Error(`uPlot has not once: ${language}`);
+    return {contents: parts.join("'en-US'"), loader: 'js'};
+  }),
+};
+
 /** @param {string} entry @param {string[]} [external] files that stay files of their own @returns {Promise<Buffer>} one file with all others in it */
 async function bundle(entry, external = []) {
   const made = await build({
     entryPoints: [entry], bundle: true, minify: true, write: false, format: 'esm', target: ['es2022', 'chrome100', 'firefox100', 'safari15.4'],
-    legalComments: 'none', logLevel: 'warning', external,
+    legalComments: 'none', logLevel: 'warning', external, plugins: [englishPlots],
   });
   return Buffer.from(made.outputFiles[0].contents);
 }
@@ -21,6 +35,7 @@ async function bundle(entry, external = []) {
 const licenses = ['fzstd', 'three', 'uplot'].map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8')}`);
 const text = (content) => content.toString('utf8');
 const page = text(readFileSync('index.html'));
+const trouble = readFileSync('src/trouble.js');  // As it is: also an old browser reads it.
 const early = await bundle('src/early.js');
 const script = await bundle('src/main.js', ['./early.js']);
 const wholeScript = text(await bundle('src/main.js'));
@@ -28,6 +43,7 @@ const style = text(await bundle('style.css'));
 const assets = [
   ['/', 'text/html; charset=utf-8', Buffer.from(page)],
   ['/replay', 'text/html; charset=utf-8', Buffer.from(page)],  // The same page, which asks for no token there.
+  ['/trouble.js', 'text/javascript; charset=utf-8', trouble],
   ['/early.js', 'text/javascript; charset=utf-8', early],
   ['/app.js', 'text/javascript; charset=utf-8', script],
   ['/style.css', 'text/css; charset=utf-8', Buffer.from(style)],
@@ -71,14 +87,16 @@ writeFileSync(join(out, 'assets.json'), JSON.stringify(assets.map(({path, type, 
 /** The page as one file, which a browser opens without any server. Its policy allows its own script and style, and no connection. */
 function wholePage() {
   const inner = wholeScript.replaceAll('</script', '<\\/script');
+  const first = text(trouble);
   const hash = (content) => `'sha256-${createHash('sha256').update(content).digest('base64')}'`;
-  const policy = `default-src 'none'; script-src ${hash(inner)}; style-src ${hash(style)}; img-src data:; base-uri 'none'; form-action 'none'`;
+  const policy = `default-src 'none'; script-src ${hash(first)} ${hash(inner)}; style-src ${hash(style)}; img-src data:; base-uri 'none'; form-action 'none'`;
   const icon = `data:image/svg+xml;base64,${readFileSync('icon.svg').toString('base64')}`;
   const escaped = licenses.join('\n\n').replaceAll('&', '&amp;').replaceAll('<', '&lt;');
   const parts = [
     ['<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy}">`],
     ['<link rel="icon" href="icon.svg">', `<link rel="icon" href="${icon}">`],
     ['<link rel="stylesheet" href="style.css">', `<style>${style}</style>`],
+    ['<script src="trouble.js" defer></script>', `<script>${first}</script>`],
     ['<script type="module" src="early.js"></script>\n<script type="module" src="app.js"></script>', `<script type="module">${inner}</script>`],
     ['<a href="licenses.txt" target="_blank" rel="noopener">Licences</a>', `<details><summary>Licences</summary><pre>${escaped}</pre></details>`],
   ];

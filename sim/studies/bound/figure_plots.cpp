@@ -16,7 +16,15 @@ constexpr const char* kPreamble =
     "set key top right\n"
     "set style line 1 lc rgb '#1f4e79' lw 1.4\n"
     "set style line 2 lc rgb '#c0392b' lw 1.2\n"
-    "set style line 3 lc rgb '#7f8c8d' lw 1.0\n";
+    "set style line 3 lc rgb '#1f1f1f' lw 0.8 dt (5,6)\n"
+    "set style line 4 lc rgb '#e8908a' lw 3.2\n";
+
+/// The rendered force as a broad line, and the commanded one dashed over it: both are seen where
+/// they are equal. `csv` ends before the columns; the commanded one is an expression.
+std::string forces_drawn(const std::string& csv, const char* commanded, int rendered) {
+  return "plot " + csv + std::to_string(rendered) + " with lines ls 4 title 'rendered', " + csv +
+         commanded + " with lines ls 3 title 'commanded'\n";
+}
 
 std::string output(const std::string& file, int width, int height) {
   return "set terminal pngcairo size " + std::to_string(width) + "," + std::to_string(height) +
@@ -40,9 +48,8 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
   append(script, "set ylabel 'y position [um]'\nset yrange [%d:%d]\nplot ", depth, depth + kSpan);
   script += csv + "($3*1e6) with lines ls 1\nset key top right\n";
   const auto forces = [&](const char* axis, const char* range, const char* commanded, int column) {
-    append(script, "set ylabel '%s force on the hand [N]'\nset yrange %s\nplot ", axis, range);
-    script += csv + commanded + " with lines ls 3 title 'commanded', " + csv;
-    append(script, "%d with lines ls 2 title 'rendered'\n", column);
+    append(script, "set ylabel '%s force on the hand [N]'\nset yrange %s\n", axis, range);
+    script += forces_drawn(csv, commanded, column);
   };
   forces("x", "[-1.5:2.2]", "($5+$8)", 11);
   forces("y", "[0:20]", "($6+$9)", 12);
@@ -53,16 +60,18 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
            "set ylabel '%s energy flow-in [mJ]'\nset yrange %s\nplot 0 lc 'black' notitle, ", label,
            range);
     script += csv;
-    append(script, "(1e3*(%s)) with lines ls 1 title 'as %s counts', ", counted, equation);
+    append(script, "(1e3*(%s)) with lines ls 1 title 'F(n) dx(n): the law of %s', ", counted,
+           equation);
     script += csv;
-    append(script, "(1e3*(%s)) with lines ls 2 title 'as the port exchanged'\n", exchanged);
+    append(script, "(1e3*(%s)) with lines ls 2 title 'F(n-1) dx(n): the port, and the paper'\n",
+           exchanged);
   };
   energy("y", "[-15:25]", "Eq. (2)", "$15", "$18");
   energy("total", "[-50:400]", "Eq. (1)", "$14+$15+$16", "$17+$18+$19");
   return script + "unset multiplot\n";
 }
 
-/// Force arrows round the sphere, one every 80 ms of the second turn; the dashed rays are the true
+/// Force arrows round the sphere, one every 80 ms of the second turn; the dotted rays are the true
 /// normals.
 std::string sphere_panel(const std::string& run, const std::string& title) {
   const std::string from = "'" + run + ".csv' skip 1 every 80::8000 using ";
@@ -74,7 +83,8 @@ std::string sphere_panel(const std::string& run, const std::string& title) {
          "behind\n"
          "plot " +
          from +
-         "($2*1e3):($3*1e3):($2*400):($3*400) with vectors nohead dt 3 lc rgb '#b0b0b0' notitle, " +
+         "($2*1e3):($3*1e3):($2*400):($3*400) with vectors nohead dt 3 lc rgb '#808080' "
+         "title 'normal of the sphere', " +
          from +
          "($2*1e3):($3*1e3):($11*15):($12*15) with vectors head filled size 3,18 ls 2 "
          "title 'rendered force, 15 mm/N'\n";
@@ -134,9 +144,8 @@ std::string summary(const std::vector<FigureRun>& runs) {
     append(script, "set title '%.0f %% of the commanded force'\n",
            100.0 * run_of(wall, i).metrics.force_ratio);
     const std::string csv = "'" + mode_run(wall, i) + ".csv' skip 1 using 1:";
-    script += std::string(i == 0 ? "set key top right\n" : "unset key\n") + "plot " + csv +
-              "($6+$9) with lines ls 3 title 'commanded', " + csv +
-              "12 with lines ls 2 title 'rendered'\n";
+    script += std::string(i == 0 ? "set key top right\n" : "unset key\n") +
+              forces_drawn(csv, "($6+$9)", 12);
   }
   script += "set xtics 100\nset ytics 100\nunset key\n";
   for (std::size_t i = 0; i < kModeTitles.size(); ++i) {

@@ -113,7 +113,10 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   spec.hand_force = c.hand_force;
   spec.position_resolution = c.device.quantum;
   spec.max_force = spec.continuous_force = c.device.max_force;
+  spec.actuation_lag = c.told.time;
+  spec.actuation_kind = c.told.kind;
   setup.hand.hand = c.hand.hand;
+  if (c.plant) setup.hand.plant = *c.plant;
   setup.hand.task = task.hand;
   if (!c.cold) setup.hand.task.air = kAir;
   setup.duration = (c.duration > 0.0 ? c.duration : task.duration) + setup.hand.task.air;
@@ -121,6 +124,7 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   setup.walls = task.walls;
   setup.bounding.projection = Projection::cone;
   setup.bounding.period = kPeriod;
+  setup.bounding.lag = c.told.time;
   setup.bounding.damping = c.damping;
   setup.bounding.quantum = c.device.quantum;
   setup.bounding.max_force = c.device.max_force;
@@ -136,12 +140,12 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
 /// encoder shows it and, where the account is told of friction, by that on the true way.
 double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& samples) {
   double left = 0.0, least = 0.0;
-  Vec3 before = samples.front().position;
+  Vec3 before = samples.front().motor;
   for (const ExperimentSample& s : samples) {
     left += c.damping * s.displacement.squaredNorm() / kPeriod - s.held.dot(s.displacement);
     if (c.need == Need::inertia_friction)
-      left += c.device.friction * (s.position - before).lpNorm<1>();
-    before = s.position;
+      left += c.device.friction * (s.motor - before).lpNorm<1>();
+    before = s.motor;
     least = std::min(least, left);
   }
   return -least;
@@ -170,6 +174,7 @@ FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Ob
   const NetworkRunResult run = run_network(Scene(c.task, {object}), options);
   FrontierRow row{.made = c,
                   .energy_made = std::max(0.0, -run.least_device_margin),
+                  .energy = run.true_energy,
                   .excess = run.observed_port.violations()};
   const auto second_half = std::span(run.samples).subspan(run.samples.size() / 2);
   row.direction_error = fidelity(second_half).direction.mean;
@@ -190,7 +195,8 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
   if (c.session) return run_session(c, task, object_of(c, source));
   const ExperimentSetup setup = setup_of(c, task);
   const auto samples = run_experiment(task.touch, setup);
-  FrontierRow row{.made = c, .energy_made = energy_made(c, samples)};
+  FrontierRow row{
+      .made = c, .energy_made = energy_made(c, samples), .energy = samples.back().energy};
   row.direction_error = measure(samples, {}, setup.bounding.damping, kPeriod).direction_error.mean;
   const Environment own = task.touch;
   double rendered = 0.0, whole = 0.0;

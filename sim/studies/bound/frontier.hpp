@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,9 @@ struct FrontierCase {
   bool learns = false;             // the account learns it (core/bounding/outside_force.hpp)
   double duration = 0.0;           // [s] 0: that of the task
   bool session = false;            // a whole session over a network, whose client has a local model
+  /// The device's; the mass, damping and stiffness of its hand are not used. Null: it is ideal.
+  std::shared_ptr<const Plant> plant = nullptr;
+  MotorLag told{};  // of the motor, as the law and the account are told
 };
 
 struct FrontierRow {
@@ -58,6 +62,7 @@ struct FrontierRow {
   double displayed = 0.0;        // share of the surface's own force that is rendered, second half
   double direction_error = 0.0;  // [rad] mean, rendered against commanded
   double energy_made = 0.0;      // [J] delivered beyond the burned energy, as the encoder shows it
+  TrueEnergy energy{};           // at the true motor and at the true handle
   std::uint64_t excess = 0;      // samples in debt
 };
 
@@ -70,6 +75,14 @@ std::vector<FrontierCase> session_cases();
 /// wall with a late command.
 std::vector<FrontierCase> published_cases();
 
+/// First presses and taps without delay, of every law, on devices with this plant. `shaped` runs as
+/// a whole session with a local model, as in the client (frontier_plant.cpp).
+/// `told`: the laws and the accounts are told the lag of the plant's amplifier.
+std::vector<FrontierCase> plant_cases(const Plant& plant, bool told = false);
+/// The bound of an amplifier's lag that a device tells: a filter without delay is one of its kind,
+/// anything else may end at the latest time of its response.
+MotorLag lag_of(const Plant::Amplifier& amplifier);
+
 /// Runs every case, deterministic; rows in the order of the cases.
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
 
@@ -77,6 +90,10 @@ std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
 /// std::runtime_error when something cannot be written or drawn.
 std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
                                         const std::vector<FrontierCase>& cases);
+
+/// Writes frontier.json and frontier.csv of these rows to `directory` (created). Throws
+/// std::runtime_error.
+void write_rows(const std::filesystem::path& directory, const std::vector<FrontierRow>& rows);
 
 /// The energy that a wrong command gives to a hand, and the share that a right one shows, by the
 /// cap of the account.
@@ -99,6 +116,9 @@ std::string learning_table(const std::vector<FrontierRow>& rows);
 /// results of the laws of other papers for the same cases, beside ours.
 std::string frontier_table(const std::vector<FrontierRow>& rows);
 std::string sessions_table(const std::vector<FrontierRow>& rows);
+/// For plant_cases(), by device, damping and wall, and every law: the median share that is shown at
+/// the handle, how many hands are calm there, the most energy that the true motor made.
+std::string plant_table(const std::vector<FrontierRow>& rows);
 std::string published_table(const std::vector<FrontierRow>& rows);
 
 }  // namespace feltwire

@@ -35,6 +35,8 @@ Json json(const FrontierRow& row, double cost) {
           {"displayed_share", row.displayed},
           {"direction_error_deg", row.direction_error * kDegrees},
           {"energy_made_j", row.energy_made},
+          {"made_at_motor_j", row.energy.made},
+          {"given_to_hand_j", row.energy.to_hand},
           {"excess_count", row.excess},
           {"cost_ns", cost}};
 }
@@ -42,15 +44,16 @@ Json json(const FrontierRow& row, double cost) {
 std::string csv(const std::vector<FrontierRow>& rows) {
   std::string text =
       "task,law,need,b,device,wall,delay_ms,hand,cold,local_model,oscillation_um,displayed_share,"
-      "direction_error_deg,energy_made_j,excess_count\n";
+      "direction_error_deg,energy_made_j,made_at_motor_j,given_to_hand_j,excess_count\n";
   for (const FrontierRow& r : rows) {
     const FrontierCase& c = r.made;
-    append(text, "%s,%s,%s,%g,%s,%g,%g,%s,%d,%d,%.4g,%.5g,%.4g,%.4g,%llu\n", c.task.c_str(),
-           c.law.c_str(), std::string(kNeedNames[static_cast<std::size_t>(c.need)]).c_str(),
-           c.damping, std::string(c.device.name).c_str(), c.wall, c.delay * kMilli,
+    append(text, "%s,%s,%s,%g,%s,%g,%g,%s,%d,%d,%.4g,%.5g,%.4g,%.4g,%.4g,%.4g,%llu\n",
+           c.task.c_str(), c.law.c_str(),
+           std::string(kNeedNames[static_cast<std::size_t>(c.need)]).c_str(), c.damping,
+           std::string(c.device.name).c_str(), c.wall, c.delay * kMilli,
            std::string(c.hand.name).c_str(), c.cold ? 1 : 0, c.session ? 1 : 0,
            r.oscillation * kMicro, r.displayed, r.direction_error * kDegrees, r.energy_made,
-           static_cast<unsigned long long>(r.excess));
+           r.energy.made, r.energy.to_hand, static_cast<unsigned long long>(r.excess));
   }
   return text;
 }
@@ -173,9 +176,7 @@ void draw_frontier(const std::filesystem::path& directory, const std::vector<Fro
 
 }  // namespace
 
-std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
-                                        const std::vector<FrontierCase>& cases) {
-  auto rows = run_frontier(cases);
+void write_rows(const std::filesystem::path& directory, const std::vector<FrontierRow>& rows) {
   const Costs costs = step_costs(rows);
   std::filesystem::create_directories(directory);
   Json list = Json::array();
@@ -183,6 +184,12 @@ std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
     list.push_back(json(row, costs.at({row.made.law, row.made.need})));
   write_text(directory / "frontier.json", list.dump(0) + '\n');
   write_text(directory / "frontier.csv", csv(rows));
+}
+
+std::vector<FrontierRow> write_frontier(const std::filesystem::path& directory,
+                                        const std::vector<FrontierCase>& cases) {
+  auto rows = run_frontier(cases);
+  write_rows(directory, rows);
   draw_frontier(directory, rows);
   return rows;
 }

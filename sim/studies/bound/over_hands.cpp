@@ -22,6 +22,7 @@ OverHands over_hands(const std::vector<FrontierRow>& rows, const Picks& picks) {
     const bool calm = !is_flat(row.made.task) || row.oscillation < kCalm;
     result.calm += calm ? 1 : 0;
     result.energy_made = std::max(result.energy_made, row.energy_made);
+    result.made_at_motor = std::max(result.made_at_motor, row.energy.made);
     shares.push_back(calm ? row.displayed : 0.0);
     oscillations.push_back(row.oscillation);
   }

@@ -14,6 +14,7 @@ struct OverHands {
   double median = 0.0, worst = 0.0;                          // displayed share
   double median_oscillation = 0.0, worst_oscillation = 0.0;  // [m]
   double energy_made = 0.0;                                  // [J] the most
+  double made_at_motor = 0.0;                                // [J] the most
 };
 using Picks = std::function<bool(const FrontierCase&)>;
 

@@ -16,9 +16,10 @@ constexpr double kAtRest = 1.0;       // [s]
 constexpr double kDuration = 2.0;     // [s]
 
 ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
-                            double stiffness, const Hand& hand) {
+                            double stiffness, const Hand& hand, const Plant& plant) {
   ExperimentSetup setup;
   setup.hand.hand = hand;
+  setup.hand.plant = for_any_hand(plant);
   setup.hand.spec = builtin_device("simulated");
   setup.hand.spec.damping = damping;
   setup.hand.task.path = HandPath::press;
@@ -54,7 +55,7 @@ double quantum_limit() {
 }
 
 Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
-                 const Hand& hand) {
+                 const Hand& hand, const Plant& plant) {
   // The half space below z = 0.
   const Environment wall = [stiffness](const Tool& tool) {
     Command command;
@@ -62,7 +63,7 @@ Press press_wall(const Method& method, double damping, double rate, double delay
     return command;
   };
   const auto samples =
-      run_experiment(wall, press_setup(method, damping, rate, delay, stiffness, hand));
+      run_experiment(wall, press_setup(method, damping, rate, delay, stiffness, hand, plant));
 
   std::vector<double> height;
   double depth = 0.0, force = 0.0;  // sums at rest
@@ -101,7 +102,8 @@ std::vector<ZWidthCell> map_zwidth(const ZWidthGrid& grid) {
   parallel_for(cells.size(), [&](std::size_t i) {
     ZWidthCell& cell = cells[i];
     const auto press = [&](double stiffness) {
-      return press_wall(*method_of[i], cell.damping, cell.rate, cell.delay, stiffness, hand_of[i]);
+      return press_wall(*method_of[i], cell.damping, cell.rate, cell.delay, stiffness, hand_of[i],
+                        grid.plant);
     };
     cell.limit = largest_calm(grid.range, [&](double k) { return press(k).calm(); });
     if (cell.limit.stiffness > 0.0) cell.at_limit = press(cell.limit.stiffness);

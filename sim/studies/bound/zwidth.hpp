@@ -22,6 +22,7 @@ struct ZWidthGrid {
   std::vector<double> delays = {0.0, 1e-3, 5e-3, 20e-3};     // [s] a round trip
   std::vector<NamedHand> hands = {kEightHands[0]};
   StiffnessRange range;
+  Plant plant = {};  // of the device; the mass, damping and stiffness of its hand are not used
 };
 /// All methods, everywhere, by one hand.
 ZWidthGrid full_zwidth_grid();
@@ -44,7 +45,7 @@ struct Press {
   bool calm() const { return oscillation <= kFeltOscillation; }
 };
 Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
-                 const Hand& hand = kEightHands[0].hand);
+                 const Hand& hand = kEightHands[0].hand, const Plant& plant = {});
 
 struct ZWidthCell {
   std::string_view method;

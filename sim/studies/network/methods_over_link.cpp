@@ -46,6 +46,7 @@ constexpr std::array kRows = {
 OverLinkRow measure(const Scene& scene, const OverLinkTask& task, const Row& row) {
   NetworkRunOptions options;
   options.hand.spec = task.device;
+  options.hand.plant = task.plant;
   options.hand.task = task.hand;
   options.parameters.mode = row.mode;
   options.servo.account = !row.as_published;
@@ -60,7 +61,8 @@ OverLinkRow measure(const Scene& scene, const OverLinkTask& task, const Row& row
   return {.label = row.label,
           .research = row.research,
           .oscillation = oscillation(run.samples, rate),
-          .energy_made = std::max(0.0, -run.least_device_margin),
+          .energy_made =
+              task.plant.ideal() ? std::max(0.0, -run.least_device_margin) : run.true_energy.made,
           .felt = felt.ratio(),
           .error = felt.error,
           .direction_error = felt.direction.mean};

@@ -14,6 +14,7 @@ struct OverLinkTask {
   HandTask hand;           // the place and movement of its press
   TwoWayLinkOptions link;  // the network
   DeviceSpec device;
+  Plant plant = {};       // of the device, which the client is not told
   double rate = 1000.0;   // [Hz] of the servo
   double duration = 4.0;  // [s]
 };
@@ -24,7 +25,8 @@ struct OverLinkRow {
   double oscillation = 0.0;  // [m] RMS of the axis that shakes most, over the second half, less a
                              // centred moving average of 51 ms
   double energy_made = 0.0;  // [J] the largest energy of the hand beyond the energy that the device
-                             // burned, over the true displacements; 0 is passive
+                             // burned, over the true displacements; 0 is passive. With a plant that
+                             // of the true motor force
   double felt = 0.0;         // force on the hand over the scene's at the true position, both summed
   double error = 0.0;        // [N] RMS of the two's difference
   double direction_error = 0.0;  // [rad] mean angle between the two

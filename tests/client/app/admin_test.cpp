@@ -124,7 +124,8 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
     return found;
   };
   const std::string recording = folder_ / "hand.mcap";
-  auto client = hand({"--link", "delay=0", "--report", report, "--record", recording});
+  auto client =
+      hand({"--link", "delay=0", "--report", report, "--record", recording, "--changes", "any"});
   EXPECT_EQ(session(1)["laws_taken"], "any");
   EXPECT_EQ(session(1)["link_taken"], true);
   const test::Outcome law =
@@ -164,7 +165,7 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   EXPECT_THAT(noted[1]["what"], HasSubstr("12.5"));
   EXPECT_LT(std::stoll(noted[0]["time"]), std::stoll(noted[1]["time"]));
 
-  auto fixed = hand({"--link", "delay=0", "--fixed"});
+  auto fixed = hand({"--link", "delay=0"});  // its owner allowed nothing
   EXPECT_EQ(session(2)["laws_taken"], "none");
   EXPECT_THAT(admin({"set", "--session", "2", "--mode", "contact_frame"}).error,
               HasSubstr("takes no other law"));

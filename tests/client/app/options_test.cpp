@@ -9,6 +9,7 @@
 #include <fstream>
 #include <vector>
 
+#include "core/device/spec_names.hpp"
 #include "protocol/session/profiles.hpp"
 #include "tests/client/app/parsed_options.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -309,6 +310,23 @@ TEST(Options, AProfileIsWhereItBegins) {
   EXPECT_THAT(refusal({"--profile", "moon"}), HasSubstr("choose one of: lan wan thin"));
 }
 
+TEST(Options, HowLongAForceMayStayIsForTheUserToSay) {
+  const auto of = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words));
+  };
+  EXPECT_EQ(of({}).let_go_after, 0.1);  // the hold time: nobody holds a simulated hand
+  EXPECT_EQ(of({"--device", "haply"}).let_go_after, 0.0);
+  EXPECT_EQ(of({"--let-go-after", "0.02"}).let_go_after, 0.02);
+  for (const char* wrong : {"0", "-1", "1.1", "inf", "nan"})
+    EXPECT_THAT(refusal({"--let-go-after", wrong}), HasSubstr("--let-go-after must be above 0"));
+  EXPECT_EQ(of({}).longest_hold_time, 0.0);
+  EXPECT_EQ(of({"--longest-hold-time", "0.8"}).longest_hold_time, 0.8);
+  EXPECT_EQ(of({"--hold-time", "0.3", "--longest-hold-time", "0.3"}).longest_hold_time, 0.3);
+  for (const char* wrong : {"0.2", "1.1", "inf", "nan"})
+    EXPECT_THAT(refusal({"--hold-time", "0.3", "--longest-hold-time", wrong}),
+                HasSubstr("--longest-hold-time must be from --hold-time to 1 s"));
+}
+
 TEST(Options, BusyPollInMicrosecondsOrForEver) {
   EXPECT_EQ(std::get<ClientOptions>(parsed({})).busy_poll, 0.0);
   EXPECT_EQ(std::get<ClientOptions>(parsed({"--busy-poll", "50"})).busy_poll, 50.0);
@@ -367,9 +385,40 @@ TEST(Options, ADriverIsChosenByItsKind) {
   EXPECT_THAT(refusal({"--device", "pantograph"}),
               AllOf(HasSubstr("unknown device 'pantograph'"), HasSubstr("simulated"),
                     HasSubstr("replay:FILE.csv")));
+  // The name of a device instead of its driver's.
+  for (const auto& [word, spec, driver] :
+       {std::tuple("omega.7", "omega.7", "forcedimension"),
+        std::tuple("Omega7", "omega.7", "forcedimension"),
+        std::tuple("sigma", "sigma.7", "forcedimension"),
+        std::tuple("touch", "touch", "openhaptics"), std::tuple("inverse3", "inverse3", "haply"),
+        std::tuple("phantom_premium_1.5", "phantom_premium_1.5", "openhaptics"),
+        std::tuple("hapi_2dof", "hapi_2dof", "hapi"),
+        std::tuple("virtuose_6d", "virtuose_6d", "plugin")})
+    EXPECT_THAT(refusal({"--device", word}),
+                AllOf(HasSubstr(std::string("--device ") + driver),
+                      HasSubstr(std::string("--device simulated --spec ") + spec)));
+  for (const std::string& spec : device_spec_names()) {
+    if (spec == "simulated" || spec == "falcon") continue;  // those are drivers too
+    EXPECT_THAT(refusal({"--device", spec}), HasSubstr("--device simulated --spec " + spec));
+  }
   EXPECT_THAT(refusal({"--device", "replay"}), HasSubstr("write it as replay:FILE.csv"));
   EXPECT_THAT(refusal({"--device", "replay:"}), HasSubstr("write it as replay:FILE.csv"));
-  EXPECT_THAT(refusal({"--device", "simulated:2"}), HasSubstr("write it as simulated"));
+  EXPECT_THAT(refusal({"--device", "simulated:2"}),
+              HasSubstr("write it as simulated or simulated:plant=FILE.json"));
+  EXPECT_THAT(refusal({"--device", "simulated:plant="}), HasSubstr("simulated:plant=FILE.json"));
+  EXPECT_THAT(refusal({"--device", "simulated:"}), HasSubstr("write it as simulated"));
+  EXPECT_THAT(refusal({"--device", "simulated:plant=same.json", "--report", "same.json"}),
+              HasSubstr("--device"));
+  const auto real = parsed({"--device", "simulated:plant=my.json"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(real));
+  EXPECT_EQ(std::get<ClientOptions>(real).device.name, "plant=my.json");
+}
+
+TEST(Options, ARoleThatIsNoneIsToldThoseThatThereAre) {
+  for (const char* none : {"viewer", "admin", "follower", ""})
+    EXPECT_THAT(
+        refusal({"--role", none}),
+        HasSubstr("--role must be operator, pointer or observer, is '" + std::string(none) + "'"));
 }
 
 TEST(Options, NumbersOfTheDeviceMayBeTold) {
@@ -400,6 +449,42 @@ TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
   ::setenv("FELTWIRE_DURATION", "long", 1);
   EXPECT_THAT(refusal({}), HasSubstr("long"));
   ::unsetenv("FELTWIRE_DURATION");
+}
+
+/// A session would end at once: no tick comes within the hold time.
+TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
+  const auto hold = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words)).parameters.hold_time;
+  };
+  EXPECT_EQ(hold({}), 0.1);
+  EXPECT_EQ(hold({"--rate", "10"}), 0.5);
+  EXPECT_EQ(hold({"--rate", "25"}), 0.2);
+  EXPECT_EQ(hold({"--rate", "50"}), 0.1);
+  EXPECT_EQ(hold({"--rate", "10", "--profile", "wan"}), 0.5);
+  EXPECT_EQ(hold({"--rate", "10", "--hold-time", "0.6"}), 0.6);
+  EXPECT_EQ(hold({"--rate", "10", "--hold-time", "0.5"}), 0.5);
+  EXPECT_THAT(refusal({"--rate", "10", "--hold-time", "0.1"}),
+              AllOf(HasSubstr("--hold-time 0.5 or more"), HasSubstr("--rate 50 or more")));
+  EXPECT_THAT(refusal({"--hold-time", "0.001"}), HasSubstr("--hold-time 0.005 or more"));
+  EXPECT_THAT(refusal({"--rate", "1"}), HasSubstr("servo_period"));
+}
+
+/// No server changes a client whose owner did not allow it, and nobody lifts the bound off a hand.
+TEST(Options, ChangesAreForTheOwnerToAllow) {
+  const auto takes = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed(words)).takes;
+  };
+  using enum LawsTaken;
+  for (const char* device : {"simulated", "replay:x.csv", "haply", "plugin:x.so"})
+    EXPECT_EQ(takes({"--device", device, "--link", "delay=0"}), ChangesTaken{}) << device;
+  EXPECT_EQ(takes({"--changes", "any"}), (ChangesTaken{any, false}));
+  EXPECT_EQ(takes({"--changes", "any", "--device", "replay:x.csv"}), (ChangesTaken{any, false}));
+  EXPECT_EQ(takes({"--changes", "safe", "--link", "delay=0"}), (ChangesTaken{safe, true}));
+  EXPECT_EQ(takes({"--changes", "safe", "--device", "haply"}), (ChangesTaken{safe, false}));
+  EXPECT_EQ(takes({"--fixed"}), ChangesTaken{});
+  EXPECT_THAT(refusal({"--changes", "any", "--device", "haply"}), HasSubstr("--changes safe"));
+  EXPECT_THAT(refusal({"--changes", "all"}), HasSubstr("none safe any"));
+  EXPECT_THAT(refusal({"--changes", "safe", "--fixed"}), HasSubstr("leave out one"));
 }
 
 TEST(Options, ANameThatCannotBeSentIsRefusedHere) {

@@ -74,7 +74,11 @@ TEST(LinkOptions, ErrorsNameTheItemAndTheRemedy) {
   EXPECT_THAT(complaint(""), HasSubstr("''"));
   EXPECT_THAT(complaint("wifi,"), HasSubstr("''"));
   EXPECT_THAT(complaint("delay=-1"), AllOf(HasSubstr("delay=-1"), HasSubstr("0 to 10000 ms")));
-  EXPECT_THAT(complaint("delay=5ms"), HasSubstr("delay=5ms must be a number"));
+  EXPECT_THAT(complaint("delay=5ms"),
+              HasSubstr("delay=5ms: write the number without unit; it is in ms: delay=5"));
+  EXPECT_THAT(complaint("loss=2.5%"), HasSubstr("without unit; it is in %: loss=2.5"));
+  EXPECT_THAT(complaint("up.rate=1e1Mbit/s"), HasSubstr("without unit; it is in Mbit/s: rate=1e1"));
+  EXPECT_THAT(complaint("delay=fast"), HasSubstr("delay=fast must be a number"));
   EXPECT_THAT(complaint("jitter="), HasSubstr("jitter= must be a number"));
   EXPECT_THAT(complaint("loss=nan"), HasSubstr("loss=nan"));
   EXPECT_THAT(complaint("loss=100.1"), HasSubstr("0 to 100 %"));

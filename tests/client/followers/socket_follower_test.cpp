@@ -226,6 +226,35 @@ TEST_F(SocketFollowerTest, AllocatesNothing) {
   EXPECT_EQ(test::allocations() - before, 0u);
 }
 
+/// The servo waits: a read takes a part of what a mad driver writes, and answers a part of that.
+TEST_F(SocketFollowerTest, ADriverThatWritesOnlyFaultsGetsFewAnswersAtATime) {
+  const auto follower = joined();
+  constexpr std::uint64_t kLines = 10'000;
+  std::string lines;
+  for (std::uint64_t i = 0; i < kLines; ++i) lines += "x\n";
+  driver_.say(lines);
+  follower->read(milliseconds(0));
+  EXPECT_EQ(follower->faults(), std::uint64_t{SocketFollower::kMostFaults});
+  const std::string heard = driver_.heard();
+  EXPECT_EQ(std::count(heard.begin(), heard.end(), '\n'), SocketFollower::kMostAnswers);
+  // Nothing is lost: a state behind all that counts when its turn comes.
+  driver_.state(1, 0.5);
+  for (std::uint64_t i = 0; i <= kLines / SocketFollower::kMostFaults; ++i)
+    follower->read(milliseconds(0));
+  EXPECT_EQ(follower->faults(), kLines);
+  EXPECT_TRUE(follower->read(milliseconds(0)).ok);
+}
+
+TEST_F(SocketFollowerTest, ADriverThatNeverSaysHelloIsRefused) {
+  driver_.say(std::string(FollowerListener::kMostBeforeHello + 1, '\n'));
+  try {
+    listener_.wait(kSoon);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no hello in 65536 bytes"));
+  }
+}
+
 TEST_F(SocketFollowerTest, AHelloWithAFaultIsToldToBoth) {
   driver_.say("follower 1 name=arm period=0.005 stiffness=-3\n");
   try {

@@ -133,6 +133,7 @@ struct LostRun {
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(hand),
                                        std::make_shared<Transport>(peer.session(), p, false), p,
                                        ServoOptions{});
+    task->let_go_after = p.hold_time;
     task->options = {.patience = 100ms, .rejoined = &sessions};
     task->outputs = {.status = &statuses, .record = records.rows()};
     const ServoOptions options;

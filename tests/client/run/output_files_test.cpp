@@ -36,6 +36,18 @@ TEST(WriteWhole, ReplacesInOneStepAndLeavesNothingBeside) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
+/// A report tells of a person: whatever the mode of the file that it replaces, and the umask.
+TEST(WriteWhole, IsForItsOwnerAlone) {
+  const TemporaryFolder folder;
+  const auto file = folder / "report.json";
+  const mode_t before = ::umask(0);
+  write_whole(file, "old");
+  std::filesystem::permissions(file, std::filesystem::perms(0644));
+  write_whole(file, "new");
+  ::umask(before);
+  EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms(0600));
+}
+
 TEST(WriteWhole, FollowsLinks) {
   const TemporaryFolder folder;
   write_whole(folder / "real.json", "old");

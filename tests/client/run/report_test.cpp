@@ -23,7 +23,8 @@ std::unique_ptr<Servo> used_servo() {
   Nanoseconds now{0};
   for (std::uint64_t i = 1; i <= 3; ++i) {
     now += std::chrono::milliseconds(1);
-    servo->render({.pose = {.position = Vec3(0, 0, 0.01 * static_cast<double>(i))}}, now);
+    servo->render(
+        {.pose = {.position = Vec3(0, 0, 0.01 * static_cast<double>(i))}, .jumped = false}, now);
     servo->hold({.elastic = Vec3(0, 0, 2)});
     servo->sent();
     Reply reply;
@@ -58,6 +59,49 @@ TEST(Report, NamesTheFlightRecords) {
                             {"file": "flights/b.mcap", "cause": "asked for"}])"));
 }
 
+/// At the true ends of a simulated device.
+TEST(Report, HasTheTrueEnergyOfASimulatedDevice) {
+  const auto servo = used_servo();
+  EXPECT_TRUE(report(*servo)["true_energy"].is_null());
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated:plant=a.json", {}};
+  run.true_energy = TrueEnergy{.given = 0.5, .burned = 0.25, .made = 0.375, .to_hand = 0.125};
+  EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["true_energy"],
+            json::parse(R"({"given_j": 0.5, "burned_j": 0.25, "made_j": 0.375,
+                            "to_hand_j": 0.125})"));
+}
+
+/// When the watch lets go, and where the servo thread was if it did.
+TEST(Report, SaysWhenTheDeviceIsLetGo) {
+  const auto servo = used_servo();
+  LoopResult result;
+  result.let_go_after = 5e-3;
+  EXPECT_EQ(report(*servo, result)["let_go"],
+            json::parse(R"({"after_s": 0.005, "still_s": null, "in": null})"));
+  result.stood_still = true;
+  result.still_for = 5.25e-3;
+  result.still_in = DeviceCall::read;
+  EXPECT_EQ(report(*servo, result)["let_go"],
+            json::parse(R"({"after_s": 0.005, "still_s": 0.00525, "in": "read"})"));
+}
+
+TEST(Report, SaysThatContactTakesTooLong) {
+  SessionParameters p;
+  p.local_model = true;
+  Servo servo(builtin_device("simulated"), p);
+  RunDescription run{"anna", "wall", "localhost:6720", "simulated", {}};
+  json model = json::parse(report_json(run, servo, {}, {}))["local_model"];
+  EXPECT_TRUE(model["contact_refused"].is_null());
+  EXPECT_EQ(model["contact_cut_samples"], 0);
+  EXPECT_TRUE(model["allowed_contact_work"].is_null());
+  FetchedScene scene;
+  scene.most_work = 4321;
+  servo.use(&scene);
+  run.contact_refused = "near object 3 it takes too long";
+  model = json::parse(report_json(run, servo, {}, {}))["local_model"];
+  EXPECT_EQ(model["contact_refused"], "near object 3 it takes too long");
+  EXPECT_EQ(model["allowed_contact_work"], 4321);
+}
+
 TEST(Report, SaysWhatTheHandHeld) {
   const auto servo = used_servo();
   EXPECT_TRUE(report(*servo)["tool"].is_null());
@@ -66,7 +110,8 @@ TEST(Report, SaysWhatTheHandHeld) {
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
 
-/// A hand that jumps is stronger than was told, and one that swings on a wall is credited less.
+/// A hand that jumps, and whose driver says that it did, is stronger than was told, and one that
+/// swings on a wall is credited less.
 TEST(Report, SaysWhatAccountAndShapingSaw) {
   SessionParameters p;
   p.mode = "shaped";
@@ -76,7 +121,7 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   for (std::uint64_t i = 1; i <= 60; ++i) {
     now += std::chrono::milliseconds(1);
     const double height = 0.01 * static_cast<double>(i % 4 < 2 ? 0 : 1);
-    servo.render({.pose = {.position = Vec3(0, 0, height)}}, now);
+    servo.render({.pose = {.position = Vec3(0, 0, height)}, .jumped = false}, now);
     servo.hold({.elastic = Vec3(0, 0, 2)});
     servo.sent();
     Reply reply;
@@ -94,6 +139,7 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_LT(written["hand_credit"]["damping_n_s_per_m"], BoundingConfig{}.hand_damping);
   EXPECT_EQ(written["hand_credit"]["near_share"], 1.0) << "none of its forces was made here";
   EXPECT_EQ(written["hand_credit"]["near_steps_down"], 0);
+  EXPECT_EQ(written["hand_credit"]["untold_lag_s"], 0.0);
   EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
 }
 
@@ -259,7 +305,8 @@ TEST(Report, TellsWhereTheForceCameFrom) {
   Nanoseconds now{0};
   for (std::uint64_t i = 1; i <= 5; ++i) {
     now += std::chrono::milliseconds(1);
-    servo.render({.pose = {.position = Vec3(0.02 * static_cast<double>(i), 0, 0)}}, now);
+    servo.render({.pose = {.position = Vec3(0.02 * static_cast<double>(i), 0, 0)}, .jumped = false},
+                 now);
     servo.hold({});
     if (i != 1) continue;
     Reply reply;

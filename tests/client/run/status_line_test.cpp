@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/run/device_words.hpp"
+
 namespace feltwire::status_line_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -46,6 +49,39 @@ TEST(StatusLine, SaysNothingOfWhatIsNotKnown) {
   EXPECT_THAT(text(first, {}), EndsWith("  no force: the server has not answered yet"));
 }
 
+TEST(StatusLine, SaysThatTheDeviceFailsOrIsSlow) {
+  LiveStatus now = under_way();
+  EXPECT_THAT(text(now, {}), Not(HasSubstr("device")));
+  now.device_faults = 3;
+  EXPECT_THAT(text(now, now), HasSubstr("  3 device faults"));
+  now.device_faults = now.jumps = 1;
+  EXPECT_THAT(text(now, now), HasSubstr("  1 device fault (1 jump of its position)"));
+  LiveStatus before = now;
+  now.slow_ticks = 12;
+  now.device_took = 0.0204;
+  EXPECT_THAT(text(now, before), HasSubstr("  the device is slow: its calls took 20.4 ms"));
+  EXPECT_THAT(text(now, now), Not(HasSubstr("slow"))) << "not any more";
+}
+
+TEST(DeviceWords, ASlowDeviceGetsARemedy) {
+  const auto words = [](std::int64_t read, std::int64_t write, bool paced) {
+    DeviceTimes times;
+    for (int n = 0; n < 1000; ++n) {
+      times.read.record(read);
+      times.write.record(write);
+    }
+    times.read.record(400'000'000);  // one is an accident
+    return slow_device(times, 1e-3, paced);
+  };
+  EXPECT_EQ(words(2'000, 1'000, false), "");
+  EXPECT_EQ(words(400'000, 90'000, false), "");
+  EXPECT_THAT(words(20'000'000, 5'000, false),
+              AllOf(HasSubstr("read() takes 20."), HasSubstr("--rate 2")));
+  EXPECT_THAT(words(5'000, 3'000'000, false),
+              AllOf(HasSubstr("write() takes 3.0 ms"), HasSubstr("--rate 16")));
+  EXPECT_THAT(words(20'000'000, 5'000, true), Not(HasSubstr("--rate")));
+}
+
 TEST(StatusLine, SaysWhetherTheRobotFollows) {
   LiveStatus now = under_way();
   now.robot = LinkState::engaged;
@@ -77,6 +113,10 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
   EXPECT_THAT(text(now, now), EndsWith("J  shaped near, 85 % of the force"));
   now.hand_credit->near_share = 0.999;
   EXPECT_THAT(text(now, now), EndsWith("J  shaped near"));
+  now.hand_credit->untold_lag = 0.3e-3;
+  EXPECT_THAT(text(now, now), EndsWith("J  shaped near, asked 0.30 ms farther ahead"));
+  now.hand_credit->near_share = 0.72;
+  EXPECT_THAT(text(now, now), EndsWith("near, 72 % of the force, asked 0.30 ms farther ahead"));
 }
 
 /// The balance, and how often since the line before the account took something off.
@@ -90,6 +130,20 @@ TEST(StatusLine, SaysWhatTheAccountHas) {
   now.samples += 1000;
   now.account_cuts += 340;
   EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J, cuts 34 % of the ticks"));
+}
+
+/// How often since the line before, and in the last line how often at all.
+TEST(StatusLine, SaysThatContactIsCutOff) {
+  LiveStatus before = under_way(), now = before;
+  before.contact_cuts = now.contact_cuts = 70;
+  now.samples += 1000;
+  EXPECT_THAT(text(now, before), Not(HasSubstr("contact")));
+  now.contact_cuts += 250;
+  EXPECT_THAT(text(now, before), EndsWith("J  contact cut off in 25 % of the ticks"));
+  ServoStatistics statistics;
+  EXPECT_EQ(cut_text(statistics), "");
+  statistics.contact_cut = 12;
+  EXPECT_EQ(cut_text(statistics), ", contact cut off in 12 ticks");
 }
 
 TEST(StatusLine, SaysWhyThereIsNoForce) {

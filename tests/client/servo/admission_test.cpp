@@ -36,7 +36,7 @@ struct Hand {
 
   void tick(double depth) {
     const double before = force;
-    force = bench.tick(at(0, 0, -depth)).force().z();
+    force = bench.tick(surely_at(0, 0, -depth)).force().z();
     fastest = std::max(fastest, (force - before) / 1e-3);
     SampleBatch batch;
     batch.count = 1;

@@ -6,6 +6,7 @@
 #include "client/servo/servo.hpp"
 #include "core/whole_surfaces/whole_body.hpp"
 #include "sim/hands/eight_hands.hpp"
+#include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/seeds.hpp"
 
@@ -75,7 +76,9 @@ FetchedScene any_body(test::Random& random) {
   return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = whole_body(1, body, solids)};
 }
 
-double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque) {
+/// `told`: of the device, to the servo.
+double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque,
+                   const DeviceSpec& told = builtin_device("simulated_6dof")) {
   test::Random random(seed);
   const FetchedScene fetched = any_body(random);
   SimulatedHandOptions hand;
@@ -86,7 +89,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
   SessionParameters parameters;
   parameters.mode = mode;
   parameters.local_model = true;
-  Servo servo(device.spec(), parameters);
+  Servo servo(told, parameters);
   servo.use(&fetched);
   const std::uint64_t delay = seed % 3 * 20, every = 1 + seed % 4;
   for (std::uint64_t n = 1; n <= kTicks; ++n) {
@@ -116,6 +119,17 @@ TEST(BodyModelAttack, NoModelMakesThePortGiveEnergy) {
   for (const std::uint64_t seed : test::seeds(1, 48, 0))
     EXPECT_LE(energy_made(kSessionMethod, seed, &torque), 1e-9) << seed;
   EXPECT_GT(torque, 0.02);  // [N m] that it was tried
+}
+
+/// An account that is told no mass takes every hand for one that has none.
+TEST(BodyModelAttack, NorWhereNoMassIsKnown) {
+  double torque = 0.0;
+  for (const std::uint64_t seed : test::seeds(1, 12, 0))
+    EXPECT_LE(energy_made(kSessionMethod, seed, &torque,
+                          testing::servo::without_known_mass("simulated_6dof")),
+              1e-9)
+        << seed;
+  EXPECT_GT(torque, 0.01);
 }
 
 TEST(BodyModelAttack, WithoutABoundTheSameModelsDo) {

@@ -181,5 +181,64 @@ TEST(DisplayedStiffness, OfAServoOnASpring) {
   EXPECT_LT(*servo.measures().oscillation(), 100e-6);
 }
 
+/// A servo whose simulated hand presses a spring of 400 N/m at once, for so many seconds.
+struct Pressing {
+  explicit Pressing(const ServoOptions& options = {})
+      : device({.spec = builtin_device("simulated"), .hand = {}, .task = {}}),
+        servo(device.spec(), testing::servo::parameters("none"), options) {}
+  void run(double time, bool answered = true) {
+    for (double t = 0.0; t < time; t += 1e-3) {
+      now += std::chrono::milliseconds(1);
+      const DeviceReading reading = device.read(now);
+      servo.hold(device.write(servo.render(reading, now)));
+      if (!answered) continue;
+      const double depth = std::max(0.0, -reading.pose.position.z());
+      servo.take(
+          testing::servo::reply(servo.sample().index, testing::servo::elastic(0, 0, 400.0 * depth)),
+          now);
+    }
+  }
+  void expect_measures_of_the_spring() const {
+    ASSERT_TRUE(servo.measures().displayed_stiffness());
+    EXPECT_NEAR(*servo.measures().displayed_stiffness(), 400.0, 20.0);
+    ASSERT_TRUE(servo.measures().oscillation());
+    EXPECT_LT(*servo.measures().oscillation(), 100e-6);
+  }
+  SimulatedDevice device;
+  Servo servo;
+  Nanoseconds now{0};
+};
+
+/// The hand falls through the surface then, which is no way in.
+TEST(DisplayedStiffness, TheEndOfARunDoesNotCount) {
+  Pressing hand;
+  hand.run(2.5);
+  hand.expect_measures_of_the_spring();
+  const auto squares = hand.servo.measures().squares();
+  const auto directions = hand.servo.statistics().direction_error.count();
+  hand.servo.release();
+  hand.run(0.2);
+  EXPECT_EQ(hand.servo.statistics().direction_error.count(), directions);
+  EXPECT_EQ(hand.servo.measures().squares().count, squares.count);
+  hand.expect_measures_of_the_spring();
+}
+
+TEST(DisplayedStiffness, AFadeAndWhatIsWithheldAfterItDoNotCount) {
+  for (const double outage : {0.07, 0.095, 0.3}) {
+    for (const bool waits : {false, true}) {
+      ServoOptions options;
+      if (waits) options.safety.force.small = 0.05;
+      options.safety.ramp_up = waits ? 0.0 : 0.05;
+      Pressing hand(options);
+      hand.run(2.5);
+      for (int n = 0; n < 4; ++n) {
+        hand.run(outage, false);
+        hand.run(0.4);
+      }
+      hand.expect_measures_of_the_spring();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace feltwire::hand_measures_test

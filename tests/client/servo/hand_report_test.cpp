@@ -92,12 +92,16 @@ TEST(HandReport, NamesTheShaping) {
 
 TEST(HandReport, SaysThatTheAccountIsInDebt) {
   Told told(kTwo, "midpoint");
-  for (int n = 1; n < 100; ++n) told.tick(at(0.01 * std::sin(0.05 * n), 0, 0));
+  for (int n = 1; n < 100; ++n) {
+    told.servo.take(reply(told.servo.sample().index, {}), told.now);
+    told.tick(surely_at(0.01 * std::sin(0.05 * n), 0, 0));
+  }
   told.servo.take(reply(told.servo.sample().index, kTwo), told.now);
-  told.tick(at(0, 0, 0));
+  told.tick(surely_at(0, 0, 0));
   ASSERT_GT(told.servo.held().force().z(), 0.1);
   EXPECT_FALSE(says(told, HandReason::debt));
-  told.tick(at(0, 0, 0.05), from_seconds(0.09));  // taken along by the force, while no tick came
+  told.tick(surely_at(0, 0, 0.05),
+            from_seconds(0.09));  // taken along by the force, while no tick came
   EXPECT_LT(told.servo.report().balance, 0.0);
   EXPECT_TRUE(says(told, HandReason::debt));
 }

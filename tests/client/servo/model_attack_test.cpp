@@ -24,6 +24,9 @@ std::vector<SessionParameters> laws() {
   SessionParameters tank;
   tank.mode = "energy_tank";
   all.push_back(tank);
+  SessionParameters shaped;
+  shaped.mode = "shaped";
+  all.push_back(shaped);
   for (SessionParameters& p : all) {
     p.side = BoundingSide::client;
     p.local_model = true;
@@ -66,7 +69,7 @@ struct Attack {
 /// model, made by `next` for where the hand is.
 template <class Next>
 Attack attacked(const SessionParameters& parameters, Random& random, int every, Next next) {
-  Bench bench(parameters);
+  Bench bench(parameters, testing::servo::without_known_mass());  // this hand has none
   const double damping = bench.spec.damping.least();
   Vec3 position = Vec3::Zero();
   Attack attack;

@@ -143,7 +143,15 @@ TEST(NoForce, TheGuardOfAServersForce) {
 
 TEST(NoForce, AnAbsurdMovementIsRefused) {
   Told told(kTwo, {}, "contact_frame");
-  EXPECT_EQ(told.why(at(1e200, 0, 0)), NoForce::refused);
+  DeviceReading far = at(1e200, 0, 0);
+  far.jumped = false;  // its driver says that a hand did that
+  EXPECT_EQ(told.why(far), NoForce::refused);
+}
+
+TEST(NoForce, AMovementThatNoHandMakesIsAJump) {
+  Told told(kTwo, {}, "contact_frame");
+  EXPECT_EQ(told.why(at(0.02, 0, 0)), NoForce::jumped);
+  EXPECT_NE(told.why(at(0.02, 0, 0)), NoForce::jumped);
 }
 
 TEST(NoForce, EachHasANameAndWordsOfItsOwn) {

@@ -43,7 +43,7 @@ struct Pair {
         servo(device, parameters, options) {}
 
   Command tick(const Pose& pose) {
-    const Command given = servo.render({.pose = pose}, now += kPeriod);
+    const Command given = servo.render({.pose = pose, .jumped = false}, now += kPeriod);
     SampleBatch sent;
     sent.samples[0] = *servo.hold(given);
     sent.count = 1;
@@ -180,7 +180,8 @@ TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
   for (std::uint64_t n = 1; n <= 5000; ++n) {
     const double turned = turning.turn();
     const Nanoseconds now = static_cast<std::int64_t>(n) * kPeriod;
-    servo.hold(servo.render({.pose = {Vec3(0.01, 0.02, 0.03), turning.told(1e-3)}}, now));
+    servo.hold(
+        servo.render({.pose = {Vec3(0.01, 0.02, 0.03), turning.told(1e-3)}, .jumped = false}, now));
     const double work = servo.port().delivered().torque;
     ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;  // held from the second on
     ASSERT_EQ(servo.port().delivered().elastic, 0.0);

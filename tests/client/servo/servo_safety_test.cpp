@@ -142,8 +142,10 @@ TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
 TEST(ServoSafety, TheRampCountsFromTheFirstContact) {
   Bench bench(parameters("none"), {.safety = {.ramp_up = 0.01}});
   bench.tick();
-  bench.servo.take(reply(1, {}), bench.now);
-  for (int i = 0; i < 100; ++i) bench.tick();
+  for (int i = 0; i < 100; ++i) {
+    bench.servo.take(reply(bench.servo.sample().index, {}), bench.now);
+    bench.tick();
+  }
   bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 5)), bench.now);
   for (int n = 0; n < 20; ++n)
     EXPECT_NEAR(bench.tick().force().z(), 5.0 * std::min(1.0, 0.1 * n), 1e-9) << n;

@@ -129,7 +129,9 @@ TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
   EXPECT_TRUE(given.elastic.isApprox(Vec3(0, 0, 1)));
   EXPECT_EQ(bench.servo.statistics().replies_stale, 2u);
   EXPECT_TRUE(bench.servo.take(reply(3, elastic(0, 3, 0)), bench.now));
-  EXPECT_TRUE(bench.tick().elastic.isApprox(Vec3(0, 3, 0)));
+  // It comes back as slowly as it faded: 20 ms for each 40 %.
+  EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 0.9 * 3, 0)));
+  EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 3, 0)));
 }
 
 TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
@@ -263,13 +265,13 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   EXPECT_EQ(bench.servo.account_cut(), 1.0);
-  for (const double x : {0.02, 0.0, 0.02}) bench.tick(at(x, 0, 0));
-  EXPECT_EQ(bench.tick(at(0.02, 0, 0)).force(),
+  for (int n = 1; n <= 30; ++n) bench.tick(at(2e-3 * n, 0, 0));
+  EXPECT_EQ(bench.tick(at(0.06, 0, 0)).force(),
             Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
   EXPECT_EQ(bench.servo.account_cut(), 0.0);
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
   EXPECT_TRUE(
-      bench.tick(at(0.02, 0, 0)).force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
+      bench.tick(at(0.06, 0, 0)).force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
   EXPECT_EQ(bench.servo.statistics().saturated, 1u);
 }
 
@@ -321,10 +323,10 @@ TEST(Servo, EnergyIsThatOfTheHeldForceOverTheMovement) {
   bench.tick(at(0, 0, 0));
   bench.servo.take(reply(1, {.elastic = Vec3(0, 0, 2), .frictional = Vec3(-1, 0, 0)}), bench.now);
   bench.tick(at(0, 0, 0));
-  bench.tick(at(0.01, 0, 0.03));
+  bench.tick(at(0.5e-3, 0, 1.5e-3));
   const ChannelEnergy& e = bench.servo.port().delivered();
-  EXPECT_NEAR(e.elastic, 0.06, 1e-15);
-  EXPECT_NEAR(e.frictional, -0.01, 1e-15);
+  EXPECT_NEAR(e.elastic, 3e-3, 1e-15);
+  EXPECT_NEAR(e.frictional, -0.5e-3, 1e-15);
 }
 
 TEST(Servo, TheSameInputsGiveTheSameBits) {

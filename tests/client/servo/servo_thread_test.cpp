@@ -4,11 +4,17 @@
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <functional>
 #include <semaphore>
 
+#include "client/devices/let_go.hpp"
 #include "client/run/crash_release.hpp"
 #include "client/servo/tick_watch.hpp"
 #include "tests/client/peer.hpp"
@@ -19,71 +25,149 @@ namespace {
 using testing::ScenePeer;
 using Verdict = TickWatch::Verdict;
 
-constexpr Nanoseconds kHold = std::chrono::milliseconds(100);
-constexpr Nanoseconds kInterval = kHold / TickWatch::kLooks;
+constexpr Nanoseconds kLate = std::chrono::milliseconds(5), kHold = std::chrono::milliseconds(100);
+constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
 
-/// Looks as the watch of a servo thread does, and is woken late as it is told.
+/// Looks as the watch of a servo thread does, and is woken late as it is told. The thread ticks
+/// until it stands still.
 struct Looks {
-  TickWatch watch{kHold};
+  TickWatch watch{kLate, kHold};
   Nanoseconds now = std::chrono::hours(3);
-  std::uint64_t ticks = 1;
+  TickWatch::Life life{.calls = 1, .tick = now, .pulls = true};
 
-  Verdict look(bool pulls = true, Nanoseconds late = {}) {
+  Verdict look(Nanoseconds late = {}) {
     now += watch.pause() + late;
-    return watch.look(now, ticks, pulls);
+    return watch.look(now, life);
   }
-  /// The time from now to the verdict that it stands still, if each look is that late.
-  Nanoseconds until_it_stands_still(bool pulls = true, Nanoseconds late = {}) {
-    const Nanoseconds began = now;
-    while (look(pulls, late) == Verdict::ticks && now < began + std::chrono::minutes(1)) continue;
-    return now - began;
+  /// The thread has ticked in every period up to now.
+  Verdict look_at_ticks(Nanoseconds late = {}) {
+    now += watch.pause() + late;
+    for (; life.tick + kTick <= now; life.tick += kTick) life.calls += 2;
+    return watch.look(now, life);
+  }
+  /// The time from the newest tick to the verdict that it stands still, if each look is that late.
+  Nanoseconds until_it_stands_still(Nanoseconds late = {}) {
+    while (look(late) == Verdict::ticks && now < life.tick + std::chrono::minutes(1)) continue;
+    return now - life.tick;
   }
 };
 
-/// The tick came at most one interval before the look that saw it; one is left to wake threads in.
-TEST(TickWatch, LetsGoWithinTheHoldTimeOfTheLastTick) {
+TEST(TickWatch, LetsGoWhenATickIsLateBySomePeriods) {
   Looks looks;
-  for (int n = 0; n < 1000; ++n, ++looks.ticks) ASSERT_EQ(looks.look(), Verdict::ticks);
-  --looks.ticks;
-  EXPECT_EQ(looks.until_it_stands_still(), kHold - 2 * kInterval);
+  for (int n = 0; n < 1000; ++n) ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  EXPECT_EQ(looks.until_it_stands_still(), kLate);
+  EXPECT_EQ(looks.watch.still(), kLate);
   const Nanoseconds still = looks.now;
   while (looks.look() == Verdict::stands_still) continue;
   EXPECT_EQ(looks.now - still, TickWatch::kGrace);
-  ++looks.ticks;
+  ++looks.life.calls;
   EXPECT_EQ(looks.look(), Verdict::gone);  // a tick then changes nothing
 }
 
-/// What each look is late by does not add up: only the last one counts.
-TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
-  for (const int late : {1, 5, 13, 30}) {
-    const Nanoseconds by = std::chrono::milliseconds(late);
-    Looks looks;
-    ASSERT_EQ(looks.look(true, by), Verdict::ticks);
-    const Nanoseconds took = looks.until_it_stands_still(true, by);
-    EXPECT_GE(took, kHold - 2 * kInterval) << late;
-    EXPECT_LE(took, kHold - 2 * kInterval + by) << late;
+/// A tick that is late by less is none of its business, however often.
+TEST(TickWatch, LateTicksThatComeAreNoStandstill) {
+  Looks looks;
+  Nanoseconds next = looks.now;
+  for (int n = 0; n < 1000; ++n) {
+    const Nanoseconds wake = looks.now + looks.watch.pause();
+    for (; next <= wake; next += kLate - std::chrono::microseconds(1)) {
+      looks.life.tick = next;
+      looks.life.calls += 2;
+    }
+    looks.now = wake;
+    ASSERT_EQ(looks.watch.look(looks.now, looks.life), Verdict::ticks) << n;
   }
 }
 
-/// It was stopped together with the servo thread, which gets time to tick.
+/// A read() that takes long every time: each of its calls returns, but late.
+TEST(TickWatch, ACallThatAlwaysTakesLongIsFound) {
+  Looks looks;
+  ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  looks.life.calls += 1;  // the write after a read of 20 ms has returned, and the next read began
+  looks.life.tick = looks.now;
+  EXPECT_EQ(looks.until_it_stands_still(), kLate);
+}
+
+/// It wakes some times in the time that it allows, not at every tick.
+TEST(TickWatch, LooksSeldom) {
+  Looks looks;
+  const Nanoseconds began = looks.now;
+  for (int n = 0; n < 1000; ++n) ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  EXPECT_GE((looks.now - began) / 1000, kLate - kTick);
+}
+
+/// The lateness of looks does not add up: only that of the last one counts.
+TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
+  for (const int late : {100, 1000, 3000, 5000}) {
+    const Nanoseconds by = std::chrono::microseconds(late);
+    Looks looks;
+    for (int n = 0; n < 5; ++n) ASSERT_EQ(looks.look_at_ticks(by), Verdict::ticks);
+    const Nanoseconds took = looks.until_it_stands_still(by);
+    EXPECT_GE(took, kLate) << late;
+    EXPECT_LE(took, kLate + by) << late;
+  }
+}
+
+/// It was stopped together with the servo thread, which gets time to tick: once.
 TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
   Looks looks;
-  ASSERT_EQ(looks.look(), Verdict::ticks);
-  ASSERT_EQ(looks.look(true, std::chrono::seconds(20)), Verdict::ticks);
-  const Nanoseconds left = kHold - 2 * kInterval - TickWatch::kMostCounted * kInterval;
-  EXPECT_EQ(looks.until_it_stands_still(), left);
+  ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  ASSERT_EQ(looks.look(std::chrono::seconds(20)), Verdict::ticks);
+  ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  ASSERT_EQ(looks.look(std::chrono::seconds(20)), Verdict::ticks);
+  const Nanoseconds woke = looks.now;
+  looks.until_it_stands_still();
+  EXPECT_EQ(looks.now - woke, kLate);
+  Looks starved;  // so is a watch that is always woken so late
+  ASSERT_EQ(starved.look_at_ticks(), Verdict::ticks);
+  ASSERT_EQ(starved.look(4 * kLate), Verdict::ticks);
+  EXPECT_EQ(starved.look(4 * kLate), Verdict::stands_still);
+  Looks ticked;  // it ticked once more between the last look and the stop
+  ASSERT_EQ(ticked.look_at_ticks(), Verdict::ticks);
+  ticked.life.tick = ticked.now;
+  ticked.life.calls += 2;
+  ASSERT_EQ(ticked.look(std::chrono::seconds(20)), Verdict::ticks);
+  const Nanoseconds thawed = ticked.now;
+  ticked.until_it_stands_still();
+  EXPECT_EQ(ticked.now - thawed, kLate);
 }
 
 TEST(TickWatch, WaitsLongerWhereNothingIsHeld) {
   Looks looks;
-  ASSERT_EQ(looks.look(false), Verdict::ticks);
-  EXPECT_EQ(looks.until_it_stands_still(false), TickWatch::kIdle);
+  looks.life.pulls = false;
+  ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  EXPECT_GE(looks.until_it_stands_still(), TickWatch::kIdle);
+  EXPECT_LE(looks.now - looks.life.tick, TickWatch::kIdle + kLate);
+}
+
+/// The servo takes the force off by itself where the device's tick does not come.
+TEST(TickWatch, ATickOfTheDeviceIsWaitedForAsLongAsTheServoDoes) {
+  Looks looks;
+  looks.life.awaits = true;
+  ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
+  const Nanoseconds took = looks.until_it_stands_still();
+  EXPECT_GE(took, kHold);
+  EXPECT_LE(took, kHold + kLate);
 }
 
 TEST(TickWatch, AForceThatComesLateIsHeldNoLonger) {
   Looks looks;
-  for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(false), Verdict::ticks);
-  EXPECT_EQ(looks.until_it_stands_still(), kHold - 2 * kInterval);
+  looks.life.pulls = false;
+  for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(), Verdict::ticks);
+  looks.life.pulls = true;  // a write that does not return
+  const Nanoseconds began = looks.now;
+  looks.until_it_stands_still();
+  EXPECT_LE(looks.now - began, kLate);
+}
+
+TEST(TickWatch, TheTimeIsAFewPeriodsUnlessTheUserHasAnother) {
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.0, true), 5e-3);
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.0, false), 20e-3);
+  EXPECT_DOUBLE_EQ(let_go_time(1e-4, 0.1, 0.0, true), 5e-4);
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.03, true), 0.03);
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1.0, true), 0.1);    // no longer than a command holds
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1e-5, true), 2e-3);  // nor before a tick can be late
+  EXPECT_DOUBLE_EQ(let_go_time(0.1, 0.1, 0.0, true), 0.2);
 }
 
 /// Holds what it was told last, and has the test do something in the middle of read() or write().
@@ -118,7 +202,9 @@ TEST(DeviceGuard, PassesOnUntilItIsReleased) {
   EXPECT_EQ(guard.write(kPull).elastic.z(), 2.0);
   EXPECT_TRUE(guard.pulls());
   EXPECT_EQ(guard.writes(), 1u);
-  EXPECT_TRUE(guard.read({}).ok);
+  EXPECT_TRUE(guard.read(kTick).ok);
+  EXPECT_EQ(guard.calls(), 2u);
+  EXPECT_EQ(guard.tick(), kTick);
   guard.release();
   EXPECT_EQ(driver.told, 0.0);
   EXPECT_FALSE(guard.pulls());
@@ -167,6 +253,7 @@ struct StuckRun {
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(driver),
                                        std::make_shared<Transport>(peer.session(), p, false), p,
                                        ServoOptions{});
+    task->let_go_after = p.hold_time;
   }
   /// From the first force on the next read or write does not come back.
   std::function<void()> block() {
@@ -184,9 +271,11 @@ struct StuckRun {
         peer.send(ScenePeer::reply_to(received.batch.samples[0], {.elastic = Vec3(0, 0, 3)}));
     }
   }
-  void expect_let_go(ServoThread& thread) {
+  void expect_let_go(ServoThread& thread, DeviceCall in) {
     while (!thread.over()) std::this_thread::yield();
     EXPECT_FALSE(thread.end());
+    EXPECT_EQ(task->result.still_in, in);
+    EXPECT_GE(task->result.still_for, task->result.let_go_after);
     EXPECT_EQ(driver->told, 0.0);
     EXPECT_EQ(task->result.end, EndReason::failed);
     EXPECT_TRUE(task->result.stood_still);
@@ -201,7 +290,7 @@ TEST(ServoThread, ADeviceThatDoesNotReadIsLetGo) {
   ServoThread thread(run.task);
   run.answer_until_stuck();
   EXPECT_EQ(run.driver->told, 3.0);
-  run.expect_let_go(thread);
+  run.expect_let_go(thread, DeviceCall::read);
 }
 
 TEST(ServoThread, ADeviceThatDoesNotWriteIsLetGo) {
@@ -210,7 +299,7 @@ TEST(ServoThread, ADeviceThatDoesNotWriteIsLetGo) {
   ServoThread thread(run.task);
   run.answer_until_stuck();
   EXPECT_EQ(run.driver->told, 3.0);
-  run.expect_let_go(thread);
+  run.expect_let_go(thread, DeviceCall::write);
 }
 
 /// One that comes back in time for a proper end, but later than the hold time, gets no force any
@@ -270,6 +359,91 @@ TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
           DeviceGuard guard(device);
           const CrashRelease release(guard);
           guard.write(kPull);
+          ::raise(signal);
+        },
+        ::testing::KilledBySignal(signal), "");
+    EXPECT_EQ(device.told(), 0.0) << signal;
+  }
+}
+
+/// A signal with its number that nothing but the kernel's default handles.
+bool ends_programs(int signal) {
+  constexpr std::array kOthers = {SIGKILL,  SIGSTOP, SIGCHLD, SIGCONT, SIGURG,
+                                  SIGWINCH, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
+  return std::ranges::find(kOthers, signal) == kOthers.end();
+}
+
+/// Sent by another process, as `kill -NUMBER` does. The signals that the C library keeps to itself
+/// (32 and 33) end nothing, and the device goes on.
+TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
+  for (int signal = 1; signal <= 64; ++signal) {
+    if (!ends_programs(signal)) continue;
+    const bool own = signal >= 32 && signal < SIGRTMIN;
+    SharedDevice device;
+    EXPECT_EXIT(
+        {
+          // The program that runs these tests may ignore some signals.
+          if (!own) ::signal(signal, SIG_DFL);
+          DeviceGuard guard(device);
+          const CrashRelease release(guard);
+          guard.write(kPull);
+          ::syscall(SYS_tgkill, ::getpid(), ::syscall(SYS_gettid), signal);
+          std::_Exit(own ? 7 : 8);
+        },
+        [&](int status) {
+          return own ? WIFEXITED(status) && WEXITSTATUS(status) == 7
+                     : WIFSIGNALED(status) && WTERMSIG(status) == signal;
+        },
+        "")
+        << signal;
+    EXPECT_EQ(device.told() > 0.0, own) << signal;
+  }
+}
+
+/// A handler of another part of the program stays, and all is as before afterwards.
+TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
+  SharedDevice device;
+  EXPECT_EXIT(
+      {
+        ::signal(SIGRTMIN + 3, [](int) { std::_Exit(7); });
+        ::signal(SIGPIPE, SIG_IGN);
+        { const CrashRelease release(device); }
+        const CrashRelease release(device);
+        ::raise(SIGPIPE);
+        ::raise(SIGRTMIN + 3);
+      },
+      ::testing::ExitedWithCode(7), "");
+  EXPECT_EXIT(
+      {
+        { const CrashRelease release(device); }
+        ::raise(SIGIO);
+      },
+      ::testing::KilledBySignal(SIGIO), "");
+}
+
+/// A driver whose library has no call for a signal handler: its thread takes the force off.
+class LettingGoDevice final : public Device {
+ public:
+  explicit LettingGoDevice(SharedDevice& device)
+      : device_(device), let_go_([this] { device_.write({}); }) {}
+  const DeviceSpec& spec() const override { return device_.spec(); }
+  DeviceReading read(Nanoseconds) noexcept override { return {}; }
+  Command write(const Command& on_hand) noexcept override { return device_.write(on_hand); }
+  void release() noexcept override { let_go_.now(); }
+
+ private:
+  SharedDevice& device_;
+  LetGo let_go_;
+};
+
+TEST(CrashReleaseDeathTest, AThreadOfTheDriverHasTheTimeToLetGo) {
+  for (const int signal : {SIGSEGV, SIGABRT, SIGIO, SIGRTMAX}) {
+    SharedDevice device;
+    EXPECT_EXIT(
+        {
+          LettingGoDevice letting_go(device);
+          const CrashRelease release(letting_go);
+          letting_go.write(kPull);
           ::raise(signal);
         },
         ::testing::KilledBySignal(signal), "");

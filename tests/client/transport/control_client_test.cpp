@@ -162,5 +162,16 @@ TEST(ListScenes, GivesThemInOrder) {
   EXPECT_TRUE(std::holds_alternative<control::ListScenes>(*peer.request()));
 }
 
+TEST(Join, ALinkLocalAddressNeedsAZone) {
+  ServerAccess server;
+  server.endpoint = {"fe80::1", 6720};
+  const std::string refused = refusal(server);
+  EXPECT_THAT(refused, HasSubstr("[fe80::1]:6720"));
+  EXPECT_THAT(refused, HasSubstr("link-local IPv6 address"));
+  EXPECT_THAT(refused, HasSubstr("zone: fe80::1%"));
+  server.endpoint.host = "fe80::1%nosuch0";
+  EXPECT_THAT(refusal(server), HasSubstr("the zone behind its %"));
+}
+
 }  // namespace
 }  // namespace feltwire::control_client_test

@@ -41,10 +41,11 @@ control::JoinAccepted offer(const SessionParameters& parameters = {}) {
 }
 
 /// The error of join() for an offer; empty if it takes the offer.
-std::string said_of(const control::JoinAccepted& offered, const control::JoinRequest& wanted) {
+std::string said_of(const control::JoinAccepted& offered, const control::JoinRequest& wanted,
+                    const GrantLimits& limits = {}) {
   ControlPeer peer(control::encode(offered));
   try {
-    join(peer.access(), wanted, kPatience);
+    join(peer.access(), wanted, kPatience, limits);
   } catch (const LastingError& error) {
     return error.what();
   }
@@ -97,6 +98,17 @@ TEST(LyingServer, AnOfferThatNoServerMakesIsRefusedForGood) {
     at_limits.start_normal = Vec3(0.6, 0.0, good == 0.1 ? 0.8 : -0.8);
     EXPECT_EQ(said_of(at_limits, request()), "");
   }
+}
+
+TEST(LyingServer, ALongerHoldTimeIsRefusedWithTheOptionThatAllowsIt) {
+  SessionParameters longer;
+  longer.hold_time = 0.3;
+  EXPECT_THAT(
+      said_of(offer(longer), request()),
+      AllOf(HasSubstr("hold_time: asked 0.1, granted 0.3"), HasSubstr("--longest-hold-time")));
+  EXPECT_EQ(said_of(offer(longer), request(), {.hold_time = 0.3}), "");
+  longer.mode = "none";  // it does not stand before another one
+  EXPECT_THAT(said_of(offer(longer), request(), {.hold_time = 0.3}), HasSubstr("mode: "));
 }
 
 TEST(LyingServer, ASessionWithoutANumberIsNone) {

@@ -19,6 +19,9 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Client;
 
+/// By a clock that stands, so that a busy machine is no slow one.
+const SceneFetchOptions kQuick{.servo_period = 1e-3, .clock = [] { return Nanoseconds(0); }};
+
 /// Rests over a ball of 5120 triangles for as long as the test takes.
 constexpr const char* kRest = "t,x,y,z\n0,0.03,0,0.046\n600,0.03,0,0.046\n";
 
@@ -112,7 +115,7 @@ class SceneFetchTest : public ::testing::Test {
 TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   FeelingClient client(endpoint, "ball", ready);
   ASSERT_TRUE(client.joined.accepted.lists_surfaces);
-  SceneFetch fetch(endpoint, ready);
+  SceneFetch fetch(endpoint, ready, kQuick);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
        [&] { return fetch.known() == 1; });
   const LiveStatus status = client.renders(fetch);
@@ -129,11 +132,31 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   const FetchedScene* more = nullptr;
   EXPECT_FALSE(ready.pop(more));
   EXPECT_TRUE(status.fetched->surfaces->has(0));
+  EXPECT_EQ(status.fetched->most_work, units_within(contact_budget(1e-3)));
+  EXPECT_EQ(fetch.refusal(), "");
+  EXPECT_EQ(status.contact_cuts, 0u);
+}
+
+/// On a slow machine the servo does not get it, the user is told, and the server goes on with
+/// patches: it is not told that the client has the surface.
+TEST_F(SceneFetchTest, WhatTakesTooLongHereIsRefused) {
+  Client client(endpoint, kRest, modelled(), "ball");
+  SceneFetchOptions slow;
+  slow.clock = [now = Nanoseconds(0), reads = 0]() mutable { return now += ++reads * 100us; };
+  SceneFetch fetch(endpoint, ready, slow);
+  const ScenePlace place{client.joined.accepted.session, 0};
+  look(fetch, place, "a refusal", [&] { return !fetch.refusal().empty(); });
+  EXPECT_NE(fetch.refusal().find("near object 0 it takes more than the 250 us"), std::string::npos);
+  for (int i = 0; i < 10; ++i) fetch.look(place, now += 1h);
+  EXPECT_FALSE(fetch.asking());  // nor is it fetched again and again
+  const FetchedScene* none = nullptr;
+  EXPECT_FALSE(ready.pop(none));
+  EXPECT_EQ(fetch.known(), 0u);
 }
 
 TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
   FeelingClient client(endpoint, "ring", ready);
-  SceneFetch fetch(endpoint, ready);
+  SceneFetch fetch(endpoint, ready, kQuick);
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of ring and bunny",
        [&] { return fetch.known() == kSolids; });
   const LiveStatus status = client.renders(fetch);
@@ -160,7 +183,7 @@ TEST_F(SceneFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
 
 /// Another session may be another server's, whose scenes have the same versions.
 TEST_F(SceneFetchTest, AnotherSessionFetchesAnew) {
-  SceneFetch fetch(endpoint, ready);
+  SceneFetch fetch(endpoint, ready, kQuick);
   const FetchedScene *first = nullptr, *second = nullptr;
   for (const FetchedScene** got : {&first, &second}) {
     Client client(endpoint, kRest, modelled(), "ball");
@@ -181,7 +204,7 @@ TEST_F(SceneFetchTest, ABadServerGivesNothing) {
         control::Message(control::SolidList{.version = 1}),
         control::Message(control::SurfacesTaken{1})}) {
     testing::ControlPeer peer(control::encode(answer));
-    SceneFetch fetch(peer.access(), ready, 2s);
+    SceneFetch fetch(peer.access(), ready, {.timeout = 2s});
     look(fetch, {1, 0}, "a question", [&] { return fetch.asking(); });
     test::eventually("its end", [&] {
       fetch.look({}, now);

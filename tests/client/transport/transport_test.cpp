@@ -184,6 +184,21 @@ TEST(Transport, AFloodIsTakenInPortions) {
             static_cast<std::uint64_t>(DatagramPort::kBurst + 11));
 }
 
+/// A sender who mixes valid replies into a flood makes no wake-up longer.
+TEST(Transport, AFloodAroundRepliesCountsAsAWhole) {
+  Link link;
+  constexpr int kMost = 64;
+  for (int n = 0; n < kMost; ++n) {
+    link.peer.send_bytes(std::vector<std::uint8_t>{0});
+    link.peer.send(ScenePeer::reply_to(sample(1)));
+  }
+  int left = kMost, replies = 0;
+  while (link.transport.receive(link.reply, link.reason, left) == Arrival::reply) ++replies;
+  EXPECT_EQ(replies, kMost / 2);
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(link.transport.statistics().received, static_cast<std::uint64_t>(kMost));
+}
+
 TEST(Transport, GoodbyeIsSaidThreeTimes) {
   Link link;
   link.transport.goodbye();

@@ -59,7 +59,7 @@ TEST(Csv, NotFiniteOnlyWhereItIsAsked) {
 
 TEST(Csv, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(complaint(""), AllOf(StartsWith("f.csv:1: there is no header"), HasSubstr("t,x")));
-  EXPECT_THAT(complaint("\n1,2\n"), StartsWith("f.csv:1: there is no header"));
+  EXPECT_THAT(complaint("\n1,2\n"), StartsWith("f.csv:2: column 't': the header '1,2' lacks it"));
   EXPECT_THAT(complaint("t,y\n1,2\n"),
               StartsWith("f.csv:1: column 'x': the header 't,y' lacks it"));
   EXPECT_THAT(complaint("t,x,t\n1,2,3\n"),

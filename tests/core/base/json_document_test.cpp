@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/json_member.hpp"
+
 namespace feltwire::json_document_test {
 namespace {
 
@@ -50,6 +52,50 @@ TEST(JsonDocument, ChecksScalarsAgainstTheirTypes) {
   EXPECT_EQ(document_error(R"({"title": "t", "large": 18446744073709551615})"), "no error");
   EXPECT_THAT(document_error(R"({"title": "t", "large": 18446744073709551616})"),
               HasSubstr("large: does not fit"));
+}
+
+TEST(JsonDocument, AWrongKindOfValueIsToldTheFields) {
+  const auto error = [](const std::string& inner) {
+    return document_error("{\"title\": \"t\",\n" + inner + "}");
+  };
+  EXPECT_THAT(error(R"("part": "a.xml")"),
+              AllOf(StartsWith("c.json:2: part: must be an object, is the text 'a.xml'; write { "),
+                    HasSubstr("its fields are: port, offset, ratio, level, on, names, place")));
+  EXPECT_THAT(error(R"("part": {"place": 0.1})"),
+              StartsWith("c.json:2: part.place: must be a list of 3 numbers, is '0.1'; write "
+                         "[x, y, tag]"));
+  EXPECT_THAT(error(R"("parts": {"port": 1})"),
+              AllOf(StartsWith("c.json:2: parts: must be a list, is an object"),
+                    HasSubstr("its fields are: port, ")));
+  EXPECT_THAT(error(R"("places": 3)"), HasSubstr("each as [x, y, tag]"));
+  EXPECT_THAT(document_error("[]"),
+              HasSubstr("write { \"title\": ... }; its fields are: title, part"));
+}
+
+TEST(JsonDocument, OtherNotationsAreNamed) {
+  const auto expect_told = [](const std::string& text, const char* what) {
+    EXPECT_THAT(document_error(text), AllOf(StartsWith("c.json:"), HasSubstr(what))) << text;
+  };
+  for (const char* yaml : {"title: t\n", "---\ntitle: t\n", "# a comment\n\ntitle: t\n",
+                           "- title: t\n", "%YAML 1.2\n---\n", "\"title\": t\n", "my-title : t\n",
+                           "# a\n# b\n---\n", "\xEF\xBB\xBFtitle:\n  part: 1\n"})
+    expect_told(yaml, "is YAML, not JSON");
+  expect_told("title = \"t\"\n", "is TOML or an INI file");
+  expect_told("# c\n[part]\nport = 1\n", "is TOML or an INI file");
+  expect_told("<mujoco model=\"a\"/>", "is XML, not JSON; a scene names an MJCF");
+  expect_told("# only a comment\n", "a comment in JSON begins with //");
+  expect_told("version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 2\n", "git lfs pull");
+  expect_told("<!doctype html><html>", "is a web page");
+  expect_told("\x1F\x8B\x08", "gunzip");
+  EXPECT_EQ(document_error("\xEF\xBB\xBF// c\n{\"title\": \"t\"}"), "no error");
+  EXPECT_EQ(document_error("{title: \"t\"}"), "no error");
+}
+
+TEST(JsonDocument, AMemberIsReadWithoutASchema) {
+  EXPECT_EQ(json_text_member(R"({"a": 1, "name": "r\u006fom"})", "name"), "room");
+  EXPECT_EQ(json_text_member(R"({"a": {"name": "x"}})", "name"), std::nullopt);
+  EXPECT_EQ(json_text_member(R"({"name": 1})", "name"), std::nullopt);
+  EXPECT_EQ(json_text_member("name: room", "name"), std::nullopt);
 }
 
 TEST(JsonDocument, WritesWhatTheTextSays) {
@@ -108,6 +154,7 @@ TEST(JsonDocument, KnowsTheLineOfEveryValue) {
   EXPECT_EQ(document.line_of("parts[].[..]"), 5);  // nonsense is survived
   try {
     document.fail("parts[1].offset", "is odd; make it even");
+    FAIL() << "fail() must throw";
   } catch (const FileError& error) {
     EXPECT_STREQ(error.what(), "c.json:7: parts[1].offset: is odd; make it even");
   }

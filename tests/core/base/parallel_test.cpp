@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
+#include <future>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
 
 namespace feltwire::parallel_test {
 namespace {
@@ -14,6 +18,19 @@ TEST(Parallel, EveryIndexOnce) {
   EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), 0), 1000);
   EXPECT_EQ(*std::max_element(calls.begin(), calls.end()), 1);
   parallel_for(0, [](std::size_t) { FAIL(); });
+}
+
+TEST(Parallel, TwoCallsRunAtTheSameTime) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "this machine has one core";
+  // Each call waits for the other. On one thread the first would wait for ever, so it gives up.
+  std::promise<void> arrived[2];
+  std::atomic<int> met{0};
+  parallel_for(2, [&](std::size_t i) {
+    arrived[i].set_value();
+    if (arrived[1 - i].get_future().wait_for(std::chrono::minutes(1)) == std::future_status::ready)
+      ++met;
+  });
+  EXPECT_EQ(met, 2);
 }
 
 TEST(Parallel, AFailureIsRethrownAndEndsTheRest) {

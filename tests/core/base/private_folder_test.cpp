@@ -45,5 +45,19 @@ TEST(PrivateFolder, SaysWhatFailed) {
   EXPECT_EQ(make_private_folder(place / "file/own"), std::errc::not_a_directory);
 }
 
+TEST(PrivateFolder, OneThatOthersLookIntoIsNone) {
+  const test::TemporaryFolder place;
+  EXPECT_EQ(shared_folder(place / "missing"), std::nullopt);
+  fs::create_directory(place / "folder");
+  for (const unsigned mode : {0755u, 0750u, 0701u, 0770u, 01777u}) {
+    fs::permissions(place / "folder", fs::perms(mode));
+    const auto wrong = shared_folder(place / "folder");
+    ASSERT_TRUE(wrong) << mode;
+    EXPECT_NE(wrong->find("; chmod 700 " + (place / "folder").string()), std::string::npos);
+  }
+  fs::permissions(place / "folder", fs::perms(0700));
+  EXPECT_EQ(shared_folder(place / "folder"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace feltwire::private_folder_test

@@ -86,9 +86,10 @@ struct Outcome {
 };
 
 /// `strength`: the hand's largest force, in shares of the device's outside_force. `lag`: the
-/// samples by which it takes a force up late.
+/// samples by which it takes a force up late. `promised` [T]: the holds that the account is told
+/// of.
 Outcome attack(std::uint64_t seed, const Told& told, double strength, double longest,
-               std::size_t lag) {
+               std::size_t lag, double promised) {
   Random random(seed);
   Device device(random);
   Environment environment(random);
@@ -127,7 +128,8 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength, double lon
     outcome.least = std::min(outcome.least, burned + friction - delivered);
     const bool in_debt_before = account.balance() < 0.0;
     const Command given = account.step(
-        {.displacement = dx, .hold_time = hold, .command = environment.command(random, now)});
+        {.displacement = dx, .hold_time = hold, .command = environment.command(random, now)},
+        promised * kPeriod);
     if (account.in_debt() && in_debt_before && given != Command{}) outcome.force_in_debt = true;
     coming.push_back(given);
     held = coming.front();
@@ -157,10 +159,10 @@ struct Sum {
 };
 
 Sum attack_all(int devices, const Told& told, double strength = 1.0, double longest = 1.0,
-               std::size_t lag = 0) {
+               std::size_t lag = 0, double promised = 1.0) {
   Sum sum;
   for (int i = 1; i <= devices; ++i) {
-    const Outcome o = attack(static_cast<std::uint64_t>(i), told, strength, longest, lag);
+    const Outcome o = attack(static_cast<std::uint64_t>(i), told, strength, longest, lag, promised);
     const double relative = o.least / std::max(1e-9, o.exchanged);
     sum.worst = std::min(sum.worst, relative);
     sum.share_of_excess = std::max(sum.share_of_excess, o.share_of_excess);
@@ -192,6 +194,19 @@ TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
     EXPECT_EQ(sum.strong_hand, 0u);
     EXPECT_GT(sum.rendered, 0.1);
   }
+}
+
+/// Nor where ticks are late, as late as was reckoned with.
+TEST(AccountAttack, NorFromTicksThatAreAsLateAsTheyLatelyWere) {
+  for (const double longest : {1.3, 1.5, 2.0}) {
+    const Sum sum = attack_all(kDevices / 2, {}, 1.0, longest, 0, longest);
+    EXPECT_EQ(sum.losers, 0) << longest;
+    EXPECT_GT(sum.worst, -1e-12);
+    EXPECT_EQ(sum.overdrawn, 0u);
+    EXPECT_EQ(sum.strong_hand, 0u);
+    EXPECT_GT(sum.rendered, 0.1);
+  }
+  EXPECT_GT(attack_all(kDevices / 2, {}, 1.0, 1.5, 0, 1.0).overdrawn, 0u) << "not reckoned with";
 }
 
 TEST(AccountAttack, ToldWrongItLoses) {

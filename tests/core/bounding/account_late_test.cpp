@@ -56,6 +56,32 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
   EXPECT_NEAR(need(third.elastic.x()), 0.5 * balance, 1e-9 * balance) << "and so it stays";
 }
 
+/// A hand that stands still and asks for far more than is paid for: the force settles, and each is
+/// as large as the one before. With the share of the wanted force's needs it swung by 20 to 55 %.
+TEST(AccountLate, AForceAtItsLimitDoesNotSwing) {
+  for (DeviceSpec spec : builtin_devices()) {
+    if (!(spec.least_mass > 0.0)) continue;
+    for (spec.late_ticks = 1; spec.late_ticks <= AccountConfig::kMostLate; ++spec.late_ticks)
+      for (const double force : {0.1, 0.3, 1.0, 3.0}) {
+        const AccountConfig config = account_config(spec, kPeriod);
+        PortAccount account(config);
+        for (int n = 0; n < 3; ++n) account.step(sample(Vec3::Zero(), {}));
+        account.credit(need_at_rest(config, push(Vec3(force, 0, 0))));
+        const Command most = push(Vec3(spec.max_force, 0, 0));
+        double before = 0.0;
+        for (int n = 0; n < 300; ++n) {
+          const double given = account.step(sample(Vec3::Zero(), most)).elastic.x();
+          if (n > 100) {
+            ASSERT_NEAR(given, before, 1e-3 * before)
+                << spec.name << ' ' << spec.late_ticks << ' ' << force << ' ' << n;
+          }
+          before = given;
+        }
+        EXPECT_NEAR(before, force, 0.03 * force) << spec.name << ' ' << spec.late_ticks;
+      }
+  }
+}
+
 TEST(AccountLate, WhereTheComingOnesNeedAllNothingIsGiven) {
   PortAccount account(damped(1));
   account.step(sample(Vec3(2e-3, 0, 0), {}));

@@ -112,14 +112,15 @@ TEST(Account, AForceOnItsWayOutIsCutToTheBalanceHalfASampleAhead) {
   for (const double hold : {kPeriod, 3.0 * kPeriod}) {
     const AccountConfig config = handle();
     PortAccount account(config);
-    account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(0.5, 0, 0))));
+    account.step(sample(Vec3(50e-3, 0, 0), push(Vec3(5, 0, 0))));
     const Vec3 out(6e-5, 0, 0), in = -out;
     for (const Vec3& dx : {out, in}) {
       PortAccount now = account;
       const Command given = now.step(sample(dx, push(Vec3(1e3, 0, 0)), hold));
-      const double delivered = 0.5 * dx.x() * kPeriod / hold;
+      const double delivered = 5.0 * dx.x() * kPeriod / hold;
       PortBalance port(config.translation, kPeriod);
-      port.earned(dx, Vec3(0.5, 0, 0), hold);
+      port.earned(Vec3(50e-3, 0, 0), Vec3::Zero(), kPeriod);
+      port.earned(dx, Vec3(5, 0, 0), hold);
       const double need = port.need(Vec3(1e3, 0, 0), kPeriod).at(given.elastic.x() / 1e3);
       EXPECT_NEAR(need, now.balance() - 0.5 * std::max(0.0, delivered), 1e-9 * need);
     }
@@ -130,13 +131,28 @@ TEST(Account, BehindABoundThatIsPassiveByItselfItLooksAtTheBalanceOnly) {
   AccountConfig config = handle();
   config.looks_ahead = false;
   PortAccount account(config);
-  account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(0.5, 0, 0))));
+  account.step(sample(Vec3(50e-3, 0, 0), push(Vec3(5, 0, 0))));
   const Vec3 out(6e-5, 0, 0);
   const Command given = account.step(sample(out, push(Vec3(1e3, 0, 0))));
   PortBalance port(config.translation, kPeriod);
-  port.earned(out, Vec3(0.5, 0, 0), kPeriod);
+  port.earned(out, Vec3(5, 0, 0), kPeriod);
   const double need = port.need(Vec3(1e3, 0, 0), kPeriod).at(given.elastic.x() / 1e3);
   EXPECT_NEAR(need, account.balance(), 1e-9 * need);
+}
+
+/// To pay in advance for a tick that comes after the time of the watch (five periods) would take
+/// about ten times the energy: docs/bounding.md, "A stall".
+TEST(Account, AHoldOfFivePeriodsNeedsTenTimesTheEnergy) {
+  for (const DeviceSpec& spec : builtin_devices()) {
+    if (!(spec.least_mass > 0.0)) continue;
+    PortBalance port(account_config(spec, kPeriod).translation, kPeriod);
+    const Vec3 force(0.3 * spec.max_force, 0, 0);
+    port.earned(Vec3::Zero(), force, kPeriod);
+    const double once = port.need(force, kPeriod).at(1.0);
+    const double five = port.need(force, 5.0 * kPeriod).at(1.0);
+    EXPECT_GT(five, 8.0 * once) << spec.name;
+    EXPECT_LT(five, 12.5 * once) << spec.name;
+  }
 }
 
 TEST(Account, ACommandAtTheLimitIsNotScaledForItsRounding) {
@@ -342,6 +358,30 @@ TEST(Account, NothingAllocates) {
     account.set_held(account.step(step));
   }
   EXPECT_EQ(allocations(), before);
+}
+
+TEST(Account, AnotherLawsAccountGoesOnWithWhatIsLeftAndWhatIsOwed) {
+  AccountConfig config = handle(0.5);
+  config.late = 1;
+  for (const bool owes : {false, true}) {
+    PortAccount before(config), after(config);
+    before.step(sample(Vec3(1e-3, 0, 0), push(Vec3(0.2, 0, 0))));
+    before.step(sample(Vec3::Zero(), push(Vec3(0.1, 0, 0))));
+    before.step(sample(Vec3(owes ? 0.1 : 0.0, 0, 0), {}, owes ? 0.5 : kPeriod));
+    EXPECT_EQ(before.in_debt(), owes);
+    after.go_on_from(before);
+    EXPECT_EQ(after.balance(), before.balance());
+    EXPECT_EQ(after.statistics().largest_debt, before.statistics().largest_debt);
+    // The forces that a late device was given are still to come on the hand.
+    for (PortAccount* account : {&before, &after}) account->step(sample(Vec3(1e-4, 0, 0), {}));
+    EXPECT_EQ(after.balance(), before.balance());
+    const Command wanted = push(Vec3(1, 0, 0));
+    EXPECT_EQ(after.step(sample(Vec3::Zero(), wanted)), before.step(sample(Vec3::Zero(), wanted)));
+  }
+  PortAccount owing(config);
+  owing.begin_in_debt(0.5);
+  EXPECT_EQ(owing.balance(), -0.5);
+  EXPECT_EQ(owing.step(sample(Vec3(1e-4, 0, 0), push(Vec3(1, 0, 0)))), Command{});
 }
 
 }  // namespace

@@ -181,7 +181,7 @@ TEST(Credited, AChangedSceneForgetsItsStiffnessAndNothingOfTheHand) {
 }
 
 TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
-  Shaped<double> shaped(law(), kQuantum);
+  Shaped<double> shaped(law(), kQuantum, kPeriod);
   BoundingStep s = step(Vec3(0, 0, -1e-5), push(8.0));
   s.local = true;
   EXPECT_EQ(shaped.step(s), s.command);

@@ -2,27 +2,69 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace feltwire::hold_reserve_test {
 namespace {
 
+constexpr double kPeriod = 1e-3;  // [s]
+
 TEST(HoldReserve, IsThePeriodWhereTicksAreExact) {
-  HoldReserve reserve(1e-3);
+  HoldReserve reserve(kPeriod);
   for (int i = 0; i < 5000; ++i) {
-    reserve.saw(i % 2 == 0 ? 1e-3 : 0.2e-3);
-    EXPECT_EQ(reserve.hold_time(), 1e-3);
+    reserve.saw(i % 2 == 0 ? kPeriod : 0.2 * kPeriod, true);
+    EXPECT_EQ(reserve.hold_time(), kPeriod);
+    EXPECT_EQ(reserve.hold_time_of_any_hand(), kPeriod);
   }
 }
 
-TEST(HoldReserve, ReckonsWithTwiceTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
-  HoldReserve reserve(1e-3);
-  reserve.saw(1.1e-3);
-  EXPECT_NEAR(reserve.hold_time(), 1.2e-3, 1e-15);
-  for (int i = 0; i < 900; ++i) reserve.saw(1e-3);
-  EXPECT_NEAR(reserve.hold_time(), 1.2e-3, 1e-15);
-  for (int i = 0; i < 2200; ++i) reserve.saw(1e-3);  // forgotten
-  EXPECT_EQ(reserve.hold_time(), 1e-3);
-  reserve.saw(0.7);
-  EXPECT_EQ(reserve.hold_time(), 2e-3);
+TEST(HoldReserve, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
+  HoldReserve reserve(kPeriod);
+  reserve.saw(1.1 * kPeriod, true);
+  for (int i = 0; i < 900; ++i) reserve.saw(kPeriod, true);
+  EXPECT_NEAR(reserve.hold_time(), 1.1 * kPeriod, 1e-15);
+  EXPECT_NEAR(reserve.hold_time_of_any_hand(), 1.2 * kPeriod, 1e-15);
+  for (int i = 0; i < 2400; ++i) reserve.saw(kPeriod, true);  // forgotten
+  EXPECT_EQ(reserve.hold_time(), kPeriod);
+  EXPECT_EQ(reserve.hold_time_of_any_hand(), kPeriod);
+  reserve.saw(0.7, true);
+  for (int i = 0; i < 290; ++i) reserve.saw(kPeriod, true);
+  EXPECT_NEAR(reserve.hold_time(), 2.0 * kPeriod, 1e-15);
+  EXPECT_NEAR(reserve.hold_time_of_any_hand(), 2.0 * kPeriod, 1e-15);
+}
+
+/// The need of any hand is reckoned with at once where no force is held or the hand moves.
+TEST(HoldReserve, FollowsAtOnceWhereNoHandWouldFeelIt) {
+  HoldReserve reserve(kPeriod);
+  reserve.saw(1.3 * kPeriod, false);
+  EXPECT_NEAR(reserve.hold_time_of_any_hand(), 1.6 * kPeriod, 1e-15);
+}
+
+/// The reach alone may take some of a force after a late tick, so the hold time begins to grow at
+/// the tick after that.
+TEST(HoldReserve, BeginsATickAfterTheLateOne) {
+  HoldReserve reserve(kPeriod);
+  reserve.saw(1.3 * kPeriod, true);
+  EXPECT_EQ(reserve.hold_time(), kPeriod);
+  reserve.saw(0.7 * kPeriod, true);
+  EXPECT_NEAR(reserve.hold_time(), 1.005 * kPeriod, 1e-15);
+}
+
+/// A need of h^2 and one of h, of a force whose square needs as much, grow by less than a force of
+/// which a hand feels no step: 5 % a tick.
+TEST(HoldReserve, FollowsLittleByLittle) {
+  HoldReserve reserve(kPeriod);
+  double before = reserve.hold_time(), any_before = reserve.hold_time_of_any_hand();
+  for (int i = 0; i < 6000; ++i) {
+    reserve.saw(i % 2500 == 0 ? 1.7 * kPeriod : i == 3000 ? 0.3 : kPeriod, true);
+    const double now = reserve.hold_time(), any_now = reserve.hold_time_of_any_hand();
+    EXPECT_LT(now * now, 1.02 * before * before);
+    EXPECT_GT(now * now, 0.99 * before * before);
+    EXPECT_LT(any_now, 1.035 * any_before);
+    EXPECT_GT(any_now, 0.99 * any_before);
+    before = now;
+    any_before = any_now;
+  }
 }
 
 }  // namespace

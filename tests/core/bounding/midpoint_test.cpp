@@ -41,7 +41,7 @@ void swing(Law& law, double amplitude, double decay, double frequency, double ti
 }
 
 TEST(Midpoint, AsksHalfASampleAhead) {
-  const Midpoint<double> midpoint(kQuantum);
+  const Midpoint<double> midpoint(kQuantum, kPeriod);
   const Probe probe = midpoint.probe(Vec3(2e-4, 0, 0), Vec3(0, 4e-3, 0));
   EXPECT_EQ(probe.offset, Vec3(1e-4, 0, 0));
   EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
@@ -49,7 +49,7 @@ TEST(Midpoint, AsksHalfASampleAhead) {
 
 /// 100 reversals a second: twelve of them, and each twelve more, are a step.
 TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
-  Midpoint<double> midpoint(kQuantum);
+  Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 1.0);
   const HandCredit learned = midpoint.hand_credit();
   EXPECT_EQ(learned.near_steps_down, 8u);  // 99 reversals
@@ -63,7 +63,7 @@ TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
 }
 
 TEST(Midpoint, ATenthOfTheForceIsLeftToAHandThatIsShaken) {
-  Midpoint<double> midpoint(kQuantum);
+  Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 100.0, 10.0);
   EXPECT_GT(midpoint.hand_credit().near_steps_down, 50u);
   EXPECT_NEAR(midpoint.hand_credit().near_share, 0.1, 0.01);
@@ -71,26 +71,58 @@ TEST(Midpoint, ATenthOfTheForceIsLeftToAHandThatIsShaken) {
 
 /// It loses a tenth and more with each movement.
 TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
-  Midpoint<double> midpoint(kQuantum);
+  Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 5e-3, 10.0, 50.0, 0.5);
   EXPECT_EQ(midpoint.hand_credit().near_steps_down, 0u);
   EXPECT_EQ(midpoint.step(step(0.0, push(5.0))), push(5.0));
 }
 
 TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
-  Midpoint<double> slow(kQuantum), small(kQuantum), in_the_air(kQuantum), along(kQuantum);
+  const Midpoint<double> fresh(kQuantum, kPeriod);
+  Midpoint<double> slow = fresh, small = fresh, in_the_air = fresh, along = fresh;
   swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves by itself
   swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // less than two quanta between its ends
   swing(in_the_air, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{}; });
   swing(along, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{.elastic = Vec3(5, 0, 0)}; });
   for (const auto* midpoint : {&slow, &small, &in_the_air, &along})
     EXPECT_EQ(midpoint->hand_credit().near_steps_down, 0u);
+  for (const auto* midpoint : {&slow, &small, &in_the_air, &along})
+    EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
+}
+
+/// A swing of 25 Hz has 50 movements a second: six of them, and each six more, are a step.
+TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
+  constexpr double kTold = 0.2e-3;  // [s]
+  Midpoint<double> midpoint(kQuantum, kPeriod, kTold);
+  swing(midpoint, 2e-3, 0.0, 25.0, 0.2);
+  const HandCredit learned = midpoint.hand_credit();
+  EXPECT_EQ(learned.untold_lag, Midpoint<double>::kLagStep);
+  EXPECT_EQ(learned.near_share, 1.0) << "it costs no force";
+  const Vec3 way(2e-4, 0, 0);
+  const double ahead = 0.5 + (kTold + learned.untold_lag) / kPeriod;
+  EXPECT_NEAR(midpoint.probe(way, way).offset.x(), ahead * way.x(), 1e-12);
+  EXPECT_NEAR(midpoint.probe(way, way).rotation.x(), ahead * way.x(), 1e-12);
+  swing(midpoint, 2e-3, 0.0, 25.0, 5.0);
+  EXPECT_EQ(midpoint.hand_credit().untold_lag, Midpoint<double>::kMostUntold);
+  EXPECT_EQ(midpoint.hand_credit().near_share, 1.0);
+}
+
+/// A swing that loses 40 % of its length within three movements comes to rest by itself. A swing
+/// of less than four quanta is what readings make of a hand that presses on a stiff wall.
+TEST(Midpoint, ASlowSwingThatDiesAwayOrIsSmallTellsOfNoLag) {
+  const Midpoint<double> fresh(kQuantum, kPeriod);
+  Midpoint<double> dying = fresh, small = fresh, tapping = fresh;
+  swing(dying, 5e-3, 9.0, 25.0, 0.5);
+  swing(small, 1.8 * kQuantum, 0.0, 25.0, 1.0);
+  swing(tapping, 2e-2, 0.0, 8.0, 3.0, [](double z) { return z < 0.0 ? push(5.0) : Command{}; });
+  for (const auto* midpoint : {&dying, &small, &tapping})
+    EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
 }
 
 /// To and fro between two readings of an encoder, from anywhere, 100 reversals a second.
 TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
   for (const int quanta : {1, 2}) {
-    Midpoint<double> midpoint(kQuantum);
+    Midpoint<double> midpoint(kQuantum, kPeriod);
     for (int n = 0; n < 1000; ++n) midpoint.step(step(kQuantum, push(5.0)));
     for (int n = 0; n < 1000; ++n) {
       const double way = (n / 10 % 2 == 0 ? quanta : -quanta) * kQuantum;
@@ -102,14 +134,14 @@ TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
 
 /// Half of each swing is outside of the wall.
 TEST(Midpoint, ASwingThatLeavesTheWallCountsToo) {
-  Midpoint<double> midpoint(kQuantum);
+  Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 0.5,
         [](double z) { return z < 0.0 ? push(-4e4 * z) : Command{}; });
   EXPECT_GT(midpoint.hand_credit().near_steps_down, 2u);
 }
 
 TEST(Midpoint, TheShareGrowsBackToTheWholeCommand) {
-  Midpoint<double> midpoint(kQuantum);
+  Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 0.2);
   const double low = midpoint.hand_credit().near_share;
   ASSERT_LT(low, 1.0);

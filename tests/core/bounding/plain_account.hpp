@@ -4,6 +4,7 @@
 // must give the same up to rounding (account_plain_test.cpp).
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -39,7 +40,7 @@ class PlainPort {
   bool strong_hand() const { return strong_; }
 
   void forget() {
-    time_ = 0.0;
+    past_ = {};
     path_.forget();
     if (learned_) learned_->forget();
     strong_ = too_fast_ = false;
@@ -49,7 +50,7 @@ class PlainPort {
     const Polar<double> way = polar(dx);
     too_fast_ = limits_speed() && way.length > at_full_speed(way.direction, hold);
     const bool too_far =
-        bounds() && time_ > 0.0 && way.length > 0.0 &&
+        bounds() && past_[0].time > 0.0 && way.length > 0.0 &&
         way.length > (1.0 + kRounding) * reach(way.direction, held.dot(way.direction), hold);
     strong_ = too_far || too_fast_;
     if (learned_) {
@@ -72,7 +73,7 @@ class PlainPort {
     const double free = b > 0.0 ? hold / (2.0 * b) : kInfinity;
     const double k = hold * hold / (2.0 * known_.mass);
     const double burned = b / hold;
-    if (bounds() && time_ > 0.0 && k < free) {
+    if (bounds() && past_[0].time > 0.0 && k < free) {
       const double d0 = reach(force.direction, 0.0, hold);
       need.turn = std::isfinite(free) ? d0 / ((free - k) * f) : 0.0;
       need.second = k * f * f * (1.0 - burned * k);
@@ -101,30 +102,75 @@ class PlainPort {
     if (known_.damping.isotropic()) return b(0, 0);
     return known_.damping.least() > 0.0 ? 1.0 / u.dot(b.inverse() * u) : 0.0;
   }
+  /// A sample that shows a speed.
+  struct Past {
+    Vec3 dx = Vec3::Zero(), held = Vec3::Zero();
+    double time = 0.0, strongest = 0.0;
+    bool joined = false;
+  };
+  static Past together(const Past& first, const Past& second) {
+    const auto most = [](const Past& p) { return p.joined ? p.strongest : length(p.held); };
+    return {first.dx + second.dx, Vec3::Zero(), first.time + second.time,
+            std::max(most(first), most(second)), true};
+  }
+  double driven(const Past& p, const Vec3& u) const {
+    return ((p.joined ? p.strongest : p.held.dot(u)) + known_.outside_force) / known_.mass;
+  }
+
   double reach(const Vec3& u, double force, double hold) const {
-    const double quantum = known_.quantum * u.lpNorm<1>();
-    const double before =
-        ((joined_ ? strongest_ : held_.dot(u)) + known_.outside_force) / known_.mass;
     const double during = std::max(0.0, force + known_.outside_force) / known_.mass;
-    const double from_rest = before * time_ * hold;
-    const double carried_on = (dx_.dot(u) + quantum) * (hold / time_) + 0.5 * from_rest;
-    return std::max({0.0, from_rest, carried_on}) + 0.5 * during * hold * hold + quantum;
+    return speed(u) * hold + 0.5 * during * hold * hold + known_.quantum * u.lpNorm<1>();
+  }
+  /// The largest speed along u at the end of the last sample.
+  double speed(const Vec3& u) const {
+    const Past& last = past_[0];
+    const double g = driven(last, u), quantum = known_.quantum * u.lpNorm<1>();
+    const double simple = std::max(
+        {0.0, g * last.time, (last.dx.dot(u) + quantum) / last.time + 0.5 * g * last.time});
+    const double late = std::abs(last.time - period_);
+    if (late <= 1e-9 * period_) return simple;
+    const double least = std::max(
+        {0.0, g * period_, last.dx.dot(u) / last.time + quantum / period_ + 0.5 * g * period_});
+    if (simple <= least || late <= 0.02 * period_) return std::max(simple, least);
+    double most = std::min(simple, speed_after(last, 1, u));
+    if (last.time < period_ && past_[1].time > 0.0)
+      most = std::min(most, speed_after(together(past_[1], last), 2, u));
+    return std::max(least, most);
+  }
+  /// At the end of `p`, before which past_[before] lies.
+  double speed_after(const Past& p, std::size_t before, const Vec3& u) const {
+    const double g = driven(p, u), way = p.dx.dot(u) + known_.quantum * u.lpNorm<1>();
+    double since = p.time;
+    if (before < past_.size() && past_[before].time > 0.0) {
+      const double braked = std::max(0.0, driven(p, -u));
+      const double against = speed_after(past_[before], before + 1, -u);
+      // The time at which what it must have moved along u is all that it can have moved.
+      const auto too_long = [&](double s) {
+        const double left = p.time - s;
+        return 0.5 * std::max(0.0, g) * s * s > way + against * left + 0.5 * braked * left * left;
+      };
+      double low = 0.0, high = p.time;
+      for (int i = 0; i < 60 && too_long(p.time); ++i)
+        (too_long(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+      since = high;
+    }
+    return std::max({0.0, g * since, way / p.time + 0.5 * g * p.time});
   }
   void moved(const Vec3& dx, const Vec3& held, double hold) {
-    joined_ = hold < 0.5 * period_ && time_ > 0.0 && time_ < 0.5 * period_;
-    strongest_ = joined_ ? std::max(strongest_, length(held)) : length(held);
-    dx_ = joined_ ? Vec3(dx_ + dx) : dx;
-    time_ = joined_ ? time_ + hold : hold;
-    if (!joined_) held_ = held;
+    const Past now{dx, held, hold};
+    if (hold < 0.5 * period_ && past_[0].time > 0.0 && past_[0].time < 0.5 * period_) {
+      past_[0] = together(past_[0], now);
+    } else {
+      past_ = {now, past_[0], past_[1]};
+    }
   }
 
   PortKnowledge known_;
   double period_;
   CertainPath path_;
   std::optional<OutsideForce> learned_;
-  Vec3 dx_ = Vec3::Zero(), held_ = Vec3::Zero();
-  double time_ = 0.0, strongest_ = 0.0;
-  bool joined_ = false, too_fast_ = false, strong_ = false;
+  std::array<Past, 3> past_;  // the last is the first
+  bool too_fast_ = false, strong_ = false;
 };
 
 /// The largest share s <= 1 of the command with force.at(s) + torque.at(s) <= left.

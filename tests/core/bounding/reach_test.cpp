@@ -119,9 +119,16 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
   Reach reach(knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
   Used used;
   Vec3 shown = encoded(handle.position, quantum), held = Vec3::Zero();
-  bool even = random.chance(0.5);  // holds that last all the same
+  const bool even = random.chance(0.4);       // holds that last all the same
+  const bool deadlines = random.chance(0.5);  // or are late now and then, as behind deadlines
+  double late = 0.0;
   for (int n = 0; n < 400; ++n) {
-    const double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
+    double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
+    if (deadlines && !even) {
+      const double next = random.chance(0.3) ? random.uniform(0.0, 0.9) : 0.0;
+      hold = kPeriod * (1.0 + next - late);
+      late = next;
+    }
     held = random.chance(0.3) ? Vec3::Zero() : random.vector(-1.0, 1.0);
     const Grip grip = any_grip(random);
     constexpr int kParts = 8;
@@ -156,6 +163,36 @@ Used attack_all(double told_mass, double told_force, double told_quantum) {
     all.samples += used.samples;
   }
   return all;
+}
+
+/// docs/bounding.md, "After a tick that is late": a handle that shows no movement.
+TEST(Reach, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
+  const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
+  for (const double late : {0.1, 0.3, 0.5}) {
+    Reach reach(knowledge(mass, hand, q));
+    for (int n = 0; n < 5; ++n) reach.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
+    const double usual = along_x(reach, force);
+    EXPECT_NEAR(usual, 1.5 * (force + hand) / mass * kPeriod * kPeriod + q, 1e-15);
+    reach.moved(Vec3::Zero(), Vec3(force, 0, 0), (1.0 + late) * kPeriod, kPeriod);
+    EXPECT_NEAR(along_x(reach, force), usual, 1e-15) << late;
+    reach.moved(Vec3::Zero(), Vec3(force, 0, 0), (1.0 - late) * kPeriod, kPeriod);
+    EXPECT_NEAR(along_x(reach, force), usual, 1e-15) << late;
+  }
+}
+
+/// The hand pushed the handle in, and friction let it turn round within the tick.
+TEST(Reach, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
+  const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
+  Reach reach(knowledge(mass, hand, q));
+  reach.moved(Vec3(-4e-4, 0, 0), Vec3(force, 0, 0), kPeriod, kPeriod);
+  reach.moved(Vec3::Zero(), Vec3(force, 0, 0), 1.5 * kPeriod, kPeriod);
+  const double turned = along_x(reach, force);
+  Reach stands(knowledge(mass, hand, q));
+  stands.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
+  EXPECT_GT(turned, 1.1 * along_x(stands, force));
+  // G0 h0 h, as if nothing were known of how it moved, is more.
+  const double acceleration = (force + hand) / mass;
+  EXPECT_LT(turned, 0.9 * (2.0 * acceleration * kPeriod * kPeriod + q));
 }
 
 TEST(Reach, NoHandGoesFarther) {

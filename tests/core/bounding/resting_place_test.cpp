@@ -15,12 +15,13 @@ namespace {
 constexpr double kPeriod = 1e-3;   // [s]
 constexpr double kQuantum = 2e-5;  // [m]
 constexpr int kUntilRest = 50;     // samples of RestingPlace::kRest
+constexpr double kAhead = 0.5;     // [samples]
 
 /// To and fro between two readings, a sample each. Returns the offset after the last of them.
 double dither(RestingPlace& place, int samples, double first = kQuantum) {
   double offset = 0.0, by = first;
   for (int n = 0; n < samples; ++n, by = -by) {
-    offset = place.offset(Vec3(0, 0, by)).z();
+    offset = place.offset(Vec3(0, 0, by), kAhead).z();
     place.moved(Vec3(0, 0, by), kPeriod);
   }
   return offset;
@@ -30,7 +31,7 @@ TEST(RestingPlace, AMovingHandIsAskedForHalfASampleAhead) {
   RestingPlace place(kQuantum);
   for (int n = 0; n < 200; ++n) {
     const Vec3 dx(3e-5, -2e-5, 4e-5);
-    EXPECT_EQ(place.offset(dx), Vec3(0.5 * dx));
+    EXPECT_EQ(place.offset(dx, kAhead), Vec3(0.5 * dx));
     place.moved(dx, kPeriod);
   }
 }
@@ -47,10 +48,10 @@ TEST(RestingPlace, AHandThatDithersBetweenTwoReadingsIsAskedForBetweenThem) {
 TEST(RestingPlace, WhereItStandsStillThePlaceStands) {
   RestingPlace place(kQuantum);
   dither(place, kUntilRest + 30);
-  const double offset = place.offset(Vec3::Zero()).z();
+  const double offset = place.offset(Vec3::Zero(), kAhead).z();
   EXPECT_NE(offset, 0.0);
   for (int n = 0; n < 10'000; ++n) {
-    EXPECT_EQ(place.offset(Vec3::Zero()).z(), offset);
+    EXPECT_EQ(place.offset(Vec3::Zero(), kAhead).z(), offset);
     place.moved(Vec3::Zero(), kPeriod);
   }
 }
@@ -59,7 +60,7 @@ TEST(RestingPlace, AThirdReadingEndsTheRest) {
   RestingPlace place(kQuantum);
   dither(place, 2 * kUntilRest);  // the last step was down
   const Vec3 on(0, 0, -kQuantum);
-  EXPECT_EQ(place.offset(on), Vec3(0.5 * on));
+  EXPECT_EQ(place.offset(on, kAhead), Vec3(0.5 * on));
   place.moved(on, kPeriod);
   EXPECT_EQ(dither(place, 2), -0.5 * kQuantum) << "a rest takes its time again";
 }
@@ -70,7 +71,7 @@ TEST(RestingPlace, ThePlaceIsNeverFartherThanAQuantumFromTheReading) {
   for (int n = 0; n < 100'000; ++n) {
     state = state * 1664525u + 1013904223u;
     const double by = (state >> 16) % 40 == 0 ? (state & 0x8000u ? kQuantum : -kQuantum) : 0.0;
-    EXPECT_LE(std::abs(place.offset(Vec3(by, 0, 0)).x()), kQuantum * (1.0 + 1e-9));
+    EXPECT_LE(std::abs(place.offset(Vec3(by, 0, 0), kAhead).x()), kQuantum * (1.0 + 1e-9));
     place.moved(Vec3(by, 0, 0), kPeriod);
   }
 }
@@ -79,14 +80,14 @@ TEST(RestingPlace, WithoutAQuantumItIsTheMidpoint) {
   RestingPlace place(0.0);
   for (int n = 0; n < 1000; ++n) {
     const Vec3 dx(0, 0, 1e-7 * (n % 3 - 1));
-    EXPECT_EQ(place.offset(dx), Vec3(0.5 * dx));
+    EXPECT_EQ(place.offset(dx, kAhead), Vec3(0.5 * dx));
     place.moved(dx, kPeriod);
   }
 }
 
 /// [J] that a wall of k gives to a hand that dithers by one quantum, as the encoder shows it.
 double given_by_wall(bool rests, double stiffness) {
-  Midpoint<double> midpoint(rests ? kQuantum : 0.0);
+  Midpoint<double> midpoint(rests ? kQuantum : 0.0, kPeriod);
   double reading = -5.0 * kQuantum, held = 0.0, given = 0.0;
   for (int n = 0; n < 1200; ++n) {
     const double by = n % 4 != 0 ? 0.0 : n % 8 == 0 ? kQuantum : -kQuantum;

@@ -67,6 +67,21 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.hand_torque, 0.4);
 }
 
+TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
+  const auto with = [](const std::string& fields) {
+    return R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],)" + fields +
+           "}";
+  };
+  const DeviceSpec filter = load(with(R"("actuation_lag": 3e-4, "actuation_kind": "filter")"));
+  EXPECT_EQ(filter.actuation_lag, 3e-4);
+  EXPECT_EQ(filter.actuation_kind, LagKind::filter);
+  EXPECT_EQ(load(with(R"("actuation_lag": 3e-4)")).actuation_kind, LagKind::delay);
+  EXPECT_THAT(error(with(R"("actuation_kind": "fast")")),
+              AllOf(HasSubstr("actuation_kind: is 'fast'"), HasSubstr("delay filter")));
+  EXPECT_THAT(error(with(R"("actuation_lag": 3e-4, "late_ticks": 1)")),
+              AllOf(HasSubstr("actuation_lag: "), HasSubstr("late_ticks 0")));
+}
+
 /// If a number differs by direction, the account counts on the least.
 TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
   const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";

@@ -274,5 +274,127 @@ TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
   EXPECT_THAT(error_of_mjcf("none.xml"), HasSubstr("none.xml: cannot be opened"));
 }
 
+constexpr const char* kTriangles =
+    "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+TEST_F(ShownErrors, FeltwiresOwnReasonsAreShownWhateverTheModelNames) {
+  std::filesystem::create_directories(root_ / "scenes" / "a");
+  write("secret/part.obj", kTriangles);
+  write("scenes/a/egg.xml",
+        "<mujoco><compiler meshdir='../../secret'/><asset><mesh name='p' file='part.obj'/></asset>"
+        "<worldbody><geom name='egg' type='ellipsoid' size='.03 .03 .04'/>"
+        "<geom type='mesh' mesh='p'/></worldbody></mujoco>");
+  EXPECT_THAT(error_of_mjcf("a/egg.xml"),
+              AllOf(HasSubstr("geom 'egg' of body 'world': only plane, sphere"),
+                    Not(HasSubstr("not shown"))));
+  // Names that stand in a text outside of the folder are not.
+  write("secret/topsecret.xml",
+        "<mujoco><worldbody><geom name='topsecret' type='ellipsoid' size='1 1 2'/></worldbody>"
+        "</mujoco>");
+  write("scenes/m.xml", "<mujoco><include file='../secret/topsecret.xml'/></mujoco>");
+  const std::string outside = error_of_mjcf("m.xml");
+  EXPECT_THAT(outside,
+              AllOf(HasSubstr("a geom of it: only plane, sphere"), Not(HasSubstr("topsecret"))));
+  EXPECT_THAT(error_of_mjcf("../secret/topsecret.xml"),
+              AllOf(HasSubstr("a geom of it: only plane"), Not(HasSubstr("'topsecret'"))));
+}
+
+TEST_F(ShownErrors, AFileThatDoesNotExistIsSaidToBeMissing) {
+  for (const char* name : {"none.xml", "../secret/none.xml", "/no/such/none.xml"})
+    EXPECT_THAT(error_of_mjcf(name), AllOf(HasSubstr("none.xml: cannot be opened: No such file"),
+                                           Not(HasSubstr("not shown"))))
+        << name;
+  for (const char* name : {"none.stl", "../secret/none.stl", "folder/none.obj"}) {
+    write("scenes/m.xml", "<mujoco><asset><mesh name='m' file='" + std::string(name) +
+                              "'/></asset><worldbody><geom type='mesh' mesh='m'/></worldbody>"
+                              "</mujoco>");
+    EXPECT_THAT(error_of_mjcf("m.xml"),
+                HasSubstr("it names '" + std::string(name) + "', which does not exist"));
+  }
+  write("scenes/m.xml", "<mujoco><include file='none.xml'/></mujoco>");
+  EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("it names 'none.xml', which does not exist"));
+}
+
+TEST_F(ShownErrors, APointerOfGitLfsIsNamedWhereverItStands) {
+  const std::string lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 2\n";
+  write("scenes/lfs.xml", lfs);
+  EXPECT_THAT(error_of_mjcf("lfs.xml"), HasSubstr("git lfs pull"));
+  write("scenes/lfs.stl", lfs);
+  write("scenes/m.xml",
+        "<mujoco><asset><mesh name='m' file='lfs.stl'/></asset><worldbody><geom type='mesh' "
+        "mesh='m'/></worldbody></mujoco>");
+  EXPECT_THAT(error_of_mjcf("m.xml"),
+              AllOf(HasSubstr("lfs.stl is a pointer of Git LFS"), HasSubstr("git lfs pull")));
+  write("scenes/json.xml", "{}");
+  EXPECT_THAT(error_of_mjcf("json.xml"), HasSubstr("it is no XML"));
+  write("scenes/mark.xml",
+        "\xEF\xBB\xBF<mujoco><worldbody><geom size='1'/></worldbody></mujoco>\r\n");
+  EXPECT_EQ(error_of_mjcf("mark.xml"), "no error");
+}
+
+TEST_F(ShownErrors, AWordOfANewerMuJoCoIsNamedWithTheVersion) {
+  const std::string version = std::string("version ") + mj_versionString();
+  const auto told = [&](const std::string& inner) {
+    write("scenes/m.xml", "<mujoco>" + inner + "</mujoco>");
+    return error_of_mjcf("m.xml");
+  };
+  EXPECT_THAT(told("<size memory='1M'/>"),
+              AllOf(HasSubstr(version), HasSubstr("the attribute 'memory' in <size>")));
+  EXPECT_THAT(told("<worldbody><flexcomp name='x'/></worldbody>"),
+              AllOf(HasSubstr(version), HasSubstr("the element <flexcomp>")));
+  EXPECT_THAT(told("<option integrator='implicitfast'/>"),
+              AllOf(HasSubstr(version), HasSubstr("the word 'implicitfast' in <option>")));
+  EXPECT_THAT(told("<worldbody><geom type='mesh' mesh='none'/></worldbody>"),
+              Not(HasSubstr(version)));
+}
+
+/// A URDF file whose meshes lie in folders.
+TEST_F(ShownErrors, MeshesOfAUrdfFileAreFoundInTheirFolders) {
+  std::filesystem::create_directories(root_ / "scenes" / "urdf");
+  std::filesystem::create_directories(root_ / "scenes" / "meshes" / "visual");
+  std::filesystem::create_directories(root_ / "scenes" / "urdf" / "own");
+  // Binary STL: a tetrahedron.
+  std::string stl(80, 'x');
+  const auto put = [&](auto value) {
+    stl.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const float corners[4][3] = {{0, 0, 0}, {30, 0, 0}, {0, 30, 0}, {0, 0, 30}};
+  put(std::uint32_t{4});
+  for (const auto& face :
+       {std::array{0, 2, 1}, std::array{0, 1, 3}, std::array{1, 2, 3}, std::array{0, 3, 2}}) {
+    for (int i = 0; i < 3; ++i) put(0.0f);
+    for (const int corner : face)
+      for (const float x : corners[corner]) put(x);
+    put(std::uint16_t{0});
+  }
+  const auto urdf = [](const std::string& name, const std::string& more = "") {
+    return "<?xml version='1.0'?><!-- a <robot> --><robot name='r'>" + more +
+           "<link name='base'><collision><geometry><mesh filename=\"" + name +
+           "\" scale='0.001 0.001 0.001'/></geometry></collision></link></robot>";
+  };
+  write("scenes/meshes/part.stl", stl);
+  write("scenes/urdf/own/part.stl", stl);
+  for (const std::string name : {"own/part.stl", "../meshes/part.stl", "package://meshes/part.stl",
+                                 "package://some_robot/meshes/part.stl"}) {
+    for (const char* more : {"", "<mujoco><compiler discardvisual='true'/></mujoco>",
+                             "<mujoco><option gravity='0 0 0'/></mujoco>", "<mujoco/>"}) {
+      write("scenes/urdf/r.urdf", urdf(name, more));
+      EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error") << name << more;
+    }
+  }
+  // Its own compiler's word about paths stays as it is.
+  write("scenes/urdf/r.urdf", urdf("x/y/part.stl", "<mujoco><compiler meshdir='own'/></mujoco>"));
+  EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error");
+  write("scenes/urdf/r.urdf", urdf("own/none.stl"));
+  EXPECT_THAT(error_of_mjcf("urdf/r.urdf"), HasSubstr("own/none.stl"));
+  // Recordings keep the meshes, too.
+  write("scenes/urdf/r.urdf", urdf("../meshes/part.stl"));
+  write("scenes/s.json", R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+                             "mjcf": {"file": "urdf/r.urdf", "material": "m"}})");
+  const Scene kept = load_scene_and_keep(root_ / "scenes" / "s.json");
+  EXPECT_TRUE(kept.files()->files.contains("meshes/part.stl"));
+  EXPECT_EQ(load_kept_scene(*kept.files()).objects().size(), 1u);
+}
+
 }  // namespace
 }  // namespace feltwire::mujoco_load_test

@@ -119,7 +119,7 @@ TEST(MeshFile, WrittenAndReadAgainIsTheSame) {
 TEST(MeshFile, ErrorsNameFileLineAndRemedy) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_THAT(error_of(v + "f 1 2 4\n", "a.obj"),
-              StartsWith("a.obj:4: face: vertex 4 does not exist, there are 3 so far; "));
+              StartsWith("a.obj:4: face: vertex 4 does not exist, there are 3; "));
   EXPECT_THAT(error_of(v + "f 1 2 -4\n", "a.obj"), StartsWith("a.obj:4: face"));
   EXPECT_THAT(error_of(v + "f 1 2 0\n", "a.obj"), StartsWith("a.obj:4: face"));
   EXPECT_THAT(error_of(v + "f 1 2\n", "a.obj"), HasSubstr("three vertices, has 2"));

@@ -174,6 +174,23 @@ TEST_F(Mjcf, GeomsBecomeObjects) {
   EXPECT_NEAR(world.objects()[2].pose.position.x(), world.objects()[1].pose.position.x(), 1e-12);
 }
 
+/// MuJoCo resets everything in each of its steps: nothing would ever move.
+TEST_F(Mjcf, ASceneThatBreaksAtItsFirstStepIsWarnedOf) {
+  const auto warnings = [&](const std::string& spring) {
+    write("room.xml", R"(<mujoco><asset><material name="steel"/></asset><worldbody>
+      <body name="cart" pos="0 0 0.5"><joint type="slide" axis="1 0 0" springref="1" stiffness=")" +
+                          spring + R"("/>
+        <geom name="cabin" type="box" size="0.1 0.1 0.1" material="steel"/></body>
+    </worldbody></mujoco>)");
+    return load().warnings();
+  };
+  EXPECT_THAT(warnings("1e13"),
+              ::testing::Contains(AllOf(HasSubstr("the simulation breaks at its step 1"),
+                                        HasSubstr("acceleration of object 'cabin'"),
+                                        HasSubstr("softer springs"))));
+  EXPECT_THAT(warnings("10"), ::testing::IsEmpty());
+}
+
 TEST_F(Mjcf, MeshGeomsAreFelt) {
   // A wedge of 0.2 m: MuJoCo moves its frame to the centre of mass.
   write("room.xml", R"(<mujoco>

@@ -154,6 +154,68 @@ TEST_F(LoadMesh, WhatIsStrangeButCanBeTouchedIsSaid) {
       scene(R"("file": "sheet.obj", "unit": "m", "double_sided": true)").warnings().empty());
 }
 
+TEST_F(LoadMesh, AWrongUnitIsSaidWithTheScaleThatHelps) {
+  write("part.obj", obj_text(test::icosphere(52.0, 2)));
+  const auto said = [&](const std::string& size) {
+    return scene(R"("file": "part.obj", )" + size).warnings();
+  };
+  for (const std::string size : {R"("unit": "m")", R"("scale": 1)"})
+    EXPECT_THAT(said(size),
+                ElementsAre(AllOf(HasSubstr("part.obj: is 104 m large with a scale of 1"),
+                                  HasSubstr("give a scale of"),
+                                  HasSubstr("0.001 if its file is in mm (then it is 0.104 m)"))));
+  EXPECT_THAT(said(R"("unit": "mm")"), ElementsAre());
+  write("tiny.obj", obj_text(test::icosphere(0.00002, 2)));
+  EXPECT_THAT(scene(R"("file": "tiny.obj", "unit": "m")").warnings(),
+              ElementsAre(HasSubstr("tiny.obj: is 4e-05 m large")));
+  // Grids and tools likewise.
+  const Scene grid = parse_scene(R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+      "objects": [{"name": "o", "material": "m",
+                   "grid": {"file": "part.obj", "scale": 1, "resolution": 2}}],
+      "tool": {"body": {"file": "part.obj", "scale": 1, "points": 100}}})",
+                                 (folder_ / "s.json").string());
+  EXPECT_THAT(grid.warnings(), ElementsAre(HasSubstr("part.obj: is 104 m large"),
+                                           HasSubstr("part.obj: is 104 m large")));
+}
+
+TEST_F(LoadMesh, ADoubledShellThatMovesIsASolid) {
+  const TriangleSoup ball = test::icosphere(0.02, 2);
+  TriangleSoup doubled{ball.vertices, {}};
+  for (const Triangle& t : ball.triangles) {
+    doubled.triangles.push_back({t[0], t[2], t[1]});
+    doubled.triangles.push_back(t);
+  }
+  write("doubled.obj", obj_text(doubled));
+  const std::string mesh = R"("file": "doubled.obj", "unit": "m")";
+  EXPECT_THAT(scene(mesh).warnings(), ::testing::Contains(HasSubstr("felt from both sides")));
+  EXPECT_EQ(error_of(mesh + R"(, "closed": true)"), "no error");
+  EXPECT_NO_THROW(parse_scene(R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
+      "bodies": [{"name": "b", "mass": 1}],
+      "objects": [{"name": "o", "material": "m", "body": "b", "mesh": {)" +
+                                  mesh + R"(}}]})",
+                              (folder_ / "s.json").string()));
+}
+
+TEST_F(LoadMesh, ACornerInTheMiddleOfAnEdgeDoesNotOpenASurface) {
+  write("slit.obj",
+        "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 20\nv 20 0 20\nv 20 20 20\nv 0 20 20\n"
+        "v 10 0 20\nv 10 20 20\nf 1 4 3 2\nf 5 9 10 8\nf 9 6 7 10\nf 1 2 6 5\nf 2 3 7 6\n"
+        "f 3 4 8 7\nf 4 1 5 8\n");
+  const std::string mesh = R"("file": "slit.obj", "unit": "mm")";
+  EXPECT_EQ(error_of(mesh + R"(, "closed": true)"), "no error");
+  EXPECT_THAT(scene(mesh).warnings(), ElementsAre(HasSubstr("were split there")));
+  for (const std::string& rest :
+       {R"("bodies": [{"name": "b", "mass": 1}], "objects": [{"name": "o", "material": "m",
+           "body": "b", "mesh": {)" +
+            mesh + "}}]",
+        std::string(R"("objects": [{"name": "o", "material": "m",
+           "grid": {"file": "slit.obj", "scale": 0.001, "resolution": 0.001}}])")})
+    EXPECT_NO_THROW(parse_scene(
+        R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}], )" + rest + "}",
+        (folder_ / "s.json").string()))
+        << rest;
+}
+
 TEST_F(LoadMesh, EndsOfOpenEdgesAreJoinedAsFarApartAsTheSceneSays) {
   // Two halves of a box of 1 m, a tenth of a millimetre apart.
   TriangleSoup soup = test::box(Vec3(0.5, 0.5, 0.5), 2);

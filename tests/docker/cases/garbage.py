@@ -1,13 +1,12 @@
-"""An uninvited client, and a flood of garbage from a container: the round trip of the others stays what it was."""
+"""An uninvited client, and a flood of garbage from a container: no hand loses a datagram, its session or its force, and every
+datagram of the flood is counted. How the flood changes the round trips is a measurement: feltwire-netbench --only flood."""
 
 import shutil
-import statistics
 
 import composition
 from judge import Recording, expect_honest, expect_undisturbed, report
 
-# The same hands with the flood and without, in turns: what else the machine is about meets both alike. The flood's own
-# work, an attacker's on another machine, is among that: in quiet rounds as much is sent to somebody else.
+# Each hand runs with the flood and without it, in turns. In quiet rounds as much garbage goes to another server.
 ROUNDS, SECONDS = 5, 3.0
 RATE = 20000  # [1/s] datagrams of garbage, at most
 HANDS = ["one", "two", "three"]
@@ -45,16 +44,9 @@ def run(compose, judge):
     judge.expect("flood: exit code", compose.stop("flood")["flood"][0], equal=0)
     after = compose.counters()["room"]
 
-    p99 = {"quiet": [], "flooded": []}  # [us] of the middle hand, round by round
-    for (when, _), names in rounds.items():
-        reports = {name: report(compose.out / f"{name}.json") for name in names}
-        p99[when].append(statistics.median(told["round_trip_us"]["p99"] for told in reports.values()))
-        for name, told in reports.items():
-            expect_undisturbed(judge, name, told, Recording(compose.out / f"{name}.csv"))
-    # Each round with the quiet one before it, and the middle of these: what else a machine is about comes and goes, and is
-    # several times what is looked for; the flood is in every round of its own.
-    ratios = [flooded / quiet for quiet, flooded in zip(p99["quiet"], p99["flooded"])]
-    judge.expect(f"p99 of the round trips, flooded to quiet, {statistics.median(p99['quiet']):.0f} us", round(statistics.median(ratios), 2), at_most=1.5)
+    for names in rounds.values():
+        for name in names:
+            expect_undisturbed(judge, name, report(compose.out / f"{name}.json"), Recording(compose.out / f"{name}.csv"))
 
     expect_honest(judge, after)
     judge.expect("sessions that there were", after["sessions_served"], equal=len(rounds) * len(HANDS))

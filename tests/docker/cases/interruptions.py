@@ -52,14 +52,7 @@ def run(compose, judge):
     judge.expect("exit codes", [code for code, _ in ended.values()], equal=[0] * len(ended))
 
     peace = report(compose.out / "peace.json")
-    felt = Recording(compose.out / "peace.csv")
-    expect_undisturbed(judge, "peace", peace, felt)
-    # The slowest in a thousand, 20 ms of the run, are left out: a machine that others share stalls for a moment. The
-    # interruptions beside it last for seconds.
-    judge.expect("peace: 99.9 % of the answers [us]", peace["round_trip_us"]["p999"], at_most=5e4)
-    ages = sorted(felt.age[felt.after(1.0):felt.after(felt.t[-1] - 0.2)])  # at its end every hand is let go
-    oldest = ages[int(0.999 * len(ages))] if ages else None
-    judge.expect("peace: 99.9 % of the ages of the commands that it held [s]", oldest, at_most=0.05)  # beyond that a force fades
+    expect_undisturbed(judge, "peace", peace, Recording(compose.out / "peace.csv"))
     for name, lost in (("cut", 1), ("killed", 0), ("paused", 1)):
         told = report(compose.out / f"{name}.json")
         expect_passive(judge, name, told, Recording(compose.out / f"{name}.csv"))

@@ -35,7 +35,6 @@ def run(compose, judge):
         expect_passive(judge, name, told, recording)
         judge.expect(f"{name}: sessions lost", told["disconnections"], equal=1)
         judge.expect(f"{name}: sessions found again", told["reconnections"], equal=1)
-        judge.expect(f"{name}: seconds without a session", told["disconnected_s"], at_most=AWAY + 3.0)
         force, ticks = recording.held_when_older_than(HOLD_TIME + 0.002)
         judge.expect(f"{name}: ticks without an answer", ticks, at_least=1000)
         judge.expect(f"{name}: force held beyond the hold time [N]", force, equal=0.0)

@@ -152,6 +152,21 @@ std::string got(const Gateway& gateway, const std::string& path, const std::stri
   return all;
 }
 
+TEST(Gateway, StrangersTakeNoPlaceOfAViewer) {
+  Server server = server_at();
+  const Gateway gateway = gateway_for(server.control_port());
+  Page page = page_of(gateway);
+  page.text("hello");
+  std::vector<std::unique_ptr<test::RawSocket>> silent;
+  for (int n = 0; n < 200; ++n)
+    silent.push_back(std::make_unique<test::RawSocket>(SOCK_STREAM, test::page_port(gateway)));
+  Page pinging(gateway);  // is let in after all of those
+  for (int n = 0; n < 3000; ++n) pinging.say_frame(9, "x");
+  EXPECT_EQ(pinging.close().reason(), "too many messages");
+  page.say({{"ticket", "room"}});
+  EXPECT_EQ(page.text("ticket")["type"], "ticket") << "the viewer was thrown out";
+}
+
 TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   auto server = std::make_unique<Server>(server_at());
   const std::uint16_t port = server->control_port();

@@ -1,12 +1,19 @@
 #include "protocol/net/udp_socket.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <stdexcept>
+#include <string>
+
+#include "protocol/net/datagram_io.hpp"
 
 namespace feltwire::udp_socket_test {
 namespace {
@@ -72,6 +79,97 @@ TEST(Fragments, AreForbiddenInBothFamilies) {
   EXPECT_TRUE(forbid_fragments(six.descriptor));
   EXPECT_EQ(six.option(IPPROTO_IPV6, IPV6_MTU_DISCOVER), IPV6_PMTUDISC_DO);
   EXPECT_EQ(six.option(IPPROTO_IP, IP_MTU_DISCOVER), IP_PMTUDISC_DO);
+}
+
+TEST(PathMtu, IsThatOfTheWayThere) {
+  sockaddr_storage there{};
+  auto& four = reinterpret_cast<sockaddr_in&>(there);
+  four.sin_family = AF_INET;
+  four.sin_port = htons(9);
+  four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const auto mtu = path_mtu(there, sizeof four);
+  ASSERT_TRUE(mtu);
+  EXPECT_GE(*mtu, 576);
+  EXPECT_EQ(header_bytes(there), 28u);
+  there = {};
+  auto& six = reinterpret_cast<sockaddr_in6&>(there);
+  six.sin6_family = AF_INET6;
+  EXPECT_EQ(header_bytes(there), 48u);
+  ::inet_pton(AF_INET6, "::ffff:127.0.0.1", &six.sin6_addr);
+  EXPECT_EQ(header_bytes(there), 28u);  // it is IPv4
+  EXPECT_EQ(path_mtu(sockaddr_storage{}, sizeof(sockaddr_in)), std::nullopt);
+}
+
+/// Both on every address of this machine.
+class DatagramIo : public ::testing::Test {
+ protected:
+  DatagramIo() {
+    sockaddr_in any{};
+    any.sin_family = AF_INET;
+    for (const Socket* socket : {&one_, &other_})
+      EXPECT_EQ(::bind(socket->descriptor, reinterpret_cast<const sockaddr*>(&any), sizeof any), 0);
+    EXPECT_TRUE(report_local_address(other_.descriptor));
+  }
+  static sockaddr_in at(const char* address, const Socket& socket) {
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    EXPECT_EQ(::getsockname(socket.descriptor, reinterpret_cast<sockaddr*>(&own), &size), 0);
+    ::inet_pton(AF_INET, address, &own.sin_addr);
+    return own;
+  }
+  /// Waits for it.
+  static ssize_t receive(const Socket& socket, std::span<std::uint8_t> into, sockaddr_in& from,
+                         LocalAddress& local) {
+    pollfd waiting{socket.descriptor, POLLIN, 0};
+    EXPECT_EQ(::poll(&waiting, 1, 20'000), 1);
+    socklen_t length = sizeof from;
+    const ssize_t size = receive_datagram(socket.descriptor, into,
+                                          reinterpret_cast<sockaddr*>(&from), length, local);
+    EXPECT_EQ(length, sizeof from);
+    return size;
+  }
+  static std::string text(const in_addr& address) {
+    std::array<char, INET_ADDRSTRLEN> room{};
+    return ::inet_ntop(AF_INET, &address, room.data(), room.size());
+  }
+
+  Socket one_{AF_INET}, other_{AF_INET};
+  std::array<std::uint8_t, 4> room_{};
+  LocalAddress local_;
+};
+
+TEST_F(DatagramIo, AnAnswerLeavesFromWhereTheQuestionCame) {
+  const std::array<std::uint8_t, 3> question = {1, 2, 3};
+  const sockaddr_in to = at("127.0.0.2", other_);
+  ASSERT_TRUE(send_datagram(one_.descriptor, question, reinterpret_cast<const sockaddr*>(&to),
+                            sizeof to, {}));
+  sockaddr_in from{};
+  ASSERT_EQ(receive(other_, room_, from, local_), 3);
+  EXPECT_EQ(room_, (std::array<std::uint8_t, 4>{1, 2, 3, 0}));
+  EXPECT_EQ(from.sin_port, at("127.0.0.1", one_).sin_port);
+  ASSERT_EQ(local_.family, AF_INET);
+  EXPECT_EQ(text(local_.four), "127.0.0.2");
+
+  const std::array<std::uint8_t, 1> answer = {4};
+  ASSERT_TRUE(send_datagram(other_.descriptor, answer, reinterpret_cast<const sockaddr*>(&from),
+                            sizeof from, local_));
+  LocalAddress unknown;
+  ASSERT_EQ(receive(one_, room_, from, unknown), 1);
+  EXPECT_EQ(room_[0], 4);
+  EXPECT_EQ(text(from.sin_addr), "127.0.0.2");
+  EXPECT_EQ(unknown.family, AF_UNSPEC) << "this socket does not tell";
+}
+
+TEST_F(DatagramIo, DoesNotWaitAndSaysWhatFailed) {
+  sockaddr_in from{};
+  socklen_t length = sizeof from;
+  EXPECT_LT(
+      receive_datagram(one_.descriptor, room_, reinterpret_cast<sockaddr*>(&from), length, local_),
+      0);
+  EXPECT_EQ(errno, EAGAIN);
+  const sockaddr_in to = at("127.0.0.1", other_);
+  EXPECT_FALSE(send_datagram(-1, room_, reinterpret_cast<const sockaddr*>(&to), sizeof to, {}));
+  EXPECT_EQ(errno, EBADF);
 }
 
 }  // namespace

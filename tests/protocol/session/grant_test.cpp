@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "protocol/session/client_change.hpp"
 #include "protocol/session/profiles.hpp"
 #include "tests/protocol/parameter_changes.hpp"
 
@@ -81,7 +82,32 @@ TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
   }
 }
 
-// An honest server behind a thin line keeps the rules, at every servo rate.
+// A longer hold is a force that stays longer: how long is for the client's owner to say.
+TEST(Grant, AHoldTimeIsLengthenedAsFarAsTheClientsOwnerAllows) {
+  SessionParameters asked, granted;
+  for (const double hold_time : {0.10001, 0.2, 0.8, 1.0}) {
+    granted.hold_time = hold_time;
+    EXPECT_THAT(forbidden_grant(asked, granted), Optional(StartsWith("hold_time: asked 0.1, ")));
+    EXPECT_EQ(forbidden_grant(asked, granted, {.hold_time = hold_time}), std::nullopt);
+    EXPECT_THAT(forbidden_grant(asked, granted, {.hold_time = 0.999 * hold_time}),
+                Optional(StartsWith("hold_time: asked 0.1, ")));
+  }
+  granted.hold_time = 0.1;
+  EXPECT_EQ(forbidden_grant(asked, granted, {.hold_time = 0.05}), std::nullopt);
+}
+
+// While a session runs nothing lengthens it: a server's own change of it is refused, and the change
+// that a client takes has no such field.
+TEST(Grant, NoLaterChangeLengthensAHoldTime) {
+  SessionParameters running, wanted;
+  wanted.hold_time = 0.8;
+  EXPECT_THAT(forbidden_change(running, wanted), Optional(StartsWith("hold_time: ")));
+  const LawChoice law{MethodName("contact_frame"), Projection::joint, Storage::elastic};
+  EXPECT_EQ(with_law(running, law).hold_time, running.hold_time);
+}
+
+// An honest server behind a thin line keeps the rules, at every servo rate. Its owner may need the
+// client's owner to allow a longer hold time.
 TEST(Grant, WhatOurServersGrantIsPermitted) {
   for (const NetworkProfile& line : kNetworkProfiles)
     for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
@@ -98,7 +124,8 @@ TEST(Grant, WhatOurServersGrantIsPermitted) {
             asked.servo_period = 1.0 / rate;
             asked.hold_time = std::max(hold_time, asked.servo_period);
             const SessionParameters given = granted(line, asked);
-            EXPECT_EQ(forbidden_grant(asked, given), std::nullopt)
+            EXPECT_EQ(forbidden_grant(asked, given, {.hold_time = kLongestGrantedHold}),
+                      std::nullopt)
                 << line.name << ' ' << rate << ' ' << asked.mode << ' ' << hold_time;
             // And what it grants is what it grants once more, to a client that lost its session.
             EXPECT_EQ(granted(line, given), given);

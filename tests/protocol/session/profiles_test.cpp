@@ -91,6 +91,16 @@ TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
   bound_at_server.side = BoundingSide::server;
   EXPECT_EQ(granted(thin, bound_at_server).side, BoundingSide::client);
   EXPECT_EQ(granted(network_profile("lan"), {}), SessionParameters{});
+  // A hold time that is long enough for the line stays, and the silences are shorter for it.
+  const SessionParameters over_wan = granted(network_profile("wan"), {});
+  EXPECT_EQ(over_wan.hold_time, SessionParameters{}.hold_time);
+  EXPECT_DOUBLE_EQ(over_wan.keep_alive, 0.02);
+  EXPECT_EQ(over_wan.packet_interval, 10);
+  EXPECT_NO_THROW(validate(over_wan));
+  EXPECT_EQ(forbidden_grant({}, over_wan), std::nullopt);
+  SessionParameters long_hold;
+  long_hold.hold_time = 1.0;
+  EXPECT_EQ(granted(network_profile("wan"), long_hold), over(network_profile("wan"), long_hold));
 }
 
 }  // namespace

@@ -191,7 +191,7 @@ TEST(LawsTaken, SafeOnesRaiseNoRisk) {
 TEST(LawsTaken, NobodyTakesWhatCannotTakeOver) {
   using enum LawsTaken;
   const SessionParameters shaped = started("shaped");
-  EXPECT_THAT(*refuses_law(shaped, law("contact_frame"), none), HasSubstr("--fixed"));
+  EXPECT_THAT(*refuses_law(shaped, law("contact_frame"), none), HasSubstr("--changes"));
   EXPECT_THAT(*refuses_law(shaped, law("total_energy"), any),
               HasSubstr("bounds forces from below"));
   EXPECT_THAT(*refuses_law(started("per_axis"), law("contact_frame"), any),

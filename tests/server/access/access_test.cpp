@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <deque>
 #include <random>
 #include <set>
+#include <thread>
 
 #include "server/access/places.hpp"
 #include "server/access/rate_limit.hpp"
+#include "server/access/wrong_tokens.hpp"
 #include "tests/server/endpoint.hpp"
 
 namespace feltwire::access_test {
@@ -23,13 +27,67 @@ using test::served;
 Network of(const std::string& address) { return network_of(asio::ip::make_address(address)); }
 
 TEST(NetworkOf, AnAddressIsWhatWhoeverHasItHas) {
-  EXPECT_EQ(of("2001:db8:1:2::1"), of("2001:db8:1:2:ffff:ffff:ffff:ffff"));
-  EXPECT_NE(of("2001:db8:1:2::1"), of("2001:db8:1:3::1"));
+  EXPECT_EQ(of("2001:db8:1:2::1"), of("2001:db8:1:ffff:ffff:ffff:ffff:ffff"));
+  EXPECT_NE(of("2001:db8:1:2::1"), of("2001:db8:2:2::1"));
   EXPECT_EQ(of("192.0.2.1"), of("192.0.2.255"));
   EXPECT_NE(of("192.0.2.1"), of("192.0.3.1"));
   EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 as an IPv6 socket sees it
   EXPECT_NE(of("::"), of("0.0.0.0"));
   EXPECT_NE(of("::1"), of("127.0.0.1"));
+}
+
+HostAddress host(const std::string& address) { return host_of(asio::ip::make_address(address)); }
+
+TEST(NetworkOf, AHostIsAPartOfIt) {
+  EXPECT_EQ(host("2001:db8:1:2::1"), host("2001:db8:1:2:ffff:ffff:ffff:ffff"));
+  EXPECT_NE(host("2001:db8:1:2::1"), host("2001:db8:1:3::1"));
+  EXPECT_EQ(host("192.0.2.1"), host("::ffff:192.0.2.1"));
+  EXPECT_NE(host("192.0.2.1"), host("192.0.2.2"));
+}
+
+/// A member of a network takes its places from itself, and not from its neighbours.
+TEST(Places, OneMemberTakesPlacesFromItself) {
+  Places places(100, 8);
+  const Network net = of("192.0.2.1");
+  Places::Id next = 0;
+  const Places::Id honest = next++;
+  EXPECT_FALSE(places.take(honest, net, "honest"));
+  for (int i = 0; i < 7; ++i) EXPECT_FALSE(places.take(next++, net, "busy"));
+  for (int i = 0; i < 100; ++i) {
+    const auto loser = places.take(next, net, "busy");
+    ASSERT_EQ(loser, next - 7);  // its own oldest
+    ++next;
+  }
+  EXPECT_EQ(places.take(next, net, "new"), next - 7);  // a newcomer finds a place
+  EXPECT_TRUE(places.leave(honest));
+}
+
+/// A client's name from many networks takes its places from itself, too.
+TEST(Places, AMemberHasALimitInAllNetworksTogether) {
+  Places places(100, 50, 4);
+  Places::Id next = 0;
+  const Places::Id honest = next++;
+  EXPECT_FALSE(places.take(honest, of("10.0.0.1"), "honest"));
+  for (int i = 0; i < 200; ++i) {
+    const auto loser = places.take(next, of("10.0." + std::to_string(i % 60) + ".1"), "busy");
+    ASSERT_EQ(loser, i < 4 ? std::nullopt : std::optional(next - 4));  // its own oldest
+    ++next;
+  }
+  EXPECT_EQ(places.size(), 5u);
+  EXPECT_TRUE(places.leave(honest));
+}
+
+TEST(WrongTokens, OneHostLeavesTheOthersTheirs) {
+  WrongTokens wrong(2.0, 20.0);
+  const auto at = [](const char* text) { return asio::ip::make_address(text); };
+  int taken = 0;
+  for (int i = 0; i < 1000; ++i) taken += wrong.take(at("192.0.2.1"), 1s) ? 1 : 0;
+  EXPECT_EQ(taken, 10);
+  EXPECT_TRUE(wrong.take(at("192.0.2.2"), 1s));
+  for (int i = 3; i < 250; ++i) wrong.take(at(("192.0.2." + std::to_string(i)).c_str()), 1s);
+  EXPECT_FALSE(wrong.take(at("192.0.2.251"), 1s));  // all of its network together
+  EXPECT_TRUE(wrong.take(at("192.0.3.1"), 1s));
+  EXPECT_TRUE(wrong.take(at("192.0.2.1"), 2s));
 }
 
 /// The review's attack: one network of IPv6 with as many addresses as it likes.
@@ -219,10 +277,35 @@ TEST(Access, PlacesOfTheKnownAreTheirs) {
   third.ask<control::SceneList>(control::ListScenes{});
 }
 
+/// Each may have much memory: a stranger for its handshake, a known one for its frame.
+TEST(Access, StrangersAndEachClientHaveLimitsOfTheirOwn) {
+  ControlOptions options = patient(64);
+  options.max_strangers = 2;
+  options.max_connections_per_client = 3;
+  Endpoint endpoint(options, control::SceneList{});
+  const auto known = [&](const char* from) {
+    return std::make_unique<ControlClient>(endpoint.port(), AF_INET, test::admin_token().text,
+                                           from);
+  };
+  const auto first = known("127.0.1.1"), second = known("127.0.2.1"), third = known("127.0.3.1");
+  for (const auto* client : {&first, &second, &third})
+    (*client)->ask<control::SceneList>(control::ListScenes{});
+  const auto fourth = known("127.0.4.1");
+  EXPECT_TRUE(first->closed());
+  for (const auto* client : {&second, &third, &fourth})
+    (*client)->ask<control::SceneList>(control::ListScenes{});
+  RawSocket oldest(SOCK_STREAM, endpoint.port(), AF_INET, "127.0.5.1");
+  const RawSocket older(SOCK_STREAM, endpoint.port(), AF_INET, "127.0.6.1");
+  const RawSocket newest(SOCK_STREAM, endpoint.port(), AF_INET, "127.0.7.1");
+  EXPECT_TRUE(oldest.receive().empty());
+  EXPECT_EQ(endpoint.counters().crowded_out, 2u);
+}
+
 TEST(Access, HandshakesOfANetworkAreLimited) {
   ControlOptions options = patient(512);
   options.handshake_rate = 1e-3;
   options.handshake_burst = 3;
+  options.handshake_patience = 10ms;  // others wait for their turn, and then for nothing
   Endpoint endpoint(options, control::SceneList{});
   for (const char* from : {"127.0.1.1", "127.0.1.2", "127.0.1.3"})
     EXPECT_TRUE(served(endpoint.port(), from));
@@ -234,6 +317,36 @@ TEST(Access, HandshakesOfANetworkAreLimited) {
   const ControlCounters counters = endpoint.counters();
   EXPECT_EQ(counters.accepted, 4u);
   EXPECT_EQ(counters.too_often, 20u);
+}
+
+/// The review's attack on a whole endpoint: one neighbour connects without end, another one shows
+/// nothing; all others of the /24 are let in.
+TEST(Access, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
+  ControlOptions options = patient(512);
+  options.handshake_rate = 50.0;
+  options.handshake_burst = 100.0;
+  Endpoint endpoint(options, control::SceneList{});
+  std::atomic<bool> over{false};
+  const auto attack = [&](const char* from) {
+    std::deque<std::unique_ptr<RawSocket>> held;
+    while (!over) try {
+        held.push_back(std::make_unique<RawSocket>(SOCK_STREAM, endpoint.port(), AF_INET, from));
+        if (held.size() > 64) held.pop_front();
+      } catch (const std::runtime_error&) {  // no port is left for a moment
+        held.clear();
+      }
+  };
+  std::thread first([&] { attack("127.0.9.1"); }), second([&] { attack("127.0.9.2"); });
+  int kept_out = 0;
+  for (int i = 10; i < 30; ++i) {
+    const std::string from = "127.0.9." + std::to_string(i);
+    kept_out += served(endpoint.port(), from.c_str()) ? 0 : 1;
+  }
+  over = true;
+  first.join();
+  second.join();
+  EXPECT_EQ(kept_out, 0);
+  EXPECT_GT(endpoint.counters().too_often, 0u);
 }
 
 }  // namespace

@@ -256,5 +256,32 @@ TEST(TokenCommand, ATokenThatCannotBeStoredLeavesNoOut) {
   EXPECT_EQ(folder.entries(), 1u);  // the state folder
 }
 
+/// A scene that the server does not have.
+TEST(TokenCommand, AnUnknownSceneIsWarnedOfWithTheNearestName) {
+  const TemporaryFolder folder;
+  const std::string config = folder / "server.json";
+  std::ofstream(folder / "room.json") << R"({"name": "room", "objects": []})";
+  std::ofstream(folder / "table.json") << R"({"name": "table", "objects": []})";
+  std::ofstream(config) << R"({"scenes": ["room.json", "table.json"], "state": "state"})";
+  const auto add = [&](const std::string& scene, std::vector<std::string> more) {
+    std::vector<std::string> words = {"token", "add",    "--client", "anna",      "--scene",
+                                      scene,   "--role", "operator", "--expires", "never"};
+    words.insert(words.end(), more.begin(), more.end());
+    const test::Outcome outcome = test::Program(FELTWIRE_SERVER_PROGRAM, words).finish();
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    return outcome.error;
+  };
+  EXPECT_THAT(add("rom", {"--config", config}),
+              AllOf(HasSubstr("feltwire-server token: warning: this server has no scene 'rom'"),
+                    HasSubstr("did you mean room?"), HasSubstr("room, table")));
+  for (const char* known : {"room", "table", "*"}) EXPECT_EQ(add(known, {"--config", config}), "");
+  // Without a configuration those of the server's newest start count, and none before it.
+  const std::string state = folder / "state";
+  EXPECT_EQ(add("rom", {"--state", state}), "");
+  std::ofstream(state + "/scenes.txt") << "room\ntable\n";
+  EXPECT_THAT(add("tabel", {"--state", state}), HasSubstr("did you mean table?"));
+  EXPECT_EQ(add("table", {"--state", state}), "");
+}
+
 }  // namespace
 }  // namespace feltwire::state_folder_test

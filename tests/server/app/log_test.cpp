@@ -294,6 +294,22 @@ TEST(Suggestion, IsTheNearestWord) {
   EXPECT_EQ(nearest("--something-else", words), "");
 }
 
+TEST(Suggestion, AUnitBehindANumberIsNamed) {
+  EXPECT_EQ(unit_advice("Could not convert: --duration = 15ms"),
+            "; write the number without unit: 15");
+  EXPECT_EQ(unit_advice("Could not convert: --damping = 0.5Ns/m"),
+            "; write the number without unit: 0.5");
+  EXPECT_EQ(unit_advice("Could not convert: --rate = 1e3Hz"),
+            "; write the number without unit: 1e3");
+  for (const char* other : {"Could not convert: --rate = fast", "Could not convert: --rate = 1x2",
+                            "--rate: Missing", "Could not convert: --rate = 12", ""})
+    EXPECT_EQ(unit_advice(other), "") << other;
+  const auto said = [](std::vector<std::string> words) {
+    return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish().error;
+  };
+  EXPECT_THAT(said({"--silence-timeout", "5s"}), HasSubstr("write the number without unit: 5"));
+}
+
 TEST(Suggestion, IsMadeByTheServer) {
   const auto said = [](std::vector<std::string> words) {
     return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish().error;

@@ -4,13 +4,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "core/build_info/build_info.hpp"
+#include "server/access/token_file.hpp"
 #include "server/app/server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/server/make.hpp"
@@ -101,6 +104,77 @@ TEST(Program, TheLogShowsControlCharacters) {
   const Outcome outcome = program.finish();
   EXPECT_THAT(outcome.error, HasSubstr("an\\x1b]0;owned\\x07na\\x9b2J\\xff"));
   EXPECT_EQ(outcome.error.find_first_of("\x1b\x07"), std::string::npos) << outcome.error;
+}
+
+/// All that the program prints on a terminal if it is told to end after `text`.
+std::string on_terminal(std::vector<std::string> words, const std::string& text) {
+  words.insert(words.begin(), FELTWIRE_SERVER_PROGRAM);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  int terminal = -1;
+  const pid_t process = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (process == 0) {
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  std::string said;
+  bool told = false;
+  for (char c = 0; ::read(terminal, &c, 1) == 1;) {  // an error: the program has ended
+    said += c;
+    if (!told && said.find(text) != std::string::npos) told = ::kill(process, SIGTERM) == 0;
+  }
+  ::waitpid(process, nullptr, 0);
+  ::close(terminal);
+  return said;
+}
+
+/// The links have tokens in them. Others may read a file or a journal, so only a terminal gets
+/// them.
+TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
+  const testing::TemporaryFolder folder;
+  const std::string state = folder / "state", file = state + "/admin.token";
+  const std::vector<std::string> words = {"--scene", scene_file(), "--port", "0", "--web", "0"};
+  {
+    Program program(words, state);
+    std::string said;
+    while (!said.starts_with("live page: ")) said = program.line();
+    EXPECT_THAT(said, Not(HasSubstr("fw_")));
+    program.signal(SIGTERM);
+    const Outcome outcome = program.finish();
+    EXPECT_THAT(outcome.out, AllOf(Not(HasSubstr("as an admin")), Not(HasSubstr("fw_"))));
+    EXPECT_THAT(outcome.error, Not(HasSubstr("fw_")));
+  }
+  const std::string token = testing::text_of(file);
+  EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms{0600});
+  const Tokens tokens = TokenFile(state + "/tokens.json").tokens();
+  ASSERT_NE(authenticate(tokens, token, calendar_now()), nullptr);
+  EXPECT_EQ(authenticate(tokens, token, calendar_now())->role, Role::admin);
+
+  const std::vector<std::string> here = Program::with(words, state);
+  EXPECT_THAT(on_terminal(here, "live page: "), HasSubstr("/#token=" + token + "\r\n"));
+  // A revoked token is not printed, and no other is made in its place.
+  const std::string id = token.substr(3, token.find('_', 3) - 3);
+  EXPECT_EQ(Program({"token", "revoke", id}, state).finish().status, 0);
+  const std::string revoked = on_terminal(here, "live page: ");
+  EXPECT_THAT(revoked, AllOf(HasSubstr("live page: "), Not(HasSubstr("as an admin"))));
+  EXPECT_EQ(testing::text_of(file), token);
+}
+
+/// Without a page there is no link, and with a token file of their own its owners make the tokens.
+TEST(Program, MakesNoTokenOfAnAdminThatNobodyUses) {
+  const testing::TemporaryFolder folder;
+  const auto serve = [&](std::vector<std::string> words) {
+    Program program(std::move(words), folder / "state");
+    while (!program.line().starts_with("join: ")) {
+    }
+    program.signal(SIGTERM);
+    return program.finish().status;
+  };
+  EXPECT_EQ(serve({"--scene", scene_file(), "--port", "0"}), 0);
+  const std::string tokens = folder / "state/tokens.json";
+  EXPECT_EQ(serve({"--scene", scene_file(), "--port", "0", "--web", "0", "--tokens", tokens}), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "state/admin.token"));
 }
 
 TEST(Program, CommandLineWinsOverTheFile) {

@@ -172,5 +172,47 @@ TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
   EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));
 }
 
+/// Every kind of request that has no limit of its own ends in a refusal that heals.
+TEST_F(AdminRequest, NoRequestIsAnsweredWithoutEnd) {
+  const auto asked_until_refused = [](ControlClient& client, const control::Message& request) {
+    for (int asked = 0; asked < 20'000; ++asked) {
+      client.send(request);
+      const auto answer = client.receive();
+      if (!answer) return -1;
+      const auto* refused = std::get_if<Refused>(&*answer);
+      if (refused != nullptr && refused->code == RefusalCode::too_many) return asked;
+    }
+    return 20'000;
+  };
+  ControlClient eye(server_.control_port(), AF_INET, eye_.text);
+  const int scenes = asked_until_refused(eye, control::ListScenes{});
+  EXPECT_GE(scenes, 60);
+  EXPECT_LT(scenes, 2'000);
+  const std::vector<control::Message> requests = {control::DescribeSessions{"room", 0},
+                                                  control::DescribeScene{"room", 0},
+                                                  control::ListScenes{},
+                                                  control::ListSessions{},
+                                                  control::GetCounters{},
+                                                  control::GetCounters{"room"},
+                                                  control::Evict{77},
+                                                  control::LeaveRequest{77},
+                                                  control::GetSurface{77, 1, 0, 0, 0},
+                                                  control::SetGravity{"room", Vec3::Zero()},
+                                                  control::TakeSurfaces{77, 1, {}},
+                                                  control::Authenticate{test::admin_token().text}};
+  for (const control::Message& request : requests)
+    EXPECT_LT(asked_until_refused(admin_, request), 20'000) << request.index();
+}
+
+/// A name that asks without end takes nothing from another one.
+TEST_F(AdminRequest, TheLimitIsOfOneClientsName) {
+  ControlClient anna(server_.control_port(), AF_INET, anna_.text);
+  for (int n = 0; n < 3'000; ++n) {
+    anna.send(control::LeaveRequest{77});
+    if (!anna.receive()) break;
+  }
+  admin_.ask<control::Counters>(control::GetCounters{});
+}
+
 }  // namespace
 }  // namespace feltwire::admin_request_test

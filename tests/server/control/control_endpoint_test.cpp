@@ -111,6 +111,23 @@ TEST(ControlEndpoint, ARefusedStrangerIsClosed) {
   EXPECT_TRUE(stranger.closed());
 }
 
+/// Bytes of a refused one are thrown away, so that it hears why; not for ever.
+TEST(ControlEndpoint, ARefusedStrangerThatSendsWithoutEndIsClosed) {
+  Endpoint endpoint({.address = {}, .handshake_timeout = kNever, .idle_timeout = kNever},
+                    control::SceneList{});
+  ControlClient stranger(endpoint.port(), AF_INET, Secret());
+  stranger.ask<control::Refused>(control::ListScenes{});
+  const std::vector<std::uint8_t> more(65536);
+  constexpr std::size_t kEndless = std::size_t{256} << 20U;
+  std::size_t sent = 0;
+  while (sent < kEndless) {
+    const ssize_t count = ::send(stranger.descriptor(), more.data(), more.size(), MSG_NOSIGNAL);
+    if (count <= 0) break;
+    sent += static_cast<std::size_t>(count);
+  }
+  EXPECT_LT(sent, kEndless);
+}
+
 TEST(ControlEndpoint, OlderTlsIsRefused) {
   Endpoint endpoint(kNever, 8, control::SceneList{});
   for (const int version : {TLS1_2_VERSION, TLS1_1_VERSION}) {

@@ -174,5 +174,29 @@ TEST_F(SurfaceRequest, AreForTheSessionsClientOnly) {
     EXPECT_EQ(other.ask<Refused>(request).code, RefusalCode::unknown_session);
 }
 
+/// A client that fetches a scene in full, again and again, is refused after some 2000 parts; what
+/// an honest one asks for at most (750) it gets.
+TEST_F(SurfaceRequest, AreNotAnsweredWithoutEnd) {
+  test::RestingHand hand(admin_), other(admin_);
+  const auto list = admin_.ask<control::SurfaceList>(control::ListSurfaces{hand.session()});
+  const auto refused_at = [&](std::uint64_t session, int most) {
+    for (int asked = 0; asked < most; ++asked) {
+      // Beyond the end of the mesh, so that the answers are short.
+      admin_.send(control::GetSurface{session, list.version, 2, 1'000'000, 1'000'000});
+      const auto answer = admin_.receive();
+      if (!answer) return -1;
+      if (const auto* refused = std::get_if<Refused>(&*answer)) {
+        EXPECT_EQ(refused->code, RefusalCode::too_many) << refused->reason;
+        return asked;
+      }
+    }
+    return most;
+  };
+  const int asked = refused_at(hand.session(), 20'000);
+  EXPECT_GT(asked, 750);
+  EXPECT_LT(asked, 20'000);
+  EXPECT_EQ(refused_at(other.session(), 750), 750);  // another session has its own
+}
+
 }  // namespace
 }  // namespace feltwire::surface_request_test

@@ -187,5 +187,28 @@ TEST(FlightRecorder, FolderThatCannotBeMadeIsNamed) {
   }
 }
 
+/// A flight record tells what a person's hand did.
+TEST_F(FlightRecorderTest, OnlyItsOwnerReadsIt) {
+  run(20);
+  const auto file = flight.write_if_due(true, scene.exchange.now);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(std::filesystem::status(*file).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+
+  for (const unsigned mode : {0755u, 0750u, 0711u, 01777u}) {
+    const std::filesystem::path open = scene.folder / ("open" + std::to_string(mode));
+    std::filesystem::create_directory(open);
+    std::filesystem::permissions(open, std::filesystem::perms(mode));
+    try {
+      FlightRecorder other(open, "scene", {}, 0);
+      ADD_FAILURE() << "took a folder of mode " << mode;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("is open to others than its owner"));
+      EXPECT_THAT(error.what(), HasSubstr("chmod 700 " + open.string()));
+      EXPECT_THAT(error.what(), HasSubstr("--flight-recorder"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace feltwire::flight_recorder_test

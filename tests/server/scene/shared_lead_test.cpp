@@ -140,6 +140,55 @@ TEST(SharedLead, AHandThatFallsSilentOrJumpsHoldsItselfAlone) {
   EXPECT_EQ(bench.target.state, hold);
 }
 
+/// Ben's switch changes with every sample: after a few of them he leads nothing, and anna has all.
+TEST(SharedLead, ASwitchThatFlickersTakesNothingFromTheOther) {
+  SharedBench bench;
+  bench.ben.share = 3.0;
+  bench.press(bench.anna);
+  const auto flicker = [&](int samples) {
+    for (int n = 0; n < samples; ++n) {
+      bench.ben.pressed = !bench.ben.pressed;
+      bench.send(bench.ben);
+      bench.send(bench.anna);
+    }
+  };
+  flicker(20);
+  const Vec3 before = bench.place();
+  for (int n = 0; n < 100; ++n) {
+    bench.anna.at.x() += 1e-5;
+    flicker(1);
+    EXPECT_NE(bench.told(bench.ben), engaged) << n;
+  }
+  EXPECT_EQ(bench.told(bench.anna), engaged);
+  EXPECT_NEAR(bench.place().x() - before.x(), 1e-3, 1e-12) << "she leads alone";
+  EXPECT_TRUE(bench.link.told(bench.anna.number, bench.now).meets_surfaces);
+  // A switch that he holds counts again.
+  bench.ben.pressed = true;
+  for (int n = 0; n < 600; ++n) {
+    bench.send(bench.ben);
+    bench.send(bench.anna);
+  }
+  EXPECT_EQ(bench.told(bench.ben), engaged);
+}
+
+/// A hand that leads alone hands over to one that presses, also where its own switch flickers.
+TEST(SharedLead, ASwitchThatFlickersKeepsTheLeadFromNobody) {
+  SharedBench bench;
+  bench.anna.share = bench.ben.share = 0.0;
+  bench.press(bench.anna);
+  for (int n = 0; n < 20; ++n) {
+    bench.anna.pressed = !bench.anna.pressed;
+    bench.send(bench.anna);
+    bench.send(bench.ben);  // it waits, released
+  }
+  bench.anna.pressed = true;
+  bench.send(bench.anna);
+  bench.ben.pressed = true;
+  bench.send(bench.ben);
+  EXPECT_EQ(bench.told(bench.ben), engaged);
+  EXPECT_EQ(bench.told(bench.anna), disabled);
+}
+
 /// Hands that press, let go, leave, move and get other shares as they like: the target moves by the
 /// share of the hand that moved, and by nothing else.
 TEST(SharedLead, NothingButAMovementMovesTheTarget) {
@@ -189,7 +238,7 @@ TEST(SharedLead, NothingButAMovementMovesTheTarget) {
     }
   }
   EXPECT_GT(changes, 200);
-  EXPECT_GT(together, 2000);
+  EXPECT_GT(together, 1000);  // some switches flicker
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ using ::testing::StartsWith;
 constexpr std::array<unsigned char, 3> kFile = {'a', 'b', 'c'};
 const std::array<PageAsset, 1> kPage = {{{"/", "text/html", "1234", kFile}}};
 
-std::string text(const Answer& answer) { return {answer.bytes.begin(), answer.bytes.end()}; }
+std::string text(const Answer& answer) {
+  return std::string(answer.bytes.begin(), answer.bytes.end()) + std::string(answer.body.text());
+}
 
 std::string asked(const std::string& head, bool secure = false,
                   std::vector<std::string> names = {}) {
@@ -53,6 +55,9 @@ TEST(Answers, TheFileAsItWasCompressed) {
   EXPECT_THAT(whole, HasSubstr("Content-Length: 3\r\n"));
   EXPECT_THAT(whole, EndsWith("\r\n\r\nabc"));
   EXPECT_THAT(asked("HEAD / HTTP/1.1\r\nHost: 127.0.0.1\r\n"), EndsWith("\r\n\r\n"));
+  // It is written from where it lies: many who read slowly cost no copies.
+  const auto request = parse_http_head(get("/", "") + "\r\n");
+  EXPECT_EQ(answer(&*request, {kPage, {}, false}).body.bytes().data(), kFile.data());
   EXPECT_THAT(asked(get("/", "If-None-Match: \"1234\"\r\n")), StartsWith("HTTP/1.1 304 "));
   EXPECT_THAT(asked(get("/", "If-None-Match: \"123\"\r\n")), StartsWith("HTTP/1.1 200 "));
 }
@@ -112,15 +117,52 @@ TEST(Answers, Metrics) {
 
 /// A name that was made to lead to this machine (DNS rebinding) is not answered.
 TEST(Answers, OnlyByItsOwnNames) {
-  for (const std::string ours :
-       {"127.0.0.1", "127.0.0.1:7480", "localhost:1", "[::1]:7480", "192.168.1.5"})
+  for (const std::string ours : {"127.0.0.1", "127.0.0.1:7480", "localhost:1", "[::1]:7480",
+                                 "192.168.1.5", "[::1]", "LocalHost", "localhost.", "localhost.:80",
+                                 "[2001:DB8::1]:65535", "[::ffff:127.0.0.1]", "127.0.0.1."})
     EXPECT_THAT(asked(get("/", "", ours)), StartsWith("HTTP/1.1 200 ")) << ours;
-  for (const std::string other : {"evil.example", "evil.example:7480", "127.0.0.1.evil.example",
-                                  "localhost.evil.example", "", "[", "[::1"})
+  for (const std::string other : {"evil.example",
+                                  "evil.example:7480",
+                                  "127.0.0.1.evil.example",
+                                  "localhost.evil.example",
+                                  "",
+                                  "[",
+                                  "[::1",
+                                  "[::1]evil",
+                                  "[::1]evil:80",
+                                  "[::1].evil.example",
+                                  "[::1]:",
+                                  "[::1]:80x",
+                                  "[::1]:0",
+                                  "[::1]:65536",
+                                  "[::1]:80:80",
+                                  "[::1%evil]",
+                                  "[::1%25lo]",
+                                  "[127.0.0.1]",
+                                  "[localhost]",
+                                  "[]",
+                                  "::1",
+                                  "127.0.0.1:",
+                                  "127.0.0.1:+80",
+                                  "127.0.0.1:99999999999",
+                                  "localhost:80@evil.example",
+                                  "localhost@evil.example",
+                                  "evil.example@localhost",
+                                  "127.0.0.1/",
+                                  "127.0.0.1 evil.example",
+                                  "127.0.0.1,evil.example",
+                                  "localhost..",
+                                  ".localhost",
+                                  "local..host",
+                                  "127.1",
+                                  "0x7f000001",
+                                  "2130706433"})
     EXPECT_THAT(asked(get("/", "", other)), StartsWith("HTTP/1.1 403 ")) << other;
   EXPECT_THAT(asked("GET / HTTP/1.1\r\n"), StartsWith("HTTP/1.1 403 "));
-  EXPECT_THAT(asked(get("/", "", "lab.example:1"), false, {"lab.example"}),
-              StartsWith("HTTP/1.1 200 "));
+  for (const std::string lab : {"lab.example:1", "LAB.Example", "lab.example."})
+    EXPECT_THAT(asked(get("/", "", lab), false, {"Lab.example"}), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(asked(get("/", "", "xlab.example"), false, {"lab.example"}),
+              StartsWith("HTTP/1.1 403 "));
 }
 
 TEST(Answers, AWebSocketOfItsOwnPage) {
@@ -139,6 +181,31 @@ TEST(Answers, NoWebSocketOfAnotherPage) {
         "Origin: https://127.0.0.1:7480\r\n", "Origin: http://127.0.0.1:7481\r\n",
         "Origin: http://127.0.0.1:7480.evil.example\r\n"})
     EXPECT_THAT(asked(get("/live", kUpgrade + origin)), StartsWith("HTTP/1.1 403 ")) << origin;
+}
+
+/// A proxy on this machine speaks TLS to browsers, and HTTP to this server.
+TEST(Answers, AWebSocketThroughAProxyThatSpeaksTls) {
+  const auto status = [](const std::string& host, const std::string& origin, bool secure = false) {
+    const std::string answer =
+        asked(get("/live", kUpgrade + "Origin: " + origin + "\r\n", host), secure, {"lab.example"});
+    return answer.substr(answer.find(' ') + 1, 3);
+  };
+  EXPECT_EQ(status("lab.example", "https://lab.example"), "101");
+  EXPECT_EQ(status("lab.example:8443", "https://lab.example:8443"), "101");
+  // Proxies write the usual port or leave it out, browsers leave it out.
+  EXPECT_EQ(status("lab.example:443", "https://lab.example"), "101");
+  EXPECT_EQ(status("lab.example:80", "http://lab.example"), "101");
+  EXPECT_EQ(status("lab.example", "http://lab.example"), "101");
+  EXPECT_EQ(status("lab.example", "https://lab.example", true), "101");
+  // Not where it is another site, or where no proxy was named.
+  EXPECT_EQ(status("lab.example", "https://evil.example"), "403");
+  EXPECT_EQ(status("lab.example", "https://lab.example.evil.example"), "403");
+  EXPECT_EQ(status("lab.example", "https://evil.lab.example"), "403");
+  EXPECT_EQ(status("lab.example", "https://lab.example:8443"), "403");
+  EXPECT_EQ(status("lab.example:443", "http://lab.example"), "403");
+  EXPECT_EQ(status("lab.example", "http://lab.example", true), "403");
+  EXPECT_EQ(status("localhost:7480", "https://localhost:7480"), "403");
+  EXPECT_EQ(status("127.0.0.1", "https://lab.example"), "403");
 }
 
 std::string foxglove(std::string_view protocols) {
@@ -171,6 +238,11 @@ TEST(Answers, ATicketForAToken) {
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)),
               EndsWith("\r\n\r\nws://127.0.0.1:7480/foxglove?ticket=fw_ticket\n"));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown), true), HasSubstr("\nwss://"));
+  // A proxy says by which scheme it was reached.
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Proto: https\r\n")),
+              HasSubstr("\nwss://127.0.0.1:7480/"));
+  EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Proto: http\r\n")),
+              HasSubstr("\nws://127.0.0.1:7480/"));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)), HasSubstr("Cache-Control: no-store"));
   EXPECT_THAT(asked(get("/ticket?scene=cellar", shown)), StartsWith("HTTP/1.1 404 "));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", "")), StartsWith("HTTP/1.1 401 "));
@@ -189,6 +261,40 @@ TEST(Answers, NoHalfAWebSocket) {
   EXPECT_THAT(without("Sec-WebSocket-Version"), StartsWith("HTTP/1.1 426 "));
   EXPECT_THAT(without("Sec-WebSocket-Key"), StartsWith("HTTP/1.1 400 "));
   EXPECT_THAT(without("Sec-WebSocket-Protocol"), StartsWith("HTTP/1.1 400 "));
+}
+
+/// A good token and a good ticket are answered however many wrong ones came before.
+TEST(Answers, WrongTokensAndTicketsAreLimited) {
+  Site site{kPage, {}, true};
+  int left = 3;
+  site.may_try_again = [&] { return left-- > 0; };
+  site.metrics = [] { return std::string("feltwire_sessions 1\n"); };
+  site.opens = [](std::string_view token) { return token == "fw_good"; };
+  site.mint = [](std::string_view, std::string_view) { return std::optional(Secret("fw_ticket")); };
+  site.redeem = [](std::string_view ticket) {
+    return ticket == "fw_ticket" ? std::optional(ViewTicket{"id", "a room"}) : std::nullopt;
+  };
+  const auto ask = [&](const std::string& path, const std::string& headers) {
+    const auto request = parse_http_head(get(path, headers) + "\r\n");
+    return text(answer(&*request, site));
+  };
+  const std::string wrong = "Authorization: Bearer fw_wrong\r\n";
+  EXPECT_THAT(ask("/ticket", ""), StartsWith("HTTP/1.1 401 "));  // who shows none guesses none
+  EXPECT_EQ(left, 3);
+  EXPECT_THAT(ask("/ticket", wrong), StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(ask("/metrics", wrong), StartsWith("HTTP/1.1 401 "));
+  std::string upgrade = kUpgrade;
+  upgrade.replace(upgrade.find("feltwire.live.v1"), 16, "foxglove.sdk.v1");
+  EXPECT_THAT(ask("/foxglove?ticket=fw_wrong", upgrade), StartsWith("HTTP/1.1 403 "));
+  for (int n = 0; n < 3; ++n) {
+    const std::string refused = ask("/ticket", wrong);
+    EXPECT_THAT(refused, StartsWith("HTTP/1.1 429 "));
+    EXPECT_THAT(refused, HasSubstr("Retry-After: 60\r\n"));
+    EXPECT_THAT(ask("/metrics", wrong), StartsWith("HTTP/1.1 429 "));
+    EXPECT_THAT(ask("/foxglove?ticket=fw_wrong", upgrade), StartsWith("HTTP/1.1 429 "));
+  }
+  EXPECT_THAT(ask("/ticket", "Authorization: Bearer fw_good\r\n"), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(ask("/foxglove?ticket=fw_ticket", upgrade), StartsWith("HTTP/1.1 101 "));
 }
 
 }  // namespace

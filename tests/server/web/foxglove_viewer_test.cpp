@@ -17,7 +17,12 @@ constexpr std::size_t kHead = 13;  // of a binary message
 
 struct Kept : Viewer {
   void send(const std::string& text) override { texts.push_back(text); }
-  void send(const Bytes& binary) override { data.push_back(binary); }
+  void show_text(const SharedBytes& text) override { texts.emplace_back(text.text()); }
+  void show_binary(std::span<const std::uint8_t> head, const SharedBytes& shown) override {
+    Bytes message(head.begin(), head.end());
+    message.insert(message.end(), shown.bytes().begin(), shown.bytes().end());
+    data.push_back(std::move(message));
+  }
   bool ready() const override { return true; }
   void close(WebSocketClose, std::string_view) override { closed = true; }
   void admitted() override {}
@@ -153,7 +158,7 @@ TEST(FoxgloveScene, TheFiguresOfAHand) {
   FoxgloveScene seen(0);
   seen.set(picture_of({4}));
   const FoxgloveTopic& topic = seen.topic(FoxgloveChannel::hands);
-  protobuf::Fields hands(topic.payload);
+  protobuf::Fields hands(topic.payload.text());
   ASSERT_EQ(hands.next()->real(), 5.0);
   const auto hand = hands.next();
   ASSERT_TRUE(hand && hand->number == 2);

@@ -243,19 +243,101 @@ TEST(LivePage, IsEncryptedBeyondThisMachine) {
   EXPECT_THAT(rest(plain), ::testing::Not(HasSubstr("HTTP")));
 }
 
-TEST(LivePage, HasPlacesForSoManyViewers) {
-  Server server(with_page(), {test::room()}, test::security());
-  std::vector<std::unique_ptr<Page>> viewers;
-  for (std::size_t n = 0; n < web::Audience::kMostViewers; ++n) {
-    viewers.push_back(std::make_unique<Page>(server, good_token()));
-    ASSERT_EQ(viewers.back()->text("hello")["type"], "hello") << n;
+/// Viewers that stay.
+class Crowd {
+ public:
+  explicit Crowd(const Server& server) : server_(server) {}
+  void enter(const std::string& token, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      viewers_.push_back(std::make_unique<Page>(server_, token));
+      ASSERT_EQ(viewers_.back()->text("hello")["type"], "hello") << viewers_.size();
+    }
   }
-  const test::Frame refused = Page(server, good_token()).close();
-  EXPECT_EQ(refused.code(), 4429);
-  EXPECT_THAT(refused.reason(), HasSubstr("as many viewers as it may have; close another page"));
-  viewers.pop_back();
+  void expect_refused(const std::string& token, const std::string& why) {
+    const test::Frame refused = Page(server_, token).next();
+    EXPECT_EQ(refused.code(), 4429);
+    EXPECT_THAT(refused.reason(), HasSubstr(why));
+  }
+  void leave_one() { viewers_.pop_back(); }
+
+ private:
+  const Server& server_;
+  std::vector<std::unique_ptr<Page>> viewers_;
+};
+
+IssuedToken observer(const std::string& client) {
+  return issue_token(client, "*", Role::observer, std::nullopt);
+}
+std::string text_of(const IssuedToken& token) { return std::string(token.text.text()); }
+
+/// Observers of five clients take all places but those for admins; admins take those.
+TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
+  using web::Audience;
+  std::vector<IssuedToken> observers;
+  Tokens tokens;
+  for (const char* name : {"a", "b", "c", "d", "e"})
+    tokens.push_back(observers.emplace_back(observer(name)).token);
+  Server server(with_page(), {test::room()}, test::security(tokens));
+  Crowd crowd(server);
+  std::size_t left = Audience::kMostViewers - Audience::kPlacesForAdmins;
+  for (const IssuedToken& token : observers) {
+    const std::size_t some = std::min(left, Audience::kMostViewersOfClient);
+    crowd.enter(text_of(token), some);
+    left -= some;
+  }
+  ASSERT_EQ(left, 0u);
+  crowd.expect_refused(text_of(observers.back()), "keeps its last places for admins");
+  crowd.enter(good_token(), Audience::kPlacesForAdmins);
+  crowd.expect_refused(good_token(), "as many viewers as it may have; close another page");
+  crowd.leave_one();
   test::eventually("a free place",
                    [&] { return Page(server, good_token()).text("hello")["type"] == "hello"; });
+}
+
+/// All tokens with one client's name count together, and tickets count, too.
+TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
+  const IssuedToken one = observer("eye"), same = observer("eye"), other = observer("ear");
+  Server server(with_page(), {test::room()}, test::security({one.token, same.token, other.token}));
+  Page first(server, text_of(one));
+  first.text("hello");
+  first.say({{"ticket", "room"}});
+  const std::string path = first.text("ticket")["path"];
+  Crowd crowd(server);
+  crowd.enter(text_of(one), 4);
+  crowd.enter(text_of(same), web::Audience::kMostViewersOfClient - 5);
+  crowd.expect_refused(text_of(one), "this client's name has all its 8 viewers");
+  crowd.expect_refused(text_of(same), "this client's name has all its 8 viewers");
+  EXPECT_EQ(Page(server, path, "foxglove.sdk.v1").next().code(), 4429);
+  crowd.enter(text_of(other), web::Audience::kMostViewersOfClient);
+}
+
+/// Strangers crowd out each other, and no viewer.
+TEST(LivePage, StrangersTakeNoPlaceOfAViewer) {
+  Server server(with_page(), {test::room()}, test::security());
+  Page viewer(server, good_token());
+  viewer.text("hello");
+  std::vector<std::unique_ptr<test::RawSocket>> silent;
+  for (int n = 0; n < 200; ++n)
+    silent.push_back(std::make_unique<test::RawSocket>(SOCK_STREAM, page_port(server)));
+  // An answer to a newcomer: all that came before it have been taken.
+  test::RawSocket newcomer(SOCK_STREAM, page_port(server));
+  newcomer.send(bytes("GET /health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
+  EXPECT_THAT(rest(newcomer), StartsWith("HTTP/1.1 200 "));
+  viewer.say({{"ticket", "room"}});
+  EXPECT_EQ(viewer.text("ticket")["type"], "ticket") << "the viewer was thrown out";
+  EXPECT_EQ(Page(server, good_token()).text("hello")["type"], "hello");
+}
+
+TEST(LivePage, EndsAStrangerThatOnlyPings) {
+  Server server(with_page(), {test::room()}, test::security());
+  Page page(server);
+  for (int n = 0; n < 3000; ++n) page.say_frame(9, "x");
+  std::size_t answers = 0;
+  test::Frame frame = page.next();
+  for (; frame.opcode == 10; frame = page.next()) ++answers;
+  EXPECT_EQ(frame.code(), 4400);
+  EXPECT_EQ(frame.reason(), "too many messages");
+  EXPECT_LT(answers, 1000u);
 }
 
 TEST(LivePage, EndsAViewerThatSaysTooMuch) {

@@ -60,7 +60,10 @@ class Page {
   }
 
   const std::string& head() const { return head_; }
-  void say(const nlohmann::json& message) { socket_.send(client_frame(1, message.dump())); }
+  void say(const nlohmann::json& message) { say_frame(1, message.dump()); }
+  void say_frame(int opcode, std::string_view payload) {
+    socket_.send(client_frame(opcode, payload));
+  }
 
   /// The next frame; of opcode 0 where the connection has ended.
   Frame next() {

@@ -29,6 +29,8 @@ TEST(ViewerMessage, ReadsWhereTheHandShallBe) {
   EXPECT_FALSE(parse_viewer_message(R"({"point":[NaN,0,0]})"));
   EXPECT_FALSE(parse_viewer_message(R"({"point":[1e999,0,0]})"));
   EXPECT_EQ(parse_viewer_message(R"({"hand":"take"})")->hand, "take");
+  EXPECT_FALSE(parse_viewer_message(R"({"hand":"take"})")->mode);
+  EXPECT_EQ(parse_viewer_message(R"({"hand":"take","mode":"per_axis"})")->mode, "per_axis");
 }
 
 TEST(ViewerMessage, RefusesWhatIsNoObject) {

@@ -38,6 +38,24 @@ Json news(ViewersHand& hand) {
   return text ? Json::parse(*text) : Json();
 }
 
+TEST(ViewersHand, HasTheLawThatItsViewerChose) {
+  FakeHands hands;
+  ViewersHand usual(hands, "anna", Secret("fw_1"));
+  usual.take("room");
+  EXPECT_EQ(hands.asked.mode, "");
+  ViewersHand hand(hands, "anna", Secret("fw_1"));
+  EXPECT_EQ(news(hand)["state"], "free");
+  hand.take("room", "no_law");
+  EXPECT_EQ(hands.taken, 1);
+  const Json refused = news(hand);
+  EXPECT_EQ(refused["state"], "refused");
+  EXPECT_THAT(refused["reason"].get<std::string>(),
+              ::testing::StartsWith("there is no law 'no_law'; choose "));
+  hand.take("room", "per_axis");
+  EXPECT_EQ(hands.taken, 2);
+  EXPECT_EQ(hands.asked.mode, "per_axis");
+}
+
 TEST(ViewersHand, TellsItsStoryOnce) {
   FakeHands hands;
   ViewersHand hand(hands, "anna", Secret("fw_1"));

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <stdexcept>
 
 #include "tests/server/web/frames.hpp"
+#include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::websocket_test {
 namespace {
@@ -15,11 +17,17 @@ using test::client_frame;
 
 struct End {
   explicit End(std::size_t most = 1000)
-      : socket(most, [this](std::string_view message) { said.emplace_back(message); }) {}
+      : socket(
+            most, [this](std::string_view message) { said.emplace_back(message); },
+            [this] { ++begun; }) {}
 
   /// All frames that it has to send.
   std::vector<test::Frame> sent() {
-    std::vector<std::uint8_t> bytes = socket.take_output();
+    std::vector<std::uint8_t> bytes;
+    for (auto next = socket.take_output(); !next.empty(); next = socket.take_output()) {
+      bytes.insert(bytes.end(), next.own.begin(), next.own.end());
+      bytes.insert(bytes.end(), next.shared.bytes().begin(), next.shared.bytes().end());
+    }
     std::vector<test::Frame> frames;
     while (const auto frame = test::take_frame(bytes)) frames.push_back(*frame);
     EXPECT_TRUE(bytes.empty());
@@ -27,6 +35,7 @@ struct End {
   }
 
   std::vector<std::string> said;
+  int begun = 0;  // frames
   WebSocket socket;
 };
 
@@ -45,7 +54,7 @@ TEST(WebSocket, SendsTextAndBytes) {
   End end;
   end.socket.send_text("hello");
   const std::vector<std::uint8_t> large(70'000, 7);
-  end.socket.send_binary(large);
+  end.socket.send_binary(web::SharedBytes(large));
   EXPECT_TRUE(end.socket.has_output());
   const auto frames = end.sent();
   ASSERT_EQ(frames.size(), 2u);
@@ -54,6 +63,100 @@ TEST(WebSocket, SendsTextAndBytes) {
   EXPECT_EQ(frames[1].opcode, 2);
   EXPECT_EQ(frames[1].payload, large);
   EXPECT_FALSE(end.socket.has_output());
+}
+
+TEST(WebSocket, AMessageBeginsWithItsOwnBytes) {
+  End end;
+  const std::vector<std::uint8_t> head = {1, 2, 3};
+  for (const std::size_t size : {0u, 1u, 122u, 123u, 65'532u, 65'533u}) {
+    end.socket.send_binary(web::SharedBytes(std::string(size, 'x')), head);
+    const auto frames = end.sent();
+    ASSERT_EQ(frames.size(), 1u) << size;
+    EXPECT_EQ(frames[0].text(), "\1\2\3" + std::string(size, 'x'));
+  }
+}
+
+/// A hundred viewers of a large scene store it once.
+TEST(WebSocket, ALongSharedMessageIsNotCopied) {
+  const web::SharedBytes scene(std::vector<std::uint8_t>(1'000'000, 7));
+  std::vector<std::unique_ptr<End>> ends;
+  for (int i = 0; i < 3; ++i) {
+    End& end = *ends.emplace_back(std::make_unique<End>());
+    end.socket.send_text("news");
+    end.socket.send_binary(scene);
+    end.socket.send_binary(scene);
+    EXPECT_LT(end.socket.waiting(), 100u);
+    for (int n = 0; n < 2; ++n)
+      EXPECT_EQ(end.socket.take_output().shared.bytes().data(), scene.bytes().data());
+    EXPECT_EQ(end.socket.waiting(), 0u);
+  }
+}
+
+TEST(WebSocket, ShortMessagesAreWrittenTogether) {
+  End end;
+  for (int i = 0; i < 100; ++i) end.socket.send_text("news");
+  EXPECT_EQ(end.socket.waiting(), 600u);
+  EXPECT_EQ(end.socket.take_output().own.size(), 600u);
+  EXPECT_EQ(end.socket.waiting(), 0u);
+  EXPECT_FALSE(end.socket.has_output());
+}
+
+/// All that it can be made to store can be counted before: each frame, and a message of its own.
+TEST(WebSocket, CountsEveryFrameThatBegins) {
+  End end;
+  end.socket.receive(client_frame(1, "whole"));
+  end.socket.receive(client_frame(9, ""));
+  end.socket.receive(client_frame(10, "unasked"));
+  EXPECT_EQ(end.begun, 3);
+  end.socket.receive(client_frame(1, "", false));
+  for (int i = 0; i < 5; ++i) end.socket.receive(client_frame(0, "", false));
+  end.socket.receive(client_frame(9, "between"));
+  EXPECT_EQ(end.begun, 10);
+  const auto head = client_frame(0, std::string(500, 'x'));
+  end.socket.receive(std::span(head).first(20));
+  EXPECT_EQ(end.begun, 11) << "also one that has not come in whole";
+  EXPECT_EQ(end.said, std::vector<std::string>{"whole"});
+}
+
+TEST(WebSocket, TakesAndAnswersNothingAfterItsClose) {
+  std::vector<std::string> said;
+  WebSocket* itself = nullptr;
+  WebSocket socket(
+      1000, [&](std::string_view message) { said.emplace_back(message); },
+      [&] { itself->close(WebSocketClose::bad_message, "too many"); });
+  itself = &socket;
+  std::vector<std::uint8_t> bytes;
+  for (const auto& frame : {client_frame(1, "x"), client_frame(9, "y"), client_frame(1, "z")})
+    bytes.insert(bytes.end(), frame.begin(), frame.end());
+  EXPECT_TRUE(socket.reads());
+  EXPECT_TRUE(socket.receive(bytes));
+  EXPECT_FALSE(socket.reads());
+  EXPECT_TRUE(said.empty());
+  std::vector<std::uint8_t> sent = socket.take_output().own;
+  const auto close = test::take_frame(sent);
+  ASSERT_TRUE(close);
+  EXPECT_EQ(close->code(), 4400);
+  EXPECT_TRUE(sent.empty());
+}
+
+TEST(WebSocket, StoresNothingAfterItsClose) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers bring their own allocator";
+#endif
+  End end;
+  end.socket.close(WebSocketClose::bad_message, "enough");
+  std::vector<std::uint8_t> bytes = client_frame(1, "x", false);
+  for (int i = 0; i < 900; ++i) {
+    const auto part = client_frame(0, "x", false);
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  }
+  const std::size_t before = test::allocations();
+  EXPECT_TRUE(end.socket.receive(bytes));
+  EXPECT_EQ(test::allocations() - before, 0u);
+  end.socket.receive(client_frame(0, ""));
+  end.socket.receive(client_frame(8, "\x11\x31"));
+  end.socket.take_output();
+  EXPECT_TRUE(end.socket.closed()) << "its close is still heard";
 }
 
 TEST(WebSocket, AnswersAPing) {
@@ -77,6 +180,17 @@ TEST(WebSocket, ClosesWithItsReason) {
   EXPECT_FALSE(end.socket.closed());
   end.socket.receive(client_frame(8, "\x11\x31"));
   EXPECT_TRUE(end.socket.closed());
+}
+
+TEST(WebSocket, NothingFollowsAClose) {
+  End end;
+  end.socket.send_text("too late");
+  end.socket.receive(client_frame(8, std::string("\x03\xE8", 2)));
+  end.socket.send_text("later still");
+  EXPECT_FALSE(end.socket.reads());
+  EXPECT_EQ(end.sent().size(), 1u);
+  EXPECT_FALSE(end.socket.has_output());
+  EXPECT_EQ(end.socket.waiting(), 0u);
 }
 
 TEST(WebSocket, AnswersAClose) {

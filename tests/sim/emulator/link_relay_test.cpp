@@ -22,8 +22,9 @@ using testing::Loopback;
 /// A relay in a thread of its own.
 class Relay {
  public:
-  Relay(const Endpoint& server, const char* link, std::uint16_t port = 0)
-      : relay_({.port = port, .server = server, .link = parse_link(link)}),
+  Relay(const Endpoint& server, const char* link, std::uint16_t port = 0,
+        const std::string& address = "127.0.0.1")
+      : relay_({.address = address, .port = port, .server = server, .link = parse_link(link)}),
         thread_([this] { relay_.run(); }) {}
   ~Relay() { stop(); }
   ServerAccess access() const { return test::access(relay_.control_port()); }
@@ -63,6 +64,17 @@ TEST_F(LinkRelayTest, RefusalsComeThrough) {
   } catch (const SessionError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("cellar"));
   }
+}
+
+/// A relay on every address: what it sends back leaves from the one that the client spoke to.
+TEST_F(LinkRelayTest, AnswersFromTheAddressThatTheClientSpokeTo) {
+  Relay relay(endpoint.endpoint, "delay=0", 0, "0.0.0.0");
+  ServerAccess access = relay.access();
+  access.endpoint.host = "127.0.0.2";
+  Client client(access, kStroke, {}, "floor");
+  client.start();
+  client.finish();
+  EXPECT_GT(client.transport.statistics().received, 0u);
 }
 
 TEST_F(LinkRelayTest, TwoClientsApartEachWithItsOwnFates) {

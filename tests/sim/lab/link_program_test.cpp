@@ -84,6 +84,35 @@ TEST(LabProgram, SaysWhatAWordMayHaveMeant) {
   EXPECT_THAT(said({"link", "wifi", "--too", "x:1"}), HasSubstr("did you mean --to?"));
 }
 
+/// A terminal obeys an escape sequence wherever it comes from.
+TEST(LabProgram, WordsOfTheCommandLineReachNoTerminalUnescaped) {
+  const std::string evil = "\x1b]0;owned\x07";
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{evil},
+                                             {"--" + evil},
+                                             {"touch", "--scene", evil},
+                                             {"touch", evil, "--scene", "x"},
+                                             {"link", evil, "--to", "x:1"},
+                                             {"export", evil, "--csv", "x"},
+                                             {"bound", "--period", evil, "--damping", "1"},
+                                             {"summary", evil}}) {
+    const Outcome outcome = Program(FELTWIRE_LAB_PROGRAM, words).finish();
+    EXPECT_NE(outcome.status, 0);
+    EXPECT_EQ(outcome.error.find('\x1b'), std::string::npos) << words.front();
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << words.front();
+    // The error for an unknown subcommand does not quote the word.
+    if (words.size() > 1) {
+      EXPECT_THAT(outcome.error, HasSubstr("\\x1b]0;owned")) << words.front();
+    }
+  }
+}
+
+TEST(LabProgram, ANumberWithItsUnitIsNamed) {
+  const auto error =
+      Program(FELTWIRE_LAB_PROGRAM, {"bound", "--period", "1ms", "--damping", "1"}).finish().error;
+  EXPECT_THAT(error, HasSubstr("write the number without unit: 1"));
+}
+
 TEST(LabProgram, ExamplesNameFilesThatExist) {
   EXPECT_GE(test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"touch"}), 1);
   test::expect_files_of_examples(FELTWIRE_LAB_PROGRAM, {"bound"});

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/transport/control_client.hpp"
+#include "core/bounding/method.hpp"
 #include "server/app/page_hands.hpp"
 #include "server/app/server.hpp"
 #include "tests/server/make.hpp"
@@ -49,8 +50,8 @@ struct Stage {
 Json next_word(Page& page) { return page.text("hand"); }
 
 /// Asks for a hand. Returns what the server says of it when it is held, or why it is not.
-Json ask_for_hand(Page& page) {
-  page.say({{"hand", "take"}});
+Json ask_for_hand(Page& page, const Json& request = {{"hand", "take"}}) {
+  page.say(request);
   Json said = next_word(page);
   while (said["state"] == "joining") said = next_word(page);
   return said;
@@ -114,6 +115,26 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   test::eventually("its session ends", [&] { return stage.sessions() == 0; });
   EXPECT_EQ(stage.server.summary().front().counters.left, 1u);
   EXPECT_EQ(ask_for_hand(page)["state"], "held");  // another
+}
+
+/// It is simulated, so that nobody is hurt by a law that bounds nothing.
+TEST(PageHand, HasEachLawThatItIsTakenWith) {
+  const Stage stage;
+  Page page = stage.page(stage.pointer);
+  ASSERT_EQ(next_word(page)["state"], "free");
+  for (const std::string_view law : bounding_method_names()) {
+    const Json held = ask_for_hand(page, {{"hand", "take"}, {"mode", law}});
+    ASSERT_EQ(held["state"], "held") << law << ": " << held;
+    const control::Message answer =
+        ask(stage.access(test::admin_token()), control::DescribeSessions{"room", 0}, kTimeout);
+    const auto& sessions = std::get<control::SessionDescriptions>(answer).sessions;
+    ASSERT_EQ(sessions.size(), 1u) << law;
+    EXPECT_EQ(std::string_view(sessions.front().parameters.mode), law);
+    page.say({{"hand", "release"}});
+    EXPECT_EQ(next_word(page)["state"], "released");
+    test::eventually("its session ends", [&] { return stage.sessions() == 0; });
+  }
+  EXPECT_EQ(ask_for_hand(page, {{"hand", "take"}, {"mode", "no_law"}})["state"], "refused");
 }
 
 TEST(PageHand, LetsGoWhenThePageSaysNothing) {

@@ -111,6 +111,41 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
   }
 }
 
+/// The result of anna and her force while ben does that with his switch.
+struct Pressed {
+  double force, robot_force, depth;  // [N], [N], [m] of the target below the wall
+};
+Pressed press_beside(const char* link, const std::function<void(HandSession&, int)>& ben_does) {
+  TwoLeaders bench(link, 1.0, 1.0);
+  bench.engage_both();
+  bench.ben.hand.pressed = false;
+  bench.run(0.3);
+  const Vec3 from = bench.hand.meant;
+  for (int n = 0; n < 3000; ++n) {
+    ben_does(bench.ben, n);
+    bench.hand.meant = from - std::min(1.0, n / 1000.0) * Vec3(0.0, 0.0, 0.045);
+    bench.tick();
+  }
+  bench.expect_no_energy();
+  EXPECT_LE(bench.farthest_step, kStep * (1.0 + 1e-9));
+  return {bench.force(), bench.robot.force().z(), -bench.commanded.position.z()};
+}
+
+/// A hand whose switch flickers leads nothing, and takes nothing from the other one.
+TEST(SharedLeaders, ASwitchThatFlickersDoesNotBlockTheOtherHand) {
+  for (const char* link : {"delay=0", "delay=50,loss=2,seed=3"}) {
+    SCOPED_TRACE(link);
+    const Pressed alone = press_beside(link, [](HandSession&, int) {});
+    ASSERT_GE(alone.force, 2.0);
+    for (const int period : {2, 3, 10, 40, 120}) {
+      const Pressed beside = press_beside(
+          link, [&](HandSession& ben, int n) { ben.hand.pressed = n % period >= period / 2; });
+      EXPECT_GE(beside.force, 0.5 * alone.force) << period;
+      EXPECT_GE(beside.robot_force, 0.5 * alone.robot_force) << period;
+    }
+  }
+}
+
 /// A change of the lead share does not move the target.
 TEST(SharedLeaders, AnotherShareMovesNothing) {
   TwoLeaders bench("delay=0");

@@ -122,6 +122,23 @@ test('a drag presses the hand on the floor, which it feels', async () => {
   assert.match(await page.textContent('#own-state'), /let go: the page let go/);
 });
 
+test('it has the law that is chosen when it is taken', async () => {
+  await serve();
+  page = await open(token('pointer'));
+  await until(() => window.feltwire().own.state === 'free');
+  const laws = await page.locator('#law option').allTextContents();
+  assert.equal(laws[0], 'usual');
+  assert.ok(laws.includes('per_axis') && laws.includes('none'));
+  for (const [law, mode] of [['', 'shaped'], ['per_axis', 'per_axis'], ['none', 'none']]) {
+    await page.selectOption('#law', law);
+    await take();
+    assert.ok(await page.locator('#law').isDisabled());
+    await until((wanted) => document.querySelector('tbody tr')?.textContent.includes(wanted), mode);
+    await page.keyboard.press('Escape');
+    await until(() => window.feltwire().own.state === 'free' && window.feltwire().hands.length === 0);
+  }
+});
+
 test('keys, the wheel and a gamepad move it', async () => {
   await serve();
   page = await open(token('pointer'), () => {

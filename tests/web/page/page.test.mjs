@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {bits, REASONS} from './members.mjs';
 import {ADMIN, TOKEN} from './mock_server.mjs';
-import {hold, newPage, newServer, open, page, pixels, press, server, startAnotherServer, state, until} from './page_fixture.mjs';
+import {forgive, hold, newPage, newServer, open, page, pixels, press, server, startAnotherServer, state, until} from './page_fixture.mjs';
 
 test('the first picture comes, and the token leaves the address', async () => {
   await open();
@@ -90,6 +90,76 @@ test('a viewer too many is told, and tries again', async () => {
   server.drop(4429, '8 viewers');
   await until(() => /as many viewers as it allows. \(8 viewers\)/.test(document.querySelector('#state span').textContent));
   await until(() => window.feltwire().connection === 'live');
+});
+
+/** Has the browser say so of its language. */
+const speak = (tag) => page.addInitScript((language) => {
+  for (const [name, value] of [['language', language], ['languages', [language]]]) Object.defineProperty(navigator, name, {get: () => value});
+}, tag);
+
+for (const tag of ['en-US@posix', 'C', 'C.UTF-8', 'de_DE.UTF-8', '', 'x'.repeat(1000), null]) {
+  test(`it works where the browser's language is ${JSON.stringify(tag).slice(0, 20)}`, async () => {
+    await speak(tag);
+    await open();
+    await until(() => window.feltwire().pictures > 3 && window.feltwire().plotted.points > 3);
+    assert.equal(await page.textContent('#state span'), 'Live');
+    await press('h');
+    await until(() => document.querySelectorAll('#times tr').length > 2);
+  });
+}
+
+test('an exception while it loads is told in the page', async () => {
+  await page.addInitScript(() => delete window.ResizeObserver);
+  await open();
+  await until(() => /^This page could not start: .*ResizeObserver is not defined\. Reload it/.test(document.querySelector('#state span').textContent));
+  assert.equal(await page.getAttribute('#state', 'data-state'), 'failed');
+  forgive(/ResizeObserver/);
+});
+
+test('a browser without WebGL is told so', async () => {
+  await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
+  await open();
+  await until(() => document.querySelector('#state').dataset.state === 'failed');
+  assert.equal(await page.textContent('#state span'), 'This browser gives no WebGL 2, without which nothing can be drawn.');
+  forgive(/WebGL/);
+});
+
+test('an exception before the first script has run is told, too', async () => {
+  await page.addInitScript(() => Object.defineProperty(window, 'sessionStorage', {get: () => { throw new Error('storage is locked'); }}));
+  await open();
+  await until(() => /^This page could not start: .*storage is locked\./.test(document.querySelector('#state span').textContent));
+  forgive(/storage is locked/);
+});
+
+test('a script that does not come is told', async () => {
+  await page.route('**/app.js', (route) => route.abort());
+  await open();
+  await until(() => /^This page could not start: .*\/app\.js did not come\./.test(document.querySelector('#state span').textContent));
+  forgive(/ERR_FAILED/);
+});
+
+test('an exception after it has started is told beside the picture', async () => {
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  assert.ok(await page.locator('#log').isHidden());
+  await page.evaluate(() => setTimeout(() => { throw new Error('a knob broke'); }));
+  await page.locator('#log').waitFor({state: 'visible'});
+  assert.match(await page.textContent('#log span'), /^Something went wrong in this page, and .*: .*a knob broke\. Reload it\.$/);
+  forgive(/a knob broke/);
+});
+
+test('help opens at its top, every time', async () => {
+  await newPage({viewport: {width: 600, height: 400}});
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  for (let i = 0; i < 2; ++i) {
+    await press('?');
+    const [top, room] = await page.evaluate(() => [document.querySelector('#help').scrollTop, document.querySelector('#help').scrollHeight - document.querySelector('#help').clientHeight]);
+    assert.ok(room > 100, 'it is longer than the window');
+    assert.equal(top, 0);
+    await page.evaluate((end) => (document.querySelector('#help').scrollTop = end), room);
+    await press('Escape');
+  }
 });
 
 test('another scene, a reload, and a message of the log', async () => {

@@ -84,6 +84,13 @@ export async function pixels(name) {
   }, [picture.toString('base64'), `--${name}`]);
 }
 
+/** Takes the complaints that the browser must have made by now. @param {RegExp} of all of them */
+export function forgive(of) {
+  assert.notEqual(complaints.length, 0);
+  for (const complaint of complaints) assert.match(complaint, of);
+  complaints = [];
+}
+
 /** Closes the page and makes another. @param {object} options of the browser's context */
 export async function newPage(options) {
   await page.context().close();

@@ -168,7 +168,7 @@ export class Admin {
       this.law.set(field, choice);
       return choice;
     });
-    this.fixed = make('p', {}, 'Its client bounds and takes no other law: start it anew with other options.');
+    this.fixed = make('p', {}, 'Its client bounds and takes no other law: its owner may start it anew with --changes.');
     const numbers = BOUND.map((row) => numberRow(this.boundInputs, row, {placeholder: 'default', onchange: (event) => this.#setNumber(row[0], event)}));
     this.more = make('details', {hidden: true}, make('summary', {}, 'Numbers'),
       numbers.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, 'Reference'), reference), ...numbers));

@@ -2,6 +2,7 @@
 
 import {Admin, make} from './admin.js';
 import {Connection} from './connection.js';
+import {makeContext} from './context.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
@@ -59,7 +60,7 @@ const connection = new Connection({
 });
 
 const own = new OwnHand({
-  view, stage: element('stage'), button: element('take'), text: element('own-state'), values: element('own-values'),
+  view, stage: element('stage'), button: element('take'), law: element('law'), text: element('own-state'), values: element('own-values'),
   send: (message) => connection.send(message), found: choose,
   scale(factor) {
     view.depthFactor = factor;
@@ -75,6 +76,7 @@ function takeText(message) {
       sessions.reasons = message.reasons ?? [];
       showScenes(message.scenes ?? []);
       admin.hello(message);
+      own.hello(message);
       times.hello(message);
       element('version').textContent = `feltwire ${message.version ?? ''}`;
       break;
@@ -137,7 +139,10 @@ function makeView() {
   try {
     return new View(element('canvas'));
   } catch (error) {
-    element('state').querySelector('span').textContent = 'This browser gives no WebGL 2, without which nothing can be drawn.';
+    if (!makeContext(element('canvas'))) {
+      element('state').dataset.state = 'failed';
+      element('state').querySelector('span').textContent = 'This browser gives no WebGL 2, without which nothing can be drawn.';
+    }
     throw error;
   }
 }
@@ -227,6 +232,12 @@ function hold() {
   element('hold').textContent = page.held ? 'Go on' : 'Hold';
 }
 
+/** From its top, wherever it was left. */
+function openHelp() {
+  if (!element('help').open) element('help').showModal();
+  element('help').scrollTop = 0;
+}
+
 function writeRobots() {
   const texts = robotTexts(view.picture, view.seats);
   const list = element('robots');
@@ -282,7 +293,7 @@ element('scenes').onchange = (event) => connection.send({watch: event.target.val
 element('seconds').onchange = (event) => (plots.seconds = Number(event.target.value));
 element('retry').onclick = () => connection.connect();
 element('hold').onclick = hold;
-element('help-open').onclick = () => element('help').showModal();
+element('help-open').onclick = openHelp;
 element('foxglove-open').onclick = () => {
   element('help').close();
   connection.send({ticket: page.scene});
@@ -324,7 +335,7 @@ bindKeys(element('keys'), [
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
-  {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
+  {keys: ['?'], text: 'this list', act: openHelp},
 ], () => !replay.active);
 makeSplit(element('split-x'), '--side-width', {axis: 'x', least: 220, most: () => innerWidth - 320});
 makeSplit(element('split-y'), '--table-height', {axis: 'y', least: 60, most: () => innerHeight - 320});

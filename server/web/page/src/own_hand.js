@@ -24,7 +24,7 @@ const [right, upward, away, tool, projected] = Array.from({length: 5}, () => new
 
 export class OwnHand {
   /**
-   * @param {{view: import('./view.js').View, stage: HTMLElement, button: HTMLButtonElement, text: HTMLElement, values: HTMLElement,
+   * @param {{view: import('./view.js').View, stage: HTMLElement, button: HTMLButtonElement, law: HTMLSelectElement, text: HTMLElement, values: HTMLElement,
    *          send: (message: object) => void, found: (number: number) => void, scale: (factor: number) => void}} page
    *   `found` is called when the hand's number is known, `scale` sets how depths are drawn
    */
@@ -54,9 +54,18 @@ export class OwnHand {
     document.addEventListener('visibilitychange', () => document.hidden && this.release());
   }
 
-  /** Takes a hand, or lets it go. */
+  /** @param {{modes?: string[]}} message the server's hello, with the laws that a hand can have */
+  hello({modes = []}) {
+    const {law} = this.page;
+    const chosen = law.value;
+    law.replaceChildren(new Option('usual', ''), ...modes.map((mode) => new Option(mode)));
+    if (modes.includes(chosen)) law.value = chosen;
+  }
+
+  /** Takes a hand with the chosen law, or lets it go. */
   toggle() {
-    if (this.state === 'free') this.page.send({hand: 'take'});
+    const mode = this.page.law.value;
+    if (this.state === 'free') this.page.send({hand: 'take', ...(mode && {mode})});
     else this.release();
   }
 
@@ -151,7 +160,7 @@ export class OwnHand {
   }
 
   #become(state, text) {
-    const {view, button} = this.page;
+    const {view, button, law} = this.page;
     if (state !== 'held' && this.state === 'held') {
       this.page.scale(this.factor);
       this.number = null;
@@ -160,7 +169,8 @@ export class OwnHand {
       view.stale = true;
     }
     this.state = state;
-    button.hidden = state === 'none';
+    button.hidden = law.parentElement.hidden = state === 'none';
+    law.disabled = state !== 'free';
     button.textContent = {held: 'Let go', joining: 'Joining…'}[state] ?? 'Take a hand';
     button.setAttribute('aria-pressed', String(state === 'held'));
     this.page.text.textContent = text;

@@ -71,6 +71,7 @@ export class Times {
     this.timer = setInterval(() => this.#read(), PERIOD);
     this.#read();
     if (!this.dialog.open) this.dialog.showModal();
+    this.dialog.scrollTop = 0;
   }
 
   async #read() {

@@ -3,13 +3,13 @@
 #include "sim/studies/bound/frontier.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim/studies/bound/over_hands.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::frontier_test {
 namespace {
@@ -138,21 +138,21 @@ TEST(Frontier, LearningTheHandsForceHelpsTapsOfAHardlyDampedDevice) {
   for (const FrontierCase& c : learning_cases())
     if (c.task == "tap" && c.damping == 0.005 && c.wall == 5e3) taps.push_back(c);
   const auto rows = run_frontier(taps);
-  const auto median = [&](bool learns) {
+  const auto worst = [&](bool learns) {
     return over_hands(rows,
                       [&](const FrontierCase& c) {
                         return c.learns == learns && c.hand_force == kHandForce;
                       })
-        .median;
+        .worst;
   };
-  EXPECT_GT(median(true), 1.1 * median(false));
+  EXPECT_GT(worst(true), 1.3 * worst(false));
   for (const FrontierRow& row : rows) EXPECT_EQ(row.excess, 0u) << row.made.hand.name;
   EXPECT_NE(learning_table(rows).find("learns"), std::string::npos);
 }
 
 TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {
-  const auto directory =
-      std::filesystem::temp_directory_path() / ("frontier_test_" + std::to_string(getpid()));
+  const test::TemporaryFolder temporary;
+  const auto directory = temporary / "out";
   std::vector<FrontierCase> cases;
   for (const char* law : {"contact_frame", "midpoint"})
     for (const bool cold : {true, false})
@@ -175,7 +175,6 @@ TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {
   }
   for (const char* picture : {"frontier_warm.png", "frontier_cold.png", "frontier_late.png"})
     EXPECT_GT(std::filesystem::file_size(directory / picture), 5000u) << picture;
-  std::filesystem::remove_all(directory);
   EXPECT_NE(frontier_table(rows).find("round trip 5 ms"), std::string::npos);
 }
 

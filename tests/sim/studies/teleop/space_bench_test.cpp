@@ -3,7 +3,6 @@
 #include "sim/studies/teleop/space_bench.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +17,7 @@
 #include "core/base/numeric.hpp"
 #include "sim/studies/teleop/teleop.hpp"
 #include "sim/teleoperation_laws/laws.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::teleop::in_space {
 namespace {
@@ -184,8 +184,8 @@ std::string bytes_of(const std::filesystem::path& file) {
 }
 
 TEST(SpaceBench, TheSameBytesEveryRun) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("space_bench_test." + std::to_string(getpid()));
+  const test::TemporaryFolder temporary;
+  const auto folder = temporary / "out";
   std::vector<TeleopCase> cases;
   for (const std::string_view law : law_names())
     for (const char* task : {"sphere", "peg"})
@@ -195,7 +195,6 @@ TEST(SpaceBench, TheSameBytesEveryRun) {
   const std::string first = bytes_of(folder / "a" / "teleop.json");
   EXPECT_EQ(first, bytes_of(folder / "b" / "teleop.json"));
   EXPECT_EQ(nlohmann::json::parse(first).size(), cases.size());
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

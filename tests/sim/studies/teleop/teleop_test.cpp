@@ -3,13 +3,13 @@
 #include "sim/studies/teleop/teleop.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim/teleoperation_laws/laws.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::teleop {
 namespace {
@@ -105,8 +105,8 @@ TEST(Teleop, TheSameBitsEveryRun) {
 }
 
 TEST(Teleop, WritesEveryFieldAndSaysWhatThereIsNot) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("teleop_test." + std::to_string(getpid()));
+  const test::TemporaryFolder temporary;
+  const auto folder = temporary / "out";
   std::vector<TeleopCase> cases;
   for (const char* task : {"press_first", "free", "press_second", "taps", "moving_wall"})
     cases.push_back({"feltwire", task, 0.05, 0.0, 0.0});
@@ -123,7 +123,6 @@ TEST(Teleop, WritesEveryFieldAndSaysWhatThereIsNot) {
   EXPECT_TRUE(read[0]["drag_n"].is_null());
   EXPECT_TRUE(read[1]["displayed_over_series"].is_null());
   EXPECT_TRUE(std::filesystem::exists(folder / "teleop.png"));
-  std::filesystem::remove_all(folder);
   EXPECT_THROW(make_law("none", Plant{}), std::invalid_argument);
   EXPECT_THROW(run("feltwire", "nothing", 0.0), std::invalid_argument);
 }

@@ -30,6 +30,8 @@ export const REASONS = [
   ['in_inkwell', 'The stylus is in its inkwell.'],
   ['starting', 'The hand is not still yet, or the weight of the tool is being taken up.'],
   ['emergency', 'The emergency stop was pressed.'],
+  ['jumped', 'The position of the device jumped farther than a hand can move.'],
+  ['overdrawn', 'The hand got more energy than the device had burned, so the force has ended.'],
 ];
 
 export const FELT = 0;

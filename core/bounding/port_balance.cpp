@@ -1,0 +1,214 @@
+// A port of the account: the earnings of a sample, and the need of the next one.
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/numeric.hpp"
+#include "core/bounding/account.hpp"
+
+namespace feltwire {
+
+PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
+    : known_(known),
+      period_(period),
+      directional_(!known.damping.isotropic() && known.damping.least() > 0.0),
+      reach_(known),
+      path_(known.quantum),
+      limits_speed_(known.speed < std::numeric_limits<double>::infinity()) {
+  if (directional_) inverse_damping_ = known.damping.matrix().inverse();
+  if (learns && reach_.bounds()) learned_.emplace(known, period);
+}
+
+/// For a force so small that f d is its need, after L + 1 such forces in a row. The reach d of each
+/// is longer by delta after the tick that is late. Then f' (d_L + delta) = f (d_L - L delta) + what
+/// is kept of f (d_0 + ... + d_L). Between an axis and a diagonal it grows with the square of
+/// |u|_1, nearly.
+void PortBalance::keep_for_late_ticks(int late) noexcept {
+  if (late == 0 || !reach_.bounds()) return;  // where a first press must be felt in full
+  constexpr double kLate = 0.5;               // [T]
+  constexpr double kMost = 0.1;               // of a balance: no device loses more by it
+  constexpr int kSamples = 4;                 // more than a reach knows of
+  const Vec3 none = Vec3::Zero();
+  Reach before(known_);
+  for (int n = 0; n < kSamples; ++n) before.moved(none, none, period_, period_);
+  Reach after = before;
+  after.moved(none, none, (1.0 + kLate) * period_, period_);
+  const auto kept_along = [&](const Vec3& u) {
+    const double first = before.along(u, 1.0, period_);
+    const double longer = after.along(u, 1.0, period_) - first;
+    const double more = before.driven(u, 1.0, {&none, 1}, period_);
+    const double last = first + late * more, all = (late + 1) * (first + 0.5 * late * more);
+    return std::min(kMost, ((late + kSoftFall) * longer - (1.0 - kSoftFall) * last) / all);
+  };
+  const Vec3 diagonal = Vec3::Ones().normalized();
+  kept_ = kept_along(Vec3::UnitX());
+  kept_aside_ = 0.5 * (kept_along(diagonal) - kept_);
+  keeps_ = most_kept() > 0.0;
+}
+
+double PortBalance::damping_along(const Vec3& force) const noexcept {
+  if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
+  // If a direction is not damped at all, a force along any other may move the handle along it.
+  return directional_ ? force.squaredNorm() / force.dot(inverse_damping_ * force) : 0.0;
+}
+
+void PortBalance::forget() noexcept {
+  reach_.forget();
+  path_.forget();
+  if (learned_) learned_->forget();
+  strong_hand_ = false;
+  too_fast_ = false;
+}
+
+PortBalance::Hold PortBalance::hold_of(double damping, double hold_time) const noexcept {
+  const double k = reach_.per_newton(hold_time), burned = damping / hold_time;
+  return {
+      .time = hold_time,
+      .free = damping > 0.0 ? hold_time / (2.0 * damping) : std::numeric_limits<double>::infinity(),
+      .burned = burned,
+      .per_newton = k,
+      .second = k * (1.0 - burned * k),
+      .linear = 1.0 - 2.0 * burned * k};
+}
+
+void PortBalance::prepare(double hold_time) noexcept {
+  if (directional_ || hold_.time == hold_time) return;
+  const bool same_everywhere = known_.damping.isotropic();
+  hold_ = hold_of(same_everywhere ? known_.damping.matrix()(0, 0) : 0.0, hold_time);
+}
+
+inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held,
+                                      double hold_time) const noexcept {
+  if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
+  const double squared = displacement.squaredNorm();
+  if (squared == 0.0) return false;
+  // A movement of one quantum is always within reach, and often exactly as far as that.
+  return squared >
+         (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
+}
+
+/// Over an even movement only the mean force counts. Of that, no more than share(j) is from the
+/// older force j and those before it: so a slice of share(j) - share(j + 1) is from the worst of
+/// the forces up to j. A hand that turns within the sample makes the rest: TurnLimit.
+double PortBalance::charged_for_lag(const Vec3& displacement, const Vec3& held, double hold_time,
+                                    const LaggingForces& older) const noexcept {
+  double charged = 0.0, worst = 0.0, slice = 0.0;
+  const TurnLimit turns = turn_limit(std::max(length(held), older.strongest()), hold_time);
+  const Vec3* newer = &held;
+  for (std::size_t i = 0; i < older.count(); ++i) {
+    const double share = older.share(older[i].age, 0.0, hold_time);
+    charged += (slice - share) * worst +
+               turns.energy(length(older[i].force - *newer), TurnLimit::spread(share));
+    worst = std::max(worst, (older[i].force - held).dot(displacement));
+    slice = share;
+    newer = &older[i].force;
+  }
+  charged += slice * worst;
+  return charged;
+}
+
+TurnLimit PortBalance::turn_limit(double strongest, double hold_time) const noexcept {
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  const double b = known_.damping.least();
+  return {.by_damping = b > 0.0 ? hold_time / (4.0 * b) : kUnlimited,
+          .by_mass = reach_.bounds() ? reach_.per_newton(hold_time) : kUnlimited,
+          .outside = (reach_.bounds() ? outside_force() : 0.0) + strongest};
+}
+
+double PortBalance::earned(const Vec3& displacement, const Vec3& held, double hold_time,
+                           const LaggingForces& older) noexcept {
+  const std::size_t lagging = older.lag().time > 0.0 ? older.count() : 0;
+  const double lagged = lagging > 0 ? charged_for_lag(displacement, held, hold_time, older) : 0.0;
+  if (limits_speed_) {
+    const double squared = displacement.squaredNorm();
+    too_fast_ = squared > reach_.at_full_speed(displacement, std::sqrt(squared), hold_time);
+  }
+  if (reach_.bounds() || limits_speed_) {
+    const Vec3* drives = &held;  // the force that explains most of the movement
+    for (std::size_t i = 0; i < lagging; ++i)
+      if (older[i].force.dot(displacement) > drives->dot(displacement)) drives = &older[i].force;
+    const bool too_far = beyond_reach(displacement, *drives, hold_time);
+    strong_hand_ = too_far || too_fast_;
+    if (learned_) {
+      learned_->moved(displacement, held, hold_time);
+      if (too_far) learned_->exceeded();
+      reach_.set_outside_force(learned_->bound());
+    }
+    reach_.moved(displacement, held, hold_time, period_, lagging > 0 ? older.strongest() : -1.0);
+  }
+  const double rubbed =
+      known_.coulomb_friction > 0.0 ? known_.coulomb_friction * path_.moved(displacement) : 0.0;
+  return known_.damping.quadratic(displacement) / std::max(period_, hold_time) + rubbed -
+         held.dot(displacement) - lagged;
+}
+
+// max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
+// F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
+inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
+                                          double farther) const noexcept {
+  const double k = hold.per_newton;
+  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
+  need.reach = reach_.along(force.vector, force.length, hold.time) + farther;
+  need.free = (hold.free - k) * force.squared;
+  need.second = hold.second * force.squared;
+  need.linear = hold.linear * need.reach;
+  need.burned = hold.burned * need.reach * need.reach;
+  need.squared = force.squared;
+}
+
+template <class Farther>
+EnergyNeed PortBalance::need_of(const Vec3& wanted, double hold_time,
+                                Farther farther) const noexcept {
+  EnergyNeed need;
+  const double squared = wanted.squaredNorm();
+  if (squared == 0.0) return need;
+  const Force force{wanted, squared, std::sqrt(squared)};
+  const bool prepared = !directional_ && hold_.time == hold_time;
+  const Hold other = prepared ? Hold{} : hold_of(damping_along(wanted), hold_time);
+  const Hold& hold = prepared ? hold_ : other;
+  need.first = 0.5 * hold.free * squared;
+  if (reach_.known()) limit_by_inertia(need, force, hold, farther(force.length));
+  // A handle that was just faster than was told may be so again.
+  if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
+  return need;
+}
+
+EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
+                             std::span<const Vec3> coming) const noexcept {
+  return need_of(wanted, hold_time,
+                 [&](double length) { return reach_.driven(wanted, length, coming, hold_time); });
+}
+
+/// Each sample before it carries the handle farther by a whole sample of its speed, and this one by
+/// half of it.
+EnergyNeed PortBalance::need_after(const Vec3& wanted, double hold_time, int samples,
+                                   double strongest) const noexcept {
+  return need_of(wanted, hold_time, [&](double length) {
+    return length * reach_.per_newton(hold_time) *
+           (2.0 * samples * (strongest + outside_force()) + strongest);
+  });
+}
+
+double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const noexcept {
+  const double squared = wanted.squaredNorm();
+  if (squared == 0.0) return 0.0;
+  return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
+}
+
+/// Both limits are true at every share of the force, so the one that is less at the whole of it is
+/// taken; the maximum within both at once would be a little less still.
+void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
+                                 const Hold& hold) const noexcept {
+  const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);
+  EnergyNeed by_speed{.first = need.first,
+                      .free = hold.free * force.squared,
+                      .reach = reach,
+                      .linear = reach,
+                      .burned = hold.burned * reach * reach,
+                      .squared = force.squared};
+  if (by_speed.at(1.0) < need.at(1.0)) need = by_speed;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,26 @@
+#pragma once
+// Bodies so thin and so fast that a tick of the simulation takes them through what they fall onto.
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+#include <vector>
+
+#include "core/contact/contact.hpp"
+
+namespace feltwire::mujoco {
+
+/// MuJoCo pushes two bodies apart on the side where they overlap least. A body that comes in by
+/// more than half of both thicknesses within the time of a contact is pushed out on the far side.
+/// This finds the bodies that fall that fast from where they start onto what lies below them, and
+/// says the speed, the speed that they hold, and the remedy. `data`: the model's start, evaluated.
+/// `object_of`: the object of each geom; -1: none.
+std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
+                                       const std::vector<Object>& objects,
+                                       const std::vector<int>& object_of);
+
+/// [m/s] The speed up to which two bodies, together `thickness` [m] thick, hold each other.
+/// `contact` [s] is the time constant of MuJoCo's contacts (solref), `tick` [s] a step.
+double held_speed(double thickness, double contact, double tick);
+
+}  // namespace feltwire::mujoco

@@ -1,0 +1,129 @@
+#include "core/dynamics/urdf_paths.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace feltwire {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+std::size_t behind(std::string_view xml, std::string_view end, std::size_t at) {
+  const std::size_t found = xml.find(end, at);
+  return found == std::string_view::npos ? xml.size() : found + end.size();
+}
+
+/// The place at which the root element begins; npos: there is none.
+std::size_t root_of(std::string_view xml) {
+  std::size_t at = 0;
+  while ((at = xml.find('<', at)) != std::string_view::npos) {
+    const std::string_view rest = xml.substr(at);
+    if (rest.starts_with("<!--"))
+      at = behind(xml, "-->", at);
+    else if (rest.starts_with("<?"))
+      at = behind(xml, "?>", at);
+    else if (rest.starts_with("<!"))
+      at = behind(xml, ">", at);
+    else
+      return at;
+  }
+  return at;
+}
+
+bool is_element(std::string_view xml, std::size_t at, std::string_view name) {
+  const std::size_t end = at + 1 + name.size();
+  return xml.substr(at + 1, name.size()) == name && end < xml.size() &&
+         (kBlanks.find(xml[end]) != std::string_view::npos || xml[end] == '>' || xml[end] == '/');
+}
+
+/// The next element with this name, that is no comment; npos: none.
+std::size_t find_element(std::string_view xml, std::string_view name) {
+  for (std::size_t at = xml.find('<'); at < xml.size(); at = xml.find('<', at + 1)) {
+    if (xml.substr(at).starts_with("<!--"))
+      at = behind(xml, "-->", at) - 1;
+    else if (is_element(xml, at, name))
+      return at;
+  }
+  return std::string_view::npos;
+}
+
+/// The file that package://NAME/rest means: it stands in a folder NAME above, or in one of another
+/// name.
+std::optional<fs::path> find_package_file(std::string_view path, const fs::path& folder) {
+  constexpr int kMostLevels = 4;
+  const std::size_t slash = path.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const fs::path name(path.substr(0, slash)), rest(path.substr(slash + 1));
+  std::error_code error;
+  fs::path base = folder.empty() ? fs::path(".") : folder;
+  for (int level = 0; level < kMostLevels; ++level, base /= "..")
+    for (const fs::path& found : {base / name / rest, base / rest})
+      if (fs::is_regular_file(found, error)) return found;
+  return std::nullopt;
+}
+
+/// Hands each value of filename="..." to `take`, which may change it.
+template <class Take>
+std::string with_names(const std::string& xml, Take take) {
+  constexpr std::string_view kAttribute = "filename";
+  std::string out;
+  std::size_t copied = 0;
+  for (std::size_t at = xml.find(kAttribute); at != std::string::npos;
+       at = xml.find(kAttribute, at + 1)) {
+    std::size_t quote = xml.find_first_not_of(kBlanks, at + kAttribute.size());
+    if (quote == std::string::npos || xml[quote] != '=') continue;
+    quote = xml.find_first_not_of(kBlanks, quote + 1);
+    if (quote == std::string::npos || (xml[quote] != '"' && xml[quote] != '\'')) continue;
+    const std::size_t end = xml.find(xml[quote], quote + 1);
+    if (end == std::string::npos) break;
+    out.append(xml, copied, quote + 1 - copied);
+    out += take(xml.substr(quote + 1, end - quote - 1));
+    copied = end;
+  }
+  return out.append(xml, copied);
+}
+
+}  // namespace
+
+bool is_urdf(std::string_view xml) {
+  const std::size_t root = root_of(xml);
+  return root != std::string_view::npos && is_element(xml, root, "robot");
+}
+
+std::optional<std::string> with_paths_kept(const std::string& xml, const fs::path& folder) {
+  if (!is_urdf(xml)) return std::nullopt;
+  for (const char* own : {"strippath", "meshdir", "assetdir"})
+    if (xml.find(own) != std::string::npos) return std::nullopt;
+  constexpr std::string_view kPackage = "package://", kFile = "file://";
+  bool has_folder = false;
+  std::string text = with_names(xml, [&](std::string name) {
+    has_folder = has_folder || name.find('/') != std::string::npos;
+    if (name.starts_with(kFile)) return name.substr(kFile.size());
+    if (!name.starts_with(kPackage)) return name;
+    const auto found = find_package_file(std::string_view(name).substr(kPackage.size()), folder);
+    // MuJoCo puts the folder of the URDF file before a name.
+    return found ? found->lexically_relative(folder.empty() ? fs::path(".") : folder).string()
+                 : name;
+  });
+  if (!has_folder) return std::nullopt;
+
+  constexpr std::string_view kOption = " strippath=\"false\"";
+  const std::size_t own = find_element(text, "mujoco");
+  const std::size_t compiler =
+      own == std::string::npos ? own : find_element(std::string_view(text).substr(own), "compiler");
+  if (compiler != std::string::npos)
+    return text.insert(own + compiler + std::string_view("<compiler").size(), kOption);
+  const std::size_t root_end = text.find('>', root_of(text));
+  if (root_end == std::string::npos || text[root_end - 1] == '/') return std::nullopt;
+  const std::string element = "<compiler" + std::string(kOption) + "/>";
+  if (own == std::string::npos)
+    return text.insert(root_end + 1, "<mujoco>" + element + "</mujoco>");
+  const std::size_t own_end = text.find('>', own);
+  if (own_end == std::string::npos) return std::nullopt;
+  if (text[own_end - 1] == '/') return text.replace(own_end - 1, 2, ">" + element + "</mujoco>");
+  return text.insert(own_end + 1, element);
+}
+
+}  // namespace feltwire

@@ -1,0 +1,21 @@
+#pragma once
+// Paths of meshes in a URDF file, as its other readers understand them.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace feltwire {
+
+/// Whether an XML text is a URDF file: its root is <robot>.
+bool is_urdf(std::string_view xml);
+
+/// MuJoCo drops the folders from the paths of a URDF file, unless its <mujoco><compiler> says
+/// strippath="false", and it does not know package:// paths. Returns the text with this option, and
+/// with each package:// path replaced by that of the file, which is looked for beside the URDF file
+/// (in `folder`) and in the folders above. Lines keep their numbers. Empty: the text needs no
+/// change, is no URDF file, or says strippath or a folder of meshes itself.
+std::optional<std::string> with_paths_kept(const std::string& xml,
+                                           const std::filesystem::path& folder);
+
+}  // namespace feltwire

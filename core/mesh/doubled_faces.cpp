@@ -1,0 +1,268 @@
+#include "core/mesh/doubled_faces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+#include "core/mesh/bucketed.hpp"
+
+namespace feltwire::doubled_faces {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// Three corners, in ascending order, and the first triangle of each side on them. The forward side
+/// has the corners in this order.
+struct Face {
+  Triangle corners;
+  std::uint32_t first = kNone;                      // of both
+  std::array<std::uint32_t, 2> side{kNone, kNone};  // forward, backward; kNone: has none
+  bool has_both() const { return side[0] != kNone && side[1] != kNone; }
+};
+
+bool is_forward(const Triangle& t) {
+  const std::size_t low =
+      static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
+  return t[corner_after(low)] < t[corner_after(corner_after(low))];
+}
+
+/// The corners of a triangle, in ascending order.
+struct Corners {
+  std::uint32_t low, middle, high, triangle;
+  bool operator==(const Corners& other) const {
+    return low == other.low && middle == other.middle && high == other.high;
+  }
+};
+
+/// By their lowest corner, then by the other two.
+std::vector<Corners> sorted_corners(std::span<const Triangle> triangles, std::size_t vertices) {
+  return bucketed<Corners>(
+      triangles.size(), vertices,
+      [&](std::size_t t) {
+        Triangle c = triangles[t];
+        std::sort(c.begin(), c.end());
+        return Corners{c[0], c[1], c[2], static_cast<std::uint32_t>(t)};
+      },
+      [](const Corners& x, const Corners& y) {
+        return std::tie(x.middle, x.high, x.triangle) < std::tie(y.middle, y.high, y.triangle);
+      });
+}
+
+std::vector<Face> faces_of(std::span<const Triangle> triangles, std::span<const Corners> all) {
+  std::vector<Face> faces;
+  for (const Corners& c : all) {
+    const Triangle corners{c.low, c.middle, c.high};
+    if (faces.empty() || faces.back().corners != corners)
+      faces.push_back({.corners = corners, .first = c.triangle});
+    std::uint32_t& side = faces.back().side[is_forward(triangles[c.triangle]) ? 0 : 1];
+    if (side == kNone) side = c.triangle;
+  }
+  return faces;
+}
+
+/// An edge of a face. The forward side of the face goes up the edge, from its lower end to its
+/// higher one, if `way` is 1, and down if it is -1.
+struct EdgeOfFace {
+  std::uint32_t low, high, face;
+  int way;
+};
+
+/// The edges that a face with both sides may have, with all their faces, edge by edge.
+std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::size_t vertices) {
+  std::vector<bool> asked(vertices);
+  for (const Face& face : faces)
+    if (face.has_both())
+      for (const std::uint32_t v : face.corners) asked[v] = true;
+  std::vector<EdgeOfFace> edges;
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    const Triangle& c = faces[f].corners;
+    for (const auto& [a, b, way] : {std::tuple(0, 1, 1), std::tuple(1, 2, 1), std::tuple(0, 2, -1)})
+      if (asked[c[static_cast<std::size_t>(a)]] && asked[c[static_cast<std::size_t>(b)]])
+        edges.push_back({c[static_cast<std::size_t>(a)], c[static_cast<std::size_t>(b)], f, way});
+  }
+  std::sort(edges.begin(), edges.end(), [](const EdgeOfFace& a, const EdgeOfFace& b) {
+    return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
+  });
+  return edges;
+}
+
+/// Groups of faces whose sides depend on each other: one face's choice is that of its group, or the
+/// opposite one.
+class Groups {
+ public:
+  explicit Groups(std::size_t faces)
+      : parent_(faces), sign_(faces, 1), torn_(faces), links_(faces) {
+    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+  }
+
+  struct Place {
+    std::uint32_t group;
+    int sign;  // of the face's choice, against the group's
+  };
+  Place find(std::uint32_t face) {
+    std::uint32_t root = face;
+    int sign = 1;
+    while (parent_[root] != root) {
+      sign *= sign_[root];
+      root = parent_[root];
+    }
+    const Place place{root, sign};
+    while (parent_[face] != face) {  // shortens the way for the next one
+      const std::uint32_t next = parent_[face];
+      const int own = sign_[face];
+      parent_[face] = root;
+      sign_[face] = sign;
+      sign *= own;
+      face = next;
+    }
+    return place;
+  }
+
+  /// The two choices have this product.
+  void link(std::uint32_t a, std::uint32_t b, int product) {
+    Place one = find(a), other = find(b);
+    if (one.group == other.group) {
+      if (one.sign * other.sign != product) torn_[one.group] = true;
+    } else {
+      if (other.group < one.group) std::swap(one, other);
+      parent_[other.group] = one.group;
+      sign_[other.group] = one.sign * other.sign * product;
+      if (torn_[other.group]) torn_[one.group] = true;
+      links_[one.group] += links_[other.group];
+    }
+    ++links_[one.group];
+  }
+
+  /// No choice suits all of its links, as on a Moebius strip.
+  bool is_torn(std::uint32_t group) const { return torn_[group]; }
+  std::size_t links(std::uint32_t group) const { return links_[group]; }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<int> sign_;  // against the parent's
+  std::vector<bool> torn_;
+  std::vector<std::size_t> links_;
+};
+
+class Choice {
+ public:
+  Choice(std::span<const Vec3> vertices, const std::vector<Face>& faces)
+      : vertices_(vertices), faces_(faces), edges_(edges_in_question(faces, vertices.size())) {
+    chosen_.reserve(faces.size());
+    for (const Face& face : faces)
+      chosen_.push_back(face.has_both() ? 0 : face.side[0] != kNone ? 1 : -1);
+  }
+
+  /// A decision may decide others that it meets at an edge of many faces, so there are rounds.
+  void ask_neighbours() {
+    constexpr int kMostRounds = 16;
+    for (int round = 0; round < kMostRounds; ++round) {
+      Groups groups(faces_.size());
+      const std::vector<long> votes = count_votes(groups);
+      bool decided = false;
+      for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+        if (chosen_[f] != 0) continue;
+        const Groups::Place place = groups.find(f);
+        const long vote = votes[place.group];
+        if (vote == 0 || groups.is_torn(place.group)) continue;
+        chosen_[f] = vote > 0 ? place.sign : -place.sign;
+        decided = true;
+      }
+      if (!decided) return;
+    }
+  }
+
+  /// The closed shells that are left: their outside is where the volume is above zero.
+  void turn_shells_outwards() {
+    Groups groups(faces_.size());
+    count_votes(groups);
+    std::vector<double> volume(faces_.size());
+    std::vector<std::size_t> count(faces_.size());
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      if (chosen_[f] != 0) continue;
+      const Groups::Place place = groups.find(f);
+      const Triangle& c = faces_[f].corners;
+      volume[place.group] +=
+          place.sign * vertices_[c[0]].dot(vertices_[c[1]].cross(vertices_[c[2]]));
+      ++count[place.group];
+    }
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      if (chosen_[f] != 0) continue;
+      const auto [group, sign] = groups.find(f);
+      // Each edge of a closed shell links two of its faces.
+      if (groups.is_torn(group) || 2 * groups.links(group) != 3 * count[group]) continue;
+      if (volume[group] != 0.0) chosen_[f] = volume[group] > 0.0 ? sign : -sign;
+    }
+  }
+
+  /// 1: forward, -1: backward, 0: both.
+  int of(std::size_t face) const { return chosen_[face]; }
+
+ private:
+  /// Links the faces that are undecided, and counts the neighbours for the choice of each group.
+  std::vector<long> count_votes(Groups& groups) const {
+    std::vector<std::pair<std::uint32_t, long>> own;  // face, vote
+    for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
+      int open = 0,
+          up = 0;  // faces that are undecided; others that go up the edge, less those down
+      for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
+             edges_[end].high == edges_[begin].high;
+           ++end) {
+        const int chosen = chosen_[edges_[end].face];
+        open += chosen == 0 ? 1 : 0;
+        up += chosen * edges_[end].way;
+      }
+      // A face agrees with its neighbour if the two go opposite ways along their edge.
+      const EdgeOfFace &one = edges_[begin], &last = edges_[end - 1];
+      if (open == 2 && end - begin == 2) groups.link(one.face, last.face, -one.way * last.way);
+      if (open != 1 || up == 0) continue;
+      for (std::size_t i = begin; i < end; ++i)
+        if (chosen_[edges_[i].face] == 0)
+          own.emplace_back(edges_[i].face, up > 0 ? -edges_[i].way : edges_[i].way);
+    }
+    std::vector<long> votes(faces_.size());
+    for (const auto& [face, vote] : own) {
+      const Groups::Place place = groups.find(face);
+      votes[place.group] += place.sign * vote;
+    }
+    return votes;
+  }
+
+  std::span<const Vec3> vertices_;
+  const std::vector<Face>& faces_;
+  std::vector<EdgeOfFace> edges_;
+  std::vector<int> chosen_;
+};
+
+}  // namespace
+
+Kept keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                      bool solid) {
+  Kept kept;
+  std::vector<Corners> all = sorted_corners(triangles, vertices.size());
+  if (std::ranges::adjacent_find(all) == all.end()) return kept;
+  const std::vector<Face> faces = faces_of(triangles, all);
+  std::vector<Corners>().swap(all);  // a large surface needs the memory
+  Choice choice(vertices, faces);
+  choice.ask_neighbours();
+  if (solid) choice.turn_shells_outwards();
+
+  std::vector<std::uint32_t> face_at(triangles.size(), kNone);
+  for (std::uint32_t f = 0; f < faces.size(); ++f) face_at[faces[f].first] = f;
+  kept.triangles.reserve(faces.size());
+  for (const std::uint32_t f : face_at) {
+    if (f == kNone) continue;
+    const Face& face = faces[f];
+    const int chosen = choice.of(f);
+    if (chosen >= 0) kept.triangles.push_back(triangles[face.side[0]]);
+    if (chosen <= 0) kept.triangles.push_back(triangles[face.side[1]]);
+    if (face.has_both()) ++(chosen == 0 ? kept.both_sides : kept.opposed);
+  }
+  kept.same = triangles.size() - kept.triangles.size() - kept.opposed;
+  return kept;
+}
+
+}  // namespace feltwire::doubled_faces

@@ -1,0 +1,455 @@
+#include "core/recording/mcap_salvage.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <streambuf>
+#include <string_view>
+
+#include "core/base/file_error.hpp"
+#include "core/recording/compression.hpp"
+#include "core/recording/mcap_bytes.hpp"
+
+namespace feltwire::mcap {
+namespace {
+
+struct Range {
+  std::uint64_t begin, end;
+};
+
+struct Head {
+  Opcode opcode;
+  std::uint64_t end;  // of the record
+};
+
+bool is_known(std::uint8_t opcode) {
+  return (opcode >= static_cast<std::uint8_t>(Opcode::header) &&
+          opcode <= static_cast<std::uint8_t>(Opcode::data_end)) ||
+         opcode >= 0x80;  // those of other programs
+}
+
+/// The records that a chunk may not have, so that none of them is taken out of a damaged chunk.
+bool is_outside_of_chunks(Opcode opcode) {
+  return opcode == Opcode::chunk || opcode == Opcode::message_index ||
+         opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;
+}
+
+bool has_known_fields(Opcode opcode) {
+  return opcode == Opcode::header || opcode == Opcode::metadata || opcode == Opcode::schema ||
+         opcode == Opcode::channel || opcode == Opcode::message_index ||
+         opcode == Opcode::attachment || opcode == Opcode::chunk;
+}
+
+/// Whether the fields of a record fill it: a longer one would hide what stands behind it.
+bool is_filled(Opcode opcode, Cursor content) {
+  constexpr std::size_t kNumber = sizeof(std::uint64_t), kId = sizeof(std::uint16_t);
+  constexpr std::size_t kCrc = sizeof(std::uint32_t);
+  const auto skip_texts = [&](int count) {
+    for (int i = 0; i < count; ++i) content.text();
+  };
+  switch (opcode) {
+    case Opcode::header:
+    case Opcode::metadata:
+      skip_texts(2);
+      break;
+    case Opcode::schema:
+      content.bytes(kId);
+      skip_texts(3);
+      break;
+    case Opcode::channel:
+      content.bytes(2 * kId);
+      skip_texts(3);
+      break;
+    case Opcode::message_index:
+      content.bytes(kId);
+      skip_texts(1);
+      break;
+    case Opcode::attachment:
+      content.bytes(2 * kNumber);
+      skip_texts(2);
+      content.bytes(content.number<std::uint64_t>());
+      content.bytes(kCrc);
+      break;
+    case Opcode::chunk:
+      content.bytes(3 * kNumber + kCrc);
+      skip_texts(1);
+      content.bytes(content.number<std::uint64_t>());
+      break;
+    default:
+      return true;
+  }
+  return content.ok() && content.rest().empty();
+}
+
+std::string record_of(Opcode opcode, std::string_view content) {
+  std::string out;
+  put(out, static_cast<std::uint8_t>(opcode));
+  put(out, std::uint64_t{content.size()});
+  out += content;
+  return out;
+}
+
+/// The error of a Reader, without its place and its remedy.
+std::string reason_of(const FileError& error) {
+  std::string_view words = error.what();
+  constexpr std::string_view kByte = ": byte ";
+  if (const auto at = words.find(kByte); at != std::string_view::npos)
+    if (const auto end = words.find(": ", at + kByte.size()); end != std::string_view::npos)
+      words.remove_prefix(end + 2);
+  return std::string(words.substr(0, words.find(';')));
+}
+
+}  // namespace
+
+/// The head and ranges of the file, one after the other.
+class SalvagedFile::Parts final : public std::streambuf {
+ public:
+  explicit Parts(std::istream& file) : file_(file) {}
+
+  std::string head;
+  std::vector<Range> ranges;
+
+ protected:
+  int_type underflow() override {
+    if (!head_read_) {
+      head_read_ = true;
+      setg(head.data(), head.data(), head.data() + head.size());
+      if (!head.empty()) return traits_type::to_int_type(*gptr());
+    }
+    while (next_ < ranges.size() && at_ == ranges[next_].end) begin(next_ + 1);
+    if (next_ == ranges.size()) return traits_type::eof();
+    if (at_ == kBefore) at_ = ranges[next_].begin;
+    const auto size = static_cast<std::streamsize>(
+        std::min<std::uint64_t>(block_.size(), ranges[next_].end - at_));
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(at_));
+    file_.read(block_.data(), size);
+    const std::streamsize got = file_.gcount();
+    if (got <= 0) return traits_type::eof();
+    at_ += static_cast<std::uint64_t>(got);
+    setg(block_.data(), block_.data(), block_.data() + got);
+    return traits_type::to_int_type(*gptr());
+  }
+
+ private:
+  static constexpr std::uint64_t kBefore = std::numeric_limits<std::uint64_t>::max();
+  void begin(std::size_t range) {
+    next_ = range;
+    at_ = range < ranges.size() ? ranges[range].begin : kBefore;
+  }
+
+  std::istream& file_;
+  std::array<char, 1 << 16> block_{};
+  bool head_read_ = false;
+  std::size_t next_ = 0;
+  std::uint64_t at_ = kBefore;
+};
+
+/// A pass over a file.
+struct SalvagedFile::Scan {
+  Scan(std::istream& in, ReaderLimits given) : file(in), limits(given) {
+    file.clear();
+    file.seekg(0, std::ios::end);
+    size = static_cast<std::uint64_t>(std::max<std::streamoff>(0, file.tellg()));
+    definitions = kMagic;
+    std::string nothing;
+    put_text(nothing, "");
+    put_text(nothing, "");
+    definitions += record_of(Opcode::header, nothing);
+  }
+
+  std::string bytes(std::uint64_t begin, std::uint64_t end) {
+    std::string out(static_cast<std::size_t>(std::min(end, size) - std::min(begin, size)), '\0');
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(begin));
+    file.read(out.data(), static_cast<std::streamsize>(out.size()));
+    out.resize(static_cast<std::size_t>(file.gcount()));
+    return out;
+  }
+
+  /// A record's head, if its length can be right.
+  std::optional<Head> head_at(std::uint64_t at) {
+    if (at > size || size - at < kRecordHead) return std::nullopt;
+    const std::string raw = bytes(at, at + kRecordHead);
+    Cursor head(raw);
+    const auto opcode = head.number<std::uint8_t>();
+    const auto length = head.number<std::uint64_t>();
+    if (!head.ok() || !is_known(opcode) || length > limits.record ||
+        length > size - at - kRecordHead)
+      return std::nullopt;
+    return Head{static_cast<Opcode>(opcode), at + kRecordHead + length};
+  }
+
+  /// Whether a record stands here: its fields fill it, or another one, which may be cut, follows.
+  bool is_record_at(std::uint64_t at) {
+    constexpr std::uint64_t kDataEnd = kRecordHead + 4;
+    if (at == size) return true;
+    const auto head = head_at(at);
+    if (!head) return false;
+    if (head->opcode == Opcode::data_end) return head->end - at == kDataEnd;
+    if (has_known_fields(head->opcode)) {
+      const std::string record = bytes(at, head->end);
+      return is_filled(head->opcode, Cursor(std::string_view(record).substr(kRecordHead)));
+    }
+    if (size - head->end <= kRecordHead || head_at(head->end)) return true;
+    const std::string cut = bytes(head->end, head->end + kRecordHead);
+    Cursor next(cut);
+    return is_known(next.number<std::uint8_t>()) && next.number<std::uint64_t>() <= limits.record;
+  }
+
+  /// The next record, from `at` on, that is none of a chunk's.
+  std::uint64_t next_after(std::uint64_t at) {
+    constexpr std::uint64_t kBlock = 1 << 20;
+    for (std::uint64_t block = at; block < size; block += kBlock) {
+      const std::string here = bytes(block, block + kBlock);
+      for (std::size_t i = 0; i < here.size(); ++i) {
+        const auto opcode = static_cast<Opcode>(static_cast<std::uint8_t>(here[i]));
+        if (!is_outside_of_chunks(opcode)) continue;
+        // The upper bytes of a possible length are zero.
+        constexpr std::size_t kUpper = 8;
+        if (i + kUpper < here.size() && here[i + kUpper] != '\0') continue;
+        if (is_record_at(block + i)) return block + i;
+      }
+    }
+    return size;
+  }
+
+  /// The summary, if it is whole: definitions, the chunks' times, statistics.
+  void read_summary() {
+    constexpr std::uint64_t kFooter = kRecordHead + 20;
+    if (size < kFooter + kMagic.size()) return;
+    const std::uint64_t footer_at = size - kMagic.size() - kFooter;
+    const std::string footer = bytes(footer_at, size);
+    if (!std::string_view(footer).ends_with(kMagic) ||
+        footer.front() != static_cast<char>(Opcode::footer))
+      return;
+    Cursor content(std::string_view(footer).substr(kRecordHead));
+    const auto start = content.number<std::uint64_t>();
+    content.number<std::uint64_t>();
+    const auto crc = content.number<std::uint32_t>();
+    if (start == 0 || start >= footer_at || footer_at - start > limits.record) return;
+    const std::string summary = bytes(start, footer_at);
+    constexpr std::size_t kNotInCrc = 4;
+    if (crc != 0 &&
+        crc != crc32(std::string_view(footer).substr(0, kFooter - kNotInCrc), crc32(summary)))
+      return;
+    for (Cursor rest(summary); !rest.empty();) {
+      const auto opcode = static_cast<Opcode>(rest.number<std::uint8_t>());
+      const std::string_view record = rest.bytes(rest.number<std::uint64_t>());
+      if (!rest.ok()) return;
+      Cursor fields(record);
+      if (opcode == Opcode::schema || opcode == Opcode::channel) {
+        definitions += record_of(opcode, record);
+      } else if (opcode == Opcode::chunk_index) {
+        const auto first = fields.number<std::uint64_t>(), last = fields.number<std::uint64_t>();
+        times[fields.number<std::uint64_t>()] = {first, last};
+      } else if (opcode == Opcode::statistics) {
+        messages = fields.number<std::uint64_t>();
+      }
+    }
+    summary_at = start;
+  }
+
+  /// Empty: a Reader accepts the record; else what is wrong.
+  std::optional<std::string> wrong_with(const std::string& record) {
+    std::istringstream alone(definitions + record);
+    try {
+      Reader reader(alone, "file", limits);
+      std::uint64_t here = 0;
+      while (reader.next()) ++here;
+      found += here;
+      return std::nullopt;
+    } catch (const FileError& error) {
+      return reason_of(error);
+    }
+  }
+
+  void miss(std::uint64_t begin, std::uint64_t end, std::string what, const std::string& record) {
+    MissingPart part{.begin = begin, .end = end, .what = std::move(what)};
+    if (const auto known = times.find(begin); known != times.end()) {
+      part.times = known->second;
+    } else if (!record.empty() && record.front() == static_cast<char>(Opcode::chunk)) {
+      Cursor content(std::string_view(record).substr(kRecordHead));
+      const auto first = content.number<std::uint64_t>(), last = content.number<std::uint64_t>();
+      if (content.ok() && first <= last) part.times = {first, last};
+    }
+    // A chunk whose own head is damaged: the summary may know it by its place.
+    for (auto it = times.lower_bound(begin); it != times.end() && it->first < end; ++it) {
+      const auto& [first, last] = it->second;
+      part.times = part.times ? std::pair(std::min(part.times->first, first),
+                                          std::max(part.times->second, last))
+                              : std::pair(first, last);
+    }
+    missing.push_back(std::move(part));
+  }
+
+  void run(Parts& parts) {
+    read_summary();
+    std::uint64_t at = kMagic.size();
+    if (bytes(0, at) != kMagic) miss(0, at, "the first bytes are none of an MCAP file", {});
+    const std::uint64_t data_end = summary_at.value_or(size);
+    while (at < data_end) {
+      const auto head = head_at(at);
+      if (!head || !is_possible(at, *head)) {
+        const std::uint64_t next = std::min(next_after(at + 1), data_end);
+        miss(at, next,
+             next == size && !summary_at ? "the file ends within a record, or is damaged to its end"
+                                         : "no record begins here",
+             {});
+        at = next;
+        continue;
+      }
+      if (head->opcode == Opcode::data_end) {
+        check_crc(at);
+        at = head->end;
+        ended = true;
+        break;
+      }
+      at = take(parts, at, *head);
+    }
+    if (!summary_at && !ended && (missing.empty() || missing.back().end < size))
+      miss(size, size, "the file ends before its footer: its last second may be missing", {});
+    if (summary_at && !ended && missing.empty())
+      miss(at, at, "the record that ends the data is damaged, but every chunk is whole", {});
+    if (!summary_at && ended) miss(at, size, "the summary is damaged; no message is in it", {});
+    for (const auto& entry : times) {
+      const auto place = entry.first;
+      const auto covers = [place](const MissingPart& m) {
+        return m.begin <= place && place < m.end;
+      };
+      if (!whole_chunks.contains(place) && std::ranges::none_of(missing, covers))
+        miss(place, place, "a chunk of the summary is not there", {});
+    }
+    parts.head = definitions;
+  }
+
+  /// Whether a head is that of a record in the data section. An index of the summary is none: it
+  /// may be a chunk whose opcode is damaged.
+  bool is_possible(std::uint64_t at, const Head& head) const {
+    constexpr std::uint64_t kDataEnd = kRecordHead + 4;
+    if (head.end > summary_at.value_or(size)) return false;
+    switch (head.opcode) {
+      case Opcode::footer:
+      case Opcode::chunk_index:
+      case Opcode::attachment_index:
+      case Opcode::metadata_index:
+      case Opcode::statistics:
+        return false;
+      case Opcode::data_end:
+        return head.end - at == kDataEnd && (!summary_at || head.end == *summary_at);
+      case Opcode::chunk:
+        return true;
+      case Opcode::message:  // no CRC protects it, unless the summary says that there is no chunk
+        return summary_at && times.empty();
+      default:
+        return !times.contains(at);
+    }
+  }
+
+  /// Bytes that no chunk has may be damaged too.
+  void check_crc(std::uint64_t data_end) {
+    constexpr std::uint64_t kBlock = 1 << 20;
+    const std::string record = bytes(data_end, data_end + kRecordHead + sizeof(std::uint32_t));
+    const auto said = get<std::uint32_t>(std::string_view(record).substr(kRecordHead));
+    if (said == 0 || !missing.empty()) return;
+    std::uint32_t crc = 0;
+    for (std::uint64_t at = 0; at < data_end; at += kBlock)
+      crc = crc32(bytes(at, std::min(at + kBlock, data_end)), crc);
+    if (crc != said)
+      miss(data_end, data_end + record.size(),
+           "the CRC of the data is wrong, but every chunk is whole", {});
+  }
+
+  /// Returns where to go on.
+  std::uint64_t take(Parts& parts, std::uint64_t at, const Head& head) {
+    const std::string record = bytes(at, head.end);
+    if (!is_filled(head.opcode, Cursor(std::string_view(record).substr(kRecordHead))))
+      return lost(at, {}, "the length of a record is damaged");
+    switch (head.opcode) {
+      case Opcode::schema:
+      case Opcode::channel:
+        if (summary_at) return head.end;
+        break;
+      case Opcode::chunk:
+      case Opcode::message:
+      case Opcode::metadata:
+      case Opcode::attachment:
+        break;
+      case Opcode::header:
+      case Opcode::message_index:
+        return head.end;
+      default:  // newer than this
+        return is_record_at(at) ? head.end : lost(at, {}, "the length of a record is damaged");
+    }
+    const auto wrong = wrong_with(record);
+    if (wrong) return lost(at, record, *wrong);
+    if (head.opcode == Opcode::chunk) whole_chunks.insert(at);
+    if (head.opcode == Opcode::schema || head.opcode == Opcode::channel)
+      definitions += record;
+    else if (!parts.ranges.empty() && parts.ranges.back().end == at)
+      parts.ranges.back().end = head.end;
+    else
+      parts.ranges.push_back({at, head.end});
+    return head.end;
+  }
+
+  /// A damaged record: behind it, if its length is right.
+  std::uint64_t lost(std::uint64_t at, const std::string& record, const std::string& what) {
+    const std::uint64_t behind = at + record.size();
+    const std::uint64_t end = summary_at.value_or(size);
+    const std::uint64_t next =
+        !record.empty() && (behind == end || is_record_at(behind)) ? behind : next_after(at + 1);
+    miss(at, std::min(next, end), what, record);
+    return std::min(next, end);
+  }
+
+  std::istream& file;
+  ReaderLimits limits;
+  std::uint64_t size = 0;
+  std::string definitions;
+  std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;  // of chunks, by place
+  std::optional<std::uint64_t> summary_at, messages;
+  std::uint64_t found = 0;  // messages that are whole
+  std::set<std::uint64_t> whole_chunks;
+  bool ended = false;
+  std::vector<MissingPart> missing;
+};
+
+SalvagedFile::SalvagedFile(std::istream& in, const std::string& name, ReaderLimits limits)
+    : parts_(std::make_unique<Parts>(in)) {
+  Scan scan(in, limits);
+  scan.run(*parts_);
+  if (scan.found == 0 && !scan.missing.empty()) {
+    in.clear();
+    in.seekg(0);
+    Reader reader(in, name, limits);  // says what is wrong
+    while (reader.next()) continue;
+  }
+  missing_ = std::move(scan.missing);
+  if (scan.messages) missing_messages_ = *scan.messages - std::min(*scan.messages, scan.found);
+  stream_ = std::make_unique<std::istream>(parts_.get());
+}
+
+SalvagedFile::~SalvagedFile() = default;
+
+std::istream& SalvagedFile::whole_parts() { return *stream_; }
+
+std::string text(const MissingPart& part, std::optional<std::uint64_t> first) {
+  std::string line =
+      "byte " + std::to_string(part.begin) + " to " + std::to_string(part.end) + ": " + part.what;
+  if (!part.times) return line;
+  constexpr double kNanosecond = 1e-9;
+  const auto since = [&](std::uint64_t time) {
+    return kNanosecond * static_cast<double>(static_cast<std::int64_t>(time - first.value_or(0)));
+  };
+  std::array<char, 96> when{};
+  std::snprintf(when.data(), when.size(), "; missing: %.3f s to %.3f s%s", since(part.times->first),
+                since(part.times->second), first ? " of the recording" : "");
+  return line + when.data();
+}
+
+}  // namespace feltwire::mcap

@@ -1,0 +1,208 @@
+// An option on the command line drops from the environment what it excludes.
+
+#include "client/app/rival_options.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+#include "tests/client/app/parsed_options.hpp"
+#include "tests/client/temporary_folder.hpp"
+
+namespace feltwire::options_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Environment variables of options, until the end of its life.
+class Environment {
+ public:
+  void set(const std::string& option, const std::string& value) {
+    names_.push_back(environment_name(option));
+    ::setenv(names_.back().c_str(), value.c_str(), 1);
+  }
+  Environment() = default;
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() {
+    for (const std::string& name : names_) ::unsetenv(name.c_str());
+  }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+/// Options that are given together, each with its value; "true" sets a flag.
+using Given = std::vector<std::pair<std::string, std::string>>;
+
+std::vector<std::string> command_line(const Given& given) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : given)
+    if (value == "false")
+      words.push_back("--no-" + name);
+    else
+      words.push_back(value == "true" ? "--" + name : "--" + name + "=" + value);
+  return words;
+}
+
+std::string text(const Given& given) {
+  std::string all;
+  for (const std::string& word : command_line(given)) all += " " + word;
+  return all;
+}
+
+/// Without an option of trust in front.
+bool accepted(const std::vector<std::string>& words) {
+  ::testing::internal::CaptureStderr();
+  const bool good = std::holds_alternative<ClientOptions>(parsed(words));
+  ::testing::internal::GetCapturedStderr();
+  return good;
+}
+
+/// Options with values that agree with all numbers here, and those that need another one with it.
+std::vector<Given> everything() {
+  std::vector<Given> all = {{{"device", "simulated"}},
+                            {{"device", "replay:hand.csv"}},
+                            {{"device", "falcon"}},
+                            {{"device", "haply"}},
+                            {{"device", "hapi:/dev/ttyACM0"}},
+                            {{"device", "gamepad"}},
+                            {{"device", "plugin:./x.so"}},
+                            {{"device", "falcon"}, {"firmware", "novint.bin"}},
+                            {{"check", "true"}},
+                            {{"role", "operator"}},
+                            {{"role", "observer"}},
+                            {{"role", "observer"}, {"view", "seen.csv"}},
+                            {{"lead", "0.3"}},
+                            {{"lead", "0.3"}, {"robot", "left"}, {"robot-button", "1"}},
+                            {{"lead", "0.3"}, {"trust-robot", "0.1,5"}},
+                            {{"emergency-button", "1"}},
+                            {{"deadman-button", "1"}},
+                            {{"tool-weight", "0.5N"}},
+                            {{"press-button", "1"}},
+                            {{"bounding", "client"}},
+                            {{"bounding", "server"}},
+                            {{"bounding", "both"}},
+                            {{"local-model", "true"}},
+                            {{"local-model", "false"}},
+                            {{"whole-surfaces", "false"}},
+                            {{"operator-damping", "1"}},
+                            {{"no-account", "true"}, {"mode", "per_axis"}},
+                            {{"slew", "50"}},
+                            {{"ramp-up", "0.1"}},
+                            {{"velocity-limit", "1"}},
+                            {{"max-force", "3"}},
+                            {{"wait-for-small-force", "0.1"}},
+                            {{"await-still", "0.1"}},
+                            {{"learn-hand-force", "true"}},
+                            {{"profile", "wan"}},
+                            {{"packet-rate", "500"}},
+                            {{"position-deadband", "5"}},
+                            {{"force-deadband", "5"}},
+                            {{"record", "felt.csv"}},
+                            {{"record", "felt.mcap"}, {"record-max-mib", "5"}},
+                            {{"record", "felt.mcap"}, {"record-max-seconds", "5"}},
+                            {{"report", "run.json"}},
+                            {{"spec", "omega.7"}},
+                            {{"damping", "0.2"}},
+                            {{"link", "wifi"}},
+                            {{"fixed", "true"}},
+                            {{"map-scale", "2"}}};
+  for (const BoundingMethod* method : bounding_methods())
+    all.push_back({{"mode", std::string(method->name)}});
+  return all;
+}
+
+bool names(const Given& given, const std::set<std::string>& options) {
+  for (const auto& [name, value] : given)
+    if (options.contains(name)) return true;
+  return false;
+}
+
+/// Pairs that stay refused although one of them stands in the environment.
+bool stays_refused(const Given& said, const Given& in_environment) {
+  // A protection of the hand is not dropped for something else that was asked for.
+  if (names(in_environment,
+            {"slew", "ramp-up", "velocity-limit", "emergency-button", "deadman-button"}))
+    return !names(said, {"check"});
+  // A button that this device does not have, or that has another meaning.
+  if (names(in_environment, {"robot-button"}) &&
+      names(said, {"device", "emergency-button", "deadman-button"}))
+    return true;
+  // Only --check takes another device than the one that is said to be here.
+  if (names(in_environment, {"device"})) return !names(said, {"check"});
+  // A third option joins these: --local-model, or --no-local-model.
+  const auto joined = [](const Given& one, const Given& other) {
+    const bool at_server = one == Given{{"bounding", "server"}};
+    return (names(one, {"lead"}) && names(other, {"mode", "no-account", "profile"})) ||
+           (names(one, {"lead"}) && other == Given{{"bounding", "both"}}) ||
+           (at_server && names(other, {"profile"}));
+  };
+  return joined(said, in_environment) || joined(in_environment, said);
+}
+
+TEST(RivalOptions, TheCommandLineDecidesForEveryPairThatIsRefusedTogether) {
+  std::vector<Given> all = everything();
+  std::erase_if(all, [](const Given& given) { return !accepted(command_line(given)); });
+  int pairs = 0;
+  for (const Given& said : all)
+    for (const Given& other : all) {
+      std::vector<std::string> together = command_line(said);
+      for (const std::string& word : command_line(other)) together.push_back(word);
+      if (names(said, {other.front().first}) || accepted(together)) continue;
+      Environment environment;
+      for (const auto& [name, value] : other) environment.set(name, value);
+      EXPECT_NE(accepted(command_line(said)), stays_refused(said, other))
+          << text(said) << ", and in the environment" << text(other);
+      ++pairs;
+    }
+  EXPECT_GT(pairs, 100);
+}
+
+TEST(RivalOptions, EachWayToTrustDropsTheOthers) {
+  testing::TemporaryFolder folder;
+  const std::string print = folder / "fingerprint", ca = folder / "ca.pem";
+  std::ofstream(print) << std::string(64, 'b') << "\n";
+  std::ofstream(ca) << "an authority";
+  const Given ways = {{"fingerprint", kPrint}, {"fingerprint-file", print}, {"ca", ca}};
+  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
+  const auto trusted = [](const std::vector<std::string>& words) {
+    return std::get<ClientOptions>(parsed_bare(words)).server.credentials.trust;
+  };
+  for (const auto& said : ways) {
+    for (const std::vector<std::string>& words :
+         {command_line({said}), {"--" + said.first, said.second}}) {
+      const auto alone = trusted(words);
+      Environment environment;
+      for (const auto& [name, value] : ways) environment.set(name, value);
+      const auto beside = trusted(words);
+      ASSERT_EQ(alone.index(), beside.index()) << said.first;
+      if (const auto* fingerprint = std::get_if<Fingerprint>(&alone)) {
+        EXPECT_EQ(*fingerprint, std::get<Fingerprint>(beside));
+      }
+    }
+  }
+  // Nothing on the command line decides between two of the environment, or two of its own.
+  Environment environment;
+  environment.set("ca", ca);
+  environment.set("fingerprint", kPrint);
+  EXPECT_THAT(refusal({}, true), HasSubstr("FELTWIRE_FINGERPRINT_FILE"));
+  EXPECT_THAT(refusal({"--fingerprint", kPrint, "--ca", ca}, true), HasSubstr("give one"));
+  // A value that looks like an option is a value.
+  EXPECT_THAT(refusal({"--name", "--ca"}, true), HasSubstr("give one"));
+}
+
+TEST(RivalOptions, AnOptionThatEndsTheProgramHasNoVariable) {
+  Environment environment;
+  for (const char* option : {"version", "help", "list", "list-specs", "check"})
+    environment.set(option, "true");
+  const auto options = parsed({"--device", "falcon"});
+  ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
+  EXPECT_FALSE(std::get<ClientOptions>(options).list);
+  EXPECT_FALSE(std::get<ClientOptions>(options).check);
+}
+
+}  // namespace
+}  // namespace feltwire::options_test

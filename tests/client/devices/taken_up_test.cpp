@@ -1,0 +1,70 @@
+// Which command is on the hand, of a device that takes forces up late and tells so, or cannot tell.
+
+#include "client/devices/taken_up.hpp"
+
+#include <gtest/gtest.h>
+
+namespace feltwire::taken_up_test {
+namespace {
+
+Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
+
+TEST(TakenUp, AtOnceItIsWhatTheDeviceSays) {
+  TakenUp device(0);
+  EXPECT_EQ(device.written(push(3), push(3)), push(3));
+  EXPECT_EQ(device.written(push(3), push(1)), push(1));
+  EXPECT_TRUE(device.certain());
+  EXPECT_FALSE(device.nothing_left());
+  EXPECT_EQ(device.written(push(3), {}), Command{});
+  EXPECT_TRUE(device.nothing_left());
+}
+
+/// It returns what it was given.
+TEST(TakenUp, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
+  for (int late = 1; late <= kMostLateTicks; ++late) {
+    TakenUp device(late);
+    for (int n = 1; n <= 20; ++n) {
+      const Command& held = device.written(push(n), push(n));
+      EXPECT_EQ(held, push(std::max(0, n - late))) << late;
+      EXPECT_TRUE(device.certain());
+    }
+    for (int n = 1; n <= late; ++n) {
+      EXPECT_EQ(device.written({}, {}), push(20 - late + n)) << late;
+      EXPECT_FALSE(device.nothing_left()) << late;
+    }
+    EXPECT_EQ(device.written({}, {}), Command{});
+    EXPECT_TRUE(device.nothing_left()) << late;
+  }
+}
+
+/// It returns what is on the hand until the next write, by way of a mapping that rounds.
+TEST(TakenUp, OfADeviceThatTellsItIsWhatItTells) {
+  for (int late = 1; late <= kMostLateTicks; ++late) {
+    TakenUp device(late);
+    for (int n = 1; n <= 20; ++n) {
+      const Command held = push((1.0 + 1e-15) * (std::max(0, n - late) / 3));
+      EXPECT_EQ(device.written(push(n / 3), held), held) << late << ' ' << n;
+      EXPECT_TRUE(device.certain());
+    }
+  }
+}
+
+/// A device that cuts a force, and does not say of when: the worst counts, whichever way the hand
+/// moves.
+TEST(TakenUp, WhereADeviceHoldsLessTheWorstCounts) {
+  TakenUp device(1);
+  device.written(push(10), push(10));
+  device.written(push(9), push(4));
+  EXPECT_FALSE(device.certain());
+  EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(10));
+  EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));
+  // The one that was cut comes on the hand: 9 N, or 4.
+  device.written(push(2), push(2));
+  EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(9));
+  EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));
+  device.written(push(2), push(2));
+  EXPECT_TRUE(device.certain());
+}
+
+}  // namespace
+}  // namespace feltwire::taken_up_test

@@ -1,0 +1,104 @@
+// Contact with fetched geometry is measured before the servo uses it, and refused where it takes
+// too long.
+
+#include "client/transport/contact_cost.hpp"
+
+#include <gmock/gmock.h>
+
+#include "core/mesh/tessellation.hpp"
+#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/whole_surfaces/whole_body.hpp"
+#include "tests/core/heavy_geometry.hpp"
+
+namespace feltwire::contact_cost_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+constexpr double kPeriod = 1e-3;  // [s]
+
+FetchedScene ring() {
+  SurfaceData data;
+  data.object = 3;
+  const TriangleSoup soup = tessellate(Torus{0.05, 0.02}, 24);
+  data.vertices = soup.vertices;
+  data.triangles = soup.triangles;
+  return {.objects = {3}, .surfaces = mesh_surfaces(1, {data}), .body = nullptr};
+}
+
+/// A clock by which each evaluation takes this time. To read it takes none.
+ComputingClock each_takes(Nanoseconds time) {
+  return [=, now = Nanoseconds(0), reads = 0]() mutable {
+    // After the readings that find what a reading takes, every second one ends an evaluation.
+    constexpr int kFirst = 9;
+    if (++reads > kFirst && (reads - kFirst) % 2 == 0) now += time;
+    return now;
+  };
+}
+
+TEST(ContactCost, WhatFitsAQuarterOfAPeriodIsTaken) {
+  const ContactCost cost =
+      contact_cost(ring(), kPeriod, each_takes(std::chrono::microseconds(200)));
+  EXPECT_NEAR(cost.longest, 200e-6, 1e-9);
+  EXPECT_FALSE(cost.cut);
+  EXPECT_EQ(too_costly(cost, kPeriod), std::nullopt);
+}
+
+TEST(ContactCost, WhatTakesLongerIsRefusedWithItsTimeItsPlaceAndARemedy) {
+  const ContactCost cost =
+      contact_cost(ring(), kPeriod, each_takes(std::chrono::microseconds(312)));
+  EXPECT_NEAR(cost.longest, 312e-6, 1e-9);
+  EXPECT_THAT(too_costly(cost, kPeriod),
+              Optional(AllOf(HasSubstr("object 3 "), HasSubstr("250 us"), HasSubstr("312 us"),
+                             HasSubstr("fewer triangles"), HasSubstr("--rate"))));
+  // That is fine for a slower servo, and too much for a faster one.
+  EXPECT_EQ(too_costly(cost, 2 * kPeriod), std::nullopt);
+  const ContactCost fast = contact_cost(ring(), 1e-4, each_takes(std::chrono::microseconds(30)));
+  EXPECT_THAT(too_costly(fast, 1e-4), Optional(HasSubstr("25 us")));
+}
+
+/// A slow machine's units are longer, so fewer of them fit a tick.
+TEST(ContactCost, AUnitIsAsLongAsItWasMeasured) {
+  const ContactCost fast = contact_cost(ring(), kPeriod, each_takes(Nanoseconds(1)));
+  EXPECT_EQ(fast.unit, kUsualUnit);
+  const ContactCost slow =
+      contact_cost(ring(), kPeriod, each_takes(std::chrono::microseconds(200)));
+  EXPECT_GT(slow.unit, kUsualUnit);
+  EXPECT_LT(units_within(contact_budget(kPeriod), slow.unit),
+            units_within(contact_budget(kPeriod)));
+}
+
+/// However fast the machine says that it is: what would be cut off in the servo is not taken.
+TEST(ContactCost, WhatALyingServerSendsIsRefusedOnEveryMachine) {
+  constexpr std::size_t kTriangles = 20'000;
+  SurfaceData ball = test::through_a_point(kTriangles);
+  ball.radius = 2e-3;
+  const std::vector<FetchedScene> lies = {
+      {.objects = {0},
+       .surfaces = mesh_surfaces(1, {test::through_a_point(kTriangles)}),
+       .body = nullptr},
+      {.objects = {0}, .surfaces = mesh_surfaces(1, {ball}), .body = nullptr},
+      {.objects = {0},
+       .surfaces = mesh_surfaces(1, {test::round_a_corner(kTriangles)}),
+       .body = nullptr},
+      {.objects = {0},
+       .surfaces = nullptr,
+       .body = whole_body(1, test::ball_of_points(20'000), test::thin_boxes(150))}};
+  for (const FetchedScene& lie : lies) {
+    const ContactCost cost = contact_cost(lie, kPeriod, each_takes(Nanoseconds(1)));
+    EXPECT_TRUE(cost.cut) << &lie - lies.data();
+    EXPECT_THAT(too_costly(cost, kPeriod), Optional(HasSubstr("250 us")));
+  }
+}
+
+TEST(ContactCost, TheClockCountsWhatThisThreadComputes) {
+  const Nanoseconds began = computing_time();
+  volatile double sum = 0.0;
+  while (computing_time() == began) sum = sum + 1.0;
+  EXPECT_GT(computing_time(), began);
+}
+
+}  // namespace
+}  // namespace feltwire::contact_cost_test

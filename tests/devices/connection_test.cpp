@@ -1,0 +1,101 @@
+// The lag that is assumed of a device whose specification tells none.
+
+#include "client/devices/connection.hpp"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "client/devices/drivers.hpp"
+#include "core/bounding/device_account.hpp"
+#include "core/device/spec_text.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace feltwire::connection_test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A file of a device with these fields beside those that it must have.
+SourcedSpec file_with(const std::string& fields) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "mine.json")
+      << R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1])" << fields
+      << "}";
+  return load_sourced_spec(folder / "mine.json");
+}
+
+TEST(AssumedLag, IsThatOfTheConnectionAndSaysSo) {
+  for (const Connection& connection :
+       {kMappedConnection, kUsbConnection, kFullSpeedUsbConnection, kUnknownConnection}) {
+    SourcedSpec described = file_with("");
+    assume_lag(described, connection);
+    EXPECT_EQ(described.spec.actuation_lag, connection.lag);
+    EXPECT_EQ(described.spec.actuation_kind, LagKind::delay);
+    EXPECT_THAT(described.sources.at("actuation_lag"), ::testing::StartsWith("assumption"));
+    EXPECT_THAT(assumptions(described),
+                Contains(AllOf(HasSubstr("actuation_lag 0.00"),
+                               HasSubstr("is an assumption for " + std::string(connection.name)),
+                               HasSubstr("give yours as actuation_lag in a device file"))));
+    EXPECT_NO_THROW(validate(described.spec));
+    EXPECT_NO_THROW(PortAccount(account_config(described.spec, 1e-3)));
+  }
+  // The bus can only add to the amplifier.
+  EXPECT_LT(kMappedConnection.lag, kUsbConnection.lag);
+  EXPECT_LT(kUsbConnection.lag, kFullSpeedUsbConnection.lag);
+  EXPECT_GE(kUnknownConnection.lag, kUsbConnection.lag);
+}
+
+TEST(AssumedLag, ASpecificationThatTellsItStaysAsItIs) {
+  const auto assumed = [](const std::string& fields) {
+    SourcedSpec described = file_with(fields);
+    assume_lag(described, kUsbConnection);
+    EXPECT_EQ(described.sources.count("actuation_lag"), 0u) << fields;
+    return described.spec;
+  };
+  EXPECT_EQ(assumed(R"(, "actuation_lag": 0)").actuation_lag, 0.0);
+  const DeviceSpec told = assumed(R"(, "actuation_lag": 2e-4, "actuation_kind": "filter")");
+  EXPECT_EQ(told.actuation_lag, 2e-4);
+  EXPECT_EQ(told.actuation_kind, LagKind::filter);
+  const DeviceSpec late = assumed(R"(, "late_ticks": 1)");
+  EXPECT_EQ(late.actuation_lag, 0.0);
+  EXPECT_EQ(late.late_ticks, 1);
+}
+
+/// A file of identify says late_ticks 0, and a force may still be late within its tick.
+TEST(AssumedLag, NoLateTicksSayNothingOfIt) {
+  SourcedSpec described = file_with(R"(, "late_ticks": 0)");
+  assume_lag(described, kUsbConnection);
+  EXPECT_EQ(described.spec.actuation_lag, kUsbConnection.lag);
+}
+
+/// A simulated device is as its specification says, and the person at a gamepad holds no motor.
+TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
+  for (const char* spec : {"simulated", "omega.7", "phantom_premium_1.5"}) {
+    DeviceRequest request;
+    request.spec.name_or_file = spec;
+    const OpenedDevice opened = chosen_driver("simulated").driver->open(request);
+    EXPECT_EQ(opened.device->spec().actuation_lag, 0.0) << spec;
+    EXPECT_THAT(opened.notes, Not(Contains(HasSubstr("actuation_lag")))) << spec;
+  }
+}
+
+/// At a rate at which it cannot be reckoned with, the account says which rate is possible.
+TEST(AssumedLag, ARateThatItMakesImpossibleIsNamed) {
+  SourcedSpec described = file_with(R"(, "least_mass": 0.1)");
+  assume_lag(described, kUsbConnection);
+  EXPECT_NO_THROW(PortAccount(account_config(described.spec, 1.0 / 12000.0)));
+  try {
+    PortAccount(account_config(described.spec, 1.0 / 12500.0));
+    FAIL() << "the lag was reckoned with";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("at most 12000 Hz"), HasSubstr("actuation_lag"),
+                                    HasSubstr("device file (--spec)")));
+  }
+}
+
+}  // namespace
+}  // namespace feltwire::connection_test

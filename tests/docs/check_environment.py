@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""An option on the command line drops from the environment what it excludes, in every program.
+
+Each program is run with one option of a group whose options exclude each other, and ends for a reason of its own: nothing listens at the
+port that it is told, or a file is missing. With all others of the group in the environment it must end likewise, with the same words. The pairs of
+feltwire-client are in tests/client/app/rival_options_test.cpp.
+
+An option that ends the program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
+
+usage: check_environment.py BIN_FOLDER SOURCE_FOLDER
+"""
+
+import os
+import pathlib
+import socket
+import subprocess
+import sys
+import tempfile
+
+
+def run(command, environment, home):
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("FELTWIRE_")}
+    done = subprocess.run([str(word) for word in command], env={**clean, "HOME": str(home), **environment}, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+    return done.returncode, done.stdout
+
+
+def variable(option):
+    return "FELTWIRE_" + option.strip("-").upper().replace("-", "_")
+
+
+def groups(folder, source, place):
+    """(command, options that exclude each other, further options that one of them excludes)"""
+    fingerprint = folder / "fingerprint"
+    fingerprint.write_text("ab" * 32 + "\n")
+    token = folder / "token"
+    token.write_text("fw_of_a_test\n")
+    token.chmod(0o600)
+    authority = folder / "ca.pem"
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout",
+                    str(folder / "key.pem"), "-out", str(authority), "-days", "2", "-subj", "/CN=localhost"],
+                   check=True, stderr=subprocess.DEVNULL)
+    trust = {"--fingerprint": "cd" * 32, "--fingerprint-file": fingerprint, "--ca": authority}
+    access = ["--connect", place, "--token-file", token]
+    follower = ["feltwire-follower", *access, "--scene", "seat", "--reconnect", "0"]
+    point, arm = source / "scenes/teleoperation/surroundings.json", source / "scenes/arm/table.xml"
+    yield ["feltwire-client", *access, "--scene", "room"], trust, {}
+    yield ["feltwire-client", *access, "--list"], trust, {}
+    for words in (["sessions"], ["reload", "room"], ["evict", "1"], ["record"], ["stats"], ["set", "--gravity", "0,0,-1"]):
+        yield ["feltwire-client", "admin", *words, *access], trust, {}
+    yield [*follower, "--surroundings", point], trust, {}
+    yield [*follower, "--fingerprint", "cd" * 32], {"--surroundings": point, "--arm": arm}, {"--socket": folder / "socket"}
+    yield ["feltwire-view", *access, "--scene", folder / "missing.json", "--web", "0"], trust, {}
+
+
+def main():
+    programs, source = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    wrong, pairs = [], 0
+    with tempfile.TemporaryDirectory() as name, socket.socket() as closed:
+        folder = pathlib.Path(name)
+        closed.bind(("127.0.0.1", 0))  # nobody listens there
+        place = f"127.0.0.1:{closed.getsockname()[1]}"
+        for words, options, others in groups(folder, source, place):
+            command = [programs / words[0], *words[1:]]
+            for option, value in options.items():
+                rivals = {variable(other): str(there) for other, there in {**options, **others}.items() if other != option}
+                alone = run([*command, option, value], {}, folder)
+                beside = run([*command, option, value], rivals, folder)
+                pairs += len(rivals)
+                if "refused" not in alone[1] and "missing.json" not in alone[1]:
+                    wrong.append(f"{words[0]} {option}: should end for a reason of its own, and says: {alone[1]}")
+                if alone != beside:
+                    wrong.append(f"{' '.join(map(str, words[:3]))} {option} with {', '.join(rivals)}:\n  alone: {alone}\n  beside: {beside}")
+            if len(options) == 3:
+                both = {variable("--ca"): str(options["--ca"]), variable("--fingerprint"): str(options["--fingerprint"])}
+                status, said = run(command, both, folder)
+                if status == 0 or "FELTWIRE_CA" not in said:
+                    wrong.append(f"{words[0]}: two ways to trust in the environment: {status} {said}")
+        ending = {variable(option): "true" for option in ("--version", "--help", "--list", "--check", "--list-specs", "--health", "--explain")}
+        for words in (["feltwire-client"], ["feltwire-server"], ["feltwire-view"], ["feltwire-follower"]):
+            if (alone := run([programs / words[0]], {}, folder)) != (beside := run([programs / words[0]], ending, folder)):
+                wrong.append(f"{words[0]} with {', '.join(ending)}:\n  alone: {alone}\n  beside: {beside}")
+    print("\n".join(wrong + [f"{pairs} pairs, {len(wrong)} wrong"]))
+    return 1 if wrong or pairs < 50 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,252 @@
+// A connection to the live page, by its bytes: what it stores for an end that sends and does not
+// read.
+
+#include "server/web/connection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/server/web/frames.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire::web::connection_test {
+namespace {
+
+using test::client_frame;
+using ::testing::StartsWith;
+
+/// The other end of a connection. It takes what is written only when it is told to.
+struct OtherEnd {
+  std::vector<Output> written;
+  Stream::Done taken;  // empty: nothing is being written
+  Stream::Read read;   // empty: nothing is being read
+  bool closed = false;
+
+  /// Takes what is being written; then the next is.
+  void take() { std::exchange(taken, {})({}); }
+  void take_all() {
+    while (taken) take();
+  }
+  void say(std::span<const std::uint8_t> bytes) { std::exchange(read, {})({}, bytes); }
+  void say(std::string_view text) {
+    say({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  std::string text() const {
+    std::string all;
+    for (const Output& output : written) {
+      all.append(output.own.begin(), output.own.end());
+      all.append(output.shared.text());
+    }
+    return all;
+  }
+  /// The frames of a viewer, behind the answer to its request.
+  std::vector<test::Frame> frames() const {
+    const std::string all = text();
+    const std::size_t begin = all.find("\r\n\r\n") + 4;
+    std::vector<std::uint8_t> bytes(all.begin() + static_cast<std::ptrdiff_t>(begin), all.end());
+    std::vector<test::Frame> found;
+    while (const auto frame = test::take_frame(bytes)) found.push_back(*frame);
+    return found;
+  }
+};
+
+class FakeStream : public Stream {
+ public:
+  explicit FakeStream(OtherEnd& end) : end_(end) {}
+  void handshake(Done done) override { done({}); }
+  void read(Read done) override {
+    EXPECT_FALSE(end_.read) << "two reads at a time";
+    end_.read = std::move(done);
+  }
+  void write(Output output, Done done) override {
+    EXPECT_FALSE(end_.taken) << "two writes at a time";
+    end_.written.push_back(std::move(output));
+    end_.taken = std::move(done);
+  }
+  void end_writing() override {}
+  void close() noexcept override { end_.closed = true; }
+
+ private:
+  OtherEnd& end_;
+};
+
+constexpr std::array<unsigned char, 5> kFile = {'a', 'b', 'c', 'd', 'e'};
+const std::array<PageAsset, 1> kPage = {{{"/", "text/html", "1234", kFile}}};
+const std::string kUpgrade =
+    "GET /live HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: http://127.0.0.1\r\nConnection: Upgrade\r\n"
+    "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+    "Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n";
+
+class ConnectionTest : public ::testing::Test, public ConnectionHost {
+ public:
+  asio::io_context& io() override { return io_; }
+  Audience& audience() override { return audience_; }
+  Site site(const asio::ip::address&) override { return {kPage, {}, false}; }
+  std::chrono::milliseconds patience() const override { return std::chrono::minutes(10); }
+  void admitted(Places::Id) override { ++admitted_; }
+  void parting(Places::Id) override { ++parting_; }
+  void ended(Places::Id) noexcept override { ++ended_; }
+
+ protected:
+  ConnectionTest() { connection_->start(); }
+  ~ConnectionTest() override {
+    connection_->end();
+    other_.taken = {};
+    other_.read = {};
+  }
+
+  /// A stranger at the WebSocket.
+  void upgrade() {
+    other_.say(kUpgrade);
+    ASSERT_THAT(other_.text(), StartsWith("HTTP/1.1 101 "));
+    other_.take();
+    ASSERT_TRUE(other_.read);
+  }
+  /// A viewer that has shown a token.
+  void enter() {
+    upgrade();
+    connection_->admitted();
+  }
+  /// Whether it has ended, at the latest when the present handlers have run.
+  bool over() {
+    io_.poll();
+    io_.restart();
+    return other_.closed;
+  }
+
+  asio::io_context io_;
+  Audience audience_{io_, {}, test::security().tokens};
+  OtherEnd other_;
+  std::shared_ptr<Connection> connection_ = std::make_shared<Connection>(
+      *this, 1, std::make_unique<FakeStream>(other_), asio::ip::make_address("127.0.0.1"));
+  int admitted_ = 0, parting_ = 0, ended_ = 0;
+};
+
+TEST_F(ConnectionTest, ReadsNothingWhileOutputWaits) {
+  enter();
+  other_.say(client_frame(9, "one"));
+  ASSERT_TRUE(other_.taken);
+  EXPECT_FALSE(other_.read) << "its answer is not taken yet";
+  connection_->send("news");
+  other_.take();
+  EXPECT_FALSE(other_.read) << "the news is not taken yet";
+  other_.take();
+  EXPECT_TRUE(other_.read);
+  EXPECT_EQ(other_.frames().size(), 2u);
+}
+
+/// Also frames that need no answer.
+TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
+  for (const auto& [opcode, last] : {std::pair(9, true), {10, true}, {0, false}}) {
+    upgrade();
+    std::vector<std::uint8_t> flood = client_frame(1, "", false);
+    if (opcode != 0) flood.clear();
+    while (flood.size() < 3000) {
+      const auto frame = client_frame(opcode, "", last);
+      flood.insert(flood.end(), frame.begin(), frame.end());
+    }
+    other_.say(flood);
+    other_.take_all();
+    const std::vector<test::Frame> answers = other_.frames();
+    ASSERT_FALSE(answers.empty()) << opcode;
+    EXPECT_EQ(answers.back().code(), 4400) << opcode;
+    EXPECT_EQ(answers.back().reason(), "too many messages");
+    // 40 at once, and 20 a second while this runs.
+    EXPECT_LT(answers.size(), 200u) << opcode;
+    EXPECT_EQ(parting_, 1);
+    connection_->end();
+    other_ = {};
+    parting_ = 0;
+    connection_ = std::make_shared<Connection>(*this, 2, std::make_unique<FakeStream>(other_),
+                                               asio::ip::make_address("127.0.0.1"));
+    connection_->start();
+  }
+}
+
+TEST_F(ConnectionTest, EndsAViewerThatLetsTooMuchWait) {
+  enter();
+  connection_->send("first");  // is being written, and stays so
+  const std::string news(1000, 'n');
+  std::size_t sent = 0;
+  for (; sent + 2 * news.size() < Viewer::kMostWaiting; sent += news.size())
+    connection_->send(news);
+  EXPECT_FALSE(over());
+  EXPECT_FALSE(connection_->ready());
+  for (int i = 0; i < 1000; ++i) connection_->send(news);
+  EXPECT_EQ(ended_, 0) << "not while the audience may go through its viewers";
+  EXPECT_TRUE(over());
+  EXPECT_EQ(ended_, 1);
+}
+
+TEST_F(ConnectionTest, TheSceneMayBeLargeAndIsNotCopied) {
+  enter();
+  const SharedBytes object(std::vector<std::uint8_t>(1'000'000, 7));
+  EXPECT_TRUE(connection_->ready());
+  connection_->show_text(SharedBytes(std::string("scene")));
+  for (int i = 0; i < 5; ++i) static_cast<Viewer&>(*connection_).show_binary(object);
+  connection_->send("news");
+  EXPECT_FALSE(over());
+  EXPECT_FALSE(connection_->ready());
+  other_.take_all();
+  std::size_t own = 0, shared = 0;
+  for (const Output& output : other_.written) {
+    own += output.own.size();
+    if (output.shared.empty()) continue;
+    ++shared;
+    EXPECT_EQ(output.shared.bytes().data(), object.bytes().data());
+  }
+  EXPECT_EQ(shared, 5u);
+  EXPECT_LT(own, 1000u);
+  EXPECT_TRUE(connection_->ready());
+}
+
+TEST_F(ConnectionTest, AFileOfThePageIsNotCopied) {
+  other_.say("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+  ASSERT_EQ(other_.written.size(), 1u);
+  EXPECT_EQ(other_.written[0].shared.bytes().data(), kFile.data());
+  EXPECT_FALSE(other_.read) << "a second request is not read before the first is answered";
+}
+
+/// Bytes after a request are thrown away, so that its answer arrives; not for ever.
+TEST_F(ConnectionTest, AnEndlessRequestEnds) {
+  other_.say("POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 999999999\r\n\r\n");
+  EXPECT_THAT(other_.text(), StartsWith("HTTP/1.1 400 "));
+  other_.take();
+  const std::string body(4096, 'b');
+  std::size_t read = 0;
+  for (; !other_.closed && read < 10'000'000; read += body.size()) other_.say(body);
+  EXPECT_TRUE(other_.closed);
+  EXPECT_LE(read, Connection::kMostDiscarded + body.size());
+}
+
+TEST_F(ConnectionTest, AViewerThatGoesOnAfterItsCloseEnds) {
+  enter();
+  connection_->close(WebSocketClose::bad_message, "enough");
+  EXPECT_EQ(parting_, 1);
+  EXPECT_FALSE(connection_->ready());
+  other_.take_all();
+  const std::vector<std::uint8_t> more = client_frame(1, std::string(4000, 'm'));
+  std::size_t read = 0;
+  for (; !other_.closed && read < 10'000'000; read += more.size()) other_.say(more);
+  EXPECT_TRUE(other_.closed);
+  EXPECT_LE(read, Connection::kMostDiscarded + more.size());
+}
+
+/// A viewer that breaks the rules of a WebSocket keeps neither its seat nor its place.
+TEST_F(ConnectionTest, ABrokenRuleTakesTheSeat) {
+  enter();
+  EXPECT_FALSE(audience_.empty());
+  const std::vector<std::uint8_t> unmasked = {0x81, 0x01, 'x'};
+  other_.say(unmasked);
+  EXPECT_TRUE(audience_.empty());
+  EXPECT_EQ(parting_, 1);
+  EXPECT_FALSE(connection_->ready());
+  other_.take_all();
+  EXPECT_EQ(other_.frames().back().code(), 1002);
+}
+
+}  // namespace
+}  // namespace feltwire::web::connection_test
