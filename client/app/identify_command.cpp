@@ -107,6 +107,16 @@ void show_progress(const MeasureStatus& status) {
   if (terminal) std::fprintf(stderr, "\r                    \r");
 }
 
+/// The table of the specification has the bound of the lag, where there is one.
+void tell_lag(const DeviceSpec& known, const DeviceEstimate& found) {
+  if (!found.lag_bound)
+    std::printf("  lag of the loop       not found: the handle hardly shook\n");
+  else
+    std::printf("  lag of the loop       %.3f ms, at most %.3f ms%s\n", 1e3 * found.lag,
+                1e3 * *found.lag_bound,
+                known.late_ticks > 0 ? "; the file goes on with late_ticks" : "");
+}
+
 /// Measures, with the device let go at the end whatever happens.
 void run(Device& device, Identification& identification) {
   MeasureStatus& status = status_of_run;
@@ -171,8 +181,8 @@ void identify(const IdentifyWords& words) {
                              found.doubts.front());
   const SourcedSpec described = identified_spec(known, found, today());
   std::printf("%s", visible_lines(spec_table(described)).c_str());
-  std::printf("  delay of the loop     %.2f ms\n  largest force held    %.2f N\n",
-              1e3 * found.delay, identification.largest_force());
+  tell_lag(known.spec, found);
+  std::printf("  largest force held    %.2f N\n", identification.largest_force());
   for (int i = 0; i < known.spec.translation_dof; ++i) {
     std::printf("  damping along %c       %.3g N s/m by the sweeps, ", "xyz"[i], found.damping[i]);
     if (const auto decay = found.decay[static_cast<std::size_t>(i)])

@@ -8,6 +8,7 @@
 
 #include "client/identify/burned.hpp"
 #include "client/identify/impulse_fit.hpp"
+#include "client/identify/lag_fit.hpp"
 
 namespace feltwire {
 namespace {
@@ -17,8 +18,10 @@ constexpr double kDelayMargin = 0.5e-3;  // [s] the delay may be less or more th
 constexpr double kLeastForce = 2e-3;     // [N] that is not told from nothing
 constexpr double kSticks = 2.0;          // stiction at the turns, over the most resistance found
 constexpr double kSpeedError = 0.02;     // of the mean speed, which windows and ripple round off
-constexpr double kHeld = 25.0;           // [N/m] a hand's stiffness; a free handle has none
-constexpr double kDisagreement = 0.3;    // of the damping, beyond what the fits say of themselves
+constexpr double kLagShare = 0.02, kLeastLag = 40e-6;  // [s] that is added to the lag's bound
+constexpr double kOpenLag = 0.5e-3;                    // [s] left open: more tells nothing
+constexpr double kHeld = 25.0;         // [N/m] a hand's stiffness; a free handle has none
+constexpr double kDisagreement = 0.3;  // of the damping, beyond what the fits say of themselves
 
 /// u' A u of one line, and how far below it the truth may be.
 struct AlongLine {
@@ -180,12 +183,25 @@ void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
   found.noise = std::sqrt(squares.maxCoeff());
 }
 
+void read_lag(std::span<const SweptRun> shaken, DeviceEstimate& found) {
+  const LagFit fit = lag_fit(shaken);
+  if (!fit.valid) return;
+  const double open = student(fit.freedom) * fit.error;
+  found.lag = fit.lag;
+  if (open < kOpenLag)
+    found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
+}
+
 }  // namespace
 
-DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun> coasts,
+DeviceEstimate estimate(std::span<const SweptRun> all_runs, std::span<const CoastRun> coasts,
                         std::span<const SweptTick> rest, int dof) {
   DeviceEstimate found;
+  const auto shaken = std::find_if(all_runs.begin(), all_runs.end(),
+                                   [](const SweptRun& run) { return run.sweep.shake > 0.0; });
+  const std::span runs(all_runs.begin(), shaken);
   read_noise(runs, rest, found);
+  read_lag({shaken, all_runs.end()}, found);
   const std::vector<Line> lines = lines_of(runs);
   double least_delay = std::numeric_limits<double>::infinity(), most_delay = 0.0;
   for (const Line& line : lines) {
@@ -196,7 +212,6 @@ DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun
     }
     least_delay = std::min(least_delay, line.impulse.delay);
     most_delay = std::max(most_delay, line.impulse.delay);
-    found.delay += line.impulse.delay / static_cast<double>(lines.size());
   }
   const double made_good = std::max(0.0, least_delay - kDelayMargin);
 

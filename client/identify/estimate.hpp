@@ -25,7 +25,8 @@ struct DeviceEstimate {
   double mass_bound = 0.0;            // in every direction
   double quantum = 0.0;  // [m] smallest step of a reading; tiny if readings never repeat
   double noise = 0.0;    // [m] RMS of a handle at rest, the worst axis
-  double delay = 0.0;    // [s] from a force to its reading, without the hold
+  double lag = 0.0;      // [s] from a force to the reading that shows it, without the hold
+  std::optional<double> lag_bound{};  // [s] it is not longer; empty: it cannot be told
   // [N s/m] the damping by the decay, and what it is at most; empty and infinite where the handle
   // stopped too soon to tell.
   std::array<std::optional<double>, 3> decay{};
@@ -49,8 +50,10 @@ struct DeviceEstimate {
 /// A damping above what the decay can be is lowered to that. Where the energy says more than the
 /// impulse or the decay by a third, that is a doubt.
 ///
-/// Precondition: the runs are those of sweep_plan(), and the coasts those of coast_plan(), in their
-/// order.
+/// The lag: lag_fit(). Its bound is the 99.9 % upper bound of the fit, and 40 us and 2 % more.
+///
+/// Precondition: the runs are those of sweep_plan() and then of shaken_plan(), and the coasts those
+/// of coast_plan(), in their order.
 DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun> coasts,
                         std::span<const SweptTick> rest, int dof);
 

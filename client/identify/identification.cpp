@@ -26,6 +26,11 @@ constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
 constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
 constexpr double kCoasted = 0.15, kFallen = 1.3;
 constexpr double kLeastBrake = 1.0;  // [m/s^2]
+// The force that shakes: its first and its largest amplitude [of the largest force], the speed that
+// it makes [of the sweep's], and the times [s] in which it grows e-fold, or shrinks.
+constexpr double kFirstShake = 0.02, kMostShake = 0.5;
+constexpr double kLeastSwing = 0.5, kMostSwing = 0.7;
+constexpr double kShakeGrows = 0.12, kShakeShrinks = 0.03, kSwingFades = 0.1;
 constexpr double kUsualAmplitude = 0.02, kLargestAmplitude = 0.025, kTopSpeed = 0.25;
 
 double sweep_time(const Sweep& sweep, double amplitude) {
@@ -61,7 +66,9 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
   };
   rest_.reserve(room(kRest));
   duration_ = kSettle + kRest + kFade;
-  for (const Sweep& sweep : sweep_plan(dof_, limits.top_speed)) {
+  std::vector<Sweep> plan = sweep_plan(dof_, limits.top_speed);
+  for (const Sweep& sweep : shaken_plan(dof_, limits.top_speed)) plan.push_back(sweep);
+  for (const Sweep& sweep : plan) {
     SweptRun run{sweep, {}, {}};
     const double time = sweep_time(sweep, limits.amplitude) + kBeyond;
     run.ticks.reserve(room(time));
@@ -142,6 +149,7 @@ bool Identification::odd(double time, const Vec3& position) noexcept {
 Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   const double in_phase = time - phase_began_;
   double strength = 1.0, meant = limits_.top_speed;  // [m/s]
+  Vec3 shake = Vec3::Zero();
   const double amplitude = limits_.amplitude;
   switch (phase_) {
     case Phase::rest:
@@ -158,6 +166,10 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       const Sweep& sweep = runs_[run_].sweep;
       meant = sweep.speed;
       led_ = led_to(sweep, amplitude, in_phase) * sweep.along;
+      if (sweep.shake > 0.0) {
+        meant *= 1.0 + kMostSwing;
+        shake = shaken(sweep, in_phase, time - last_) * sweep.along;
+      }
       look_for_turn(in_phase);
       if (in_phase >= sweep_time(sweep, amplitude) + kBeyond) next(time);
       break;
@@ -202,7 +214,31 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
   wanted = strength * shortened(wanted, limits_.force);
-  return shortened(force_ + shortened(wanted - force_, kSlew * (time - last_)), limits_.force);
+  const Vec3 led = force_ - shake_;
+  shake_ = shake;
+  return shortened(led + shortened(wanted - led, kSlew * (time - last_)) + shake, limits_.force);
+}
+
+/// [N] The force along a shaken sweep. In the cycle before the measured ones its amplitude grows
+/// until the handle swings by half of the sweep's speed: then dry friction keeps its sense.
+double Identification::shaken(const Sweep& sweep, double in_phase, double span) noexcept {
+  const double cycle = cycle_time(sweep, limits_.amplitude);
+  if (in_phase < span + 1e-9 || shake_level_ == 0.0) {
+    const double before = run_ > 0 ? runs_[run_ - 1].sweep.shake : 0.0;
+    shake_level_ = before > 0.0 && before < sweep.shake ? kLeastSwing * shake_level_
+                                                        : kFirstShake * limits_.force;
+    swing_ = 0.0;
+  }
+  const double of_way = std::fmod(in_phase, 0.5 * cycle) / (0.5 * cycle);
+  if (in_phase < cycle && of_way > 1.5 * kTurnShare && of_way < 1.0 - kTurnShare) {
+    const double led = in_phase < 0.5 * cycle ? sweep.speed : -sweep.speed;
+    swing_ = std::max(swing_ * std::exp(-span / kSwingFades),
+                      std::abs(sweep.along.dot(velocity_) - led));
+    if (swing_ < kLeastSwing * sweep.speed) shake_level_ *= std::exp(span / kShakeGrows);
+    if (swing_ > kMostSwing * sweep.speed) shake_level_ *= std::exp(-span / kShakeShrinks);
+    shake_level_ = std::min(shake_level_, kMostShake * limits_.force);
+  }
+  return shake_level_ * shake_share(sweep, limits_.amplitude, in_phase);
 }
 
 void Identification::begin(Phase phase, double time) noexcept {

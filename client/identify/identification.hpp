@@ -1,6 +1,7 @@
 #pragma once
-// Leads a handle that nobody holds along the sweeps of identify, pushes it and lets it coast, and
-// stops on any fault. Its input is positions, its output forces: it has no clock and no device.
+// Leads a handle that nobody holds along the sweeps of identify, shakes it, pushes it and lets it
+// coast, and stops on any fault. Its input is positions, its output forces: it has no clock and no
+// device.
 
 #include <cstdint>
 #include <optional>
@@ -56,6 +57,7 @@ class Identification {
 
   bool odd(double time, const Vec3& position) noexcept;
   Vec3 pull(double time, const Vec3& position) noexcept;
+  double shaken(const Sweep& sweep, double in_phase, double span) noexcept;
   void record(double time, const Vec3& position) noexcept;
   void begin(Phase phase, double time) noexcept;
   void look_for_turn(double in_phase) noexcept;
@@ -82,6 +84,8 @@ class Identification {
   Vec3 led_ = Vec3::Zero(), led_from_ = Vec3::Zero();  // [m] of the start
   double coasted_ = 0.0;                               // [m/s] at the end of a coast
   Vec3 force_ = Vec3::Zero();
+  Vec3 shake_ = Vec3::Zero();               // [N] the part of it that shakes
+  double shake_level_ = 0.0, swing_ = 0.0;  // [N] its amplitude, [m/s] what it makes
   double largest_ = 0.0;
 };
 

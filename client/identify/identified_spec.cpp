@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 namespace feltwire {
 namespace {
@@ -24,6 +25,14 @@ nlohmann::ordered_json numbers(const Damping& damping) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) all.push_back(m(i, j));
   return all;
+}
+
+/// A motor that is late by up to a servo period may be so by a delay, a first-order lag or both.
+/// The account cannot reckon with a longer first-order lag; then the most of it is a delay.
+std::pair<LagKind, double> told_lag(double bound) {
+  constexpr double kLongestMixed = 1e-3, kTail = 0.5e-3;  // [s]
+  if (bound <= kLongestMixed) return {LagKind::mixed, bound};
+  return {LagKind::delay, bound + kTail};
 }
 
 }  // namespace
@@ -52,6 +61,15 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   known.sources["coulomb_friction"] = by;
   known.sources["least_friction"] = by + friction.str();
   known.sources["position_resolution"] = by + noise.str();
+  if (spec.late_ticks == 0 && found.lag_bound) {
+    const auto& [kind, lag] = told_lag(*found.lag_bound);
+    spec.actuation_lag = lag;
+    spec.actuation_kind = kind;
+    std::ostringstream text;
+    text << ": upper bound, of the reading too; estimate " << found.lag;
+    known.sources["actuation_lag"] = by + text.str();
+    known.tells_lag = true;
+  }
   validate(spec);
   return known;
 }
@@ -74,6 +92,10 @@ std::string device_file_text(const SourcedSpec& described) {
                                  {"hand_force", spec.hand_force},
                                  {"hand_speed", spec.hand_speed},
                                  {"late_ticks", spec.late_ticks}};
+  if (described.tells_lag) {
+    file["actuation_lag"] = spec.actuation_lag;
+    file["actuation_kind"] = kLagKindNames[static_cast<std::size_t>(spec.actuation_kind)];
+  }
   if (spec.rotation_actuated != 0) {
     file["rotational_damping"] = numbers(spec.rotational_damping);
     file["max_torque"] = spec.max_torque;

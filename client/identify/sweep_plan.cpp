@@ -1,12 +1,12 @@
 #include "client/identify/sweep_plan.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace feltwire {
 namespace {
-
-constexpr double kTurn = 0.2;  // of the time of one way, at each end: the speed rises or falls
 
 struct Speed {
   double share;  // of the top speed
@@ -15,12 +15,17 @@ struct Speed {
 constexpr std::array kSpeeds = {Speed{0.16, 1}, Speed{0.32, 1}, Speed{0.5, 2}, Speed{0.72, 3},
                                 Speed{1.0, 5}};
 
+// The lowest makes three periods in a way. Losses beside the damping grow with the frequency.
+constexpr std::array kShakes = {10.0, 14.0, 20.0, 28.0, 40.0};  // [Hz]
+constexpr double kShakenSpeed = 0.5;                            // of the top speed
+constexpr int kShakenCycles = 4;                                // one for each phase
+
 /// Of one way, in units of its length, at the time t in 0..1 of it.
 double way(double t) {
-  const double speed = 1.0 / (1.0 - kTurn);
-  if (t < kTurn) return 0.5 * speed * t * t / kTurn;
-  if (t > 1.0 - kTurn) return 1.0 - 0.5 * speed * (1.0 - t) * (1.0 - t) / kTurn;
-  return speed * (t - 0.5 * kTurn);
+  const double speed = 1.0 / (1.0 - kTurnShare);
+  if (t < kTurnShare) return 0.5 * speed * t * t / kTurnShare;
+  if (t > 1.0 - kTurnShare) return 1.0 - 0.5 * speed * (1.0 - t) * (1.0 - t) / kTurnShare;
+  return speed * (t - 0.5 * kTurnShare);
 }
 
 }  // namespace
@@ -41,8 +46,31 @@ std::vector<Sweep> sweep_plan(int dof, double top_speed) {
   return plan;
 }
 
+std::vector<Sweep> shaken_plan(int dof, double top_speed) {
+  std::vector<Sweep> plan;
+  plan.reserve(static_cast<std::size_t>(dof) * kShakes.size());
+  for (int i = 0; i < dof; ++i)
+    for (const double shake : kShakes)
+      plan.push_back({Vec3::Unit(i), kShakenSpeed * top_speed, kShakenCycles, shake});
+  return plan;
+}
+
+double shake_phase(int cycle) {
+  constexpr std::array kTurns = {0.0, 0.5, 0.25, 0.75};
+  return 2.0 * std::numbers::pi * kTurns[static_cast<std::size_t>(cycle) % kTurns.size()];
+}
+
+double shake_share(const Sweep& sweep, double amplitude, double time) {
+  const double cycle = cycle_time(sweep, amplitude), in_cycle = std::fmod(time, cycle);
+  const double of_way = std::fmod(in_cycle, 0.5 * cycle) / (0.5 * cycle);
+  const double from_turn = std::min({of_way, 1.0 - of_way, kTurnShare}) / kTurnShare;
+  const double soft = 0.5 - 0.5 * std::cos(std::numbers::pi * from_turn);
+  const double turned = 2.0 * std::numbers::pi * sweep.shake * in_cycle;
+  return soft * std::sin(turned + shake_phase(static_cast<int>(time / cycle)));
+}
+
 double cycle_time(const Sweep& sweep, double amplitude) {
-  return 2.0 * 2.0 * amplitude / (sweep.speed * (1.0 - kTurn));
+  return 2.0 * 2.0 * amplitude / (sweep.speed * (1.0 - kTurnShare));
 }
 
 double led_to(const Sweep& sweep, double amplitude, double time) {

@@ -13,6 +13,7 @@ struct Sweep {
   Vec3 along = Vec3::UnitX();  // unit, world frame
   double speed = 0.0;          // [m/s] between the turns
   int cycles = 1;              // measured cycles; one more comes before them
+  double shake = 0.0;          // [Hz] of a force along it that shakes the handle; 0: none
 };
 
 /// One tick.

@@ -18,13 +18,15 @@ struct MotorLag {
   /// at most L, whether or not it varies; a mean over a time; or one after the other, L in all.
   /// `filter`: a first-order lag with a time constant of at most L. Its response later than kRest
   /// L, which is 0.25 % of a force, counts as nothing.
+  /// `mixed`: a delay of d and then a first-order lag of at most L - d, whatever d is. The share of
+  /// its older forces is largest for d = 0 or d = L (docs/bounding.md).
   static constexpr double kRest = 6.0;
 
   double time = 0.0;  // L [s] an upper bound
   LagKind kind = LagKind::delay;
 
   /// [s] the age at which a force acts no longer.
-  double rest() const noexcept { return kind == LagKind::filter ? kRest * time : time; }
+  double rest() const noexcept { return kind == LagKind::delay ? time : kRest * time; }
 };
 
 /// The older forces of one port that its motor may still hold a part of.
@@ -53,8 +55,11 @@ class LaggingForces {
   double share(double age, double ahead, double time) const noexcept {
     const double begins = age + ahead, left = lag_.rest() - begins;
     if (!(left > 0.0)) return 0.0;
-    if (lag_.kind == LagKind::delay) return std::min(left / time, 1.0);
-    return lag_.time / time * std::exp(-begins / lag_.time) * -std::expm1(-time / lag_.time);
+    const double of_delay = std::clamp((lag_.time - begins) / time, 0.0, 1.0);
+    if (lag_.kind == LagKind::delay) return of_delay;
+    const double of_filter =
+        lag_.time / time * std::exp(-begins / lag_.time) * -std::expm1(-time / lag_.time);
+    return lag_.kind == LagKind::filter ? of_filter : std::max(of_delay, of_filter);
   }
   /// [N] the largest.
   double strongest() const noexcept {

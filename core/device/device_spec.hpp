@@ -14,9 +14,10 @@
 namespace feltwire {
 
 /// How a motor's force follows its command (core/bounding/lagging_forces.hpp): with a delay or any
-/// response that ends within the time, or with a first-order lag of that time constant.
-enum class LagKind : std::uint8_t { delay, filter };
-inline constexpr std::array<std::string_view, 2> kLagKindNames = {"delay", "filter"};
+/// response that ends within the time; with a first-order lag of that time constant; or with a
+/// delay and then a first-order lag, which make up the time together.
+enum class LagKind : std::uint8_t { delay, filter, mixed };
+inline constexpr std::array<std::string_view, 3> kLagKindNames = {"delay", "filter", "mixed"};
 
 /// Limits and physics of one device. The files of the built-in devices (core/device/*.json) have
 /// the source of each number.

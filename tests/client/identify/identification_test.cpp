@@ -136,6 +136,13 @@ TEST(Identification, AFaultEndsItAndTheDeviceIsReleased) {
   EXPECT_TRUE(status.over.load());
 }
 
+SourcedSpec written_and_read(const SourcedSpec& written) {
+  const std::filesystem::path file =
+      std::filesystem::path(::testing::TempDir()) / "identified_device.json";
+  std::ofstream(file) << device_file_text(written);
+  return sourced_spec(file.string());
+}
+
 TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
   DeviceEstimate found;
   found.damping = {0.4, 0.5, 0.6};
@@ -145,10 +152,8 @@ TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
   found.mass_bound = 0.15;
   found.quantum = 2e-5, found.noise = 1e-6;
   const SourcedSpec written = identified_spec(sourced_spec("omega.7"), found, "2026-11-23");
-  const std::filesystem::path file =
-      std::filesystem::path(::testing::TempDir()) / "identified_device.json";
-  std::ofstream(file) << device_file_text(written);
-  const SourcedSpec read = sourced_spec(file.string());
+  const SourcedSpec read = written_and_read(written);
+  EXPECT_FALSE(read.tells_lag);
   EXPECT_EQ(read.spec.damping, Damping(Vec3(0.3, 0.4, 0.5)));
   EXPECT_DOUBLE_EQ(read.spec.least_mass, 0.15);
   EXPECT_DOUBLE_EQ(read.spec.apparent_mass, 0.22);
@@ -158,6 +163,44 @@ TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
   EXPECT_EQ(read.sources, written.sources);
   EXPECT_NE(read.sources.at("damping").find("identify, 2026-11-23: lower bound"),
             std::string::npos);
+}
+
+/// A measured lag may be a delay, a first-order lag or both. A longer one is a delay for the most.
+TEST(IdentifiedSpec, TellsTheLag) {
+  DeviceEstimate found;
+  found.mass = Vec3::Constant(0.2);
+  found.mass_bound = 0.15;
+  found.lag = 0.35e-3, found.lag_bound = 0.4e-3;
+  const SourcedSpec known = sourced_spec("omega.7");
+  const SourcedSpec read = written_and_read(identified_spec(known, found, "2026-11-29"));
+  EXPECT_TRUE(read.tells_lag);
+  EXPECT_DOUBLE_EQ(read.spec.actuation_lag, 0.4e-3);
+  EXPECT_EQ(read.spec.actuation_kind, LagKind::mixed);
+  EXPECT_EQ(read.sources.at("actuation_lag"),
+            "identify, 2026-11-29: upper bound, of the reading too; estimate 0.00035");
+  found.lag_bound = 1.5e-3;
+  const DeviceSpec late = identified_spec(known, found, "2026-11-29").spec;
+  EXPECT_DOUBLE_EQ(late.actuation_lag, 2e-3);
+  EXPECT_EQ(late.actuation_kind, LagKind::delay);
+}
+
+/// Late ticks stand for the whole lag. What was told before stays where nothing new was found.
+TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
+  DeviceEstimate found;
+  found.mass = Vec3::Constant(0.2);
+  SourcedSpec known = sourced_spec("omega.7");
+  known.spec.actuation_lag = 0.7e-3;
+  known.spec.actuation_kind = LagKind::filter;
+  known.tells_lag = true;
+  const SourcedSpec kept = written_and_read(identified_spec(known, found, "2026-11-29"));
+  EXPECT_DOUBLE_EQ(kept.spec.actuation_lag, 0.7e-3);
+  EXPECT_EQ(kept.spec.actuation_kind, LagKind::filter);
+  known = sourced_spec("omega.7");
+  known.spec.late_ticks = 2;
+  found.lag_bound = 1.5e-3;
+  const SourcedSpec ticks = written_and_read(identified_spec(known, found, "2026-11-29"));
+  EXPECT_FALSE(ticks.tells_lag);
+  EXPECT_EQ(ticks.spec.late_ticks, 2);
 }
 
 }  // namespace

@@ -11,36 +11,11 @@
 #include <sstream>
 #include <vector>
 
-#include "client/identify/identification.hpp"
-#include "tests/client/identify/simulated_handle.hpp"
+#include "tests/client/identify/measured_handle.hpp"
 #include "tests/support/seeds.hpp"
 
 namespace feltwire::identify_test {
 namespace {
-
-constexpr double kPeriod = 1e-3;
-
-DeviceSpec spec_of(double max_force, int dof = 3) {
-  DeviceSpec spec;
-  spec.name = "handle";
-  spec.translation_dof = dof;
-  spec.damping = 0.05;
-  spec.apparent_mass = 0.1;
-  spec.max_force = spec.continuous_force = max_force;
-  spec.workspace = Vec3::Constant(0.16);
-  return spec;
-}
-
-Identification measured(const HandleTruth& truth, const DeviceSpec& spec, double force) {
-  Identification identification(spec, identify_limits(spec, force), kPeriod);
-  SimulatedHandle handle(truth);
-  for (int n = 0; identification.state() == Identification::State::measuring; ++n) {
-    const Vec3 on_handle = identification.step(n * kPeriod, handle.read());
-    identification.held(on_handle);
-    handle.hold(on_handle, kPeriod);
-  }
-  return identification;
-}
 
 /// 0 .. count - 1, from the first device on.
 int any_of(int count) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, count)); }

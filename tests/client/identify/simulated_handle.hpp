@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "client/devices/amplifier.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire::identify_test {
@@ -22,17 +23,23 @@ struct HandleTruth {
   double quantum = 0.0, noise = 0.0;                // [m]
   int force_delay = 0, reading_delay = 0;           // [ticks]
   double hand_stiffness = 0.0, hand_damping = 0.0;  // [N/m], [N s/m] of who holds it after all
-  double servo_damping = 0.0;  // [N s/m] more along axes with a force: a filter of the maker's
+  double servo_damping = 0.0;    // [N s/m] more along axes with a force: a filter of the maker's
+  Plant::Amplifier amplifier{};  // between the force and the motor
+  // From the motor to the handle; 0: rigid. The friction and the rest of the mass are the motor's.
+  double transmission = 0.0, transmission_damping = 0.0;  // [N/m], [N s/m]
+  double handle_share = 0.0;                              // of the mass, behind the transmission
+  bool encoder_at_handle = false;
   unsigned seed = 1;
 };
 
 class SimulatedHandle {
  public:
-  explicit SimulatedHandle(const HandleTruth& truth) : truth_(truth), random_(truth.seed) {}
+  explicit SimulatedHandle(const HandleTruth& truth)
+      : truth_(truth), random_(truth.seed), amplifier_(truth.amplifier, truth.seed) {}
 
   /// As the device reads it now.
   Vec3 read() {
-    readings_.push_back(position_);
+    readings_.push_back(truth_.encoder_at_handle ? handle_ : position_);
     if (readings_.size() > static_cast<std::size_t>(truth_.reading_delay) + 1)
       readings_.pop_front();
     Vec3 sensed = readings_.front();
@@ -47,8 +54,10 @@ class SimulatedHandle {
   void hold(const Vec3& force, double period) {
     forces_.push_back(force);
     if (forces_.size() > static_cast<std::size_t>(truth_.force_delay) + 1) forces_.pop_front();
-    constexpr int kSteps = 4;
-    for (int n = 0; n < kSteps; ++n) advance(forces_.front(), period / kSteps);
+    amplifier_.write(now_, forces_.front());
+    const int steps = truth_.transmission > 0.0 ? 20 : 4;
+    for (int n = 0; n < steps; ++n, now_ += period / steps)
+      advance(amplifier_.mean(now_, period / steps), period / steps);
   }
 
  private:
@@ -62,15 +71,21 @@ class SimulatedHandle {
       const double outside =
           force[i] + truth_.gravity[i] + truth_.cogging * std::sin(turn * midway) -
           truth_.hand_stiffness * position_[i] - truth_.hand_damping * velocity_[i];
-      double v = velocity_[i] + h / truth_.mass[i] * (outside - drag[i]);
+      const double link = truth_.transmission * (position_[i] - handle_[i]) +
+                          truth_.transmission_damping * (velocity_[i] - handle_velocity_[i]);
+      const double mass = (1.0 - truth_.handle_share) * truth_.mass[i];
+      double v = velocity_[i] + h / mass * (outside - link - drag[i]);
       const double ratio = velocity_[i] / truth_.stiction_speed;
       const double most = truth_.friction[i] + truth_.stiction * std::exp(-ratio * ratio);
-      const double stops = h / truth_.mass[i] * most;
+      const double stops = h / mass * most;
       v = std::abs(v) > stops ? v - std::copysign(stops, v) : 0.0;
       // By the mean velocity: what the force did is then the change of the kinetic energy and what
       // the truth burned, and nothing that the integration burned.
       position_[i] += 0.5 * h * (velocity_[i] + v);
       velocity_[i] = v;
+      if (truth_.transmission == 0.0) continue;
+      handle_velocity_[i] += h / (truth_.handle_share * truth_.mass[i]) * link;
+      handle_[i] += h * handle_velocity_[i];
     }
   }
 
@@ -78,7 +93,10 @@ class SimulatedHandle {
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
   Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero();
+  Vec3 handle_ = Vec3::Zero(), handle_velocity_ = Vec3::Zero();  // behind the transmission
   std::deque<Vec3> readings_, forces_;
+  Amplifier amplifier_;
+  double now_ = 0.0;  // [s]
 };
 
 }  // namespace feltwire::identify_test

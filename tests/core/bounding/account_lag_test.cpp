@@ -20,16 +20,20 @@ using namespace test;
 constexpr double kPeriod = kSamplePeriod;
 
 /// How a true motor follows: each is within a MotorLag.
-enum class Response { delay, mean, jitter, filter };
+enum class Response { delay, mean, jitter, filter, mixed };
 
 /// A motor in continuous time. It holds commands as they were written.
 class Motor {
  public:
-  Motor(Response response, double lag) : response_(response), lag_(lag) {}
+  /// `delayed`: the part of the lag that is a delay, of a mixed one.
+  Motor(Response response, double lag, double delayed)
+      : response_(response), lag_(lag), delayed_(delayed) {}
 
   void write(double now, const Vec3& force, double random) {
     // A delay that varies never lets an older command overtake.
-    delay_ = response_ == Response::jitter ? random * lag_ : lag_;
+    delay_ = response_ == Response::jitter  ? random * lag_
+             : response_ == Response::mixed ? delayed_
+                                            : lag_;
     written_.push_back({now, std::max(now + delay_, acts_), force});
     acts_ = written_.back().acts;
   }
@@ -52,7 +56,9 @@ class Motor {
     Vec3 acts = Vec3::Zero();
     for (const Written& one : written_)
       if (one.acts <= now) acts = one.force;
-    return acts;
+    if (response_ != Response::mixed) return acts;
+    filtered_ += -std::expm1(-step / (lag_ - delayed_)) * (acts - filtered_);
+    return filtered_;
   }
 
  private:
@@ -61,7 +67,7 @@ class Motor {
     Vec3 force;
   };
   Response response_;
-  double lag_, delay_ = 0.0, acts_ = 0.0;
+  double lag_, delayed_, delay_ = 0.0, acts_ = 0.0;
   std::deque<Written> written_;
   Vec3 filtered_ = Vec3::Zero();
 };
@@ -72,7 +78,7 @@ struct Adversary {
   AccountConfig config;
   double friction, hand;
   Response response;
-  double true_lag;
+  double true_lag, delayed;
   bool flat;  // along one line
 
   double draw(double low, double high) {
@@ -87,11 +93,15 @@ struct Adversary {
     config.translation.coulomb_friction = friction = draw(0.0, 1.0) < 0.5 ? 0.0 : draw(0.01, 0.3);
     config.translation.outside_force = draw(2.0, 15.0);
     hand = 0.9 * config.translation.outside_force;  // the steps of the motion round off
-    response = static_cast<Response>(seed % 4);
-    const bool filter = response == Response::filter;
-    const double lag = draw(0.05, filter ? 0.9 : 2.5) * kPeriod;
+    response = static_cast<Response>(seed % 5);
+    const bool filter = response == Response::filter, mixed = response == Response::mixed;
+    const double lag = draw(0.05, filter || mixed ? 0.9 : 2.5) * kPeriod;
     true_lag = draw(0.0, 1.0) < 0.5 ? lag : draw(0.02, 1.0) * lag;
-    config.lag = {.time = told_share * lag, .kind = filter ? LagKind::filter : LagKind::delay};
+    delayed = draw(0.0, 0.98) * true_lag;
+    config.lag = {.time = told_share * lag,
+                  .kind = filter  ? LagKind::filter
+                          : mixed ? LagKind::mixed
+                                  : LagKind::delay};
     flat = draw(0.0, 1.0) < 0.5;
   }
 
@@ -100,7 +110,7 @@ struct Adversary {
     constexpr int kSteps = 100, kSamples = 480;
     constexpr double kStep = kPeriod / kSteps;
     PortAccount account(config);
-    Motor motor(response, true_lag);
+    Motor motor(response, true_lag, delayed);
     const double mass = config.translation.mass * (draw(0.0, 1.0) < 0.5 ? 1.0 : draw(1.0, 3.0));
     const double damping = config.translation.damping.least();
     Vec3 x = Vec3::Zero(), v = Vec3::Zero(), seen = Vec3::Zero(), push = Vec3::Zero();
@@ -162,7 +172,7 @@ struct Adversary {
   Vec3 seen_ = Vec3::Zero();
 };
 
-/// 480 devices: delay, mean, jitter and filter, up to 2.5 periods, each up to the told lag.
+/// 480 devices: delay, mean, jitter, filter and mixed, up to 2.5 periods, each up to the told lag.
 TEST(AccountLag, NoMotorWithinItsLagMakesEnergy) {
   std::uint64_t reduced = 0;
   for (std::uint64_t seed = 0; seed < 480; ++seed) {
@@ -177,6 +187,33 @@ TEST(AccountLag, NoMotorWithinItsLagMakesEnergy) {
     reduced += statistics.reduced;
   }
   EXPECT_GT(reduced, 480u * 100u);  // they did ask for more
+}
+
+/// The mean over a sample of `time` from `age` on of what a step has not yet done: `delayed` of the
+/// lag is a delay, and the rest a first-order lag.
+double share_left(double age, double time, double lag, double delayed) {
+  const double full = std::clamp(delayed - age, 0.0, time), from = std::max(age, delayed);
+  if (!(age + time > from) || !(lag - delayed > 1e-12)) return full / time;
+  const double rest = lag - delayed;
+  return (full +
+          rest * (std::exp((delayed - from) / rest) - std::exp((delayed - age - time) / rest))) /
+         time;
+}
+
+TEST(AccountLag, AMixedLagIsWorstAtOneEnd) {
+  constexpr int kParts = 100;
+  for (int n = 1; n <= 60; ++n) {
+    const double lag = 2.0 * kPeriod * n / 60;
+    const LaggingForces forces({.time = lag, .kind = LagKind::mixed});
+    for (int k = 0; k <= 60; ++k) {
+      const double age = 4.0 * kPeriod * k / 60;
+      if (age >= forces.lag().rest()) break;  // later it counts as nothing
+      for (int i = 0; i <= kParts; ++i)
+        EXPECT_LE(share_left(age, kPeriod, lag, lag * i / kParts),
+                  forces.share(age, 0.0, kPeriod) + 1e-12)
+            << lag << ' ' << age << ' ' << i;
+    }
+  }
 }
 
 /// [J] of a change of force by `change` [N] in a share of a period.

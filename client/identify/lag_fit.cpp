@@ -1,0 +1,192 @@
+#include "client/identify/lag_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "client/identify/sweep_plan.hpp"
+
+namespace feltwire {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kSettled = 0.05;   // of a way's time after its turn, before the test function
+constexpr int kRounds = 6;          // of Newton's rule
+constexpr double kClose = 1e-8;     // [s]
+constexpr double kMostLag = 20e-3;  // [s] beyond it nothing is believed
+constexpr int kSurplus = 4;         // of equations over unknowns
+
+/// sin^4 over one way, times exp(-j w t), with its derivatives; `t` [s].
+class TestFunction {
+ public:
+  TestFunction(double begins, double ends, double frequency)
+      : begins_(begins), ends_(ends), turn_(2.0 * std::numbers::pi * frequency) {}
+
+  double ends() const { return ends_; }
+  double turn() const { return turn_; }  // w [rad/s]
+  /// Its derivative of that order; of order 0 it is the function.
+  Complex derived(int order, double t) const {
+    if (!(t > begins_ && t < ends_)) return 0.0;
+    // sin^4 is a sum of five exponentials.
+    constexpr std::array kShares = {1.0 / 16, -4.0 / 16, 6.0 / 16, -4.0 / 16, 1.0 / 16};
+    const double slow = 2.0 * std::numbers::pi / (ends_ - begins_);
+    Complex sum = 0.0;
+    int n = -2;
+    for (const double share : kShares) {
+      const double along = slow * n++;
+      Complex one = std::polar(share, along * (t - begins_) - turn_ * t);
+      for (int k = 0; k < order; ++k) one *= Complex(0.0, along - turn_);
+      sum += one;
+    }
+    return sum;
+  }
+
+ private:
+  double begins_, ends_, turn_;
+};
+
+/// The integrals over one way of a run, its cycles turned back to one phase.
+struct ShakenWay {
+  const SweptRun* run;
+  TestFunction test;
+  Complex accelerated = 0.0;  // of x p''
+  Complex moved = 0.0;        // of -x p'
+
+  /// The integral of f(t - lag) p. A force is held to the next tick: Simpson's rule over its time.
+  Complex forced(double lag) const;
+};
+
+/// Calls visit(the turn of its phase, ticks of the cycle and all after it, the time of its begin).
+template <class Visit>
+void for_each_cycle(const SweptRun& run, Visit visit) {
+  for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
+    const std::size_t first = run.turns[n];
+    const double phase = shake_phase(static_cast<int>(n) + 1);  // one cycle came before
+    visit(std::polar(1.0, -phase), std::span(run.ticks).subspan(first), run.ticks[first].time);
+  }
+}
+
+Complex ShakenWay::forced(double lag) const {
+  Complex sum = 0.0;
+  for_each_cycle(*run, [&](const Complex& turned, std::span<const SweptTick> ticks, double origin) {
+    for (std::size_t k = 0; k + 1 < ticks.size(); ++k) {
+      const double from = ticks[k].time - origin + lag, to = ticks[k + 1].time - origin + lag;
+      if (from > test.ends()) break;
+      const Complex mean =
+          (test.derived(0, from) + 4.0 * test.derived(0, 0.5 * (from + to)) + test.derived(0, to)) /
+          6.0;
+      sum += turned * (to - from) * run->sweep.along.dot(ticks[k].force) * mean;
+    }
+  });
+  return sum;
+}
+
+ShakenWay way_of(const SweptRun& run, const TestFunction& test) {
+  ShakenWay way{&run, test};
+  for_each_cycle(run, [&](const Complex& turned, std::span<const SweptTick> ticks, double origin) {
+    for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
+      const double at = ticks[k].time - origin;
+      if (at > test.ends()) break;
+      // Trapezoids, which are exact enough: the ends are nothing.
+      const double span = 0.5 * (ticks[k + 1].time - ticks[k - 1].time);
+      const double x = run.sweep.along.dot(ticks[k].position - ticks[0].position);
+      way.accelerated += turned * span * x * test.derived(2, at);
+      way.moved -= turned * span * x * test.derived(1, at);
+    }
+  });
+  return way;
+}
+
+/// Both ways of each run.
+std::vector<ShakenWay> ways_of(std::span<const SweptRun> runs) {
+  std::vector<ShakenWay> ways;
+  for (const SweptRun& run : runs) {
+    if (run.turns.size() < 5) continue;
+    const double cycle = (run.ticks[run.turns.back()].time - run.ticks[run.turns.front()].time) /
+                         static_cast<double>(run.turns.size() - 1);
+    for (const double begins : {0.0, 0.5}) {
+      const double half = 0.5 * cycle, first = begins * cycle + (kTurnShare + kSettled) * half;
+      ways.push_back(
+          way_of(run, {first, begins * cycle + (1.0 - kTurnShare) * half, run.sweep.shake}));
+    }
+  }
+  return ways;
+}
+
+/// Least squares without the columns that are left out.
+struct Solution {
+  Eigen::VectorXd x;
+  double variance = 0.0, first_error = 0.0;
+  int freedom = 0;
+};
+Solution solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& right,
+               const std::vector<Eigen::Index>& kept) {
+  const Eigen::MatrixXd columns = rows(Eigen::all, kept);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(columns);
+  Solution found;
+  const Eigen::VectorXd x = solver.solve(right);
+  found.x = Eigen::VectorXd::Zero(rows.cols());
+  for (std::size_t n = 0; n < kept.size(); ++n) found.x[kept[n]] = x[static_cast<Eigen::Index>(n)];
+  found.freedom = static_cast<int>(rows.rows() - static_cast<Eigen::Index>(kept.size()));
+  found.variance = (right - columns * x).squaredNorm() / std::max(found.freedom, 1);
+  const Eigen::MatrixXd inverse = (columns.transpose() * columns).inverse();
+  found.first_error = std::sqrt(found.variance * std::abs(inverse(0, 0)));
+  return found;
+}
+
+}  // namespace
+
+LagFit lag_fit(std::span<const SweptRun> runs) {
+  LagFit fit;
+  const std::vector<ShakenWay> ways = ways_of(runs);
+  std::vector<Vec3> lines;
+  const auto line_of = [&](const ShakenWay& way) {
+    const auto found = std::find(lines.begin(), lines.end(), way.run->sweep.along);
+    return static_cast<Eigen::Index>(found - lines.begin());
+  };
+  double top = 0.0;  // [rad/s]
+  for (const ShakenWay& way : ways) {
+    if (line_of(way) == static_cast<Eigen::Index>(lines.size()))
+      lines.push_back(way.run->sweep.along);
+    top = std::max(top, way.test.turn());
+    if (!(std::abs(way.accelerated) > 0.0)) return fit;
+  }
+  // The unknowns: the lag; then of each line its damping, and its other loss at the top frequency.
+  const auto count = static_cast<Eigen::Index>(lines.size());
+  const auto equations = static_cast<Eigen::Index>(ways.size());
+  if (equations < 1 + 2 * count + kSurplus) return fit;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(equations, 1 + 2 * count);
+    Eigen::VectorXd right(equations);
+    for (Eigen::Index i = 0; i < equations; ++i) {
+      const ShakenWay& way = ways[static_cast<std::size_t>(i)];
+      const Complex mass = way.forced(fit.lag) / way.accelerated;
+      const double damped = (way.moved / way.accelerated).imag(), length = std::abs(mass);
+      if (!(length > 0.0)) return fit;
+      rows(i, 0) = way.test.turn() * mass.real() / length;
+      rows(i, 1 + line_of(way)) = damped / length;
+      rows(i, 1 + count + line_of(way)) = damped * std::pow(way.test.turn() / top, 4) / length;
+      right[i] = mass.imag() / length;
+    }
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index n = 0; n < rows.cols(); ++n) kept.push_back(n);
+    Solution found = solve(rows, right, kept);
+    for (Eigen::Index n = count + 1; n < rows.cols(); ++n)
+      if (found.x[n] < 0.0) std::erase(kept, n);
+    if (static_cast<Eigen::Index>(kept.size()) < rows.cols()) found = solve(rows, right, kept);
+    fit.lag += found.x[0];
+    fit.error = found.first_error;
+    fit.freedom = found.freedom;
+    if (!std::isfinite(fit.lag) || !(std::abs(fit.lag) < kMostLag)) return fit;
+    fit.valid = std::abs(found.x[0]) < kClose;
+    if (fit.valid) break;
+  }
+  return fit;
+}
+
+}  // namespace feltwire
