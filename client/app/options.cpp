@@ -224,6 +224,13 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
          "replies have patches or planes of them only")
       ->group(session);
 
+  app.add_flag_function(
+         "--rehearsal,!--no-rehearsal",
+         [&words](std::int64_t times) { words.rehearses = times > 0; },
+         "Say beside the run what a hand will feel, by simulated presses on walls with the law of "
+         "this session (docs/devices.md)")
+      ->group(session);
+
   const auto traffic = "Traffic (docs/network.md)";
   app.add_option("--profile", words.profile,
                  "Kind of line to the server, " + network_profile_names() +

@@ -381,6 +381,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require_different(written_files(words), read_files(words));
   options.dscp = dscp(words.dscp);
   options.whole_surfaces = words.whole_surfaces;
+  options.rehearses = words.rehearses;
   if (!words.link.empty()) options.link = parse_link(words.link);
   options.takes = changes(words, options);
   // A thread that does not run for some milliseconds hurts nobody, and ends no session.

@@ -23,6 +23,7 @@ struct WrittenOptions {
   std::optional<double> mass;
   std::optional<bool> local_model;
   bool whole_surfaces = true;
+  bool rehearses = true;
   bool fixed = false;
   std::string changes = "none";
   double rate = 1000.0;

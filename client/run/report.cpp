@@ -196,6 +196,22 @@ Json true_energy(const std::optional<TrueEnergy>& energy) {
           {"to_hand_j", number(energy->to_hand)}};
 }
 
+/// Null: the wall was not felt, or is not there.
+Json felt(const Felt& felt) {
+  if (!(felt.wall > 0.0)) return nullptr;
+  return {{"wall_n_per_m", number(felt.wall)},
+          {"share", number(felt.share)},
+          {"swing_um", number(kMicro * felt.swing)}};
+}
+
+Json rehearsal(const std::optional<Rehearsal>& rehearsal) {
+  if (!rehearsal) return nullptr;
+  return {{"force_n", number(rehearsal->force)}, {"scene", felt(rehearsal->scene)},
+          {"calm_up_to", felt(rehearsal->calm)}, {"whole_up_to", felt(rehearsal->whole)},
+          {"most", felt(rehearsal->most)},       {"mass_known", rehearsal->mass_known},
+          {"swings", rehearsal->swings}};
+}
+
 /// The debt that ended the force; null: none did.
 Json debt_fault(const std::optional<Overdraft>& overdraft) {
   if (!overdraft) return nullptr;
@@ -317,6 +333,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"least_energy_margin_j", number(port.least_margin())},
       {"bound_violations", port.violations()},
       {"true_energy", true_energy(run.true_energy)},
+      {"rehearsal", rehearsal(run.rehearsal)},
       {"max_force_n", number(s.max_force)},
       {"no_force", no_force(s)},
       {"oscillation_um", micrometres(servo.measures().oscillation())},

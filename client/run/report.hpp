@@ -9,6 +9,7 @@
 #include "client/run/changes.hpp"
 #include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"
+#include "client/run/rehearsal.hpp"
 #include "client/servo/servo.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "client/transport/transport.hpp"
@@ -33,6 +34,7 @@ struct RunDescription {
   /// SceneFetch::refusal(); empty: the client computes the contact with what it fetched.
   std::string contact_refused = {};
   std::optional<TrueEnergy> true_energy = std::nullopt;  // of a simulated device
+  std::optional<Rehearsal> rehearsal = std::nullopt;     // empty: there was none, or not in time
 };
 
 /// The report's text. Every number in it is finite; a missing number is null. `link`:

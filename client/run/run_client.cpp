@@ -18,6 +18,7 @@
 #include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
 #include "client/run/readiness.hpp"
+#include "client/run/rehearsal.hpp"
 #include "client/run/report.hpp"
 #include "client/run/reserve.hpp"
 #include "client/run/status_line.hpp"
@@ -298,6 +299,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   std::optional<Reconnector> reconnector;
   std::optional<SceneFetch> fetch;
   std::optional<CrashRelease> crash_release;
+  std::optional<RehearsalThread> rehearsal;
   std::optional<ServoThread> thread;
   try {
     require_heard(joined.accepted.parameters, joined.accepted.silence_timeout);
@@ -312,6 +314,9 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     fetch.emplace(options.server, all->fetched,
                   SceneFetchOptions{.servo_period = joined.accepted.parameters.servo_period});
     crash_release.emplace(all->guard, options.flight_recorder.has_value());
+    if (options.rehearses)
+      rehearsal.emplace(all->servo.spec(), joined.accepted.parameters, all->servo.options(),
+                        joined.accepted.stiffness);
     thread.emplace(all);
   } catch (...) {
     transport->goodbye();
@@ -340,6 +345,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
       fault += "; flight record: " + file->string();
   bool reported = false, failed = all->records->failed();
   reserve.stand_in();
+  const std::optional<Rehearsal> rehearsed = rehearsal ? rehearsal->finish() : std::nullopt;
   try {
     keep_debt(key_of(options, all->servo.spec()), all->servo.owed());
     std::string check;
@@ -351,7 +357,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
            real_time, joined.accepted.stiffness, options.busy_poll, all->records->sight(),
            joined.accepted.tool, joined.accepted.version, check, &all->changes->done(),
            &all->records->flight_records(), fetch->refusal(),
-           ended && options.true_energy ? std::optional(options.true_energy()) : std::nullopt},
+           ended && options.true_energy ? std::optional(options.true_energy()) : std::nullopt,
+           rehearsed},
           *all);
     reported = options.report.has_value();
   } catch (const std::exception& error) {

@@ -71,6 +71,8 @@ struct RunOptions {
   /// Fetches the scene's meshes, or the tool's body with the solids, for the local model; false:
   /// the model has patches or planes of them only.
   bool whole_surfaces = true;
+  /// Says beside the run what a hand will feel (client/run/rehearsal.hpp).
+  bool rehearses = false;
   /// The energy at the true ends of a simulated device, for the report; empty: not known. Called
   /// while the device lives, after the servo thread has ended.
   std::function<TrueEnergy()> true_energy = {};

@@ -1,0 +1,60 @@
+#pragma once
+// Simulated hands press on walls through the session's own law, to say what a hand will feel.
+
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "client/servo/servo.hpp"
+
+namespace feltwire {
+
+/// A first press on one wall. A light finger (0.02 kg, 0.5 N s/m, 50 N/m) and a usual hand (0.1 kg,
+/// 5 N s/m, 300 N/m) press with up to 3 N, or what the device can hold.
+struct Felt {
+  double wall = 0.0;   // [N/m] 0: there is none
+  double share = 0.0;  // of the wall: force over depth at the handle, of the hand that feels less
+  double swing = 0.0;  // [m] RMS of the handle at rest, of the hand that swings more
+  double stiffness() const noexcept { return share * wall; }  // [N/m] felt
+  bool calm() const noexcept;
+};
+
+struct Rehearsal {
+  double force = 0.0;  // [N] of the press
+  Felt scene;          // the scene's stiffest surface, or 1 kN/m if it is not known
+  // Walls of 250 N/m to 40 kN/m are tried, up to the first on which a hand swings.
+  Felt calm;                // the stiffest without swing
+  Felt whole;               // the stiffest up to which each is felt to 0.9 or more
+  Felt most;                // on which the most stiffness is felt
+  bool mass_known = false;  // by the law; a device of 0.1 kg was simulated if not
+  bool swings = false;      // on a wall that was tried
+};
+
+/// Presses a simulated device with this specification, whose motor is late by all of its
+/// `actuation_lag` or `late_ticks`, as in a session whose replies all come. Empty where the law is
+/// not known here: the server bounds, there is no local model, the hand leads a robot or observes;
+/// or if it was stopped. `scene_stiffness` [N/m]; 0: not known. It takes about a second of
+/// computing time. Throws what Servo's constructor throws.
+std::optional<Rehearsal> rehearse(const DeviceSpec& spec, const SessionParameters& parameters,
+                                  const ServoOptions& options, double scene_stiffness,
+                                  const std::stop_token& stop = {});
+
+/// Returns the line for the start of a run.
+std::string rehearsal_text(const Rehearsal& rehearsal);
+
+/// Rehearses beside a run, at the lowest priority, and says the line on the standard error. It does
+/// without where the system gives no thread.
+class RehearsalThread {
+ public:
+  RehearsalThread(const DeviceSpec& spec, const SessionParameters& parameters,
+                  const ServoOptions& options, double scene_stiffness) noexcept;
+  /// Stops it if it is not done. Empty: it was not done, or there was nothing to say.
+  std::optional<Rehearsal> finish() noexcept;
+
+ private:
+  std::optional<Rehearsal> found_;
+  std::jthread thread_;
+};
+
+}  // namespace feltwire

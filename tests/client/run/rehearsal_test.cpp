@@ -1,0 +1,100 @@
+// The line at the start that says what a hand will feel, and what it says is so.
+
+#include "client/run/rehearsal.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace feltwire::rehearsal_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+SessionParameters session(std::string_view mode = "shaped") {
+  SessionParameters p;
+  p.mode = mode;
+  p.side = BoundingSide::client;
+  p.local_model = true;
+  return p;
+}
+
+Rehearsal rehearsed(const DeviceSpec& spec, const SessionParameters& parameters = session()) {
+  return rehearse(spec, parameters, protect_hand(parameters), 0.0).value();
+}
+
+/// A device that burns much shows the usual walls in full. Its lag costs the stiff ones.
+TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
+  DeviceSpec spec = builtin_device("omega.7");
+  const Rehearsal quick = rehearsed(spec);
+  EXPECT_EQ(quick.scene.wall, 1000.0);
+  EXPECT_NEAR(quick.scene.share, 1.0, 0.02);
+  EXPECT_TRUE(quick.scene.calm());
+  EXPECT_TRUE(quick.mass_known);
+  EXPECT_FALSE(quick.swings);
+  EXPECT_GE(quick.whole.wall, 10e3);
+  spec.actuation_lag = 0.5e-3;
+  const Rehearsal late = rehearsed(spec);
+  EXPECT_LT(late.most.stiffness(), 0.6 * quick.most.stiffness());
+  EXPECT_LE(late.whole.wall, quick.whole.wall);
+}
+
+/// Without a mass the law counts on none, and the line says what helps.
+TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
+  DeviceSpec spec = builtin_device("lambda.7");
+  ASSERT_EQ(spec.least_mass, 0.0);
+  const Rehearsal without = rehearsed(spec);
+  EXPECT_LT(without.scene.share, 0.2);
+  EXPECT_FALSE(without.mass_known);
+  EXPECT_THAT(rehearsal_text(without), HasSubstr("no least_mass"));
+  spec.apparent_mass = 0.2;
+  spec.least_mass = 0.15;
+  const Rehearsal with = rehearsed(spec);
+  EXPECT_GT(with.scene.share, 0.9);
+  EXPECT_THAT(rehearsal_text(with), Not(HasSubstr("least_mass")));
+}
+
+/// Without a law the light hand swings on a wall that is too stiff for its device.
+TEST(Rehearsal, AHandSwingsWithoutALaw) {
+  DeviceSpec spec = builtin_device("simulated");
+  spec.damping = 0.01;
+  spec.coulomb_friction = spec.least_friction = 0.0;
+  const Rehearsal none = rehearsed(spec, session("none"));
+  EXPECT_TRUE(none.swings);
+  EXPECT_LT(none.calm.wall, 10e3);
+  EXPECT_THAT(rehearsal_text(none), HasSubstr("a hand swings"));
+  EXPECT_GT(rehearsed(spec).calm.wall, none.calm.wall);
+}
+
+TEST(Rehearsal, TheSameAgain) {
+  const DeviceSpec& spec = builtin_device("touch");
+  EXPECT_EQ(rehearsal_text(rehearsed(spec)), rehearsal_text(rehearsed(spec)));
+}
+
+/// The law of a server, or of a robot's far side, is not known here.
+TEST(Rehearsal, NothingIsSaidOfALawThatIsNotKnown) {
+  const DeviceSpec& spec = builtin_device("simulated");
+  SessionParameters p = session();
+  ServoOptions options = protect_hand(p);
+  options.leads.emplace();
+  EXPECT_FALSE(rehearse(spec, p, options, 0.0));
+  options = protect_hand(p);
+  p.local_model = false;
+  EXPECT_FALSE(rehearse(spec, p, options, 0.0));
+  p.side = BoundingSide::server;
+  EXPECT_FALSE(rehearse(spec, p, options, 0.0));
+}
+
+TEST(Rehearsal, ARunThatEndsDoesNotWaitForIt) {
+  const SessionParameters p = session();
+  RehearsalThread thread(builtin_device("simulated"), p, protect_hand(p), 0.0);
+  thread.finish();  // with or without a result
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_FALSE(rehearse(builtin_device("simulated"), p, protect_hand(p), 0.0, stopped.get_token()));
+}
+
+}  // namespace
+}  // namespace feltwire::rehearsal_test
