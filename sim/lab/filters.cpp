@@ -1,5 +1,6 @@
 #include "sim/lab/filters.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -95,33 +96,90 @@ const ToolView& view_of(const Scene& scene, const std::string& tool) {
 
 }  // namespace
 
-std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config) {
+namespace {
+
+// The optional columns of a row: the hold, local, and three normals.
+constexpr std::size_t kMostColumns = 15, kOptional = 11;
+const std::vector<std::string> kRowColumns = {"hold", "local", "n1x", "n1y", "n1z", "n2x",
+                                              "n2y",  "n2z",   "n3x", "n3y", "n3z"};
+
+/// Precondition: `row` has the optional columns, with their defaults where they are missing.
+ContactNormals normals_of(const CsvReader& reader, std::span<const double> row) {
+  ContactNormals normals;
+  for (std::size_t n = 0; n < ContactNormals::kMost; ++n) {
+    const std::size_t at = 2 + 3 * n;
+    const Vec3 normal(row[at], row[at + 1], row[at + 2]);
+    if (!normal.allFinite())
+      reader.fail(kRowColumns[at], "the normal is not finite; give 0,0,0 for none");
+    if (normal.norm() > 0.0) normals.add(normal.normalized());
+  }
+  return normals;
+}
+
+void require_whole_normals(const CsvReader& reader) {
+  for (std::size_t at = 2; at < kOptional; at += 3) {
+    int count = 0;
+    for (std::size_t i = at; i < at + 3; ++i) count += reader.has(kRowColumns[i]) ? 1 : 0;
+    if (count == 1 || count == 2)
+      throw CsvError("stdin:1: a normal has three columns; give all of " + kRowColumns[at] + "," +
+                     kRowColumns[at + 1] + "," + kRowColumns[at + 2]);
+  }
+}
+
+}  // namespace
+
+std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config,
+                         const std::optional<AccountConfig>& account_config) {
   Bounding bounding(config);
+  std::optional<PortAccount> account;
+  if (account_config) account.emplace(*account_config);
   std::vector<std::string> columns = {"dx", "dy", "dz", "ex", "ey", "ez", "fx", "fy", "fz"};
   if (config.rotation) columns.insert(columns.end(), {"ax", "ay", "az", "tx", "ty", "tz"});
-  CsvReader reader(in, "stdin", columns, {}, CsvReader::NotFinite::accept);
+  CsvReader reader(in, "stdin", columns, kRowColumns, CsvReader::NotFinite::accept);
+  require_whole_normals(reader);
   PortEnergy port(config.damping, config.rotational_damping, config.period);
-  out << (config.rotation ? "rx,ry,rz,rtx,rty,rtz,energy,active\n" : "rx,ry,rz,energy,active\n");
-  std::array<double, 15> row{};
+  out << (config.rotation ? "rx,ry,rz,rtx,rty,rtz,energy,active" : "rx,ry,rz,energy,active")
+      << (account ? ",balance\n" : "\n");
+  std::array<double, kMostColumns> row{};
+  std::array<double, kMostColumns + kOptional> numbers{};
+  const std::span values = std::span(numbers).first(columns.size() + kOptional);
+  const std::span options = values.last(kOptional);
+  options[0] = config.period;
   Command held;
   std::size_t refused = 0;
   std::string line;
-  while (reader.next(std::span(row).first(columns.size()))) {
+  while (reader.next(values)) {
+    std::copy_n(numbers.begin(), columns.size(), row.begin());
+    if (!(std::isfinite(options[0]) && options[0] > 0.0))
+      reader.fail("hold", "a hold is a time above 0 in seconds");
+    if (options[1] != 0.0 && options[1] != 1.0)
+      reader.fail("local", "use 1 for a force that was computed here, 0 for one that is late");
+    const ContactNormals normals = normals_of(reader, options);
     BoundingStep step;
     step.displacement = {row[0], row[1], row[2]};
-    step.hold_time = config.period;
+    step.hold_time = options[0];
     step.command.elastic = {row[3], row[4], row[5]};
     step.command.frictional = {row[6], row[7], row[8]};
     step.rotation = {row[9], row[10], row[11]};
     step.command.torque = {row[12], row[13], row[14]};
-    port.step(held, step.displacement, step.rotation, config.period);
+    step.local = options[1] == 1.0;
+    step.normals = &normals;
+    port.step(held, step.displacement, step.rotation, step.hold_time);
     const Bounded bounded = bounding.step(step);
     held = bounded.rendered;
+    bool active = bounded.active;
+    if (account) {
+      step.command = bounded.rendered;
+      held = account->step(step);
+      active = active || held != bounded.rendered;
+      bounding.set_held(held);
+    }
     refused += bounded.refused;
     append(line, held.force());
     if (config.rotation) append(line, held.torque);
     append(line, port.delivered().total());
-    line += bounded.active ? ",1" : ",0";
+    line += active ? ",1" : ",0";
+    if (account) append(line, account->balance());
     emit(in, out, line);
   }
   out.flush();

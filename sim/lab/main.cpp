@@ -1,16 +1,20 @@
 // feltwire-lab: experiments and filters.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
+#include "core/bounding/device_account.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/suggestion.hpp"
+#include "core/device/device_file.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
@@ -44,6 +48,18 @@ Damping damping_of(const std::vector<double>& n) {
   }
 }
 
+/// Takes from the device what a session takes. A limit that was given stays.
+void take_device(const DeviceSpec& device, BoundingConfig& config) {
+  config.damping = device.damping;
+  config.quantum = device.position_resolution;
+  config.lag = device.actuation_lag;
+  config.max_force = std::min(config.max_force, device.max_force);
+  config.rotation = device.rotation_actuated > 0;
+  if (!config.rotation) return;
+  config.rotational_damping = device.rotational_damping;
+  config.max_torque = std::min(config.max_torque, device.max_torque);
+}
+
 void add_bound(CLI::App& app) {
   struct Options {
     std::string mode = std::string(kDefaultMethod), projection = "joint", storage = "minimal",
@@ -51,6 +67,8 @@ void add_bound(CLI::App& app) {
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
     std::vector<double> damping, rotational_damping;
+    std::string spec;
+    bool account = false;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -67,6 +85,11 @@ void add_bound(CLI::App& app) {
       "stdin   also ax,ay,az  rotation vector since the last row [rad]\n"
       "             tx,ty,tz  torque command [N m, on the hand]\n"
       "stdout  also rtx,rty,rtz  rendered torque [N m, on the hand], before energy\n"
+      "Also read, where it is there:\n"
+      "        hold   time since the last row [s], else --period\n"
+      "        local  1 if the command was computed at the device's present place, else 0\n"
+      "        n1x,n1y,n1z to n3x,n3y,n3z  normals of the walls that are touched, 0,0,0 for none\n"
+      "With --account the force is that of the account after the method, and balance [J] is last.\n"
       "A row with nan or inf renders zero. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
       "--period 0.001 --damping 0.5\n"
@@ -79,9 +102,16 @@ void add_bound(CLI::App& app) {
       ->add_option(
           "--damping", o->damping,
           "The device's own damping [N s/m]: b, or bx,by,bz along the axes, or a symmetric "
-          "positive definite matrix xx,yy,zz,xy,xz,yz")
-      ->delimiter(',')
-      ->required();
+          "positive definite matrix xx,yy,zz,xy,xz,yz. When not given: that of --spec")
+      ->delimiter(',');
+  CLI::Option* spec = command->add_option(
+      "--spec", o->spec,
+      "The device, a built-in name or FILE.json: its damping, encoder quantum, largest force, lag "
+      "and, if it gives torque, rotation");
+  command
+      ->add_flag("--account", o->account,
+                 "The energy account of that device stands after the method, as in a session")
+      ->needs(spec);
   CLI::Option* turns = command
                            ->add_option("--rotational-damping", o->rotational_damping,
                                         "The same about the axes [N m s/rad]; torque is bounded")
@@ -103,16 +133,25 @@ void add_bound(CLI::App& app) {
   command->add_option("--reference", o->reference, "zero or following (passivity_control* only)")
       ->capture_default_str();
   command->callback([o, c1, c2] {
-    o->config.rotation = !o->rotational_damping.empty();
-    if (o->config.rotation) o->config.rotational_damping = damping_of(o->rotational_damping);
+    const std::optional<DeviceSpec> device =
+        o->spec.empty() ? std::nullopt : std::optional(device_spec(o->spec));
+    if (device) take_device(*device, o->config);
+    if (!device && o->damping.empty())
+      throw std::invalid_argument("give --damping, the device's own, or --spec");
+    if (!o->rotational_damping.empty()) {
+      o->config.rotation = true;
+      o->config.rotational_damping = damping_of(o->rotational_damping);
+    }
     o->config.mode = bounding_method(o->mode).name;
     o->config.reference = passivity_reference(o->reference);
-    o->config.damping = damping_of(o->damping);
+    if (!o->damping.empty()) o->config.damping = damping_of(o->damping);
     o->config.projection = projection(o->projection);
     o->config.storage = storage(o->storage);
     if (*c1) o->config.c1 = o->c1;
     if (*c2) o->config.c2 = o->c2;
-    report_refused(filter_bound(std::cin, std::cout, o->config));
+    std::optional<AccountConfig> account;
+    if (o->account) account = account_config(*device, o->config.period);
+    report_refused(filter_bound(std::cin, std::cout, o->config, account));
   });
 }
 

@@ -77,6 +77,63 @@ TEST(BoundFilter, WithRotationATorqueIsBoundedAndItsEnergyCounted) {
   EXPECT_THROW(filter_bound(missing, output, config), CsvError);
 }
 
+/// A force of 0.5 N, and 1 mm along it: the account had burned 0.5 N s/m (1e-3 m)^2/T = 0.5 mJ, and
+/// pays 0.5 mJ. Nothing is left for the next one.
+TEST(BoundFilter, AnAccountStandsAfterTheMethod) {
+  std::istringstream input(
+      "dx,dy,dz,ex,ey,ez,fx,fy,fz\n0,0,0,0,0,0,0,0,0\n1e-3,0,0,0.5,0,0,0,0,0\n");
+  std::ostringstream output;
+  BoundingConfig config = contact_frame(0.5);
+  config.mode = kUnbounded;
+  AccountConfig account;
+  account.translation.damping = 0.5;
+  account.translation.mass = 0.1;
+  account.translation.outside_force = 10.0;
+  EXPECT_EQ(filter_bound(input, output, config, account), 0u);
+  EXPECT_THAT(output.str(), ::testing::StartsWith("rx,ry,rz,energy,active,balance\n"));
+  const auto out = rows(output.str());
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0][5], 0.0);
+  EXPECT_NEAR(out[1][5], 0.5 * 1e-6 / config.period, 1e-15);
+  PortAccount same(account);
+  BoundingStep step;
+  step.hold_time = config.period;
+  same.step(step);
+  step.displacement.x() = 1e-3;
+  step.command.elastic.x() = 0.5;
+  EXPECT_EQ(out[1][0], same.step(step).elastic.x());
+}
+
+/// A hold of 2 T burns half as much over the same way. A wall's normal and a local command are
+/// those of the row.
+TEST(BoundFilter, ARowHasItsHoldAndItsWalls) {
+  std::istringstream input(
+      "dx,dy,dz,ex,ey,ez,fx,fy,fz,hold,local,n1x,n1y,n1z\n"
+      "0,0,0,0,0,0,0,0,0,1e-3,0,0,0,0\n1e-3,0,0,0,0,0,0,0,0,2e-3,1,0,0,2\n");
+  std::ostringstream output;
+  AccountConfig account;
+  account.translation.damping = 0.5;
+  filter_bound(input, output, contact_frame(0.5), account);
+  EXPECT_NEAR(rows(output.str())[1][5], 0.5 * 1e-6 / 2e-3, 1e-15);
+  const auto error = [](const std::string& columns, const std::string& row) {
+    std::istringstream in("dx,dy,dz,ex,ey,ez,fx,fy,fz," + columns + "\n0,0,0,0,0,0,0,0,0," + row +
+                          "\n");
+    std::ostringstream none;
+    try {
+      filter_bound(in, none, contact_frame(0.5));
+    } catch (const CsvError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("hold", "0"), HasSubstr("stdin:2: column 'hold'"));
+  EXPECT_THAT(error("hold", "nan"), HasSubstr("stdin:2: column 'hold'"));
+  EXPECT_THAT(error("local", "2"), HasSubstr("stdin:2: column 'local'"));
+  EXPECT_THAT(error("n1x,n1y", "0,1"), HasSubstr("n1x,n1y,n1z"));
+  EXPECT_THAT(error("n2x,n2y,n2z", "0,inf,0"), HasSubstr("stdin:2: column 'n2x'"));
+  EXPECT_EQ(error("n2x,n2y,n2z", "0,1,0"), "");
+}
+
 TEST(BoundFilter, RowsThatAreNotFiniteRenderZero) {
   std::istringstream input(
       "dx,dy,dz,ex,ey,ez,fx,fy,fz\n-1e-3,0,0,0.5,0,0,0,0,0\nnan,0,0,1,0,0,0,0,0\n0,0,0,inf,0,0,0,0,"
