@@ -144,6 +144,7 @@ test('the pointer seeks on the bar and in the plots', async () => {
   await open(recording('taps'));
   const bar = await page.locator('#replay-bar').boundingBox();
   await page.mouse.click(bar.x + bar.width / 2, bar.y + 10);
+  await until(() => window.feltwire().replay.drawn && window.feltwire().replay.time > 0);  // a plot is clicked where it was drawn
   const {time, to} = await state();
   assert.ok(Math.abs(time - to / 2) < 0.02 * to, `${time} of ${to}`);
   const plot = await page.locator('.stage .u-over').first().boundingBox();
