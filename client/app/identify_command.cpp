@@ -108,13 +108,12 @@ void show_progress(const MeasureStatus& status) {
 }
 
 /// The table of the specification has the bound of the lag, where there is one.
-void tell_lag(const DeviceSpec& known, const DeviceEstimate& found) {
+void tell_lag(const DeviceEstimate& found) {
   if (!found.lag_bound)
-    std::printf("  lag of the loop       not found: the handle hardly shook\n");
+    std::printf("  lag of the loop       not found: the readings do not tell it\n");
   else
-    std::printf("  lag of the loop       %.3f ms, at most %.3f ms%s\n", 1e3 * found.lag,
-                1e3 * *found.lag_bound,
-                known.late_ticks > 0 ? "; the file goes on with late_ticks" : "");
+    std::printf("  lag of the loop       %.3f ms, at most %.3f ms\n", 1e3 * found.lag,
+                1e3 * *found.lag_bound);
 }
 
 /// Measures, with the device let go at the end whatever happens.
@@ -181,7 +180,7 @@ void identify(const IdentifyWords& words) {
                              found.doubts.front());
   const SourcedSpec described = identified_spec(known, found, today());
   std::printf("%s", visible_lines(spec_table(described)).c_str());
-  tell_lag(known.spec, found);
+  tell_lag(found);
   std::printf("  largest force held    %.2f N\n", identification.largest_force());
   for (int i = 0; i < known.spec.translation_dof; ++i) {
     std::printf("  damping along %c       %.3g N s/m by the sweeps, ", "xyz"[i], found.damping[i]);
@@ -193,6 +192,11 @@ void identify(const IdentifyWords& words) {
   if (!(found.damping_bound.minCoeff() > 0.0))
     std::printf(
         "The damping is too small to separate it from friction and noise. The file has 0.\n");
+  if (known.spec.late_ticks > 0 && found.lag_bound)
+    std::fprintf(stderr,
+                 "feltwire-client identify: warning: the file goes on with late_ticks %d. If that "
+                 "is less than %.2f ms, put late_ticks 0 and actuation_lag %.6f in their place\n",
+                 known.spec.late_ticks, 1e3 * *found.lag_bound, *found.lag_bound);
   replace_file(words.out, device_file_text(described), kByUmask);
   std::printf("%s was written; use it with --spec %s\n", visible(words.out).c_str(),
               visible(words.out).c_str());

@@ -187,9 +187,9 @@ void read_lag(std::span<const SweptRun> shaken, DeviceEstimate& found) {
   const LagFit fit = lag_fit(shaken);
   if (!fit.valid) return;
   const double open = student(fit.freedom) * fit.error;
+  if (!(open < kOpenLag && fit.lag + open + kLeastLag > 0.0)) return;  // no motor is early
   found.lag = fit.lag;
-  if (open < kOpenLag)
-    found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
+  found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
 }
 
 }  // namespace

@@ -68,6 +68,7 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
     std::ostringstream text;
     text << ": upper bound, of the reading too; estimate " << found.lag;
     known.sources["actuation_lag"] = by + text.str();
+    known.sources["actuation_kind"] = by;
     known.tells_lag = true;
   }
   validate(spec);

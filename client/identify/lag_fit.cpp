@@ -15,11 +15,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSettled = 0.05;   // of a way's time after its turn, before the test function
-constexpr int kRounds = 6;          // of Newton's rule
-constexpr double kClose = 1e-8;     // [s]
-constexpr double kMostLag = 20e-3;  // [s] beyond it nothing is believed
-constexpr int kSurplus = 4;         // of equations over unknowns
+constexpr double kSettled = 0.05;    // of a way's time after its turn, before the test function
+constexpr int kRounds = 6;           // of Newton's rule
+constexpr double kClose = 1e-8;      // [s]
+constexpr double kMostLag = 4e-3;    // [s] beyond it a lag of first order turns less than w L
+constexpr double kMassChange = 0.3;  // of the apparent mass: then a resonance is near
+constexpr int kLeastFrequencies = 3;
+constexpr int kSurplus = 4;  // of equations over unknowns
 
 /// sin^4 over one way, times exp(-j w t), with its derivatives; `t` [s].
 class TestFunction {
@@ -118,6 +120,37 @@ std::vector<ShakenWay> ways_of(std::span<const SweptRun> runs) {
   return ways;
 }
 
+Eigen::Index line_of(std::span<const Vec3> lines, const ShakenWay& way) {
+  return std::find(lines.begin(), lines.end(), way.run->sweep.along) - lines.begin();
+}
+
+/// Leaves out the frequencies of a line from which on the apparent mass is another than at the
+/// lowest one: there a transmission or a spring resonates, and its loss has another form. Empty if
+/// a line keeps too few. Precondition: the frequencies of each line rise.
+std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
+                                       std::span<const Vec3> lines) {
+  std::vector<ShakenWay> kept;
+  for (const Vec3& line : lines) {
+    std::vector<double> turns;
+    double first = 0.0;  // [kg]
+    bool resonates = false;
+    for (std::size_t i = 0; i + 1 < ways.size() && !resonates; i += 2) {
+      if (ways[i].run->sweep.along != line) continue;
+      double mass = 0.0;
+      for (const ShakenWay& way : ways.subspan(i, 2))
+        mass += 0.5 * (way.forced(0.0) / way.accelerated).real();
+      if (turns.empty()) first = mass;
+      resonates = !(std::abs(mass - first) <= kMassChange * std::abs(first));
+      if (resonates) break;
+      turns.push_back(ways[i].test.turn());
+      kept.insert(kept.end(), ways.begin() + static_cast<std::ptrdiff_t>(i),
+                  ways.begin() + static_cast<std::ptrdiff_t>(i) + 2);
+    }
+    if (turns.size() < kLeastFrequencies) return {};
+  }
+  return kept;
+}
+
 /// Least squares without the columns that are left out.
 struct Solution {
   Eigen::VectorXd x;
@@ -143,19 +176,16 @@ Solution solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& right,
 
 LagFit lag_fit(std::span<const SweptRun> runs) {
   LagFit fit;
-  const std::vector<ShakenWay> ways = ways_of(runs);
+  const std::vector<ShakenWay> shaken = ways_of(runs);
   std::vector<Vec3> lines;
-  const auto line_of = [&](const ShakenWay& way) {
-    const auto found = std::find(lines.begin(), lines.end(), way.run->sweep.along);
-    return static_cast<Eigen::Index>(found - lines.begin());
-  };
-  double top = 0.0;  // [rad/s]
-  for (const ShakenWay& way : ways) {
-    if (line_of(way) == static_cast<Eigen::Index>(lines.size()))
+  for (const ShakenWay& way : shaken) {
+    if (line_of(lines, way) == static_cast<Eigen::Index>(lines.size()))
       lines.push_back(way.run->sweep.along);
-    top = std::max(top, way.test.turn());
     if (!(std::abs(way.accelerated) > 0.0)) return fit;
   }
+  const std::vector<ShakenWay> ways = below_resonance(shaken, lines);
+  double top = 0.0;  // [rad/s]
+  for (const ShakenWay& way : ways) top = std::max(top, way.test.turn());
   // The unknowns: the lag; then of each line its damping, and its other loss at the top frequency.
   const auto count = static_cast<Eigen::Index>(lines.size());
   const auto equations = static_cast<Eigen::Index>(ways.size());
@@ -169,8 +199,9 @@ LagFit lag_fit(std::span<const SweptRun> runs) {
       const double damped = (way.moved / way.accelerated).imag(), length = std::abs(mass);
       if (!(length > 0.0)) return fit;
       rows(i, 0) = way.test.turn() * mass.real() / length;
-      rows(i, 1 + line_of(way)) = damped / length;
-      rows(i, 1 + count + line_of(way)) = damped * std::pow(way.test.turn() / top, 4) / length;
+      rows(i, 1 + line_of(lines, way)) = damped / length;
+      rows(i, 1 + count + line_of(lines, way)) =
+          damped * std::pow(way.test.turn() / top, 4) / length;
       right[i] = mass.imag() / length;
     }
     std::vector<Eigen::Index> kept;

@@ -28,7 +28,8 @@ struct LagFit {
 /// Gravity, cogging and what friction does at a place are the same in all, and fall out. So does a
 /// spring that changes along the way, as cogging is one: what it makes of a shake turns twice as
 /// far. What a transmission or another loss adds to b grows as w^4 below its resonance and is
-/// fitted too; it is never negative.
+/// fitted too; it is never negative. Where m(w) differs by 30 % from that at the lowest frequency a
+/// resonance is near, and these frequencies are left out.
 LagFit lag_fit(std::span<const SweptRun> runs);
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #include "client/run/rehearsal.hpp"
 
+#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -9,25 +10,51 @@
 #include <cstdio>
 #include <exception>
 #include <limits>
+#include <random>
 
 #include "client/devices/simulated_device.hpp"
 #include "core/base/text.hpp"
+#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr int kLeastPriority = 19;                          // of a thread that is not real-time
-constexpr double kCalm = 10e-6;                             // [m] as in docs/lab/frontier.md
-constexpr double kWhole = 0.9;                              // share of a wall that is felt as it is
-constexpr double kUsualWall = 1000.0;                       // [N/m]
-constexpr double kAssumedMass = 0.1;                        // [kg]
-constexpr double kMostForce = 3.0;                          // [N]
+constexpr int kLeastPriority = 19;     // of a thread that is not real-time
+constexpr double kCalm = 10e-6;        // [m] as in docs/lab/frontier.md
+constexpr double kWhole = 0.9;         // share of a wall that is felt as it is
+constexpr double kUsualWall = 1000.0;  // [N/m]
+constexpr double kAssumedMass = 0.1;   // [kg]
+constexpr double kMostForce = 3.0;     // [N]
+constexpr double kAnyTime = 1.0;       // [s] at which a press begins
+constexpr double kLate = 0.1;          // of a period by which a tick comes late, at most
+constexpr int kBetweenLooks = 100;     // [ticks] that it goes on after it was stopped
 constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] of a press
 constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};  // [N/m]
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
                                Hand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0}};
 
-double press_force(const DeviceSpec& spec) { return std::min(kMostForce, spec.continuous_force); }
+double press_force(const DeviceSpec& spec) {
+  return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
+}
+
+/// The handle's place over a time: its mean, and its RMS about a straight line, since what only
+/// drifts does not swing.
+class HandleAtRest {
+ public:
+  void add(double t, double y, double force) {
+    count_ += 1.0, t_ += t, y_ += y, tt_ += t * t, ty_ += t * y, yy_ += y * y, force_ += force;
+  }
+  double mean() const { return y_ / count_; }
+  double force() const { return force_ / count_; }
+  double swing() const {
+    const double tt = tt_ - t_ * t_ / count_, ty = ty_ - t_ * y_ / count_,
+                 yy = yy_ - y_ * y_ / count_;
+    return std::sqrt(std::max(0.0, yy - (tt > 0.0 ? ty * ty / tt : 0.0)) / count_);
+  }
+
+ private:
+  double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
+};
 
 /// A wall below y = 0: each device has a force along y.
 Reply wall_reply(const Sample& sample, double stiffness) {
@@ -59,38 +86,40 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   return SimulatedDevice(options);
 }
 
-Felt press(const DeviceSpec& spec, const SessionParameters& parameters, const ServoOptions& options,
-           double wall, const Hand& hand) {
+/// Empty: it was stopped.
+std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& parameters,
+                          const ServoOptions& options, double wall, const Hand& hand,
+                          const std::stop_token& stop) {
   SimulatedDevice device = pressed(spec, parameters.servo_period, wall, hand);
   Servo servo(spec, parameters, options);
-  const Nanoseconds period = from_seconds(parameters.servo_period);
-  Nanoseconds now = from_seconds(1.0);  // any time
-  double count = 0.0, place = 0.0, squares = 0.0, force = 0.0;
-  for (double time = 0.0; time < kEnd; time += parameters.servo_period, now += period) {
+  std::minstd_rand random;  // the same numbers in each press
+  std::uniform_real_distribution<double> late(0.0, kLate * parameters.servo_period);
+  const auto ticks = static_cast<std::int64_t>(kEnd / parameters.servo_period);
+  HandleAtRest handle;
+  for (std::int64_t n = 0; n < ticks; ++n) {
+    if (n % kBetweenLooks == 0 && stop.stop_requested()) return std::nullopt;
+    const double time = static_cast<double>(n) * parameters.servo_period;
+    const Nanoseconds now = from_seconds(kAnyTime + time + late(random));
     const Sample* sample = servo.tick(device, now);
     if (sample == nullptr) continue;
     servo.sent();
     servo.take(wall_reply(*sample, wall), now);
-    if (time < kEnd - kLooked) continue;
-    const double y = device.true_position().y();
-    count += 1.0;
-    place += y;
-    squares += y * y;
-    force += servo.held().force().y();
+    if (time > kEnd - kLooked)
+      handle.add(time, device.true_position().y(), servo.held().force().y());
   }
-  const double depth = -place / count;
-  return {.wall = wall,
-          .share = depth > 0.0 ? force / count / depth / wall : 0.0,
-          .swing = std::sqrt(std::max(0.0, squares / count - depth * depth))};
+  const double depth = -handle.mean();
+  const double share = depth > 0.0 ? handle.force() / depth / wall : 0.0;
+  return Felt{.wall = wall, .share = std::clamp(share, 0.0, 1.0), .swing = handle.swing()};
 }
 
-Felt worst(const DeviceSpec& spec, const SessionParameters& parameters, const ServoOptions& options,
-           double wall) {
-  Felt found{.wall = wall, .share = std::numeric_limits<double>::infinity()};
+std::optional<Felt> worst(const DeviceSpec& spec, const SessionParameters& parameters,
+                          const ServoOptions& options, double wall, const std::stop_token& stop) {
+  Felt found{.wall = wall, .share = 1.0};
   for (const Hand& hand : kHands) {
-    const Felt felt = press(spec, parameters, options, wall, hand);
-    found.share = std::min(found.share, felt.share);
-    found.swing = std::max(found.swing, felt.swing);
+    const std::optional<Felt> felt = press(spec, parameters, options, wall, hand, stop);
+    if (!felt) return std::nullopt;
+    found.share = std::min(found.share, felt->share);
+    found.swing = std::max(found.swing, felt->swing);
   }
   return found;
 }
@@ -111,33 +140,37 @@ std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameter
   Rehearsal found;
   found.force = press_force(spec);
   found.mass_known = spec.least_mass > 0.0;
-  found.scene =
-      worst(spec, parameters, options, scene_stiffness > 0.0 ? scene_stiffness : kUsualWall);
+  const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
+  const std::optional<Felt> scene = worst(spec, parameters, options, usual, stop);
+  if (!scene) return std::nullopt;
+  found.scene = *scene;
   bool all_whole = true;
   for (const double wall : kWalls) {
-    if (stop.stop_requested()) return std::nullopt;
-    const Felt felt = worst(spec, parameters, options, wall);
-    found.swings = !felt.calm();
+    const std::optional<Felt> felt = worst(spec, parameters, options, wall, stop);
+    if (!felt) return std::nullopt;
+    found.swings = !felt->calm();
     if (found.swings) break;
-    found.calm = felt;
-    all_whole = all_whole && felt.share >= kWhole;
-    if (all_whole) found.whole = felt;
-    if (felt.stiffness() > found.most.stiffness()) found.most = felt;
+    found.calm = *felt;
+    all_whole = all_whole && felt->share >= kWhole;
+    if (all_whole) found.whole = *felt;
+    if (felt->stiffness() > found.most.stiffness()) found.most = *felt;
   }
   return found;
 }
 
 std::string rehearsal_text(const Rehearsal& rehearsal) {
   std::string text;
-  append(text, "a first press with %.1f N feels %.2f of a wall of %.0f N/m", rehearsal.force,
+  append(text, "a first press with %.2g N feels %.2f of a wall of %.0f N/m", rehearsal.force,
          rehearsal.scene.share, rehearsal.scene.wall);
   if (!rehearsal.scene.calm()) text += ", and a hand swings on it";
   if (rehearsal.whole.wall > 0.0)
     append(text, "; walls up to %.0f N/m are felt to %.2f or more", rehearsal.whole.wall, kWhole);
   if (rehearsal.most.wall > 0.0)
     append(text, "; the most that is felt is %.0f N/m", rehearsal.most.stiffness());
-  if (rehearsal.swings) append(text, "; above %.0f N/m a hand swings", rehearsal.calm.wall);
-  if (!rehearsal.mass_known)
+  if (rehearsal.swings && rehearsal.calm.wall > 0.0)
+    append(text, "; on stiffer walls than %.0f N/m a hand swings", rehearsal.calm.wall);
+  if (rehearsal.swings && !(rehearsal.calm.wall > 0.0)) text += "; on each wall a hand swings";
+  if (!rehearsal.mass_known && rehearsal.scene.share < kWhole)
     text +=
         "; the device file has no least_mass, so a first press gets little: measure it with "
         "feltwire-client identify";
@@ -150,11 +183,15 @@ RehearsalThread::RehearsalThread(const DeviceSpec& spec, const SessionParameters
     thread_ = std::jthread(
         [this, spec, parameters, options, scene_stiffness](const std::stop_token& stop) {
           try {
+            const sched_param usual{};  // not that of a program that is started in real time
+            ::sched_setscheduler(0, SCHED_OTHER, &usual);
             ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
             found_ = rehearse(spec, parameters, options, scene_stiffness, stop);
             if (found_)
               std::fprintf(stderr, "feltwire-client: note: %s\n", rehearsal_text(*found_).c_str());
-          } catch (const std::exception&) {  // the run does without
+          } catch (const std::exception& error) {
+            std::fprintf(stderr, "feltwire-client: note: a first press cannot be foretold: %s\n",
+                         visible(error.what()).c_str());
           }
         });
   } catch (const std::exception&) {  // the run does without

@@ -14,8 +14,10 @@ namespace feltwire {
 /// 5 N s/m, 300 N/m) press with up to 3 N, or what the device can hold.
 struct Felt {
   double wall = 0.0;   // [N/m] 0: there is none
-  double share = 0.0;  // of the wall: force over depth at the handle, of the hand that feels less
-  double swing = 0.0;  // [m] RMS of the handle at rest, of the hand that swings more
+  double share = 0.0;  // of the wall: force over depth at the handle, of the hand that feels less;
+                       // at most 1
+  double swing = 0.0;  // [m] RMS of the handle about a straight line over half a second at the end,
+                       // of the hand that swings more
   double stiffness() const noexcept { return share * wall; }  // [N/m] felt
   bool calm() const noexcept;
 };
@@ -32,10 +34,10 @@ struct Rehearsal {
 };
 
 /// Presses a simulated device with this specification, whose motor is late by all of its
-/// `actuation_lag` or `late_ticks`, as in a session whose replies all come. Empty where the law is
-/// not known here: the server bounds, there is no local model, the hand leads a robot or observes;
-/// or if it was stopped. `scene_stiffness` [N/m]; 0: not known. It takes about a second of
-/// computing time. Throws what Servo's constructor throws.
+/// `actuation_lag` or `late_ticks`, as in a session whose replies all come. Ticks come late by up
+/// to a tenth of the period. Empty where the law is not known here: the server bounds, there is no
+/// local model, the hand leads a robot or observes; or if it was stopped. `scene_stiffness` [N/m];
+/// 0: not known. It takes about a second of computing time. Throws what Servo's constructor throws.
 std::optional<Rehearsal> rehearse(const DeviceSpec& spec, const SessionParameters& parameters,
                                   const ServoOptions& options, double scene_stiffness,
                                   const std::stop_token& stop = {});

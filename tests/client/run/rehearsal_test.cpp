@@ -68,6 +68,23 @@ TEST(Rehearsal, AHandSwingsWithoutALaw) {
   EXPECT_GT(rehearsed(spec).calm.wall, none.calm.wall);
 }
 
+/// A handle that only sinks does not swing: its own damping keeps it from the rest.
+TEST(Rehearsal, AHandleThatSinksDoesNotSwing) {
+  DeviceSpec spec = builtin_device("simulated");
+  spec.damping = 500.0;
+  EXPECT_TRUE(rehearsed(spec).scene.calm());
+}
+
+/// Some files have a largest force alone. A coarse encoder makes no share above 1.
+TEST(Rehearsal, OddDevicesGetPossibleNumbers) {
+  DeviceSpec spec = builtin_device("touch");
+  spec.continuous_force = 0.0;
+  const Rehearsal found = rehearsed(spec);
+  EXPECT_EQ(found.force, 3.0);
+  EXPECT_LE(found.most.share, 1.0);
+  EXPECT_LE(found.whole.share, 1.0);
+}
+
 TEST(Rehearsal, TheSameAgain) {
   const DeviceSpec& spec = builtin_device("touch");
   EXPECT_EQ(rehearsal_text(rehearsed(spec)), rehearsal_text(rehearsed(spec)));
