@@ -137,8 +137,12 @@ TEST(LagFit, NoBoundIsBelowTheTruthBehindATransmission) {
 /// These resonate between 10 and 40 Hz. With all of the frequencies their bounds were too low.
 TEST(LagFit, AResonanceIsLeftOut) {
   Judged judged;
-  for (const std::uint64_t seed : {10051u, 11000u, 11116u, 11159u, 11226u})
-    take_behind_transmission(judged, seed);
+#ifdef FELTWIRE_SANITIZED
+  const std::vector<std::uint64_t> seeds = {11226};
+#else
+  const std::vector<std::uint64_t> seeds = {10051, 11000, 11116, 11159, 11226};
+#endif
+  for (const std::uint64_t seed : seeds) take_behind_transmission(judged, seed);
 #ifndef FELTWIRE_SANITIZED
   EXPECT_EQ(judged.silent, 0);
 #endif
