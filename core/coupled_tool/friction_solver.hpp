@@ -1,6 +1,7 @@
 #pragma once
 // Coulomb friction of a tool without mass: its movement, and the friction on it.
 
+#include "core/base/work_limit.hpp"
 #include "core/coupled_tool/tool_contact.hpp"
 
 namespace feltwire {
