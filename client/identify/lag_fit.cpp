@@ -131,22 +131,19 @@ std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
                                        std::span<const Vec3> lines) {
   std::vector<ShakenWay> kept;
   for (const Vec3& line : lines) {
-    std::vector<double> turns;
-    double first = 0.0;  // [kg]
-    bool resonates = false;
-    for (std::size_t i = 0; i + 1 < ways.size() && !resonates; i += 2) {
+    int count = 0;                                          // of the frequencies
+    double first = 0.0;                                     // [kg]
+    for (std::size_t i = 0; i + 1 < ways.size(); i += 2) {  // both ways of a run
       if (ways[i].run->sweep.along != line) continue;
+      const std::span run = ways.subspan(i, 2);
       double mass = 0.0;
-      for (const ShakenWay& way : ways.subspan(i, 2))
-        mass += 0.5 * (way.forced(0.0) / way.accelerated).real();
-      if (turns.empty()) first = mass;
-      resonates = !(std::abs(mass - first) <= kMassChange * std::abs(first));
-      if (resonates) break;
-      turns.push_back(ways[i].test.turn());
-      kept.insert(kept.end(), ways.begin() + static_cast<std::ptrdiff_t>(i),
-                  ways.begin() + static_cast<std::ptrdiff_t>(i) + 2);
+      for (const ShakenWay& way : run) mass += 0.5 * (way.forced(0.0) / way.accelerated).real();
+      if (count == 0) first = mass;
+      if (!(std::abs(mass - first) <= kMassChange * std::abs(first))) break;
+      kept.insert(kept.end(), run.begin(), run.end());
+      ++count;
     }
-    if (turns.size() < kLeastFrequencies) return {};
+    if (count < kLeastFrequencies) return {};
   }
   return kept;
 }

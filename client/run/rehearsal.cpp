@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <limits>
 #include <random>
 
 #include "client/devices/simulated_device.hpp"

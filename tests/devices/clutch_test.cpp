@@ -96,6 +96,20 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   }
 }
 
+/// After the clutch was opened. `lag` [ticks] with which the device lets go.
+void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
+  int pulled = 0;
+  for (int n = 0; n < 20; ++n) {
+    const bool pulls = mapped.handle->on_hand != Command{};
+    mapped.tick();
+    if (!pulls) continue;
+    ++pulled;
+    EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << lag << ' ' << n;
+  }
+  EXPECT_GE(pulled, static_cast<int>(lag));
+  EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+}
+
 /// However long the device takes to let go: until then its movement counts.
 TEST(Clutch, WhatMovesUnderAForceIsTold) {
   for (const std::size_t lag : {0U, 1U, 2U, 5U}) {
@@ -103,16 +117,7 @@ TEST(Clutch, WhatMovesUnderAForceIsTold) {
     mapped.handle->lag = lag;
     mapped.feel(1.0);
     mapped.handle->clutch = true;
-    int pulled = 0;
-    for (int n = 0; n < 20; ++n) {
-      const bool pulls = mapped.handle->on_hand != Command{};
-      mapped.tick();
-      if (!pulls) continue;
-      ++pulled;
-      EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << n;
-    }
-    EXPECT_GE(pulled, static_cast<int>(lag));
-    EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+    expect_told_while_it_pulls(mapped, lag);
   }
 }
 
@@ -123,16 +128,7 @@ TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
     mapped.handle->tells_held = false;
     mapped.feel(1.0);
     mapped.handle->clutch = true;
-    int pulled = 0;
-    for (int n = 0; n < 20; ++n) {
-      const bool pulls = mapped.handle->on_hand != Command{};
-      mapped.tick();
-      if (!pulls) continue;
-      ++pulled;
-      EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << lag << ' ' << n;
-    }
-    EXPECT_GE(pulled, static_cast<int>(lag));
-    EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+    expect_told_while_it_pulls(mapped, lag);
   }
 }
 

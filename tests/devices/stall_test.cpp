@@ -16,6 +16,7 @@
 #include "protocol/net/clock.hpp"
 #include "protocol/net/real_time.hpp"
 #include "tests/client/peer.hpp"
+#include "tests/client/touched_surfaces.hpp"
 #include "tests/core/heavy_geometry.hpp"
 #include "tests/devices/shared_page.hpp"
 #include "tests/devices/simulated_mass.hpp"
@@ -274,24 +275,13 @@ class LyingServer {
     if (received.kind != DatagramKind::samples) return std::nullopt;
     return received.batch.samples[0];
   }
-  void mark_as_touched(Reply& reply, const Vec3& place) const {
-    reply.modelled = true;
-    reply.model.surfaces = surfaces_;
-    reply.model.center = place;
-    reply.model.reach = 0.1;
-    reply.model.count = 1;
-    SurfacePatch& patch = reply.model.patches[0];
-    patch.point = patch.anchor = place;
-    patch.whole = patch.touching = true;
-    patch.material = {.stiffness = 2000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
-  }
   void answer(const Sample& sample) {
     const Vec3 place = sample.pose.position, moved = place - before_;
     before_ = place;
     Reply reply = testing::ScenePeer::reply_to(sample);
     const double size = moved.norm();
     reply.command.elastic = size > 0.0 ? Vec3(8.0 / size * moved) : Vec3(0, 0, 8.0);
-    if (surfaces_ != 0) mark_as_touched(reply, place);
+    if (surfaces_ != 0) testing::mark_as_touched(reply, surfaces_, place);
     peer_.send(reply);
   }
 

@@ -9,6 +9,7 @@
 #include "core/whole_surfaces/mesh_surfaces.hpp"
 #include "core/whole_surfaces/whole_body.hpp"
 #include "tests/client/servo_bench.hpp"
+#include "tests/client/touched_surfaces.hpp"
 #include "tests/core/heavy_geometry.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -77,15 +78,7 @@ Attack attacked(Bench& bench, test::Random& random, Model model) {
 }
 
 void mark_as_touched(Reply& reply, const Vec3& hand) {
-  reply.modelled = true;
-  reply.model.surfaces = kVersion;
-  reply.model.center = hand;
-  reply.model.reach = 0.1;
-  reply.model.count = 1;
-  SurfacePatch& patch = reply.model.patches[0];
-  patch.point = patch.anchor = hand;
-  patch.whole = patch.touching = true;
-  patch.material = {.stiffness = 2000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
+  testing::mark_as_touched(reply, kVersion, hand);
 }
 
 void expect_cut_in_time(const Attack& attack, const FetchedScene& scene, std::string_view mode) {

@@ -7,23 +7,16 @@
 #include "core/base/file_error.hpp"
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_file.hpp"
+#include "tests/core/mesh/mesh_error.hpp"
 
 namespace feltwire::foreign_mesh_test {
 namespace {
 
+using test::error_of;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr const char* kMark = "\xEF\xBB\xBF";
-
-std::string error_of(const std::string& bytes, const std::string& name) {
-  try {
-    parse_mesh(bytes, name, 1.0);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
   for (std::size_t at = text.find(what); at != std::string::npos;

@@ -6,26 +6,19 @@
 #include <cstring>
 #include <random>
 
+#include "tests/core/mesh/mesh_error.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace feltwire::mesh_file_test {
 namespace {
 
+using test::error_of;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const std::string kSquareObj =
     "# a square\no square\nv -1 -1 0.5\nv 1 -1 0.5 1.0\r\nv\t+1 1 5e-1\nv -1 1 0.5\nvt 0 0\n"
     "vn 0 0 1\ns off\nf 1//1 2/1/1 -2 4/1\n";
-
-std::string error_of(const std::string& bytes, const std::string& name) {
-  try {
-    parse_mesh(bytes, name, 1.0);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 void expect_square(const TriangleSoup& soup) {
   ASSERT_EQ(soup.triangles.size(), 2u);
