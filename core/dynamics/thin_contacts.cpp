@@ -24,9 +24,23 @@ std::string number_shown(const char* format, Numbers... numbers) {
 struct Seen {
   int geom;
   double low, high;  // [m] along up
+  double thickness;  // [m] its least extent, in any direction
   bool falls;        // gravity moves it
   bool endless;      // a plane: nothing falls through
+  bool thin;         // something in the scene may be too fast for its thickness
 };
+
+/// [m] Half of a mesh's extent along a direction in its own frame.
+double half_extent_of_mesh(const mjModel& model, int mesh, const Vec3& along) {
+  const float* v = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (int i = 0; i < model.mesh_vertnum[mesh]; ++i, v += 3) {
+    const double at = along.dot(Vec3(v[0], v[1], v[2]));
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return 0.5 * (high - low);
+}
 
 /// [m] Half of a geom's extent along a direction of the world.
 double half_extent(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
@@ -46,20 +60,56 @@ double half_extent(const mjModel& model, const mjData& data, int geom, const Vec
       return own.cwiseProduct(size).norm();
     case mjGEOM_BOX:
       return own.cwiseAbs().dot(size);
+    case mjGEOM_MESH:
+      return half_extent_of_mesh(model, model.geom_dataid[geom], own);
+    default:
+      return model.geom_rbound[geom];
+  }
+}
+
+/// [m] Half of a geom's least extent, in any direction. MuJoCo turns a mesh into the axes of its
+/// inertia, so one of these is close to its thinnest.
+double half_thickness(const mjModel& model, int geom) {
+  const Vec3 size = vector(entry<3>(model.geom_size, geom));
+  switch (model.geom_type[geom]) {
+    case mjGEOM_SPHERE:
+    case mjGEOM_CAPSULE:
+      return size.x();
+    case mjGEOM_CYLINDER:
+      return std::min(size.x(), size.y());
+    case mjGEOM_ELLIPSOID:
+    case mjGEOM_BOX:
+      return size.minCoeff();
     case mjGEOM_MESH: {
       const int mesh = model.geom_dataid[geom];
-      const float* v = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (int i = 0; i < model.mesh_vertnum[mesh]; ++i, v += 3) {
-        const double at = own.dot(Vec3(v[0], v[1], v[2]));
-        low = std::min(low, at);
-        high = std::max(high, at);
-      }
-      return 0.5 * (high - low);
+      return std::min({half_extent_of_mesh(model, mesh, Vec3::UnitX()),
+                       half_extent_of_mesh(model, mesh, Vec3::UnitY()),
+                       half_extent_of_mesh(model, mesh, Vec3::UnitZ())});
     }
     default:
       return model.geom_rbound[geom];
   }
+}
+
+/// [m] From a geom's middle down to the surface of another; negative: that is not below it.
+double depth_below(const mjModel& model, const mjData& data, int middle_of, int surface_of,
+                   const Vec3& down) {
+  const std::array<mjtNum, 3> along = {down.x(), down.y(), down.z()};
+  const mjtNum* const from = entry<3>(data.geom_xpos, middle_of);
+  if (model.geom_type[surface_of] == mjGEOM_MESH)
+    return mj_rayMesh(&model, &data, surface_of, from, along.data());
+  return mju_rayGeom(entry<3>(data.geom_xpos, surface_of), entry<9>(data.geom_xmat, surface_of),
+                     entry<3>(model.geom_size, surface_of), from, along.data(),
+                     model.geom_type[surface_of]);
+}
+
+/// [m] How thick two geoms are together for a contact. MuJoCo loses a capsule in a box as soon as
+/// the capsule's axis is inside, so the box does not count.
+double thickness_of(const mjModel& model, const Seen& a, const Seen& b) {
+  const int kinds[] = {model.geom_type[a.geom], model.geom_type[b.geom]};
+  if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
+  if (kinds[0] == mjGEOM_BOX && kinds[1] == mjGEOM_CAPSULE) return b.thickness;
+  return a.thickness + b.thickness;
 }
 
 /// Whether gravity moves a body: it, or one that carries it, is free or slides along `up`.
@@ -102,22 +152,34 @@ double longest_contact_time(const mjModel& model) {
   return longest;
 }
 
+struct Fall {
+  double height, thickness;        // [m] of the middle's fall; of both
+  double topple = 0.0;             // [m] the part of the fall in which the body comes to lie flat
+  double speed = 0.0, held = 0.0;  // [m/s]
+};
+
 std::string warning_of(const Object& upper, const Object& lower, const Seen& a, const Seen& b,
-                       double drop, double speed, double held, double thickness, double tick,
-                       double gravity) {
-  const double share = held / speed;
-  const auto thick = [](const Seen& seen) { return 1e3 * (seen.high - seen.low); };
+                       const Fall& fall, double tick, double gravity) {
+  const double share = fall.held / fall.speed;
+  const double lowest = fall.held * fall.held / (2.0 * gravity) - fall.topple;
+  const auto thick = [](const Seen& seen) { return 1e3 * seen.thickness; };
   std::string text =
       "object '" + upper.name + "' (" + number_shown("%.3g mm", thick(a)) + " thick) falls " +
-      number_shown("%.3g m", drop) + " onto '" + lower.name + "' (" +
-      number_shown("%.3g mm", thick(b)) + ") and comes with " + number_shown("%.3g m/s", speed) +
-      "; with a tick of " + number_shown("%.3g ms", 1e3 * tick) + " they hold each other up to " +
-      number_shown("%.3g m/s", held) + ", so it may fall through; make them at least " +
-      number_shown("%.3g mm", 1e3 * thickness / share) + " thick together";
+      number_shown("%.3g m", fall.height) + " onto '" + lower.name + "' (" +
+      number_shown("%.3g mm", thick(b)) + ") and comes with " +
+      number_shown("%.3g m/s", fall.speed) + "; with a tick of " +
+      number_shown("%.3g ms", 1e3 * tick) + " they hold each other up to " +
+      number_shown("%.3g m/s", fall.held) + ", so it may fall through; make " +
+      (fall.thickness < a.thickness + b.thickness
+           ? "the capsule at least " + number_shown("%.3g mm", 1e3 * fall.thickness / share) +
+                 " thick (a box counts for nothing here)"
+           : "them at least " + number_shown("%.3g mm", 1e3 * fall.thickness / share) +
+                 " thick together");
   if (share * tick >= kLeastTick)
     text += ", or give a tick of at most " + number_shown("%.2g s", share * tick);
-  return text + ", or let it begin at most " +
-         number_shown("%.3g mm", 1e3 * held * held / (2.0 * gravity)) + " above";
+  return text + (lowest > 0.0 ? ", or let it begin at most " +
+                                    number_shown("%.3g mm", 1e3 * lowest) + " above"
+                              : ", or lay it flat: it topples");
 }
 
 }  // namespace
@@ -145,17 +207,15 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     const bool endless = model.geom_type[g] == mjGEOM_PLANE;
     const double half = endless ? 0.0 : half_extent(model, data, g, up);
     const int body = model.geom_bodyid[g];
-    seen.push_back({g, middle - half, middle + half,
-                    model.body_weldid[body] != 0 && falls(model, data, body, up), endless});
+    seen.push_back({g, middle - half, middle + half, endless ? 0.0 : 2.0 * half_thickness(model, g),
+                    model.body_weldid[body] != 0 && falls(model, data, body, up), endless, false});
     lowest = std::min(lowest, middle - half);
     highest = std::max(highest, middle + half);
   }
   // Nothing in the scene falls faster, so thicker bodies need no look.
   const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
-  const auto is_thin = [&](const Seen& s) {
-    return !s.endless && slowest_hold * (s.high - s.low) < fastest;
-  };
+  for (Seen& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
   // How far each falls: to the highest of what does not move and lies below it.
   constexpr std::size_t kMostPairs = 20'000'000, kMostSaid = 16;
@@ -171,22 +231,33 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     return std::isfinite(least) ? least : 0.0;
   };
 
+  // The middle of a body falls until the body lies flat, and all of that makes it fast.
+  const auto fall_of = [&](const Seen& a, const Seen& b) {
+    const double below = depth_below(model, data, a.geom, b.geom, -up);
+    if (model.geom_type[b.geom] == mjGEOM_MESH)
+      pairs += static_cast<std::size_t>(model.mesh_facenum[model.geom_dataid[b.geom]]);
+    const double to_highest = 0.5 * (a.low + a.high) - b.high;
+    return std::max(0.0, (below >= 0.0 ? below : to_highest) - 0.5 * a.thickness);
+  };
+
   std::vector<std::string> warnings;
   for (const Seen& a : seen) {
-    if (!a.falls || !is_thin(a)) continue;
+    if (!a.falls) continue;
     for (const Seen& b : seen) {
       if (++pairs > kMostPairs) break;
-      if (!is_thin(b) || b.high > a.low || !meet(model, a.geom, b.geom) ||
-          !overlap(model, data, a.geom, b.geom, up))
+      if ((!a.thin && !b.thin) || b.endless || a.low < b.low || !meet(model, a.geom, b.geom))
         continue;
+      const double thickness = thickness_of(model, a, b);
+      if (slowest_hold * thickness >= fastest || !overlap(model, data, a.geom, b.geom, up))
+        continue;
+      Fall fall{.height = fall_of(a, b), .thickness = thickness};
+      fall.topple = std::min(fall.height, 0.5 * (a.high - a.low - a.thickness));
       // A body that falls below it lies still when it arrives.
-      const double drop = a.low - b.high + (b.falls ? drop_of(b) : 0.0);
-      const double speed = std::sqrt(2.0 * gravity * drop);
+      if (b.falls) fall.height += drop_of(b);
+      fall.speed = std::sqrt(2.0 * gravity * fall.height);
       const double margin = std::max(model.geom_margin[a.geom], model.geom_margin[b.geom]);
-      const double thickness = a.high - a.low + b.high - b.low;
-      const double held =
-          held_speed(thickness + 2.0 * margin, contact_time(model, a.geom, b.geom), tick);
-      if (speed <= held) continue;
+      fall.held = held_speed(thickness + 2.0 * margin, contact_time(model, a.geom, b.geom), tick);
+      if (fall.speed <= fall.held) continue;
       if (warnings.size() == kMostSaid) {
         ++more;
         continue;
@@ -194,8 +265,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
       const auto object = [&](const Seen& s) -> const Object& {
         return objects[static_cast<std::size_t>(object_of[static_cast<std::size_t>(s.geom)])];
       };
-      warnings.push_back(
-          warning_of(object(a), object(b), a, b, drop, speed, held, thickness, tick, gravity));
+      warnings.push_back(warning_of(object(a), object(b), a, b, fall, tick, gravity));
     }
   }
   if (more > 0)
