@@ -49,8 +49,8 @@ std::size_t find_element(std::string_view xml, std::string_view name) {
   return std::string_view::npos;
 }
 
-/// The file that package://NAME/rest means: it stands in a folder NAME above, or in one of another
-/// name.
+constexpr std::string_view kPackage = "package://", kFile = "file://";
+
 std::optional<fs::path> find_package_file(std::string_view path, const fs::path& folder) {
   constexpr int kMostLevels = 4;
   const std::size_t slash = path.find('/');
@@ -87,6 +87,13 @@ std::string with_names(const std::string& xml, Take take) {
 
 }  // namespace
 
+std::optional<fs::path> file_of_uri(std::string_view uri, const fs::path& folder) {
+  if (uri.starts_with(kPackage)) return find_package_file(uri.substr(kPackage.size()), folder);
+  std::error_code error;
+  const fs::path file(uri.starts_with(kFile) ? uri.substr(kFile.size()) : std::string_view());
+  return fs::is_regular_file(file, error) ? std::optional(file) : std::nullopt;
+}
+
 bool is_urdf(std::string_view xml) {
   const std::size_t root = root_of(xml);
   return root != std::string_view::npos && is_element(xml, root, "robot");
@@ -96,13 +103,12 @@ std::optional<std::string> with_paths_kept(const std::string& xml, const fs::pat
   if (!is_urdf(xml)) return std::nullopt;
   for (const char* own : {"strippath", "meshdir", "assetdir"})
     if (xml.find(own) != std::string::npos) return std::nullopt;
-  constexpr std::string_view kPackage = "package://", kFile = "file://";
   bool has_folder = false;
   std::string text = with_names(xml, [&](std::string name) {
     has_folder = has_folder || name.find('/') != std::string::npos;
     if (name.starts_with(kFile)) return name.substr(kFile.size());
     if (!name.starts_with(kPackage)) return name;
-    const auto found = find_package_file(std::string_view(name).substr(kPackage.size()), folder);
+    const auto found = file_of_uri(name, folder);
     // MuJoCo puts the folder of the URDF file before a name.
     return found ? found->lexically_relative(folder.empty() ? fs::path(".") : folder).string()
                  : name;

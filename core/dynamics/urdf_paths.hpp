@@ -4,8 +4,15 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace feltwire {
+
+/// The file that a URI names. package://NAME/rest stands in a folder NAME beside the file that
+/// names it (in `folder`) or up to three folders above, or in one of another name. file:// begins a
+/// path. Empty: there is no such file.
+std::optional<std::filesystem::path> file_of_uri(std::string_view uri,
+                                                 const std::filesystem::path& folder);
 
 /// Whether an XML text is a URDF file: its root is <robot>.
 bool is_urdf(std::string_view xml);

@@ -14,6 +14,7 @@
 #include "core/base/json_document.hpp"
 #include "core/base/kept_files.hpp"
 #include "core/dynamics/refused_model.hpp"
+#include "core/dynamics/urdf_paths.hpp"
 #include "core/mesh/mesh_file.hpp"
 
 namespace feltwire {
@@ -58,6 +59,8 @@ class NamedFiles {
     for (const auto& [name, is_plain] : names_)
       for (const fs::path& place : places_of(name))
         if (lies_outside(place, folder)) return place;
+    for (const std::string& uri : uris_)
+      if (auto file = file_of_uri(uri, main_); file && lies_outside(*file, folder)) return file;
     return std::nullopt;
   }
 
@@ -70,16 +73,22 @@ class NamedFiles {
 
   /// The first name of a file that stands nowhere where MuJoCo may look for it.
   std::optional<std::string> missing() const {
-    for (const auto& [name, is_plain] : names_) {
-      if (!is_plain) continue;
-      std::vector<fs::path> places = places_of(name);
-      for (const fs::path& place : places_of(name.filename())) places.push_back(place);  // stripped
-      std::error_code error;
-      if (std::ranges::none_of(places, [&](const fs::path& place) {
-            return fs::exists(fs::symlink_status(place, error));
-          }))
+    for (const auto& [name, is_plain] : names_)
+      if (is_plain && !is_at(places_of(name)) && !is_at(places_of(name.filename())))
         return name.string();
-    }
+    for (const std::string& uri : uris_)
+      if (!file_of_uri(uri, main_) && !is_at(places_of(fs::path(uri).filename()))) return uri;
+    return std::nullopt;
+  }
+
+  /// The first name of a file that is found with its folder only.
+  std::optional<fs::path> needs_folder() const {
+    for (const auto& [name, is_plain] : names_)
+      if (is_plain && name.has_parent_path() && is_at(places_of(name)) &&
+          !is_at(places_of(name.filename())))
+        return name;
+    for (const std::string& uri : uris_)
+      if (!is_at(places_of(fs::path(uri).filename()))) return uri;
     return std::nullopt;
   }
 
@@ -107,6 +116,13 @@ class NamedFiles {
     return places;
   }
 
+  static bool is_at(const std::vector<fs::path>& places) {
+    return std::ranges::any_of(places, [](const fs::path& place) {
+      std::error_code error;
+      return fs::exists(fs::symlink_status(place, error));
+    });
+  }
+
   void read(const fs::path& file) {
     std::string xml;
     try {
@@ -121,10 +137,15 @@ class NamedFiles {
     for (const char* attribute : {"file", "filename", "fileright", "fileleft", "fileup", "filedown",
                                   "filefront", "fileback"})
       for (const std::string& value : values_of(xml, attribute)) {
+        if (value.starts_with("package://") || value.starts_with("file://")) {
+          uris_.insert(value);
+          continue;
+        }
         const bool is_plain =
             value.find('&') == std::string::npos && value.find(':') == std::string::npos;
         if (!names_.emplace(value, is_plain).second) continue;
-        too_many_ = too_many_ || names_.size() * (1 + folders_.size()) > kMostNames;
+        too_many_ =
+            too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
         std::error_code error;  // any of them may be an include, which names others
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
@@ -133,6 +154,7 @@ class NamedFiles {
 
   fs::path main_;
   std::map<fs::path, bool> names_;  // true: a path as it is written
+  std::set<std::string> uris_;      // package:// and file://
   std::set<fs::path> folders_;
   std::vector<fs::path> texts_;
   bool too_many_ = false;
@@ -144,7 +166,7 @@ bool lies_outside(const fs::path& file, const fs::path& folder) {
   // A text that was given was not read from this disk, so an error shows nothing of the disk.
   if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
-  const fs::path inner = fs::weakly_canonical(file, error);
+  const fs::path inner = fs::weakly_canonical(fs::absolute(file, error), error);
   if (error) return true;
   const fs::path outer = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
   if (error) return true;
@@ -178,7 +200,13 @@ std::string shown_mjcf_error(const FileError& error, const fs::path& file, const
   if (const auto foreign = named.foreign())
     return begin + (shows_names ? *foreign : "a file that it names is not what its name says");
   const std::optional<fs::path> outside = lies_outside(file, folder) ? file : named.outside(folder);
-  if (!outside) return message;
+  if (!outside) {
+    const auto cut = named.needs_folder();
+    if (!cut || message.find(cut->filename().string()) == std::string::npos) return message;
+    return message + "; MuJoCo dropped the folder of '" + cut->string() +
+           "' (strippath): write strippath=\"false\" in the file's <compiler>, or take strippath "
+           "and the folders of meshes out of it";
+  }
   return file.string() + ": MuJoCo cannot use it; what it says is not shown, because " +
          outside->string() + " lies outside of the scene's folder; copy it there to be told more";
 }

@@ -274,8 +274,50 @@ TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
   EXPECT_THAT(error_of_mjcf("none.xml"), HasSubstr("none.xml: cannot be opened"));
 }
 
+/// A URI is a name like others: what is missing is said to be, not to lie elsewhere.
+TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
+  for (const std::string uri : {"package://pkg/meshes/none.stl", "file:///nowhere/none.stl"}) {
+    write("scenes/r.urdf", "<robot name='r'><link name='l'><collision><geometry><mesh filename='" +
+                               uri + "'/></geometry></collision></link></robot>");
+    EXPECT_THAT(error_of_mjcf("r.urdf"),
+                HasSubstr("it names '" + uri + "', which does not exist; correct the name"));
+  }
+  // Also where the scene is named from its own folder.
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(root_ / "scenes");
+  std::string message;
+  try {
+    load_scene("s.json");
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  std::filesystem::current_path(before);
+  EXPECT_THAT(message, HasSubstr("which does not exist"));
+}
+
 constexpr const char* kTriangles =
     "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+/// MuJoCo looks for the file without its folder, and its message does not say why.
+TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
+  std::filesystem::create_directories(root_ / "scenes" / "meshes");
+  write("scenes/meshes/part.obj", kTriangles);
+  const std::string collision =
+      "<link name='l'><collision><geometry><mesh filename='meshes/part.obj'/></geometry>"
+      "</collision></link></robot>";
+  for (const std::string compiler : {"strippath='true'", "meshdir='./'"}) {
+    write("scenes/r.urdf",
+          "<robot name='r'><mujoco><compiler " + compiler + "/></mujoco>" + collision);
+    EXPECT_THAT(error_of_mjcf("r.urdf"),
+                AllOf(HasSubstr("part.obj"), HasSubstr("dropped the folder of 'meshes/part.obj'"),
+                      HasSubstr("strippath=\"false\"")))
+        << compiler;
+  }
+  write("scenes/m.xml",
+        "<mujoco><compiler strippath='true'/><asset><mesh name='p' file='meshes/part.obj'/></asset>"
+        "<worldbody><geom type='mesh' mesh='p'/></worldbody></mujoco>");
+  EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("dropped the folder of 'meshes/part.obj'"));
+}
 
 TEST_F(ShownErrors, FeltwiresOwnReasonsAreShownWhateverTheModelNames) {
   std::filesystem::create_directories(root_ / "scenes" / "a");
