@@ -107,11 +107,9 @@ std::string inertial(const MassProperties& solid, double density) {
 Violation no_volume(const TriangleMesh& mesh) {
   const MeshReport& report = mesh.report();
   if (!report.closed())
-    return {"mesh", "its surface is not closed (" + std::to_string(report.boundary_edges) +
-                        " open edges, " + std::to_string(report.non_manifold_edges) +
-                        " with more than two triangles, " + std::to_string(report.turned_edges) +
-                        " between triangles turned against each other), so it has no volume and "
-                        "cannot move; close it, or take it off its body"};
+    return {"mesh", "its surface is not closed (" + open_text(report) +
+                        "), so it has no volume and cannot move; " + mend_text(report) +
+                        ", or take it off its body"};
   return {"mesh", "its normals look inwards, so it has no volume and cannot move; turn them"};
 }
 

@@ -25,6 +25,20 @@ std::string holes_text(const MeshReport& report) {
          metres(report.widest_hole) + " across";
 }
 
+std::string open_text(const MeshReport& report) {
+  return std::to_string(report.boundary_edges) + " open edges" + holes_text(report) + ", " +
+         std::to_string(report.non_manifold_edges) + " with more than two triangles, " +
+         std::to_string(report.turned_edges) + " between triangles turned against each other";
+}
+
+std::string mend_text(const MeshReport& report) {
+  constexpr double kNarrow = 1e-3;  // of the longest side
+  if (report.holes == 0 || report.widest_hole > kNarrow * report.size) return "mend it";
+  std::array<char, 32> weld{};
+  std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.widest_hole);
+  return "set \"weld\": " + std::string(weld.data()) + ", which closes narrow holes, or mend it";
+}
+
 std::vector<std::string> warnings(const MeshReport& report, bool closed) {
   std::vector<std::string> found;
   const auto say = [&](std::size_t count, const std::string& what) {
@@ -56,9 +70,9 @@ std::vector<std::string> warnings(const MeshReport& report, bool closed) {
   say(report.turned_edges,
       " edges lie between triangles that disagree about the outside; unify the normals");
   if (closed)
-    say(report.boundary_edges,
-        " edges have one triangle: the surface has holes" + holes_text(report) +
-            "; close them, raise weld above narrow ones, or set double_sided");
+    say(report.boundary_edges, " edges have one triangle: the surface has holes" +
+                                   holes_text(report) + "; " + mend_text(report) +
+                                   ", or set double_sided");
   constexpr std::size_t kCrowd = 1000;
   if (report.most_at_corner > kCrowd)
     found.push_back(std::to_string(report.most_at_corner) +

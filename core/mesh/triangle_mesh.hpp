@@ -136,6 +136,14 @@ std::vector<std::string> warnings(const MeshReport& report, bool closed);
 /// ", 2 holes 1e-05 m to 0.02 m across"; empty if there is none.
 std::string holes_text(const MeshReport& report);
 
+/// Why a surface bounds no solid: "3 open edges, 1 hole 2e-07 m across, 0 with more than two
+/// triangles, 0 between triangles turned against each other". Precondition: !report.closed().
+std::string open_text(const MeshReport& report);
+
+/// "mend it", and before it the weld that closes its holes where all of them are narrow: rounded
+/// coordinates leave such holes.
+std::string mend_text(const MeshReport& report);
+
 /// The unit normal of a triangle of any size; zero for a degenerate one.
 Vec3 triangle_normal(const std::array<Vec3, 3>& corners) noexcept;
 

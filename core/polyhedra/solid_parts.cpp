@@ -180,8 +180,8 @@ SolidParts solid_parts(const Shape& shape, Side felt_from) {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) {
     const TriangleMesh& triangles = mesh->surface->mesh();
     if (!triangles.report().closed() || !(triangles.report().volume > 0.0))
-      throw std::invalid_argument(
-          "its mesh is not closed, so it has no inside; mend it, or take a tool of points");
+      throw std::invalid_argument("its mesh is not closed, so it has no inside; " +
+                                  mend_text(triangles.report()) + ", or take a tool of points");
     if (!is_convex_mesh(triangles))
       throw std::invalid_argument(
           hollow ? "a hollow that is not convex cannot be felt from inside by a tool of polygons; "

@@ -137,12 +137,8 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, boo
     TriangleMesh triangles(read_scene_mesh(folder_, name, scale), weld, solid);
     const MeshReport& report = triangles.report();
     if (mesh.closed() && !report.closed())
-      document_.fail(
-          path + ".closed",
-          name + " is not closed: " + std::to_string(report.boundary_edges) + " open edges" +
-              holes_text(report) + ", " + std::to_string(report.non_manifold_edges) +
-              " with more than two triangles, " + std::to_string(report.turned_edges) +
-              " between triangles turned against each other; mend it, or leave closed out");
+      document_.fail(path + ".closed", name + " is not closed: " + open_text(report) + "; " +
+                                           mend_text(report) + ", or leave closed out");
     for (const std::string& warning : feltwire::warnings(report, !options.double_sided))
       warnings_.push_back(name + ": " + warning);
     if (auto odd = odd_size(name, report.size, scale)) warnings_.push_back(std::move(*odd));

@@ -23,6 +23,7 @@ using test::kWeightless;
 using test::moving;
 using test::object;
 using test::Random;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -209,9 +210,10 @@ TEST(MovingMesh, IsRefusedWithoutAVolume) {
   };
   EXPECT_THAT(
       error(test::sheet(0.05)),
-      HasSubstr("object 'thing': mesh: its surface is not closed (4 open edges, 0 with more "
-                "than two triangles, 0 between triangles turned against each other), so it "
-                "has no volume and cannot move; close it, or take it off its body"));
+      AllOf(HasSubstr("object 'thing': mesh: its surface is not closed (4 open edges, 1 hole "),
+            HasSubstr(" across, 0 with more than two triangles, 0 between triangles turned "
+                      "against each other), so it has no volume and cannot move; mend it, or take "
+                      "it off its body")));
   TriangleSoup inside_out = test::icosphere(0.05, 1);
   for (Triangle& t : inside_out.triangles) std::swap(t[0], t[1]);
   EXPECT_THAT(error(inside_out), HasSubstr("its normals look inwards"));

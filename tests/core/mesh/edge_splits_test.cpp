@@ -131,6 +131,28 @@ TEST(EdgeSplits, HolesStayHoles) {
   EXPECT_EQ(TriangleMesh(tee).report().split, 0u);
 }
 
+/// Coordinates with few decimals put a corner beside its edge: the message says how far is enough.
+TEST(EdgeSplits, RoundedCornersAreClosedByTheWeldThatIsNamed) {
+  const Eigen::AngleAxisd turn(0.6, Vec3(1, 2, 3).normalized());
+  int named = 0;
+  for (const double unit : {1e-6, 1e-7, 1e-8}) {
+    TriangleSoup box = cut_box(Vec3(0.05, 0.04, 0.03), {3, 5, 2, 7, 4, 2});
+    for (Vec3& v : box.vertices) v = unit * (turn * v / unit).array().round().matrix();
+    const MeshReport report = TriangleMesh(box).report();
+    if (report.closed()) continue;
+    ++named;
+    const std::string text = mend_text(report), begin = "set \"weld\": ";
+    ASSERT_THAT(text, HasSubstr(begin)) << unit;
+    const double weld = std::stod(text.substr(begin.size()));
+    EXPECT_LT(weld, 10.0 * unit);
+    EXPECT_TRUE(TriangleMesh(box, weld).report().closed()) << unit;
+  }
+  EXPECT_GE(named, 1);
+  TriangleSoup open = test::box(Vec3(0.05, 0.04, 0.03), 2);
+  open.triangles.pop_back();
+  EXPECT_EQ(mend_text(TriangleMesh(open).report()), "mend it");
+}
+
 /// Two doubled sheets that meet at a T: both sides of each face are split alike.
 TEST(EdgeSplits, FacesWithBothSidesAreSplitToo) {
   TriangleSoup soup;
