@@ -18,7 +18,11 @@ Reader::Reader(std::istream& in, std::string name, ReaderLimits limits)
     begin += record_;
     if (const auto foreign = foreign_content(begin))
       throw FileError(name_ + ": byte 0: " + *foreign);
-    throw FileError(name_ + ": byte 0: this is no MCAP file; give one that --record wrote");
+    throw FileError(
+        name_ +
+        ": byte 0: this is no MCAP file; give one that --record wrote; if "
+        "this is one with a damaged beginning, take what is whole in it with feltwire-lab export "
+        "--skip-damaged");
   }
   ended_ = !whole;
   if (ended_) cut_at_ = 0;
