@@ -108,6 +108,22 @@ for (const tag of ['en-US@posix', 'C', 'C.UTF-8', 'de_DE.UTF-8', '', 'x'.repeat(
   });
 }
 
+test('it works where the browser keeps nothing for pages', async () => {
+  await page.addInitScript(() => {
+    for (const storage of ['localStorage', 'sessionStorage']) {
+      Object.defineProperty(window, storage, {get: () => {
+        throw new DOMException('The document is sandboxed', 'SecurityError');
+      }});
+    }
+  });
+  await open();
+  await until(() => window.feltwire().pictures > 3);
+  const before = await page.evaluate(() => document.documentElement.dataset.theme);
+  await page.click('#theme');
+  await until((theme) => document.documentElement.dataset.theme !== theme, before);
+  assert.equal(await page.textContent('#state span'), 'Live');
+});
+
 test('an exception while it loads is told in the page', async () => {
   await page.addInitScript(() => delete window.ResizeObserver);
   await open();
@@ -125,10 +141,10 @@ test('a browser without WebGL is told so', async () => {
 });
 
 test('an exception before the first script has run is told, too', async () => {
-  await page.addInitScript(() => Object.defineProperty(window, 'sessionStorage', {get: () => { throw new Error('storage is locked'); }}));
+  await page.addInitScript(() => { history.replaceState = () => { throw new Error('history is locked'); }; });
   await open();
-  await until(() => /^This page could not start: .*storage is locked\./.test(document.querySelector('#state span').textContent));
-  forgive(/storage is locked/);
+  await until(() => /^This page could not start: .*history is locked\./.test(document.querySelector('#state span').textContent));
+  forgive(/history is locked/);
 });
 
 test('a script that does not come is told', async () => {

@@ -1,6 +1,7 @@
 // The WebSocket to the server: the token, the state in words, and new attempts with growing pauses.
 
 import {takeEarly} from './early.js';
+import {forSession} from './kept.js';
 import {openSocket, takeToken, TOKEN_KEY} from './socket.js';
 
 const FIRST_PAUSE = 0.5;  // [s]
@@ -40,6 +41,8 @@ export class Connection {
 
   /** Connects, or asks for a token if there is none. */
   connect() {
+    const early = takeEarly();
+    if (early) forSession.set(TOKEN_KEY, early.token);
     const token = takeToken();
     this.socket?.close();
     this.socket = null;
@@ -48,7 +51,6 @@ export class Connection {
       return;
     }
     this.#become('connecting', 'Connecting…');
-    const early = takeEarly();
     const {socket, events} = early?.token === token ? early : {socket: openSocket(token), events: []};
     if (early && early.socket !== socket) early.socket.close();
     this.socket = socket;
@@ -59,7 +61,7 @@ export class Connection {
 
   /** @param {string} token what the user typed */
   useToken(token) {
-    sessionStorage.setItem(TOKEN_KEY, token);
+    forSession.set(TOKEN_KEY, token);
     this.attempts = 0;
     this.connect();
   }
@@ -101,7 +103,7 @@ export class Connection {
     const words = CLOSED[event.code] ?? (this.state === 'live' || this.state === 'silent' ? 'The connection was lost.' : 'The server does not answer.');
     this.reason = event.reason ? `${words} (${event.reason})` : words;
     if (event.code === 4401) {
-      sessionStorage.removeItem(TOKEN_KEY);
+      forSession.remove(TOKEN_KEY);
       this.#become('token', this.reason);
       return;
     }

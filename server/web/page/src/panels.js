@@ -1,5 +1,7 @@
 // The page around the scene: theme, sizes of the panels, and the keys.
 
+import {forGood} from './kept.js';
+
 const NAMES = ['view', 'surface', 'line', 'grid', 'ink', 'muted', 'chosen', 'guide', 'elastic', 'friction', 'rendered', 'limit'];
 const root = document.documentElement;
 
@@ -13,13 +15,13 @@ function colors() {
 export function followTheme(button, paint) {
   const system = matchMedia('(prefers-color-scheme: dark)');
   const apply = () => {
-    const dark = (localStorage.getItem('feltwire-theme') ?? (system.matches ? 'dark' : 'light')) === 'dark';
+    const dark = (forGood.get('feltwire-theme') ?? (system.matches ? 'dark' : 'light')) === 'dark';
     root.dataset.theme = dark ? 'dark' : 'light';
     button.textContent = dark ? 'Light' : 'Dark';
     paint(colors());
   };
   button.onclick = () => {
-    localStorage.setItem('feltwire-theme', root.dataset.theme === 'dark' ? 'light' : 'dark');
+    forGood.set('feltwire-theme', root.dataset.theme === 'dark' ? 'light' : 'dark');
     apply();
   };
   system.addEventListener('change', apply);
@@ -36,10 +38,10 @@ export function makeSplit(bar, property, {axis, least, most}) {
   const set = (size) => {
     const fit = Math.round(Math.min(Math.max(size, least), most()));
     root.style.setProperty(property, `${fit}px`);
-    localStorage.setItem(key, String(fit));
+    forGood.set(key, String(fit));
   };
   const panel = () => bar.nextElementSibling.getBoundingClientRect()[axis === 'x' ? 'width' : 'height'];
-  const stored = Number(localStorage.getItem(key));
+  const stored = Number(forGood.get(key));
   if (stored > 0) set(stored);
   bar.onpointerdown = (event) => {
     bar.setPointerCapture(event.pointerId);

@@ -1,15 +1,17 @@
 // The token of the page, and the WebSocket that it opens.
 
+import {forSession} from './kept.js';
+
 export const TOKEN_KEY = 'feltwire-token';  // of the session's storage
 
 /** Moves a token from the URL's fragment to the session's storage, so that it stays in no history and no screenshot. */
 export function takeToken() {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
   if (given) {
-    sessionStorage.setItem(TOKEN_KEY, given);
+    forSession.set(TOKEN_KEY, given);
     history.replaceState(null, '', location.pathname + location.search);
   }
-  return sessionStorage.getItem(TOKEN_KEY);
+  return forSession.get(TOKEN_KEY);
 }
 
 /** A WebSocket to the server that sends the token as its first message. @param {string} token @returns {WebSocket} */

@@ -1,6 +1,7 @@
 // Histograms: how long the server's answers take and how late it wakes, from its /metrics; how late the chosen hand's servo
 // wakes and how long its round trips take, from the list of sessions.
 
+import {forSession} from './kept.js';
 import {TOKEN_KEY} from './socket.js';
 
 const PERIOD = 1000;  // [ms]
@@ -77,7 +78,7 @@ export class Times {
   async #read() {
     const said = this.dialog.querySelector('p');
     try {
-      const answer = await fetch('metrics', {headers: {Authorization: `Bearer ${sessionStorage.getItem(TOKEN_KEY)}`}});
+      const answer = await fetch('metrics', {headers: {Authorization: `Bearer ${forSession.get(TOKEN_KEY)}`}});
       if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
       const text = await answer.text();
       this.dialog.querySelector('div').replaceChildren(...this.#ofServer(text), ...this.#ofHand());
