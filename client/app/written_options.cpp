@@ -53,8 +53,10 @@ ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) 
 }
 
 double period_of(const WrittenOptions& words) {
-  require(std::isfinite(words.rate) && words.rate > 0.0, "--rate must be above 0 Hz");
-  return 1.0 / words.rate;
+  const double period = 1.0 / words.rate;
+  require(period >= kShortestServoPeriod && period <= kLongestServoPeriod,
+          "--rate must be from 10 to 100000 Hz");
+  return period;
 }
 
 /// The roles of this program: an admin and a robot have programs of their own.
@@ -79,6 +81,9 @@ void choose_holds(const WrittenOptions& words, ClientOptions& options) {
   if (words.let_go_after) {
     require(*words.let_go_after > 0.0 && *words.let_go_after <= kLongest,
             "--let-go-after must be above 0 and at most 1 s; leave it out for the usual time");
+    require(*words.let_go_after >= 2.0 * options.parameters.servo_period,
+            "--let-go-after must last two periods of the servo or more, or each late tick ends the "
+            "run; leave it out for the usual time");
     options.let_go_after = *words.let_go_after;
   }
   if (words.longest_hold_time) {

@@ -25,7 +25,7 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
     {"touches_nothing", "the hand touches nothing"},
     {"too_little", "the scene asks for less than 0.005 N"},
     {"not_actuated", "the device cannot give what the scene asks for"},
-    {"waiting", "waits, because the hand began in contact: move it out"},
+    {"waiting", "waits: move the hand out of contact first"},
     {"refused", "the command or the movement was beyond every limit"},
     {"bound", "the energy bound lets none through"},
     {"velocity_limit", "the hand is faster than --velocity-limit allows"},
@@ -62,6 +62,13 @@ NoForce reason_of(Withheld withheld) {
   }
   return NoForce::device_fault;
 }
+/// Whether the wait for a small force leaves less than a tenth of what could be given.
+bool held_back(const ForceTrail& t) {
+  constexpr double kShare = 0.1;
+  return t.stage_waits && felt(t.actuated) &&
+         length(t.held.force()) <= kShare * length(t.actuated.force()) &&
+         length(t.held.torque) <= kShare * length(t.actuated.torque);
+}
 bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) > 0.0; }
 
 }  // namespace
@@ -70,7 +77,7 @@ std::string_view name(NoForce reason) { return kWords[static_cast<std::size_t>(r
 std::string_view text(NoForce reason) { return kWords[static_cast<std::size_t>(reason)].text; }
 
 NoForce why_no_force(const ForceTrail& t) noexcept {
-  if (felt(t.held)) return NoForce::felt;
+  if (felt(t.held) && !held_back(t)) return NoForce::felt;
   if (t.observer) return NoForce::observer;
   if (t.device_ended) return NoForce::device_ended;
   if (t.overdrawn) return NoForce::overdrawn;

@@ -17,7 +17,7 @@ inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at a lever of 0
 /// The reasons for no force, in the order in which they are checked: from the device's reading to
 /// the force that it holds.
 enum class NoForce : std::uint8_t {
-  felt,             // there is force
+  felt,             // there is force, and no wait takes most of it
   observer,         // an observer gets no force
   device_ended,     // the recording is over
   ending,           // the run ends and the hand is released
@@ -30,7 +30,7 @@ enum class NoForce : std::uint8_t {
   touches_nothing,  // the scene asks for none
   too_little,       // the scene asks for less than kFeltForce
   not_actuated,     // the device cannot give the command of the scene
-  waiting,          // --wait-for-small-force: the hand began in contact
+  waiting,          // --wait-for-small-force: it takes off most of the force or all
   refused,          // the command or the movement was out of range
   bound,            // this side's bound allows no force
   velocity_limit,   // --velocity-limit

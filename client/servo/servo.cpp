@@ -41,7 +41,7 @@ bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Comman
 
 /// The device has no fault, although its reading was not used.
 bool without_fault(const ForceTrail& trail) {
-  return trail.clutched || trail.withheld != Withheld::nothing;
+  return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
 }
 
 constexpr double kDevicePatience = 0.25;  // of the hold time, with a device that gives nothing

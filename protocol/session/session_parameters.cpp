@@ -11,8 +11,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 0.1;  // [s]
-constexpr double kLargestOperatorDamping = 100.0;               // [N s/m]
+constexpr double kLargestOperatorDamping = 100.0;  // [N s/m]
 constexpr double kLargestCutoff = 1e5;  // [Hz] half the rate of the shortest period and more
 constexpr double kLongestHold = 1.0;    // [s]
 constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
@@ -87,7 +86,7 @@ void validate(const SessionParameters& p) {
   known("storage", static_cast<std::size_t>(p.storage), kStorageNames.size());
   known("reference", static_cast<std::size_t>(p.reference), kPassivityReferenceNames.size());
   known("side", static_cast<std::size_t>(p.side), kBoundingSideNames.size());
-  within("servo_period", p.servo_period, kShortestPeriod, kLongestPeriod, "s",
+  within("servo_period", p.servo_period, kShortestServoPeriod, kLongestServoPeriod, "s",
          "1e-3 is a haptic servo's usual period");
   within("redundancy", p.redundancy, 0, kMaxRedundancy, "samples", "3 bridges two lost packets");
   within("operator_damping", p.operator_damping, 0.0, kLargestOperatorDamping, "N s/m",

@@ -20,6 +20,7 @@ inline constexpr std::array<std::string_view, 3> kBoundingSideNames = {"server",
 enum class Predictor : std::uint8_t { level, linear };
 inline constexpr std::array<std::string_view, 2> kPredictorNames = {"level", "linear"};
 
+inline constexpr double kShortestServoPeriod = 1e-5, kLongestServoPeriod = 0.1;  // [s]
 inline constexpr int kMaxRedundancy = 8;         // k: earlier samples repeated
 inline constexpr int kMaxPacketInterval = 1000;  // [servo ticks]
 inline constexpr double kMaxDeadband = 0.5;      // Weber fraction

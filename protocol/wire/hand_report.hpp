@@ -31,7 +31,7 @@ enum class HandReason : std::uint8_t {
   ramp,                  // of limits: the force still grows after the first contact
   slew,                  // of limits: the force rises no faster
   velocity_limit,        // of limits: the device is too fast
-  wait_for_small_force,  // of limits: the hand began in contact and has to move out first
+  wait_for_small_force,  // of limits: the hand has to move out of contact first
   shaping,               // of bound: the method shapes the force, and reduced it
   debt,                  // the hand got more energy than the device had burned
   clutched,              // the hand moves without the tool
@@ -66,7 +66,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, kHand
         {"slew", "The force may rise only slowly (--slew)."},
         {"velocity_limit", "The hand is faster than --velocity-limit allows."},
         {"wait_for_small_force",
-         "The hand began in contact. It has to move out first (--wait-for-small-force)."},
+         "The force waits: the hand has to move out of contact first (--wait-for-small-force)."},
         {"shaping",
          "The client's shaping takes something off the force, so that it does not "
          "oscillate."},

@@ -319,6 +319,8 @@ TEST(Options, HowLongAForceMayStayIsForTheUserToSay) {
   EXPECT_EQ(of({"--let-go-after", "0.02"}).let_go_after, 0.02);
   for (const char* wrong : {"0", "-1", "1.1", "inf", "nan"})
     EXPECT_THAT(refusal({"--let-go-after", wrong}), HasSubstr("--let-go-after must be above 0"));
+  EXPECT_THAT(refusal({"--let-go-after", "0.001"}), HasSubstr("two periods of the servo or more"));
+  EXPECT_EQ(of({"--let-go-after", "0.001", "--rate", "4000"}).let_go_after, 0.001);
   EXPECT_EQ(of({}).longest_hold_time, 0.0);
   EXPECT_EQ(of({"--longest-hold-time", "0.8"}).longest_hold_time, 0.8);
   EXPECT_EQ(of({"--hold-time", "0.3", "--longest-hold-time", "0.3"}).longest_hold_time, 0.3);
@@ -466,7 +468,8 @@ TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
   EXPECT_THAT(refusal({"--rate", "10", "--hold-time", "0.1"}),
               AllOf(HasSubstr("--hold-time 0.5 or more"), HasSubstr("--rate 50 or more")));
   EXPECT_THAT(refusal({"--hold-time", "0.001"}), HasSubstr("--hold-time 0.005 or more"));
-  EXPECT_THAT(refusal({"--rate", "1"}), HasSubstr("servo_period"));
+  for (const char* rate : {"5", "9.99", "0", "-1", "nan", "inf", "100001"})
+    EXPECT_THAT(refusal({"--rate", rate}), HasSubstr("--rate must be from 10 to 100000 Hz"));
 }
 
 /// No server changes a client whose owner did not allow it, and nobody lifts the bound off a hand.

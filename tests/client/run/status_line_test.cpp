@@ -150,8 +150,7 @@ TEST(StatusLine, SaysWhyThereIsNoForce) {
   LiveStatus status = under_way();
   status.force = 0.0;
   status.no_force = NoForce::waiting;
-  EXPECT_THAT(text(status, {}),
-              EndsWith("  no force: waits, because the hand began in contact: move it out"));
+  EXPECT_THAT(text(status, {}), EndsWith("  no force: waits: move the hand out of contact first"));
 }
 
 TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {

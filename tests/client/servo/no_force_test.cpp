@@ -67,6 +67,19 @@ TEST(NoForce, WaitsBecauseItBeganInContact) {
   }
 }
 
+/// A wait that leaves a hundredth of the force is the reason that a hand wants to know.
+TEST(NoForce, AWaitThatLeavesNextToNothingIsSaid) {
+  ForceTrail trail{.answered = true, .stage_waits = true};
+  trail.asked = trail.actuated = trail.faded = trail.bounded = elastic(0, 0, 6);
+  trail.safe = trail.paid = trail.held = elastic(0, 0, 0.06);
+  EXPECT_EQ(why_no_force(trail), NoForce::waiting);
+  trail.held = elastic(0, 0, 0.61);
+  EXPECT_EQ(why_no_force(trail), NoForce::felt);
+  trail.held = elastic(0, 0, 0.06);
+  trail.stage_waits = false;
+  EXPECT_EQ(why_no_force(trail), NoForce::felt);
+}
+
 TEST(NoForce, TheBoundLetsNoneThroughToAHandThatRests) {
   EXPECT_EQ(Told(kTwo, {}, "contact_frame").why(), NoForce::bound);
 }

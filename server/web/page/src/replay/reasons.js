@@ -15,7 +15,7 @@ export const REASONS = [
   ['touches_nothing', 'The hand touches nothing.'],
   ['too_little', 'The scene asks for less than 0.005 N.'],
   ['not_actuated', 'The device cannot give what the scene asks for.'],
-  ['waiting', 'The hand began in contact: the force waits until it is moved out.'],
+  ['waiting', 'The force waits: the hand has to move out of contact first.'],
   ['refused', 'The command or the movement was beyond every limit.'],
   ['bound', 'The energy bound lets none through.'],
   ['velocity_limit', 'The hand is faster than --velocity-limit allows.'],
