@@ -110,14 +110,20 @@ void check_names(const mjModel& model, const MjcfMaterials& materials, const std
                          "' that the scene gives a feel to; correct the name");
 }
 
+/// MuJoCo takes each mesh for its hull, so that an open one may go unnoticed until a hand falls in.
 /// A mesh that is far larger than a hand's reach is in millimetres, most likely.
-std::vector<std::string> odd_sizes(const std::vector<Object>& objects) {
+std::vector<std::string> odd_meshes(const std::vector<Object>& objects) {
   constexpr double kLargest = 20.0;  // [m]
   std::vector<std::string> warnings;
   for (const Object& object : objects) {
     const auto* mesh = std::get_if<Mesh>(&object.shape);
     if (mesh == nullptr) continue;
-    const double size = mesh->surface->mesh().report().size;
+    const MeshReport& report = mesh->surface->mesh().report();
+    if (!report.closed())
+      warnings.push_back("object '" + object.name +
+                         "': its mesh is not closed: " + open_text(report) +
+                         "; a hand may fall in where it is open: mend the mesh's file");
+    const double size = report.size;
     if (size <= kLargest) continue;
     std::array<char, 160> text{};
     std::snprintf(text.data(), text.size(),
@@ -219,7 +225,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
                        "or conaffinity other than 0");
   const std::size_t still = objects.size() - parts.size();
   mujoco::leave_room_open(model);
-  const std::vector<std::string> odd = odd_sizes(objects);
+  const std::vector<std::string> odd = odd_meshes(objects);
   std::vector<std::string> warnings =
       mujoco::warnings_of(model, start, objects, object_of, still, parts);
   warnings.insert(warnings.end(), odd.begin(), odd.end());

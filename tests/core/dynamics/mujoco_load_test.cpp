@@ -24,6 +24,7 @@ namespace {
 
 using mujoco::load_text;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -317,6 +318,22 @@ TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
         "<mujoco><compiler strippath='true'/><asset><mesh name='p' file='meshes/part.obj'/></asset>"
         "<worldbody><geom type='mesh' mesh='p'/></worldbody></mujoco>");
   EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("dropped the folder of 'meshes/part.obj'"));
+}
+
+/// MuJoCo takes it for its hull, and says nothing.
+TEST_F(ShownErrors, AnOpenMeshOfAModelIsWarnedOf) {
+  const auto warnings = [&](const std::string& faces) {
+    write("scenes/part.obj", "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\n" + faces);
+    write("scenes/m.xml",
+          "<mujoco><asset><mesh name='p' file='part.obj'/></asset><worldbody>"
+          "<geom name='shell' type='mesh' mesh='p'/></worldbody></mujoco>");
+    EXPECT_EQ(error_of_mjcf("m.xml"), "no error");
+    return load_scene(root_ / "scenes/s.json").warnings();
+  };
+  EXPECT_THAT(warnings("f 1 3 2\nf 1 2 4\nf 2 3 4\n"),
+              Contains(HasSubstr("object 'shell': its mesh is not closed: 3 open edges, 1 hole ")));
+  EXPECT_THAT(warnings("f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"),
+              Not(Contains(HasSubstr("not closed"))));
 }
 
 TEST_F(ShownErrors, FeltwiresOwnReasonsAreShownWhateverTheModelNames) {
