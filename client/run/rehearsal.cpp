@@ -1,16 +1,18 @@
 #include "client/run/rehearsal.hpp"
 
 #include <sched.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <mutex>
 #include <random>
+#include <stop_token>
 
 #include "client/devices/simulated_device.hpp"
 #include "core/base/text.hpp"
@@ -19,7 +21,6 @@
 namespace feltwire {
 namespace {
 
-constexpr int kLeastPriority = 19;     // of a thread that is not real-time
 constexpr double kCalm = 10e-6;        // [m] as in docs/lab/frontier.md
 constexpr double kWhole = 0.9;         // share of a wall that is felt as it is
 constexpr double kUsualWall = 1000.0;  // [N/m]
@@ -28,6 +29,7 @@ constexpr double kMostForce = 3.0;     // [N]
 constexpr double kAnyTime = 1.0;       // [s] at which a press begins
 constexpr double kLate = 0.1;          // of a period by which a tick comes late, at most
 constexpr int kBetweenLooks = 100;     // [ticks] that it goes on after it was stopped
+constexpr int kPause = 4;              // of the time that a piece took, after it
 constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] of a press
 constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};  // [N/m]
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
@@ -89,7 +91,7 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
 /// Empty: it was stopped.
 std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& parameters,
                           const ServoOptions& options, double wall, const Hand& hand,
-                          const std::stop_token& stop) {
+                          const std::function<bool()>& goes_on) {
   SimulatedDevice device = pressed(spec, parameters.servo_period, wall, hand);
   Servo servo(spec, parameters, options);
   std::minstd_rand random;  // the same numbers in each press
@@ -97,7 +99,7 @@ std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& param
   const auto ticks = static_cast<std::int64_t>(kEnd / parameters.servo_period);
   HandleAtRest handle;
   for (std::int64_t n = 0; n < ticks; ++n) {
-    if (n % kBetweenLooks == 0 && stop.stop_requested()) return std::nullopt;
+    if (n % kBetweenLooks == 0 && goes_on && !goes_on()) return std::nullopt;
     const double time = static_cast<double>(n) * parameters.servo_period;
     const Nanoseconds now = from_seconds(kAnyTime + time + late(random));
     const Sample* sample = servo.tick(device, now);
@@ -113,10 +115,11 @@ std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& param
 }
 
 std::optional<Felt> worst(const DeviceSpec& spec, const SessionParameters& parameters,
-                          const ServoOptions& options, double wall, const std::stop_token& stop) {
+                          const ServoOptions& options, double wall,
+                          const std::function<bool()>& goes_on) {
   Felt found{.wall = wall, .share = 1.0};
   for (const Hand& hand : kHands) {
-    const std::optional<Felt> felt = press(spec, parameters, options, wall, hand, stop);
+    const std::optional<Felt> felt = press(spec, parameters, options, wall, hand, goes_on);
     if (!felt) return std::nullopt;
     found.share = std::min(found.share, felt->share);
     found.swing = std::max(found.swing, felt->swing);
@@ -124,13 +127,32 @@ std::optional<Felt> worst(const DeviceSpec& spec, const SessionParameters& param
   return found;
 }
 
+/// Computes in pieces with pauses, until it is stopped.
+class Pieces {
+ public:
+  explicit Pieces(const std::stop_token& stop) : stop_(stop) {}
+  bool operator()() {
+    std::unique_lock lock(mutex_);
+    never_.wait_for(lock, stop_, kPause * (Clock::now() - begun_), [] { return false; });
+    begun_ = Clock::now();
+    return !stop_.stop_requested();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const std::stop_token& stop_;
+  Clock::time_point begun_ = Clock::now();
+  std::mutex mutex_;
+  std::condition_variable_any never_;  // only a stop ends a pause early
+};
+
 }  // namespace
 
 bool Felt::calm() const noexcept { return swing < kCalm; }
 
 std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameters& parameters,
                                   const ServoOptions& told_options, double scene_stiffness,
-                                  const std::stop_token& stop) {
+                                  const std::function<bool()>& goes_on) {
   const bool known = parameters.side == BoundingSide::client && parameters.local_model;
   if (!known || told_options.leads || told_options.observes) return std::nullopt;
   DeviceSpec spec = told;
@@ -141,12 +163,12 @@ std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameter
   found.force = press_force(spec);
   found.mass_known = spec.least_mass > 0.0;
   const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
-  const std::optional<Felt> scene = worst(spec, parameters, options, usual, stop);
+  const std::optional<Felt> scene = worst(spec, parameters, options, usual, goes_on);
   if (!scene) return std::nullopt;
   found.scene = *scene;
   bool all_whole = true;
   for (const double wall : kWalls) {
-    const std::optional<Felt> felt = worst(spec, parameters, options, wall, stop);
+    const std::optional<Felt> felt = worst(spec, parameters, options, wall, goes_on);
     if (!felt) return std::nullopt;
     found.swings = !felt->calm();
     if (found.swings) break;
@@ -183,10 +205,10 @@ RehearsalThread::RehearsalThread(const DeviceSpec& spec, const SessionParameters
     thread_ = std::jthread(
         [this, spec, parameters, options, scene_stiffness](const std::stop_token& stop) {
           try {
-            const sched_param usual{};  // not that of a program that is started in real time
-            ::sched_setscheduler(0, SCHED_OTHER, &usual);
-            ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
-            found_ = rehearse(spec, parameters, options, scene_stiffness, stop);
+            const sched_param none{};
+            ::sched_setscheduler(0, SCHED_IDLE, &none);
+            Pieces pieces(stop);
+            found_ = rehearse(spec, parameters, options, scene_stiffness, std::ref(pieces));
             if (found_)
               std::fprintf(stderr, "feltwire-client: note: %s\n", rehearsal_text(*found_).c_str());
           } catch (const std::exception& error) {

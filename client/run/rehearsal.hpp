@@ -1,8 +1,8 @@
 #pragma once
 // Simulated hands press on walls through the session's own law, to say what a hand will feel.
 
+#include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -37,16 +37,18 @@ struct Rehearsal {
 /// `actuation_lag` or `late_ticks`, as in a session whose replies all come. Ticks come late by up
 /// to a tenth of the period. Empty where the law is not known here: the server bounds, there is no
 /// local model, the hand leads a robot or observes; or if it was stopped. `scene_stiffness` [N/m];
-/// 0: not known. It takes about a second of computing time. Throws what Servo's constructor throws.
+/// 0: not known. It takes about half a second of computing time, and asks `goes_on` some thousand
+/// times meanwhile; false stops it. Throws what Servo's constructor throws.
 std::optional<Rehearsal> rehearse(const DeviceSpec& spec, const SessionParameters& parameters,
                                   const ServoOptions& options, double scene_stiffness,
-                                  const std::stop_token& stop = {});
+                                  const std::function<bool()>& goes_on = {});
 
 /// Returns the line for the start of a run.
 std::string rehearsal_text(const Rehearsal& rehearsal);
 
-/// Rehearses beside a run, at the lowest priority, and says the line on the standard error. It does
-/// without where the system gives no thread.
+/// Rehearses beside a run and says the line on the standard error. It computes for a fifth of the
+/// time in short pieces, at the lowest priority: a priority says nothing to other containers. It
+/// does without where the system gives no thread.
 class RehearsalThread {
  public:
   RehearsalThread(const DeviceSpec& spec, const SessionParameters& parameters,
