@@ -30,24 +30,8 @@ struct Seen {
   bool thin;         // something in the scene may be too fast for its thickness
 };
 
-/// [m] Half of a mesh's extent along a direction in its own frame.
-double half_extent_of_mesh(const mjModel& model, int mesh, const Vec3& along) {
-  const float* v = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (int i = 0; i < model.mesh_vertnum[mesh]; ++i, v += 3) {
-    const double at = along.dot(Vec3(v[0], v[1], v[2]));
-    low = std::min(low, at);
-    high = std::max(high, at);
-  }
-  return 0.5 * (high - low);
-}
-
-/// [m] Half of a geom's extent along a direction of the world.
-double half_extent(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
-  const mjtNum* const turn = entry<9>(data.geom_xmat, geom);
-  const Vec3 own(turn[0] * along.x() + turn[3] * along.y() + turn[6] * along.z(),
-                 turn[1] * along.x() + turn[4] * along.y() + turn[7] * along.z(),
-                 turn[2] * along.x() + turn[5] * along.y() + turn[8] * along.z());
+/// [m] Half of a geom's extent along a direction in its own frame.
+double half_extent(const mjModel& model, int geom, const Vec3& own) {
   const Vec3 size = vector(entry<3>(model.geom_size, geom));
   switch (model.geom_type[geom]) {
     case mjGEOM_SPHERE:
@@ -60,35 +44,36 @@ double half_extent(const mjModel& model, const mjData& data, int geom, const Vec
       return own.cwiseProduct(size).norm();
     case mjGEOM_BOX:
       return own.cwiseAbs().dot(size);
-    case mjGEOM_MESH:
-      return half_extent_of_mesh(model, model.geom_dataid[geom], own);
+    case mjGEOM_MESH: {
+      const int mesh = model.geom_dataid[geom];
+      const float* v = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (int i = 0; i < model.mesh_vertnum[mesh]; ++i, v += 3) {
+        const double at = own.dot(Vec3(v[0], v[1], v[2]));
+        low = std::min(low, at);
+        high = std::max(high, at);
+      }
+      return 0.5 * (high - low);
+    }
     default:
       return model.geom_rbound[geom];
   }
 }
 
-/// [m] Half of a geom's least extent, in any direction. MuJoCo turns a mesh into the axes of its
-/// inertia, so one of these is close to its thinnest.
+/// [m] Half of its extent along a direction of the world.
+double half_extent_along(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
+  const mjtNum* const turn = entry<9>(data.geom_xmat, geom);
+  const Vec3 own(turn[0] * along.x() + turn[3] * along.y() + turn[6] * along.z(),
+                 turn[1] * along.x() + turn[4] * along.y() + turn[7] * along.z(),
+                 turn[2] * along.x() + turn[5] * along.y() + turn[8] * along.z());
+  return half_extent(model, geom, own);
+}
+
+/// [m] Half of its least extent, in any direction. Each shape is thinnest along an axis of its own;
+/// so is a mesh, or nearly, because MuJoCo turns it into the axes of its inertia.
 double half_thickness(const mjModel& model, int geom) {
-  const Vec3 size = vector(entry<3>(model.geom_size, geom));
-  switch (model.geom_type[geom]) {
-    case mjGEOM_SPHERE:
-    case mjGEOM_CAPSULE:
-      return size.x();
-    case mjGEOM_CYLINDER:
-      return std::min(size.x(), size.y());
-    case mjGEOM_ELLIPSOID:
-    case mjGEOM_BOX:
-      return size.minCoeff();
-    case mjGEOM_MESH: {
-      const int mesh = model.geom_dataid[geom];
-      return std::min({half_extent_of_mesh(model, mesh, Vec3::UnitX()),
-                       half_extent_of_mesh(model, mesh, Vec3::UnitY()),
-                       half_extent_of_mesh(model, mesh, Vec3::UnitZ())});
-    }
-    default:
-      return model.geom_rbound[geom];
-  }
+  return std::min({half_extent(model, geom, Vec3::UnitX()), half_extent(model, geom, Vec3::UnitY()),
+                   half_extent(model, geom, Vec3::UnitZ())});
 }
 
 /// [m] From a geom's middle down to the surface of another; negative: that is not below it.
@@ -205,7 +190,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     if (object_of[static_cast<std::size_t>(g)] < 0 || model.geom_type[g] == mjGEOM_HFIELD) continue;
     const double middle = up.dot(vector(entry<3>(data.geom_xpos, g)));
     const bool endless = model.geom_type[g] == mjGEOM_PLANE;
-    const double half = endless ? 0.0 : half_extent(model, data, g, up);
+    const double half = endless ? 0.0 : half_extent_along(model, data, g, up);
     const int body = model.geom_bodyid[g];
     seen.push_back({g, middle - half, middle + half, endless ? 0.0 : 2.0 * half_thickness(model, g),
                     model.body_weldid[body] != 0 && falls(model, data, body, up), endless, false});

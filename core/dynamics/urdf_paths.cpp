@@ -87,6 +87,10 @@ std::string with_names(const std::string& xml, Take take) {
 
 }  // namespace
 
+bool is_file_uri(std::string_view name) {
+  return name.starts_with(kPackage) || name.starts_with(kFile);
+}
+
 std::optional<fs::path> file_of_uri(std::string_view uri, const fs::path& folder) {
   if (uri.starts_with(kPackage)) return find_package_file(uri.substr(kPackage.size()), folder);
   std::error_code error;

@@ -8,6 +8,9 @@
 
 namespace feltwire {
 
+/// Whether a name is a URI that file_of_uri() knows: package:// or file://.
+bool is_file_uri(std::string_view name);
+
 /// The file that a URI names. package://NAME/rest stands in a folder NAME beside the file that
 /// names it (in `folder`) or up to three folders above, or in one of another name. file:// begins a
 /// path. Empty: there is no such file.

@@ -137,7 +137,7 @@ class NamedFiles {
     for (const char* attribute : {"file", "filename", "fileright", "fileleft", "fileup", "filedown",
                                   "filefront", "fileback"})
       for (const std::string& value : values_of(xml, attribute)) {
-        if (value.starts_with("package://") || value.starts_with("file://")) {
+        if (is_file_uri(value)) {
           uris_.insert(value);
           continue;
         }

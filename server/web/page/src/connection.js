@@ -42,7 +42,7 @@ export class Connection {
   /** Connects, or asks for a token if there is none. */
   connect() {
     const early = takeEarly();
-    if (early) forSession.set(TOKEN_KEY, early.token);
+    if (early) forSession.set(TOKEN_KEY, early.token);  // Where the browser keeps nothing, only early.js has it.
     const token = takeToken();
     this.socket?.close();
     this.socket = null;
