@@ -1,12 +1,14 @@
-// A device of one's own in a scene: a class and one call.
+// Puts your own device in a scene: a class and a call.
 //
 //   feltwire-server --scene scenes/room.json
 //   export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
 //   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
 //   my_device localhost:6720 room 5          five seconds; 0: until Ctrl-C
+//   my_device localhost:6720 room 5 0.1      the same, on a busy machine: the longest wait [s] of
+//                                            the loop; 5 ms where a hand is on the device
 //
-// The device here is a handle on a spring, computed instead of built: replace the three lines that
-// move it by calls to the maker's library.
+// The device here is a handle on a spring, which is computed. To use a real device, replace the
+// three lines that move it by calls to the maker's library.
 
 #include <atomic>
 #include <cstdio>
@@ -19,15 +21,15 @@ class MyDevice final : public feltwire::Device {
     spec_.name = "my_device";
     spec_.damping = 2.0;           // b [N s/m], the device's own: measure it
     spec_.apparent_mass = 0.2;     // [kg]
-    spec_.least_mass = 0.15;       // [kg] that it surely has, in every direction
+    spec_.least_mass = 0.15;       // [kg] lower bound in every direction
     spec_.max_force = 6.0;         // [N]
     spec_.continuous_force = 2.0;  // [N]
-    feltwire::validate(spec_);     // throws what is missing or contradictory
+    feltwire::validate(spec_);     // throws if a value is missing or contradicts another
   }
 
   const feltwire::DeviceSpec& spec() const override { return spec_; }
 
-  /// Begins above the surface that the scene names, and is pulled 1 cm into it.
+  /// Begins above the surface that the scene names. A spring pulls the handle 1 cm into it.
   void begin(const feltwire::Vec3& position, const feltwire::Vec3& normal) override {
     position_ = position + 0.01 * normal;
     rest_ = position - 0.01 * normal;
@@ -52,7 +54,7 @@ class MyDevice final : public feltwire::Device {
     return held;
   }
 
-  /// Any thread and signal handlers may call it: it sets a flag.
+  /// Any thread and any signal handler may call it: it only sets a flag.
   void release() noexcept override { released_ = true; }
 
  private:
@@ -63,12 +65,14 @@ class MyDevice final : public feltwire::Device {
 };
 
 int main(int argc, char** argv) try {
-  if (argc != 4) return std::fprintf(stderr, "usage: my_device HOST:PORT SCENE SECONDS\n"), 2;
+  if (argc != 4 && argc != 5)
+    return std::fprintf(stderr, "usage: my_device HOST:PORT SCENE SECONDS [LET_GO_AFTER]\n"), 2;
   feltwire::RunOptions options;
   options.server = feltwire::access_from_environment(argv[1]);
   options.name = options.device_kind = "my_device";
   options.scene = argv[2];
   options.duration = std::atof(argv[3]);
+  if (argc == 5) options.let_go_after = std::atof(argv[4]);
   options.servo = feltwire::protect_hand(options.parameters);
   return feltwire::run_client(std::make_unique<MyDevice>(), options);
 } catch (const std::exception& error) {

@@ -52,7 +52,7 @@ Words operator+(Words a, const Words& b) {
   return a;
 }
 
-/// Where a driver looks for its maker's library, and the stand-ins' USB, while this stands.
+/// Tells drivers, during its life, where the stand-ins of makers' libraries and of USB are.
 struct Places {
   explicit Places(const std::string& usb) {
     ::setenv("FELTWIRE_STAND_IN_USB", usb.c_str(), 1);
@@ -150,7 +150,7 @@ struct Room {
                  folder / "state/local.token", "--fingerprint-file", folder / "state/fingerprint",
                  "--scene", "room", "--device", device, "--await-still", "0.1",
                  // A busy machine makes ticks come late, which is no fault then.
-                 "--hold-time", "1", "--report", report} +
+                 "--hold-time", "1", "--let-go-after", "1", "--report", report} +
            options;
   }
 

@@ -11,6 +11,7 @@
 
 #include "core/base/pending_file.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/session/session_parameters.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -124,7 +125,9 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
 /// examples/my_device.cpp: a class and one call.
 TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   ::unsetenv("FELTWIRE_TOKEN_FILE");
-  const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1"};
+  // Nobody holds this device: a busy machine must not end it after the usual 5 ms without a tick.
+  const std::string let_go_after = std::to_string(SessionParameters{}.hold_time);
+  const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1", let_go_after};
   const test::Outcome lost = test::Program(FELTWIRE_MY_DEVICE, words).finish();
   EXPECT_EQ(lost.status, 1);
   EXPECT_THAT(lost.error, StartsWith("my_device: no option names the server to trust"));
