@@ -57,7 +57,7 @@ void list_sessions(const ServerAccess& server, const AdminWords& words) {
 }
 
 void reload(const ServerAccess& server, const AdminWords& words) {
-  // Grids and meshes take their time; the server ends what is not given in it.
+  // Grids and meshes take long to load, and the server answers only after the load.
   constexpr std::chrono::minutes kPatience{10};
   ask(server, control::ReloadScene{words.scene}, kPatience);
   print("scene " + visible(words.scene) + " is reloaded\n");
@@ -71,8 +71,8 @@ void evict(const ServerAccess& server, const AdminWords& words) {
         " (" + visible(seen.session.client) + ") is evicted\n");
 }
 
-/// Until its client has answered to the change that it was asked for. Throws std::runtime_error
-/// where it refused, or says nothing.
+/// Waits until the client has answered the change. Throws std::runtime_error if it refused, or does
+/// not answer.
 void await_client(const ServerAccess& server, const SeenSession& seen) {
   constexpr int kLooks = 30;
   constexpr std::chrono::milliseconds kBetween{100};
@@ -94,7 +94,7 @@ void await_client(const ServerAccess& server, const SeenSession& seen) {
       "result with admin sessions");
 }
 
-/// Delay, jitter and loss that are not given become zero.
+/// Changes the link. A delay, jitter or loss that is not given becomes zero.
 void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
   if (words.parameters != BoundWords{})
     throw std::invalid_argument(
@@ -149,7 +149,7 @@ void set(const ServerAccess& server, const AdminWords& words) {
         visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
 }
 
-/// Of one scene, or of all that the token opens.
+/// Writes a flight record of one scene, or of all that the token opens.
 void record(const ServerAccess& server, const AdminWords& words) {
   for (const std::string& scene : scenes_named(server, words.scene))
     print(
@@ -164,14 +164,14 @@ void print_counters(const ServerAccess& server, const AdminWords& words) {
   print(words.json ? counter_json(counters) : counter_lines(counters));
 }
 
-/// Where the server is and how to be let in: of every command.
+/// Adds the options of every command: where the server is, and how to be let in.
 void add_access(CLI::App& command, AdminWords& words, int argc, char** argv) {
   command
       .add_option("--connect", words.connect,
                   "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
   add_credential_options(command, words.credentials);
-  read_environment(command, argc, argv, credential_rivals());
+  read_environment(command, argc, argv, {.shared = credential_variables()}, credential_rivals());
 }
 
 void add_material(CLI::App& command, MaterialChange& material) {

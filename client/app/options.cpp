@@ -270,7 +270,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
     if (method->admits_reduction) reducible.push_back(method->name);
   const std::string safety = "Safety (--slew, --ramp-up, --velocity-limit: for the modes " +
                              choices(reducible, ", ") + ")";
-  // Their usual values depend on the mode, so the help names them in words.
+  // The usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;
@@ -400,8 +400,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(steering);
 
-  read_environment(app, argc, argv, client_rivals(), {"list", "list-specs", "check"});
+  const Variables variables{.program = "client",
+                            .shared = credential_variables(),
+                            .ending = {"list", "list-specs", "check"}};
   try {
+    read_environment(app, argc, argv, variables, client_rivals());
     app.parse(argc, argv);
     if (!words.profile.empty()) {
       begin_with(network_profile(words.profile), words, parameters);

@@ -25,4 +25,13 @@ void add_credential_options(CLI::App& app, CredentialOptions& words,
 
 Rivals credential_rivals() { return exclusive({"fingerprint", "fingerprint-file", "ca"}); }
 
+std::vector<std::pair<std::string, std::string>> credential_variables(const std::string& prefix) {
+  std::vector<std::pair<std::string, std::string>> variables;
+  for (const char* option : {"connect", "fingerprint", "fingerprint-file", "ca", "token-file"})
+    variables.emplace_back(option, in_capitals("FELTWIRE_", option));
+  for (const char* option : {"certificate", "key"})
+    variables.emplace_back(prefix + option, in_capitals("FELTWIRE_", option));
+  return variables;
+}
+
 }  // namespace feltwire

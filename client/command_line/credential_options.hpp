@@ -2,6 +2,8 @@
 // The options of a program that name the trusted server and the client's credentials.
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "client/transport/credentials.hpp"
 #include "core/command_line/environment.hpp"
@@ -21,5 +23,10 @@ void add_credential_options(CLI::App& app, CredentialOptions& words,
 
 /// The three options that say whom to trust exclude each other.
 Rivals credential_rivals();
+
+/// The variables of --connect and of the options that add_credential_options() adds. `prefix` as
+/// in CredentialWording. They are the same for every program that joins a server.
+std::vector<std::pair<std::string, std::string>> credential_variables(
+    const std::string& prefix = {});
 
 }  // namespace feltwire

@@ -2,18 +2,31 @@
 // Reads options of a program from its environment, for places where a command line is awkward
 // (containers).
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdlib>
 #include <functional>
 #include <initializer_list>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/command_line/suggestion.hpp"
+
 namespace feltwire {
+
+/// Every program that joins a server reads these: where the server is, whom to trust, and the
+/// client's own credentials.
+inline constexpr std::array<std::string_view, 8> kSharedVariables = {
+    "FELTWIRE_CONNECT", "FELTWIRE_FINGERPRINT", "FELTWIRE_FINGERPRINT_FILE", "FELTWIRE_CA",
+    "FELTWIRE_TOKEN",   "FELTWIRE_TOKEN_FILE",  "FELTWIRE_CERTIFICATE",      "FELTWIRE_KEY"};
 
 /// An option that, on the command line, drops another one from the environment: the program would
 /// refuse both together, and the command line decides. Names are without the two dashes.
@@ -36,13 +49,29 @@ inline Rivals exclusive(std::initializer_list<const char*> names) {
   return rivals;
 }
 
-/// FELTWIRE_BUSY_POLL of busy-poll.
-inline std::string environment_name(std::string_view option) {
-  std::string name = "FELTWIRE_" + std::string(option);
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char letter) {
-    return letter == '-' ? '_' : static_cast<char>(std::toupper(letter));
-  });
-  return name;
+/// The environment variables of a program's options.
+struct Variables {
+  /// "server": FELTWIRE_SERVER_BUSY_POLL sets --busy-poll. Empty: only `shared` options have one.
+  std::string program = {};
+  /// Options whose variable several programs share, and that variable: {"ca", "FELTWIRE_CA"}.
+  std::vector<std::pair<std::string, std::string>> shared = {};
+  /// Options that end the program. They have no variable: a forgotten one would always end it.
+  std::vector<std::string> ending = {};
+};
+
+/// "PREFIX" and an option in capitals: FELTWIRE_BUSY_POLL of FELTWIRE_ and busy-poll.
+inline std::string in_capitals(std::string prefix, std::string_view option) {
+  for (const char letter : option)
+    prefix += letter == '-' ? '_' : static_cast<char>(std::toupper(letter));
+  return prefix;
+}
+
+/// The variable of an option; empty: it has none.
+inline std::string variable_of(const Variables& variables, std::string_view option) {
+  for (const auto& [name, variable] : variables.shared)
+    if (name == option) return variable;
+  if (variables.program.empty() || std::ranges::count(variables.ending, option) > 0) return {};
+  return in_capitals(in_capitals("FELTWIRE_", variables.program) + "_", option);
 }
 
 /// The option with this long name; null: there is none. CLI11's own search ends the program if
@@ -80,26 +109,49 @@ inline std::optional<std::string> value_on_command_line(const CLI::App& app, int
   return value;
 }
 
-/// Lets an environment variable set every option of `app` that is missing on the command line:
-/// FELTWIRE_BUSY_POLL sets --busy-poll. Call it after all options were added. Options without a
-/// long name have no variable, and neither has --help, --version, or an option of `ending`: they
-/// end the program, and one that is forgotten in the environment would always do so. An option of
-/// the command line drops its `rivals` from the environment.
-inline void read_environment(CLI::App& app, int argc, const char* const* argv,
-                             const Rivals& rivals = {},
-                             std::initializer_list<const char*> ending = {}) {
-  for (CLI::Option* option : app.get_options()) {
-    if (option->get_lnames().empty() || option == app.get_help_ptr() ||
-        option == app.get_version_ptr())
-      continue;
-    const std::string& name = option->get_lnames().front();
-    if (std::find(ending.begin(), ending.end(), name) == ending.end())
-      option->envname(environment_name(name));
+/// Throws std::invalid_argument for a variable of this program that is no option of `app`
+/// (FELTWIRE_SERVER_PROT), and for one that is spelled as before programs had their own
+/// (FELTWIRE_PORT).
+inline void check_variables(const CLI::App& app, const Variables& variables) {
+  if (variables.program.empty()) return;
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_envname().empty()) continue;
+    known.push_back(option->get_envname());
+    const std::string old = in_capitals("FELTWIRE_", option->get_lnames().front());
+    const bool shared = std::ranges::count(kSharedVariables, old) > 0;
+    if (!shared && std::getenv(old.c_str()) != nullptr &&
+        std::getenv(known.back().c_str()) == nullptr)
+      throw std::invalid_argument(old + " is " + known.back() +
+                                  " now, since each program has variables of its own; rename it");
   }
+  const std::string own = in_capitals("FELTWIRE_", variables.program) + "_";
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text(*entry);
+    const std::string name(text.substr(0, text.find('=')));
+    if (!name.starts_with(own) || std::ranges::count(known, name) > 0) continue;
+    const std::string meant = nearest(name, known);
+    throw std::invalid_argument("the environment has " + name + ", but no option has that name" +
+                                (meant.empty() ? "; unset it" : "; did you mean " + meant + "?"));
+  }
+}
+
+/// Lets an environment variable set every option of `app` that is missing on the command line:
+/// FELTWIRE_SERVER_BUSY_POLL sets --busy-poll of the server. Call it after all options were added.
+/// Options without a long name have no variable, and neither has --help, --version, or an option
+/// that ends the program. An option of the command line drops its `rivals` from the environment.
+/// Throws std::invalid_argument as check_variables() does.
+inline void read_environment(CLI::App& app, int argc, const char* const* argv,
+                             const Variables& variables, const Rivals& rivals = {}) {
+  for (CLI::Option* option : app.get_options())
+    if (!option->get_lnames().empty() && option != app.get_help_ptr() &&
+        option != app.get_version_ptr())
+      option->envname(variable_of(variables, option->get_lnames().front()));
+  check_variables(app, variables);
   for (const Rival& rival : rivals) {
     const auto given = value_on_command_line(app, argc, argv, rival.given);
     if (!given || (rival.when && !rival.when(*given))) continue;
-    const char* set = std::getenv(environment_name(rival.dropped).c_str());
+    const char* set = std::getenv(variable_of(variables, rival.dropped).c_str());
     if (set != nullptr && rival.unless && rival.unless(set)) continue;
     app.get_option("--" + rival.dropped)->envname("");
   }

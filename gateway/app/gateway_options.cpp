@@ -20,7 +20,7 @@ Example, where the server's state folder and scenes are at hand:
 A line says where the page is:
   live page: http://127.0.0.1:6761/
 End it with Ctrl-C or SIGTERM. SIGHUP reads the scenes' files anew.
-Every option may come from the environment, --log-level from FELTWIRE_LOG_LEVEL.)";
+Every option may come from the environment, --log-level from FELTWIRE_VIEW_LOG_LEVEL.)";
 
 void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) {
   const auto group = "The observed server (SECURITY.md)";
@@ -79,7 +79,8 @@ GatewayConfig gateway_config(int argc, char** argv) {
   CredentialOptions words;
   add_page(app, config);
   add_server(app, endpoint, words);
-  read_environment(app, argc, argv, credential_rivals());
+  read_environment(app, argc, argv, {.program = "view", .shared = credential_variables("client-")},
+                   credential_rivals());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

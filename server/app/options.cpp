@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-/// The files in the examples are those of the repository, from its root.
+/// The examples use files of the repository, relative to its root.
 std::string examples() {
   const std::string port = std::to_string(kDefaultPort);
   const std::string scene_port = std::to_string(kDefaultPort + 1);
@@ -39,10 +39,10 @@ Once every port is open three lines say so: whom clients trust, where they find 
          port + R"( --scene room --fingerprint 3f0e... --token-file ...
 End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
 Every option that does not end the program may come from the environment, --log-level from
-FELTWIRE_LOG_LEVEL.)";
+FELTWIRE_SERVER_LOG_LEVEL.)";
 }
 
-/// An option that, given on the command line, stands over the file.
+/// The options on the command line, which override the file.
 using Overrides = std::vector<std::function<void(ServerConfig&)>>;
 
 /// Adds an option for a field of the configuration; a flag for a bool.
@@ -198,7 +198,7 @@ ServerTask server_task(int argc, char** argv) {
   app.add_flag(
       "--health", asked.health,
       "Check the server that runs with these options on this machine. Exit status 0: it answers");
-  read_environment(app, argc, argv, {}, {"explain", "health"});
+  read_environment(app, argc, argv, {.program = "server", .ending = {"explain", "health"}});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -39,7 +39,7 @@ void add(const ServerConfig& config, const TokenArguments& words) {
   make_state_folder(config);
   if (const auto warning = unknown_scene(words.scene, known_scenes(config)))
     std::fprintf(stderr, "feltwire-server token: warning: %s\n", visible(*warning).c_str());
-  // Written before the token is stored: its text stands nowhere else and cannot be had again.
+  // Write the file before storing the token: its text exists nowhere else and cannot be recovered.
   std::optional<PendingFile> out;
   if (!words.out.empty()) out.emplace(words.out, text, kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
@@ -82,13 +82,13 @@ void revoke(const ServerConfig& config, const TokenArguments& words) {
   });
 }
 
-/// Adds the options for the place of the tokens. The server itself has the same.
+/// Adds the options for the place of the tokens. The server has the same options.
 void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
   command.add_option("--config", config, "The server's configuration file");
   command.add_option("--state", given.state, "The server's state folder")
-      ->envname("FELTWIRE_STATE");
+      ->envname("FELTWIRE_SERVER_STATE");
   command.add_option("--tokens", given.tokens, "The server's token file")
-      ->envname("FELTWIRE_TOKENS");
+      ->envname("FELTWIRE_SERVER_TOKENS");
 }
 
 }  // namespace

@@ -142,16 +142,19 @@ int main(int argc, char** argv) {
   app.add_option("--link", words.link, "Emulated link, as of feltwire-client --link");
   add_credential_options(app, words.credentials);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
-  rivals.push_back({"socket", "at"});  // the driver says where its robot is
+  rivals.push_back({"socket", "at"});  // the driver knows the place of its robot
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
-  read_environment(app, argc, argv, rivals);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-follower: " + visible(error.what() + advice(error, *failed)) +
            "; see --help\n";
   });
-  CLI11_PARSE(app, argc, argv);
   try {
+    read_environment(app, argc, argv, {.program = "follower", .shared = credential_variables()},
+                     rivals);
+    app.parse(argc, argv);
     return follow(words);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "feltwire-follower: %s\n", visible(error.what()).c_str());
     return 1;

@@ -5,7 +5,8 @@ Each program is run with one option of a group whose options exclude each other,
 port that it is told, or a file is missing. With all others of the group in the environment it must end likewise, with the same words. The pairs of
 feltwire-client are in tests/client/app/rival_options_test.cpp.
 
-An option that ends the program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
+Each program has variables of its own. One that it does not know, and one with the name of before, ends it with the right name. An option that
+ends the program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
 
 usage: check_environment.py BIN_FOLDER SOURCE_FOLDER
 """
@@ -25,8 +26,10 @@ def run(command, environment, home):
     return done.returncode, done.stdout
 
 
-def variable(option):
-    return "FELTWIRE_" + option.strip("-").upper().replace("-", "_")
+def variable(option, program=None):
+    """The variable of an option: of all programs that join a server, or of one ("feltwire-server")."""
+    own = program.removeprefix("feltwire-").upper() + "_" if program else ""
+    return f"FELTWIRE_{own}" + option.strip("-").upper().replace("-", "_")
 
 
 def groups(folder, source, place):
@@ -63,7 +66,8 @@ def main():
         for words, options, others in groups(folder, source, place):
             command = [programs / words[0], *words[1:]]
             for option, value in options.items():
-                rivals = {variable(other): str(there) for other, there in {**options, **others}.items() if other != option}
+                rivals = {variable(other, words[0] if "--surroundings" in options else None): str(there)
+                          for other, there in {**options, **others}.items() if other != option}
                 alone = run([*command, option, value], {}, folder)
                 beside = run([*command, option, value], rivals, folder)
                 pairs += len(rivals)
@@ -77,9 +81,23 @@ def main():
                 if status == 0 or "FELTWIRE_CA" not in said:
                     wrong.append(f"{words[0]}: two ways to trust in the environment: {status} {said}")
         ending = {variable(option): "true" for option in ("--version", "--help", "--list", "--check", "--list-specs", "--health", "--explain")}
-        for words in (["feltwire-client"], ["feltwire-server"], ["feltwire-view"], ["feltwire-follower"]):
-            if (alone := run([programs / words[0]], {}, folder)) != (beside := run([programs / words[0]], ending, folder)):
-                wrong.append(f"{words[0]} with {', '.join(ending)}:\n  alone: {alone}\n  beside: {beside}")
+        others = {"feltwire-client": "feltwire-server", "feltwire-server": "feltwire-client", "feltwire-view": "feltwire-server",
+                  "feltwire-follower": "feltwire-client"}
+        for program, other in others.items():
+            ending[variable("--record", other)] = "other.mcap"  # a variable of another program means nothing here
+            alone, beside = run([programs / program], {}, folder), run([programs / program], ending, folder)
+            del ending[variable("--record", other)]
+            if alone != beside:
+                wrong.append(f"{program} with {', '.join(ending)}:\n  alone: {alone}\n  beside: {beside}")
+            for name, said in ((variable("--log-levl", program), "has that name"), (variable("--link", None), variable("--link", program)),
+                               (variable("--log-level", None), variable("--log-level", program))):
+                if program in ("feltwire-client", "feltwire-follower") and "LOG_LEVEL" in name:
+                    continue  # they have no such option
+                if program in ("feltwire-server", "feltwire-view") and "LINK" in name:
+                    continue
+                status, text = run([programs / program], {name: "1"}, folder)
+                if status == 0 or said not in text:
+                    wrong.append(f"{program} with {name}: {status} {text}")
     print("\n".join(wrong + [f"{pairs} pairs, {len(wrong)} wrong"]))
     return 1 if wrong or pairs < 50 else 0
 

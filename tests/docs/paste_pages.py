@@ -22,7 +22,7 @@ Building is not repeated: cmake is a program that looks whether the named target
 Every join: line that a server prints is pasted, too, before the server ends.
 
 Ports: the pages have fixed ones. The script runs in a network of its own (unshare --net). Where the system allows none, the control port
-6720 becomes a free one in all commands, and servers get it by FELTWIRE_PORT; other ports of the pages become 0 (a free one).
+6720 becomes a free one in all commands, and servers get it by FELTWIRE_SERVER_PORT; other ports of the pages become 0 (a free one).
 
 A session in real time ends if the machine leaves its servo standing. Where the program says so, the command is typed again.
 
@@ -340,7 +340,7 @@ def main():
         port = 0 if alone else free_port()
         environment = {"PATH": f"{shims}:/usr/local/bin:/usr/bin:/bin:{pathlib.Path(sys.executable).parent}", "HOME": str(home), "LANG": "C.UTF-8", "TERM": "dumb",
                        "PYTHONDONTWRITEBYTECODE": "1",  # tests/ is that of the source
-                       **({"FELTWIRE_PORT": str(port)} if port else {})}
+                       **({"FELTWIRE_SERVER_PORT": str(port)} if port else {})}
         shell = Shell(root, environment)
         try:
             if pathlib.Path(page).name != "quickstart.md":

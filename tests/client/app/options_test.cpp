@@ -25,7 +25,7 @@ TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   const SafetyLimits usual = limits({});
   EXPECT_EQ(usual.force.small, 0.05);
   EXPECT_EQ(usual.force.speed, 1.5);
-  EXPECT_EQ(usual.ramp_up, 0.0);  // behind a bound it would be felt
+  EXPECT_EQ(usual.ramp_up, 0.0);  // a ramp behind a bound would be felt
   EXPECT_TRUE(std::isinf(usual.force.slew));
   EXPECT_TRUE(std::isinf(usual.force.max));
   EXPECT_EQ(limits({"--mode", "none"}).ramp_up, 0.2);
@@ -167,7 +167,7 @@ TEST(Options, TheEnablingSwitchAndTheClutchAreButtonsThatTheUserChooses) {
       chosen({"--device", "falcon", "--deadman-button", "4", "--clutch-button", "3"});
   EXPECT_EQ(both.deadman_button, 4);
   EXPECT_EQ(both.clutch_button, 3);
-  // The other one stays where the driver has it.
+  // The other button keeps the driver's default.
   EXPECT_EQ(chosen({"--device", "falcon", "--clutch-button", "3"}).deadman_button, std::nullopt);
   EXPECT_EQ(chosen({"--device", "forcedimension", "--clutch-button", "0"}).clutch_button, 0);
   EXPECT_EQ(chosen({"--device", "forcedimension", "--deadman-button", "1", "--clutch-button", "2"})
@@ -217,7 +217,7 @@ SessionParameters asked(const std::vector<std::string>& words) {
   return std::get<ClientOptions>(options).parameters;
 }
 
-/// By the same path, another one, a hard link or a symbolic link, there or not there yet.
+/// The names may be equal paths, hard links or symbolic links. The file may exist or not.
 TEST(Options, NoFileIsWrittenTwiceNorOverWhatIsRead) {
   const testing::TemporaryFolder folder;
   const auto path = [&](const char* name) { return (folder / name).string(); };
@@ -247,7 +247,7 @@ TEST(Options, NoFileIsWrittenTwiceNorOverWhatIsRead) {
   EXPECT_THAT(reads(path("sub/../hand.csv"), path("hand.csv")),
               HasSubstr("what is read would be overwritten"));
   EXPECT_EQ(text_of(folder / "a"), "text");
-  // Different files, and devices that take anything from anybody.
+  // Accept different files, and device files such as /dev/null.
   EXPECT_FALSE(
       std::holds_alternative<int>(parsed({"--record", path("a"), "--report", path("hand.csv")})));
   EXPECT_FALSE(
@@ -269,7 +269,7 @@ TEST(Options, TheLimitsOfARecordingsFilesAreOfMcapFiles) {
               HasSubstr("--record-max-mib must be 1 MiB or more"));
   EXPECT_THAT(refusal({"--record", file, "--record-max-seconds", "nan"}),
               HasSubstr("--record-max-seconds must be 1 s or more"));
-  // The file that is written has a number.
+  // A recording with a size limit writes numbered files.
   EXPECT_THAT(
       refusal({"--record", file, "--record-max-mib", "64", "--report", folder / "hand-0001.mcap"}),
       HasSubstr("--report and --record name the same file"));
@@ -314,7 +314,7 @@ TEST(Options, HowLongAForceMayStayIsForTheUserToSay) {
   const auto of = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words));
   };
-  EXPECT_EQ(of({}).let_go_after, 0.1);  // the hold time: nobody holds a simulated hand
+  EXPECT_EQ(of({}).let_go_after, 0.1);  // the hold time, as nobody holds a simulated hand
   EXPECT_EQ(of({"--device", "haply"}).let_go_after, 0.0);
   EXPECT_EQ(of({"--let-go-after", "0.02"}).let_go_after, 0.02);
   for (const char* wrong : {"0", "-1", "1.1", "inf", "nan"})
@@ -359,14 +359,14 @@ TEST(Options, AnObserverLooksAtTheRateOfPictures) {
 }
 
 TEST(Options, WhatTheCommandLineLeavesOutMayBeAVariable) {
-  ::setenv("FELTWIRE_DURATION", "7", 1);
-  ::setenv("FELTWIRE_LOCAL_MODEL", "true", 1);
-  ::setenv("FELTWIRE_CENTER", "1,2,3", 1);
-  ::setenv("FELTWIRE_RATE", "500", 1);
+  ::setenv("FELTWIRE_CLIENT_DURATION", "7", 1);
+  ::setenv("FELTWIRE_CLIENT_LOCAL_MODEL", "true", 1);
+  ::setenv("FELTWIRE_CLIENT_CENTER", "1,2,3", 1);
+  ::setenv("FELTWIRE_CLIENT_RATE", "500", 1);
   const auto options =
       parsed({"--rate", "2000", "--profile", "wan"});  // read twice, for the profile
-  for (const char* name :
-       {"FELTWIRE_DURATION", "FELTWIRE_LOCAL_MODEL", "FELTWIRE_CENTER", "FELTWIRE_RATE"})
+  for (const char* name : {"FELTWIRE_CLIENT_DURATION", "FELTWIRE_CLIENT_LOCAL_MODEL",
+                           "FELTWIRE_CLIENT_CENTER", "FELTWIRE_CLIENT_RATE"})
     ::unsetenv(name);
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
   const auto& given = std::get<ClientOptions>(options);
@@ -387,7 +387,7 @@ TEST(Options, ADriverIsChosenByItsKind) {
   EXPECT_THAT(refusal({"--device", "pantograph"}),
               AllOf(HasSubstr("unknown device 'pantograph'"), HasSubstr("simulated"),
                     HasSubstr("replay:FILE.csv")));
-  // The name of a device instead of its driver's.
+  // A device name in place of its driver's name.
   for (const auto& [word, spec, driver] :
        {std::tuple("omega.7", "omega.7", "forcedimension"),
         std::tuple("Omega7", "omega.7", "forcedimension"),
@@ -400,7 +400,7 @@ TEST(Options, ADriverIsChosenByItsKind) {
                 AllOf(HasSubstr(std::string("--device ") + driver),
                       HasSubstr(std::string("--device simulated --spec ") + spec)));
   for (const std::string& spec : device_spec_names()) {
-    if (spec == "simulated" || spec == "falcon") continue;  // those are drivers too
+    if (spec == "simulated" || spec == "falcon") continue;  // these names are drivers too
     EXPECT_THAT(refusal({"--device", spec}), HasSubstr("--device simulated --spec " + spec));
   }
   EXPECT_THAT(refusal({"--device", "replay"}), HasSubstr("write it as replay:FILE.csv"));
@@ -448,12 +448,30 @@ TEST(Options, SpecsAreListedWithoutAServer) {
 }
 
 TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
-  ::setenv("FELTWIRE_DURATION", "long", 1);
+  ::setenv("FELTWIRE_CLIENT_DURATION", "long", 1);
   EXPECT_THAT(refusal({}), HasSubstr("long"));
-  ::unsetenv("FELTWIRE_DURATION");
+  ::unsetenv("FELTWIRE_CLIENT_DURATION");
 }
 
-/// A session would end at once: no tick comes within the hold time.
+/// Each program has variables of its own: one FELTWIRE_RECORD made server and client write to one
+/// file. A misspelled variable would have no effect, and nobody would notice.
+TEST(Options, AVariableThatSetsNothingIsRefused) {
+  const auto refused_with = [](const char* name) {
+    ::setenv(name, "7", 1);
+    const std::string said = refusal({});
+    ::unsetenv(name);
+    return said;
+  };
+  EXPECT_THAT(refused_with("FELTWIRE_RECORD"),
+              HasSubstr("FELTWIRE_RECORD is FELTWIRE_CLIENT_RECORD now"));
+  EXPECT_THAT(refused_with("FELTWIRE_CLIENT_DURATOIN"),
+              HasSubstr("did you mean FELTWIRE_CLIENT_DURATION?"));
+  EXPECT_THAT(refused_with("FELTWIRE_CLIENT_VERSION"), HasSubstr("no option has that name"));
+  for (const char* other : {"FELTWIRE_SERVER_RECORD", "FELTWIRE_VERSION", "FELTWIRE_KEY_OTHER"})
+    EXPECT_THAT(refused_with(other), Not(HasSubstr(other)));
+}
+
+/// No tick comes within the hold time at such a rate, so a session would end at once.
 TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
   const auto hold = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words)).parameters.hold_time;
@@ -472,7 +490,7 @@ TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
     EXPECT_THAT(refusal({"--rate", rate}), HasSubstr("--rate must be from 10 to 100000 Hz"));
 }
 
-/// No server changes a client whose owner did not allow it, and nobody lifts the bound off a hand.
+/// A server changes only what the owner allows, and no admin removes the bound of a hand.
 TEST(Options, ChangesAreForTheOwnerToAllow) {
   const auto takes = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words)).takes;

@@ -1,4 +1,4 @@
-// An option on the command line drops from the environment what it excludes.
+// An option on the command line drops the environment options that it excludes.
 
 #include "client/app/rival_options.hpp"
 
@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "client/command_line/credential_options.hpp"
 #include "tests/client/app/parsed_options.hpp"
 #include "tests/client/temporary_folder.hpp"
 
@@ -16,11 +17,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Environment variables of options, until the end of its life.
+/// Sets environment variables of options, and unsets them at the end of its life.
 class Environment {
  public:
   void set(const std::string& option, const std::string& value) {
-    names_.push_back(environment_name(option));
+    names_.push_back(variable_of({.program = "client", .shared = credential_variables()}, option));
     ::setenv(names_.back().c_str(), value.c_str(), 1);
   }
   Environment() = default;
@@ -34,7 +35,7 @@ class Environment {
   std::vector<std::string> names_;
 };
 
-/// Options that are given together, each with its value; "true" sets a flag.
+/// Options of one command line, each with its value. The value "true" sets a flag.
 using Given = std::vector<std::pair<std::string, std::string>>;
 
 std::vector<std::string> command_line(const Given& given) {
@@ -53,7 +54,7 @@ std::string text(const Given& given) {
   return all;
 }
 
-/// Without an option of trust in front.
+/// True if the parser accepts the words; parsed() adds a fingerprint.
 bool accepted(const std::vector<std::string>& words) {
   ::testing::internal::CaptureStderr();
   const bool good = std::holds_alternative<ClientOptions>(parsed(words));
@@ -61,7 +62,7 @@ bool accepted(const std::vector<std::string>& words) {
   return good;
 }
 
-/// Options with values that agree with all numbers here, and those that need another one with it.
+/// Options with valid values. An entry with two options is valid only as a pair.
 std::vector<Given> everything() {
   std::vector<Given> all = {{{"device", "simulated"}},
                             {{"device", "replay:hand.csv"}},
@@ -121,19 +122,19 @@ bool names(const Given& given, const std::set<std::string>& options) {
   return false;
 }
 
-/// Pairs that stay refused although one of them stands in the environment.
+/// Pairs that stay refused although one option comes from the environment.
 bool stays_refused(const Given& said, const Given& in_environment) {
-  // A protection of the hand is not dropped for something else that was asked for.
+  // An option for something else must not drop a protection of the hand.
   if (names(in_environment,
             {"slew", "ramp-up", "velocity-limit", "emergency-button", "deadman-button"}))
     return !names(said, {"check"});
-  // A button that this device does not have, or that has another meaning.
+  // The button does not exist on this device, or already has another meaning.
   if (names(in_environment, {"robot-button"}) &&
       names(said, {"device", "emergency-button", "deadman-button"}))
     return true;
-  // Only --check takes another device than the one that is said to be here.
+  // Only --check opens a device other than the one in the environment.
   if (names(in_environment, {"device"})) return !names(said, {"check"});
-  // A third option joins these: --local-model, or --no-local-model.
+  // These pairs need a third option: --local-model or --no-local-model.
   const auto joined = [](const Given& one, const Given& other) {
     const bool at_server = one == Given{{"bounding", "server"}};
     return (names(one, {"lead"}) && names(other, {"mode", "no-account", "profile"})) ||
@@ -184,13 +185,13 @@ TEST(RivalOptions, EachWayToTrustDropsTheOthers) {
       }
     }
   }
-  // Nothing on the command line decides between two of the environment, or two of its own.
+  // Two rivals of the environment, or two on the command line, stay undecided.
   Environment environment;
   environment.set("ca", ca);
   environment.set("fingerprint", kPrint);
   EXPECT_THAT(refusal({}, true), HasSubstr("FELTWIRE_FINGERPRINT_FILE"));
   EXPECT_THAT(refusal({"--fingerprint", kPrint, "--ca", ca}, true), HasSubstr("give one"));
-  // A value that looks like an option is a value.
+  // A word that looks like an option can be the value of another option.
   EXPECT_THAT(refusal({"--name", "--ca"}, true), HasSubstr("give one"));
 }
 

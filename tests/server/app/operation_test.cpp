@@ -1,4 +1,4 @@
-// The needs of an operator: counters while a server runs, health, options from the environment.
+// Operation of a server: live counters, health, options from the environment.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ std::string path(const std::string& name) {
   return ::testing::TempDir() + "feltwire_" + std::to_string(::getpid()) + name;
 }
 
-/// A variable for as long as this lives.
+/// Sets an environment variable during its life.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -92,7 +92,7 @@ TEST(Operation, ASummaryReplacesNoPipe) {
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
-/// Files of its own or of another program may stand beside it.
+/// Temporary files of other programs may exist beside it.
 TEST(Operation, ASummaryIsWrittenBesideWhatIsThere) {
   const std::string file = path("beside.json"), other = file + ".part";
   std::ofstream(other) << "another program's";
@@ -105,7 +105,7 @@ TEST(Operation, HealthIsAnAnswerInTime) {
   Server server = room_server();
   const int port = server.control_port();
   EXPECT_NO_THROW(check_health("127.0.0.1", port, kWait));
-  EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));  // every network: asked on this machine
+  EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));  // a wildcard: asked on this machine
   server.stop();
   EXPECT_THAT([&] { check_health("127.0.0.1", port, kWait); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("refused")));
@@ -130,9 +130,9 @@ TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
   const std::string scene = path("scene.json"), summary = path("counters.json");
   std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
     "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
-  const Variable from_scene("FELTWIRE_SCENE", scene), port("FELTWIRE_PORT", "99999"),
-      file("FELTWIRE_SUMMARY", summary);
-  const Variable state("FELTWIRE_STATE", path("state"));
+  const Variable from_scene("FELTWIRE_SERVER_SCENE", scene), port("FELTWIRE_SERVER_PORT", "99999"),
+      file("FELTWIRE_SERVER_SUMMARY", summary);
+  const Variable state("FELTWIRE_SERVER_STATE", path("state"));
   test::Program program(FELTWIRE_SERVER_PROGRAM, {"--port", "0"});  // the command line wins
   EXPECT_THAT(program.line(), StartsWith("fingerprint: "));
   EXPECT_THAT(program.line(), StartsWith("listening: control tcp "));

@@ -1,5 +1,5 @@
 // A viewer's own hand on the page of a real server. Every wait is for a condition.
-// FELTWIRE_PROGRAMS: the folder of feltwire-server. FELTWIRE_SCENE: a scene with a floor at z = 0.
+// FELTWIRE_PROGRAMS: the folder of feltwire-server. FELTWIRE_TEST_SCENE: a scene with a floor at z = 0.
 
 import assert from 'node:assert/strict';
 import {execFileSync, spawn} from 'node:child_process';
@@ -22,7 +22,7 @@ let complaints;
 
 /** @param {string[]} more options @returns {Promise<void>} once the page is served */
 async function serve(...more) {
-  const options = ['--scene', process.env.FELTWIRE_SCENE, '--port', '0', '--web', '0', '--state', state, ...more];
+  const options = ['--scene', process.env.FELTWIRE_TEST_SCENE, '--port', '0', '--web', '0', '--state', state, ...more];
   served = spawn(server, options, {stdio: ['ignore', 'pipe', 'inherit']});
   for await (const line of createInterface({input: served.stdout})) {
     address = /^live page: (\S+)/.exec(line)?.[1];
@@ -190,7 +190,7 @@ test('a tab that is hidden lets go', async () => {
   });
   await until(() => window.feltwire().own.state === 'free');
   await until(() => window.feltwire().hands.length === 0);
-  // One that is shown again takes none by itself.
+  // A page that is shown again does not take a hand by itself.
   await page.evaluate(() => {
     delete document.hidden;
     document.dispatchEvent(new Event('visibilitychange'));
