@@ -22,7 +22,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_UNITY_BUILD)
   target_compile_options(feltwire_options INTERFACE -Wno-subobject-linkage)
 endif()
 target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR})
-# What flatc wrote is not ours to warn about.
+# Do not warn about code that flatc wrote.
 target_include_directories(feltwire_options SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/generated)
 set(FELTWIRE_SANITIZE_TESTS ${FELTWIRE_SANITIZE})
 set(FELTWIRE_ROOMS_AS STATIC)
@@ -61,8 +61,8 @@ if(FELTWIRE_SANITIZE)
   endif()
 endif()
 
-# One set for everything that includes Asio. It takes aligned_alloc only in files where a standard header came before it,
-# and then memory of the one kind is given back as the other: nowhere, then.
+# All files that include Asio get the same set. Asio uses aligned_alloc only in files where a standard header came before it, so
+# memory of one kind would be given back as the other: nobody uses it then.
 # protocol/net/asio.cpp compiles Asio's functions once: to read and compile them in every file that includes Asio takes a fifth of
 # the time of such a file.
 set(FELTWIRE_ASIO_DEFINITIONS ASIO_STANDALONE ASIO_SEPARATE_COMPILATION ASIO_NO_DEPRECATED ASIO_DISABLE_STD_ALIGNED_ALLOC)

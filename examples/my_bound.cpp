@@ -1,10 +1,10 @@
-// A bounding law of one's own: a struct, an entry in the registry, and what the laboratory says.
+// Adds a bounding law: a struct, an entry in the registry, and the laboratory's verdict.
 //
-//   my_bound                 exit status 1 when the law breaks its promise
-//   my_bound --wrong-sign    with an error that is easily made: it must be found
+//   my_bound                 exit status 1 if the law breaks its promise
+//   my_bound --wrong-sign    with an error that is easily made: the laboratory must find it
 //
-// The law: what the hand does to the port, and what the device's damping burns, is stored; a force
-// is let through as far as the store pays for the most that the hand can take back with it.
+// The law stores the work of the hand on the port and the energy that the device's damping burns. A
+// force passes as far as the store pays for the most that the hand can take back with it.
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +47,7 @@ struct MyLaw {
     set_held(rendered);
     return rendered;
   }
-  /// Less was held than rendered, or something else: a limit, a fade, a skipped write.
+  /// Another force was held than rendered: after a limit, a fade or a skipped write.
   void set_held(const Command& held) noexcept {
     force.hold(held.force());
     torque.hold(held.torque);

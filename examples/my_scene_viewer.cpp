@@ -1,9 +1,9 @@
-// A program that looks on: what moves in a scene, drawn from above as text, four times a second.
+// An observer: draws from above, as text, everything that moves in a scene, four times a second.
 //
 //   my_scene_viewer localhost:6720 room 10       ten seconds; 0: until Ctrl-C
 //
 // It needs a token of an observer: feltwire-server token add --client eye --role observer
-// A digit is a hand, with the force on it below the map; an o is a body.
+// A digit is a hand. The force on it stands below the map. An o is a body.
 
 #include <cstdio>
 #include <cstdlib>
@@ -51,7 +51,7 @@ int main(int argc, char** argv) try {
   options.role = feltwire::Role::observer;
   options.parameters.packet_interval = 33;  // servo ticks: thirty pictures a second
   options.on_view = Map();
-  // Nobody holds it, and it feels nothing: an observer has no hand in the scene.
+  // Nobody holds this device and it feels nothing: an observer has no hand in the scene.
   feltwire::SimulatedHandOptions nobody;
   nobody.spec = feltwire::builtin_device("simulated");
   return feltwire::run_client(std::make_unique<feltwire::SimulatedDevice>(nobody), options);

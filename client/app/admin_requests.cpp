@@ -20,14 +20,14 @@ constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // of one
 
 double rate(const SessionParameters& parameters) { return 1.0 / parameters.servo_period; }
 
-/// The share of the samples sent so far that was lost; nothing where none was sent.
+/// The share of the samples sent so far that was lost; nothing if none was sent.
 std::optional<double> loss(const control::SessionDescription& session) {
   const double sent = static_cast<double>(session.samples) + static_cast<double>(session.missed);
   if (!(sent > 0.0)) return std::nullopt;
   return static_cast<double>(session.missed) / sent;
 }
 
-/// "12.5", or "-" where it is not known.
+/// "12.5", or "-" if it is not known.
 std::string cell(std::optional<double> value, int decimals) {
   if (!value) return "-";
   constexpr std::size_t kLongest = 400;  // of any double
@@ -179,7 +179,7 @@ void write_session_json(const SeenSessions& sessions,
   constexpr std::string_view kOpen = "[\n", kClose = "\n]";
   std::string_view before = kOpen;
   for (const SeenSession& seen : sessions) {
-    // A document of all would take ten times their memory.
+    // Write session by session: a document of all would take ten times their memory.
     const std::string one = Json::array({json_of(seen)}).dump(2);
     write(before);
     write(std::string_view(one).substr(kOpen.size(), one.size() - kOpen.size() - kClose.size()));

@@ -41,7 +41,7 @@ struct SeenCounters {
 };
 std::vector<SeenCounters> counters_of(const ServerAccess& server);
 
-/// One line for each session under a heading; "-": not known.
+/// A line for each session under a heading; "-": not known.
 std::string session_table(const SeenSessions& sessions);
 /// JSON with a line break at the end, in pieces: its whole text would take as much memory as the
 /// sessions. Values that are not known are null.

@@ -40,7 +40,7 @@ int rate_failed(const char* why, int status) {
   return status;
 }
 
-/// Opens the device, lets it tick without a force, and prints how well it did.
+/// Opens the device, lets it tick without a force, and prints the quality of its ticks.
 int show_rate(const std::string& words, const std::string& firmware, double span, double rate) {
   try {
     const DriverChoice choice = chosen_driver(words);

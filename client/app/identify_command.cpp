@@ -30,7 +30,7 @@ namespace feltwire {
 namespace {
 
 constexpr int kWrongWords = 2, kGaveUp = 1;
-constexpr Nanoseconds kPreparing = std::chrono::minutes(2);  // of a person
+constexpr Nanoseconds kPreparing = std::chrono::minutes(2);  // for a person
 
 struct IdentifyWords {
   std::string device, spec, firmware, out = "device.json";
@@ -38,7 +38,7 @@ struct IdentifyWords {
   bool yes = false;
 };
 
-MeasureStatus status_of_run;  // of the one measurement; a signal handler sets `stop`
+MeasureStatus status_of_run;  // of the only measurement; a signal handler sets `stop`
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void stop_run(int) { status_of_run.stop.store(true); }
@@ -52,7 +52,7 @@ std::string today() {
   return text.data();
 }
 
-/// The specification that the device has, with the sources of those of its kind.
+/// The specification that the device has. The sources are those of its kind, if it is of that kind.
 SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const DeviceSpec& spec) {
   SourcedSpec usual = requested_spec(request.spec, driver.spec);
   if (usual.spec.name != spec.name) usual.sources.clear();
@@ -86,7 +86,7 @@ void tell_no_force(std::string_view why) {
   std::fprintf(stderr, "feltwire-client identify: no force yet: %s\n", visible(why).c_str());
 }
 
-/// Shows how far it is until it is over. On a terminal the line is rewritten.
+/// Shows the progress until the end. On a terminal the line is rewritten.
 void show_progress(const MeasureStatus& status) {
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   int shown = -1;
@@ -107,7 +107,7 @@ void show_progress(const MeasureStatus& status) {
   if (terminal) std::fprintf(stderr, "\r                    \r");
 }
 
-/// The table of the specification has the bound of the lag, where there is one.
+/// Prints the lag. The table of the specification has the bound of the lag, if there is one.
 void tell_lag(const DeviceEstimate& found) {
   if (!found.lag_bound)
     std::printf("  lag of the loop       not found: the readings do not tell it\n");
@@ -116,7 +116,7 @@ void tell_lag(const DeviceEstimate& found) {
                 1e3 * *found.lag_bound);
 }
 
-/// Measures, with the device let go at the end whatever happens.
+/// Measures, and releases the device at the end in every case.
 void run(Device& device, Identification& identification) {
   MeasureStatus& status = status_of_run;
   const CrashRelease crash_release(device);

@@ -1,4 +1,4 @@
-// feltwire-client: one hand in one scene.
+// feltwire-client: joins a scene with one hand.
 
 #include <cstdio>
 #include <exception>
@@ -34,7 +34,7 @@ std::unique_ptr<Device> open_device(ClientOptions& options) {
   return std::make_unique<MappedDevice>(std::move(device), options.mapping);
 }
 
-/// A UDP port, behind an emulated link where one was asked for.
+/// A UDP port, behind an emulated link if the user asked for one.
 std::unique_ptr<DatagramPort> open_port(const ClientOptions& options, const Address& scene) {
   auto line = open_udp_port(scene, options.dscp);
   if (!options.link) return line;
@@ -56,7 +56,7 @@ std::string first_scene(const ServerAccess& server) {
   return scenes.front().name;
 }
 
-/// A run that is judged. The exit code is 0 where nothing fails.
+/// Makes a run that is judged. The exit code is 0 if nothing fails.
 int check(ClientOptions& options) {
   if (options.scene.empty()) options.scene = first_scene(options.server);
   std::vector<Finding> findings;

@@ -31,7 +31,7 @@ auto is_not(const char* wanted) {
   return [wanted](Value value) { return value != wanted; };
 }
 
-/// Null for a word that names no driver: the command line is refused for that.
+/// Null for a word that names no driver: the command line is refused elsewhere.
 const Driver* driver_of(Value device) {
   const Value kind = device.substr(0, device.find(':'));
   for (const Driver& driver : drivers())
@@ -39,7 +39,7 @@ const Driver* driver_of(Value device) {
   return nullptr;
 }
 
-/// Null for a word that names no method: the command line is refused for that.
+/// Null for a word that names no method: the command line is refused elsewhere.
 const BoundingMethod* method_of(Value mode) {
   for (const BoundingMethod* method : bounding_methods())
     if (method->name == mode) return method;
@@ -68,13 +68,13 @@ bool admits_limits(Value mode) {
   return method == nullptr || method->admits_reduction;
 }
 
-/// Which device there is, and what only some devices have.
+/// Rules for the kind of device, and for options that only some devices have.
 Rivals of_devices() {
   Rivals rivals = {
       {"device", "firmware", [](Value d) { return driver_of(d) && !driver_of(d)->takes_firmware; }},
       {"device", "press-button", [](Value d) { return driver_of(d) && d != "simulated"; }},
       {"device", "tool-weight", [](Value d) { return driver_of(d) && !driver_of(d)->gives_force; }},
-      // A check takes the simulated hand, which touches nothing.
+      // A check uses the simulated hand, which touches nothing.
       {"check", "device"},
       {"check", "firmware"},
       {"check", "tool-weight"},
@@ -84,7 +84,7 @@ Rivals of_devices() {
   return rivals;
 }
 
-/// The side of the bound, its method, and the options that need one of them.
+/// Rules for the side of the bound, its method, and options that need one of them.
 Rivals of_bounds() {
   const auto paper = [](Value mode) { return for_client(mode) && for_server(mode); };
   Rivals rivals = {{"bounding", "mode", is("client"), for_client},
@@ -101,14 +101,14 @@ Rivals of_bounds() {
                    {"no-account", "bounding", {}, is_not("server")},
                    {"no-account", "operator-damping"},
                    {"operator-damping", "no-account", {}, says_no},
-                   // Limits that some methods cannot have behind them.
+                   // Some methods do not allow these limits behind them.
                    {"slew", "mode", limits, admits_limits},
                    {"ramp-up", "mode", limits, admits_limits},
                    {"velocity-limit", "mode", limits, admits_limits}};
   return rivals;
 }
 
-/// A hand leads a robot. An observer only looks.
+/// Rules for roles: a hand leads a robot, an observer only watches.
 Rivals of_roles() {
   Rivals rivals = {{"lead", "role"},
                    {"lead", "view"},
@@ -125,7 +125,7 @@ Rivals of_roles() {
   return rivals;
 }
 
-/// Limits of files that only one kind of recording has.
+/// Rules for limits of files that only one kind of recording has.
 Rivals of_recordings() {
   const auto one_file = [](Value file) { return !is_mcap(std::string(file)); };
   Rivals rivals = {{"record", "record-max-mib", one_file},

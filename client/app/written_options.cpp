@@ -40,7 +40,7 @@ void choose_safety(const WrittenOptions& words, ClientOptions& options) {
   given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
 }
 
-/// A person's hand gets no law that relies on more than the law that its owner chose. Throws
+/// A person's hand must not get a law that relies on more than the law that its owner chose. Throws
 /// std::invalid_argument.
 ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) {
   const auto laws = chosen_value<LawsTaken>("--changes", words.changes, kLawsTakenNames);
@@ -59,22 +59,22 @@ double period_of(const WrittenOptions& words) {
   return period;
 }
 
-/// The roles of this program: an admin and a robot have programs of their own.
+/// The roles of this program. An admin and a robot have their own programs.
 Role role_of_hand(const std::string& word) {
   for (const Role one : {Role::operator_, Role::pointer, Role::observer})
     if (name(one) == word) return one;
   throw std::invalid_argument("--role must be operator, pointer or observer, is '" + word + "'");
 }
 
-/// [Hz] of datagrams to the server, if not one a tick. Who only looks does so at the rate of
-/// pictures, unless told otherwise.
+/// [Hz] of datagrams to the server, if not one for each tick. An observer uses the rate of pictures
+/// by default.
 std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
   constexpr double kPictures = 100.0;
   const bool usual = !words.packet_rate && words.profile.empty();
   return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
 }
 
-/// How long a force may stay: without a tick, and by the server's word. Throws
+/// How long a force may stay without a tick, and how long a hold the server may grant. Throws
 /// std::invalid_argument.
 void choose_holds(const WrittenOptions& words, ClientOptions& options) {
   constexpr double kLongest = 1.0;  // [s] of a hold time
@@ -104,16 +104,15 @@ void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
   if (!rate) return;
   require(*rate > 0.0 && *rate <= words.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
-  // Never more often than was asked for. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
+  // Never send more often than asked. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
   constexpr double kRounded = 1e-3;
   const double ticks = std::ceil(words.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
-/// Chooses the method, its side and the local model. The options that were given decide the others:
-/// a method that shapes stands at the client and uses the local model. Throws
-/// std::invalid_argument.
+/// Chooses the method, its side and the local model. Given options decide the others: a method that
+/// shapes stands at the client and uses the local model. Throws std::invalid_argument.
 void choose_bound(const WrittenOptions& words, SessionParameters& parameters) {
   if (!words.side.empty()) parameters.side = bounding_side(words.side);
   const bool here = parameters.side == BoundingSide::client;
@@ -128,7 +127,7 @@ void choose_bound(const WrittenOptions& words, SessionParameters& parameters) {
   parameters.local_model = words.local_model.value_or(by_profile || method.shapes);
 }
 
-/// Those that an option names.
+/// Drops files that no option names.
 std::vector<NamedFile> named(std::vector<NamedFile> files) {
   std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
   return files;
@@ -153,7 +152,7 @@ std::vector<NamedFile> read_files(const WrittenOptions& words) {
                 {"--token-file", c.token_file}});
 }
 
-/// A session that failed leaves something behind, also where nobody thought of it before.
+/// By default a flight recorder runs, so that a failed session leaves data behind.
 void choose_flight_recorder(const std::string& folder, RunOptions& options) {
   if (folder == "off") return;
   options.flight_recorder_required = !folder.empty();
@@ -179,7 +178,7 @@ Damping damping(const std::vector<double>& numbers) {
                              : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
 }
 
-/// Which driver is asked for what. `task`: of the simulated hand. Throws std::invalid_argument.
+/// Chooses the driver and its request. `task`: of the simulated hand. Throws std::invalid_argument.
 void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& options) {
   DriverChoice chosen = chosen_driver(words.device);
   task.path = options.check ? HandPath::press : hand_path(words.path);
@@ -288,7 +287,7 @@ WorkspaceMapping mapping(const WrittenOptions& words) {
   return mapping;
 }
 
-/// Throws std::invalid_argument where the server would refuse the name without saying which.
+/// Throws std::invalid_argument if the server would refuse the name without saying which one.
 void check_name(const char* option, const std::string& name) {
   if (name.size() <= control::kMaxName) return;
   throw std::invalid_argument(std::string(option) + ": the name has " +
@@ -296,7 +295,7 @@ void check_name(const char* option, const std::string& name) {
                               std::to_string(control::kMaxName) + " can be sent");
 }
 
-/// A robot's energy is believed only as far as its user says.
+/// Believes a robot's energy only as far as the user allows.
 RemoteTrust trust(const WrittenOptions& words) {
   constexpr double kMostPerContact = 1.0, kMostPower = 50.0;  // [J], [W] that no hand should get
   if (!words.trust) return {.per_contact = 0.0, .power = 0.0};
@@ -389,7 +388,7 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   options.rehearses = words.rehearses;
   if (!words.link.empty()) options.link = parse_link(words.link);
   options.takes = changes(words, options);
-  // A thread that does not run for some milliseconds hurts nobody, and ends no session.
+  // A thread that stops for some milliseconds hurts nobody here, so it must not end the session.
   if (!words.let_go_after && !options.driver->held_by_person)
     options.let_go_after = options.parameters.hold_time;
 }

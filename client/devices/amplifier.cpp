@@ -39,7 +39,7 @@ void Amplifier::take_arrived(double now) noexcept {
   }
 }
 
-/// The integral of the output over `span` under one target; the output after it is in output_.
+/// Returns the integral of the output over `span` under one target. Sets output_ to the end value.
 Vec3 Amplifier::settle(double span) noexcept {
   if (!(plant_.lag > 0.0)) {
     output_ = target_;

@@ -26,7 +26,7 @@ using Name = Driver::Name;
 
 std::string whole_name(std::string_view name) { return std::string(name); }
 
-/// A device that nobody holds has no hand in its plant.
+/// The plant of a device that nobody holds has no hand.
 Plant requested_plant(const DeviceRequest& request) {
   if (request.name.empty()) return {};
   Plant plant = load_plant(plant_file_of(request.name));
@@ -193,7 +193,7 @@ std::string bare(std::string_view name) {
   return out;
 }
 
-/// The specification that a user means who names a device instead of its driver; empty: none.
+/// The specification meant by a user who names a device instead of its driver; empty: none.
 std::string meant_spec(std::string_view words) {
   constexpr std::size_t kFewest = 4;  // letters that name a family
   const std::string given = bare(words);
@@ -207,7 +207,7 @@ std::string meant_spec(std::string_view words) {
   return {};
 }
 
-/// The devices of one driver, by the beginning of their specifications' names.
+/// The driver for devices whose specifications' names begin with `device`.
 struct Family {
   std::string_view device, kind;
 };

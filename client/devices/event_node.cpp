@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
                            std::generic_category().message(error) + "; " + remedy);
 }
 
-/// The bits that the kernel fills in: words of the machine, the lowest bits first.
+/// The bits that the kernel fills in: machine words, lowest bits first.
 template <std::size_t Count>
 struct Bits {
   static constexpr std::size_t kPerWord = sizeof(unsigned long) * CHAR_BIT;
@@ -77,7 +77,7 @@ void EventNode::take() {
   if (control_(descriptor_, EVIOCGVERSION, &version) != 0)
     throw std::runtime_error(
         "it is no event node of the kernel; name one, as event5 or /dev/input/event5");
-  // The argument of this one is a number, not a place.
+  // EVIOCGRAB takes its argument as a number, not as an address.
   if (control_(descriptor_, EVIOCGRAB, reinterpret_cast<void*>(1)) == 0) return;
   if (errno == EBUSY)
     throw std::runtime_error(
@@ -90,7 +90,7 @@ void EventNode::take() {
 std::optional<std::size_t> EventNode::read(std::span<input_event> room) const noexcept {
   const ssize_t count = ::read(descriptor_, room.data(), room.size_bytes());
   if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return 0;
-  // The kernel never tells a part of an event.
+  // The kernel always gives whole events.
   if (count <= 0 || count % static_cast<ssize_t>(sizeof(input_event)) != 0) return std::nullopt;
   return static_cast<std::size_t>(count) / sizeof(input_event);
 }

@@ -28,8 +28,8 @@ using std::chrono::milliseconds;
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xCB48;
 constexpr int kMostDevices = 16;
 constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
-constexpr int kLoads = 5;                       // a load works only sometimes, as others have seen
-constexpr int kAsks = 10;                       // of a firmware that may be there
+constexpr int kLoads = 5;                       // others report that a load works only sometimes
+constexpr int kAsks = 10;                       // requests to a firmware that may be present
 constexpr Nanoseconds kAnswers = milliseconds(300);
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
@@ -66,7 +66,7 @@ bool answers(UsbLine& line) {
     const Heard heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
     if (heard == Heard::gone || heard == Heard::unsent) return false;
     if (heard == Heard::whole && told(answer.packet())) return true;
-    if (!talk_to_firmware(line)) return false;  // nothing is left of that
+    if (!talk_to_firmware(line)) return false;  // this also discards the rest
   }
   return false;
 }
@@ -127,7 +127,7 @@ class FalconDevice final : public LockStepDevice {
     return request(motors, homed_ ? Light::green : Light::red, !homed_);
   }
 
-  /// One request and its answer, before the servo runs.
+  /// Sends a request and waits for its answer, before the servo runs.
   std::optional<Told> asked(const Counts& motors, Nanoseconds patience) noexcept {
     line_->forget();
     line_->post(packet_of(motors));

@@ -13,8 +13,8 @@ constexpr std::size_t kExtra = 13;  // lights or buttons
 constexpr std::uint8_t kHoming = 0x01;
 constexpr unsigned kNibble = 0xF;
 
-// [m] as others have measured them: arm, shin, what the joints add to the shin, the joint's place
-// at the tool (c along the leg, f across), the arm's at the base (r, s).
+// [m] as others have measured them: arm, shin, addition of the joints to the shin, place of the
+// joint at the tool (c along the leg, f across), place of the arm at the base (r, s).
 constexpr double kArm = 0.060, kShin = 0.1025, kJoints = 2.0 * 0.01125;
 constexpr double kToolAlong = 0.01443, kToolAcross = -0.025, kBaseAlong = 0.0400,
                  kBaseAcross = -0.02309;
@@ -27,10 +27,10 @@ constexpr double kFastest = 60.0;    // [rad/s] of an arm: 3.6 m/s at the tool
 /// The wrist of a leg in the plane in which its arm turns, and the shin's length there.
 struct Leg {
   double u, w, shin;
-  Vec3 of_u, of_shin;  // by the tool's position; of w it is z
+  Vec3 of_u, of_shin;  // slopes by the tool's position; that of w is z
 };
 
-/// None: the shin is turned farther out of the plane than it is long.
+/// None if the shin is turned farther out of the plane than its length.
 std::optional<Leg> leg(std::size_t i, const Vec3& p) noexcept {
   const double c = std::cos(kLegs[i]), s = std::sin(kLegs[i]);
   const double v = -s * p.x() + c * p.y() - kBaseAcross + kToolAcross;
@@ -110,10 +110,10 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
 std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexcept {
   constexpr int kSteps = 12;
   constexpr double kExact = 1e-12;  // [m]
-  constexpr double kStep = 0.1;     // [m] a step that leads elsewhere
+  constexpr double kStep = 0.1;     // [m] a longer step leads to another solution
   constexpr double kSame = 1e-9;
-  constexpr double kStretched = 1e-4;  // of the determinant, in units of the arm
-  // All places in the maker's cube of 100 mm are within these.
+  constexpr double kStretched = 1e-4;  // smallest determinant, in units of the arm
+  // All places in the maker's cube of 100 mm are within these limits.
   constexpr double kFarthest = 0.1;     // [m] from the middle
   constexpr double kMostForce = 500.0;  // [N] of 1 N m at an arm: a motor's count is 50 mN
   constexpr double kMostWay = 0.75;     // [m/rad]: an encoder's count is 0.5 mm
@@ -142,7 +142,7 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
     if (!((tool.position - kMiddle).norm() < kFarthest && forces.maxCoeff() < kMostForce &&
           tool.jacobian.cwiseAbs().maxCoeff() < kMostWay))
       return std::nullopt;
-    // The equations have other places, too, where a leg is bent the other way.
+    // The equations also have solutions where a leg bends the other way.
     const auto back = arm_angles(tool.position);
     if (!back || !back->isApprox(angles, kSame)) return std::nullopt;
     return tool;

@@ -58,7 +58,7 @@ Echo says(UsbLine& line, std::span<const std::uint8_t> bytes,
                                                                                       : Echo::wrong;
 }
 
-/// The boot loader answers its hello.
+/// Wakes the boot loader by a hello, which it answers, and has it wait for a firmware.
 std::string wake_boot_loader(UsbLine& line) {
   constexpr std::array<std::uint8_t, 3> kHello = {0x0A, 0x43, 0x0D};
   constexpr std::array<std::uint8_t, 4> kYes = {0x0A, 0x44, 0x2C, 0x0D};

@@ -11,7 +11,7 @@
 namespace feltwire::falcon {
 namespace {
 
-// Of one transfer. An answer that is later than this is none (LockStepDevice begins anew then).
+// The timeout of a transfer. A later answer counts as none (LockStepDevice then begins anew).
 constexpr Nanoseconds kTransfer = std::chrono::milliseconds(20);
 
 const Packet& no_force() noexcept {

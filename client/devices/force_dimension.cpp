@@ -16,17 +16,17 @@ namespace feltwire {
 namespace drd {
 namespace {
 
-// Values that the calls return beside 0 and -1: the reading is an old one, the force was cut.
+// Return values other than 0 and -1: the reading is old, the force was cut.
 constexpr int kOld = 1, kSaturated = 2;
-// Places in dhdGetStatus(). SDKs differ in how many they fill.
+// Indices in dhdGetStatus(). SDKs differ in how many they fill.
 constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kOffCause = 14, kStatuses = 32;
 constexpr int kByWatchdog = 3;           // why the force is off
 constexpr int kNoDevice = 5;             // dhdErrorGetLast()
 constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
 constexpr int kOldest = 3;               // version of the SDK
 
-/// Torque of a model of which only the device itself tells that it has motors at the wrist. Nothing
-/// is counted on its inertia.
+/// Adds torque for a model whose wrist motors only the device itself reports. Its inertia is not
+/// counted on.
 void add_torque(SourcedSpec& described) {
   const SourcedSpec sigma = sourced_spec("sigma.7");
   DeviceSpec& spec = described.spec;
@@ -64,7 +64,7 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   return described;
 }
 
-/// A Falcon has a bus of full speed. The others are at USB, or at a card that is no slower.
+/// A Falcon has full-speed USB. The others are at USB, or at a card that is not slower.
 const Connection& connection_of(const std::string& model) {
   const bool falcon = model.find("alcon") != std::string::npos;
   return falcon ? kFullSpeedUsbConnection : kUsbConnection;
@@ -151,7 +151,7 @@ class ForceDimensionDevice final : public Device {
         wrist_ ? call_.frame(&x, &y, &z, axes, id_) : call_.position(&x, &y, &z, id_);
     reading.ok = answer >= 0 && !lost_;
     if (answer == kOld && reading.ok) {
-      // The firmware's watchdog waits for a force, too.
+      // Give a force even now: the firmware's watchdog also waits for one.
       lost_ = give(on_hand_) < 0;
       reading.ok = !lost_;
       reading.fresh = false;
@@ -178,20 +178,20 @@ class ForceDimensionDevice final : public Device {
     if (let_go_->asked()) return {};
     const bool nothing = on_hand.force().isZero(0.0) && on_hand.torque.isZero(0.0);
     const int answer = give(on_hand);
-    // A call that failed leaves who knows what on the hand: no movement is accounted until a force
-    // of zero has gone through.
+    // After a failed call the force on the hand is unknown. Account no movement until a zero force
+    // has gone through.
     lost_ = answer < 0 || (lost_ && !nothing);
     if (lost_) return {};
     Status status{};
     if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
-    // The weight of the handle comes or goes, and its work over a closed way is not zero then.
+    // The handle's weight appears or disappears: its work over a closed path is then not zero.
     if (!lost_ && (status[kGravity] != 0) != compensates_) {
       compensates_ = !compensates_;
       lost_ = true;
     }
     if (lost_) return {};
     if (status[kForce] == 0) {  // switched off: by the button, the speed guard
-      // A pause of this program did it, which is over. No force before the amplifiers are on.
+      // The watchdog acted in a pause of this program, now over. No force before amplifiers are on.
       if (status[kOffCause] == kByWatchdog && give({}) >= 0) call_.enable_force(1, id_);
       return {};
     }
@@ -202,8 +202,8 @@ class ForceDimensionDevice final : public Device {
       lost_ = true;
       return {};
     }
-    // A motor at its limit keeps the direction. What else the device tells of (gravity) is none of
-    // ours.
+    // A motor at its limit keeps the direction of the force. Other forces that the device reports
+    // (gravity) are not commanded here.
     const Vec3 asked = on_hand.force();
     return held_command(on_hand, held_share(force, asked) * asked,
                         held_share(torque, on_hand.torque) * on_hand.torque);
@@ -222,7 +222,7 @@ class ForceDimensionDevice final : public Device {
                    : call_.set_force(f.x(), f.y(), f.z(), id_);
   }
 
-  /// Asks what the motors give, [N] and [N m]. False: nobody knows.
+  /// Reads what the motors give, [N] and [N m]. False: it is unknown.
   bool given(Vec3& force, Vec3& torque) const noexcept {
     double grip = 0.0;
     const int answer = torque_ ? call_.get_wrench(&force.x(), &force.y(), &force.z(), &torque.x(),
@@ -272,7 +272,7 @@ class ForceDimensionDevice final : public Device {
           "the device is not calibrated; run the maker's HapticInit first (the arm moves by "
           "itself, hands off)");
     begin_watchdog();
-    // No force before the amplifiers are on, so that the start does not kick.
+    // Give no force before the amplifiers are on, so that the start does not kick.
     const bool ready = call_.max_force(spec.max_force, id_) >= 0 &&
                        (!torque_ || call_.max_torque(spec.max_torque, id_) >= 0) &&
                        call_.brakes(0, id_) >= 0 && give({}) >= 0 &&
@@ -293,7 +293,7 @@ class ForceDimensionDevice final : public Device {
     let_go_ = std::make_unique<LetGo>([this] { give({}); });
   }
 
-  /// Ends the force where this program does not: crashed, killed, its machine stopped.
+  /// Ends the force when this program cannot: crashed, killed, machine stopped.
   void begin_watchdog() {
     unsigned char set = 0;
     const bool there = call_.expert_on != nullptr && call_.expert_off != nullptr &&
@@ -315,7 +315,7 @@ class ForceDimensionDevice final : public Device {
   bool torque_ = false;  // the wrist has motors, and they are used
   bool gripper_ = false;
   bool compensates_ = false;  // the library holds the handle's weight
-  bool lost_ = false;         // a call failed, and the force on the hand is not known
+  bool lost_ = false;         // the force on the hand is unknown after a failed call
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Command on_hand_;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kLongestStep = 20e-6;  // [s]
 
-/// The velocity after a step of friction that can change it by `most` at most, axis by axis.
+/// The velocity after friction that changes it by at most `most`, axis by axis.
 void rub(Vec3& velocity, double most) noexcept {
   for (double& v : velocity) v = std::abs(v) > most ? v - std::copysign(most, v) : 0.0;
 }
 
-/// One step of velocity under damping that is implicit. `scale` and `solve` are
-/// (1 + h/m B)^-1, as a number where it is one.
+/// A step of the velocity under implicit damping. `scale` and `solve` are (1 + h/m B)^-1, as a
+/// number if the damping is isotropic.
 struct ImplicitDamping {
   ImplicitDamping(Damping device, double hand, double step_over_mass) {
     device += hand;
@@ -65,7 +65,7 @@ HandDevice::HandDevice(const DeviceSpec& spec, const Hand& given, const Plant& p
   if (plant.ideal()) return;
   plant_.emplace(plant, spec_, hand_);
   Plant::Amplifier of_torque = plant.amplifier;
-  of_torque.resolution = 0.0;  // it is of a force
+  of_torque.resolution = 0.0;  // the resolution is for a force
   torque_amplifier_.emplace(of_torque, plant.seed);
 }
 
@@ -92,8 +92,8 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-/// Turns about two axes do not commute, so that a second round takes up what the first left of a
-/// long one.
+/// Turns about two axes do not commute: after a long turn, further rounds remove what the first one
+/// left.
 Quaternion HandDevice::measured_orientation() noexcept {
   const double quantum = spec_.rotational_resolution;
   if (!(quantum > 0.0)) return orientation_;
@@ -157,7 +157,7 @@ TrueEnergy HandDevice::true_energy() const noexcept {
   return energy;
 }
 
-/// Within one reading the intended motion is straight: it has nothing above some 12 Hz.
+/// Within a reading the intended motion counts as straight: it has nothing above some 12 Hz.
 void HandDevice::move(double until, double span, int steps) noexcept {
   const double h = span / steps;
   Vec3 target = intended(until);
@@ -167,7 +167,7 @@ void HandDevice::move(double until, double span, int steps) noexcept {
 
   const double mass = spec_.apparent_mass + hand_.mass;
   const ImplicitDamping damped(spec_.damping, hand_.damping, h / mass);
-  const double friction_impulse = spec_.coulomb_friction * h / mass;  // [m/s] at most, a step
+  const double friction_impulse = spec_.coulomb_friction * h / mass;  // [m/s] most in a step
   for (int i = 0; i < steps; ++i) {
     intended_ += h * intended_velocity;
     const Vec3 pull =
@@ -204,7 +204,7 @@ void HandDevice::turn(double until, double span, int steps) noexcept {
 
   const double inertia = spec_.apparent_inertia + hand_.inertia;
   const ImplicitDamping damped(spec_.rotational_damping, hand_.rotational_damping, h / inertia);
-  const double friction_impulse = spec_.rotational_friction * h / inertia;  // [rad/s] likewise
+  const double friction_impulse = spec_.rotational_friction * h / inertia;  // [rad/s] in a step
   for (int i = 0; i < steps; ++i) {
     intended_orientation_ = turned(intended_orientation_, h * intended_velocity);
     const Vec3 torque = torque_amplifier_ ? torque_amplifier_->mean(time_ + i * h, h) : torque_;

@@ -38,7 +38,7 @@ void go_round(HandTask& task, double radius) {
 
 void set_normal(HandTask& task, const Vec3& normal) {
   task.normal = normal;
-  // Along x where the surface has it, else along y.
+  // Along x if the surface contains it, else along y.
   task.along = std::abs(normal.x()) > 0.9 * normal.norm() ? Vec3::UnitY() : Vec3::UnitX();
 }
 
@@ -63,7 +63,7 @@ IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
     for (auto& tone : axis) tone = {8.0 + 4.0 * uniform(state), kTurn * uniform(state)};
 }
 
-/// Before it comes in, the hand goes out and back once a second.
+/// Before the approach, the hand moves out and back once a second.
 Vec3 IntendedMotion::position(double t) const noexcept {
   if (t >= task_.air) return with_tremor(on_path(t - task_.air), t);
   constexpr double kOut = 0.06;  // [m]
@@ -97,7 +97,7 @@ Vec3 IntendedMotion::on_path(double t) const noexcept {
            task_.radius * std::sin(angle) * task_.along;
       break;
     case HandPath::orbit: {
-      // On a flat surface the hand comes in along the normal; about a ball (depth 0) from outside
+      // On a flat surface the hand approaches along the normal; about a ball (depth 0) from outside
       // the circle.
       const double radius = task_.radius + (task_.depth == 0.0 ? outside : 0.0);
       const double height = task_.depth == 0.0 ? 0.0 : outside - in * task_.depth;

@@ -80,8 +80,8 @@ Command Handover::exchange(DeviceReading reading, Nanoseconds patience) noexcept
   return applied_;
 }
 
-/// Takes what was offered since. Readings that were slept through tell of the force together,
-/// weighted by time, and a fault of one of them is a fault of all. Whether there is news.
+/// Takes the offers since the last call. Averages the held forces of skipped readings, weighted by
+/// time. A fault of one reading is a fault of all. Returns whether there is news.
 bool Handover::take() noexcept {
   Offer offer;
   while (offers_.pop(offer)) {

@@ -61,7 +61,7 @@ class HapiDevice final : public LockStepDevice {
   std::vector<std::string> notes() const { return notes_; }
 
  private:
-  /// One system call, or two.
+  /// Makes one or two system calls.
   void let_go() noexcept override {
     static constexpr std::array<std::uint8_t, kTorqueBytes> kZeros{};
     if (const std::size_t torn = torn_.load(); torn > 0) {
@@ -83,8 +83,7 @@ class HapiDevice final : public LockStepDevice {
     return held_command(command, share * force, Vec3::Zero());
   }
 
-  /// A frame that was torn off is filled up with zeros, which make its numbers small, before the
-  /// next begins.
+  /// Before the next frame, fills a torn frame up with zeros, which make its numbers small.
   bool post(std::span<const std::uint8_t> frame) noexcept {
     static constexpr std::array<std::uint8_t, kSetupBytes> kZeros{};
     reply_.clear();
@@ -98,7 +97,7 @@ class HapiDevice final : public LockStepDevice {
     return written == frame.size();
   }
 
-  /// Reads the board's answer: what has come already, and what comes by `latest`.
+  /// Reads the board's answer: the bytes that are there, and those that come by `latest`.
   Answer collect(std::size_t expected, Nanoseconds latest) noexcept {
     std::array<std::uint8_t, 64> room{};
     while (true) {
@@ -122,7 +121,7 @@ class HapiDevice final : public LockStepDevice {
     return got;
   }
 
-  /// False: no arm moves like this.
+  /// False: no arm can move like this.
   bool take_angles(const Vec2& angles) noexcept {
     const Nanoseconds now = monotonic_now();
     const double most = kFastest * seconds(now - taken_at_);
@@ -157,7 +156,7 @@ class HapiDevice final : public LockStepDevice {
       const Answer got = collect(kSetupReplyBytes, monotonic_now() + kAsksAgain);
       if (got == Answer::whole) return;
       answered |= got == Answer::garbled;
-      if (got == Answer::garbled) rest(monotonic_now() + kQuiet);  // the rest of what it says
+      if (got == Answer::garbled) rest(monotonic_now() + kQuiet);  // let it finish
     }
     refuse(answered
                ? "the device at the port is not a board with hAPI firmware, or its firmware is of "
@@ -166,7 +165,7 @@ class HapiDevice final : public LockStepDevice {
                  "its firmware is the hAPI's (frames that begin with 0x03 and 0x13)");
   }
 
-  /// Measures the usual time of an answer of the board, without a force.
+  /// Measures the board's usual answer time, without a force.
   void see_to_answers() {
     const Nanoseconds usual = measure_answers([this] {
       const Nanoseconds latest = monotonic_now() + kAsksAgain;
@@ -186,7 +185,7 @@ class HapiDevice final : public LockStepDevice {
 
   SerialPort port_;
   std::vector<std::string> notes_;
-  std::atomic<std::size_t> torn_{0};  // bytes that are missing of the newest frame
+  std::atomic<std::size_t> torn_{0};  // bytes that the newest frame still lacks
 
   // Only the servo's thread reads and writes these.
   Reply reply_;

@@ -12,7 +12,7 @@ namespace feltwire::hapi {
 namespace {
 
 constexpr std::uint8_t kPorts = 0b0011;                        // 1 and 2
-constexpr std::uint8_t kSetup = 0x00, kTorques = 0x10;         // what a frame is, above the ports
+constexpr std::uint8_t kSetup = 0x00, kTorques = 0x10;         // kind of a frame, above the ports
 constexpr float kCountsPerTurn = 13824.0F;                     // of an encoder
 constexpr std::array<float, 2> kSetupAngles = {180.0F, 0.0F};  // [deg]
 constexpr double kMostTurned = 720.0;                          // [deg] of an arm
@@ -66,7 +66,7 @@ std::optional<Vec2> Reply::angles() const noexcept {
   return kDegree * told;
 }
 
-/// The elbows a and b are a lower link away from the tool, which is on the far side of the shafts.
+/// Both elbows a and b are a lower link away from the tool, which is beyond the shafts.
 std::optional<ToolPoint> tool_point(const Vec2& angles) noexcept {
   const Vec2 along_a(std::cos(angles.x()), std::sin(angles.x()));
   const Vec2 along_b(std::cos(angles.y()), std::sin(angles.y()));
@@ -77,7 +77,7 @@ std::optional<ToolPoint> tool_point(const Vec2& angles) noexcept {
   const Vec2 across = Vec2(-between.y(), between.x()) / (2.0 * half);
   const Vec2 tool = 0.5 * (a + b) + std::sqrt(kLower * kLower - half * half) * across;
 
-  // Neither lower link changes its length: (tool - a) (d tool - d a) = 0, and so of b.
+  // Neither lower link changes its length: (tool - a) (d tool - d a) = 0, and the same for b.
   Mat2 links;
   links << (tool - a).transpose(), (tool - b).transpose();
   const Vec2 turned_a = kUpper * Vec2(-along_a.y(), along_a.x());

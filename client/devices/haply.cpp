@@ -26,10 +26,10 @@ using std::chrono::milliseconds;
 constexpr std::uint16_t kUsualPort = 10001;
 constexpr std::size_t kLongestMessage = 65536;
 constexpr Nanoseconds kPatience = milliseconds(3000);  // of the start
-constexpr int kAnswers = 50;          // at the start, until one tells of the device
+constexpr int kAnswers = 50;          // at the start, until one describes the device
 constexpr double kFarthest = 1.0;     // [m] that a tool can be away
-constexpr double kSmallForce = 0.02;  // [N] that is no difference
-constexpr double kDigits = 1e6;       // per newton, that are sent
+constexpr double kSmallForce = 0.02;  // [N] smaller differences do not count
+constexpr double kDigits = 1e6;       // steps per newton in a command
 
 [[noreturn]] void refuse_service(const std::string& why) {
   throw std::runtime_error("haply: " + why);
@@ -87,7 +87,7 @@ class HaplyDevice final : public LockStepDevice {
   void let_go() noexcept override { socket_.post(zero_); }
 
   std::optional<Command> send(const Command& command) noexcept override {
-    // More than was asked for: every later answer would be that to the command before.
+    // An unexpected message: each later answer would be counted for the command before.
     if (owed_ == 0 && socket_.receive(Nanoseconds(0)) != ServiceSocket::News::none) {
       say(Vec3::Zero(), false);
       return std::nullopt;
@@ -105,7 +105,7 @@ class HaplyDevice final : public LockStepDevice {
     return socket_.send({text.data(), size});
   }
 
-  /// The last of the answers that are owed.
+  /// Receives the last of the owed answers.
   Answer hear(Nanoseconds latest) noexcept {
     while (owed_ > 0) {
       switch (socket_.receive(latest)) {
@@ -128,7 +128,7 @@ class HaplyDevice final : public LockStepDevice {
     const auto message = read_message(socket_.message(), id_);
     if (!message) return Answer::garbled;
     const Told& told = message->told;
-    // A profile that was changed meanwhile is told only if the service says so.
+    // A profile that was changed meanwhile is noticed only if the service reports it.
     if (!told.position || told.calibrated == false || told.ready == false || !told.neutral() ||
         told.position->norm() > kFarthest)
       return Answer::garbled;
@@ -259,13 +259,13 @@ class HaplyDevice final : public LockStepDevice {
   std::string id_;
   Dialect dialect_ = Dialect::values;
   ServiceSocket::Frame zero_;
-  bool turns_ = false;  // there is a grip that tells its orientation
+  bool turns_ = false;  // a grip reports its orientation
 
   // Only the servo's thread reads and writes these.
   int owed_ = 0;                                     // answers
-  Quaternion orientation_ = Quaternion::Identity();  // the newest that was told
+  Quaternion orientation_ = Quaternion::Identity();  // the newest received
   Vec3 asked_for_ = Vec3::Zero();                    // [N] by the newest command
-  std::optional<Vec3> cut_;                          // [N] what is held of it, where that is less
+  std::optional<Vec3> cut_;                          // [N] the part of it that is held, if less
 };
 
 }  // namespace
@@ -273,7 +273,7 @@ class HaplyDevice final : public LockStepDevice {
 
 namespace {
 
-/// The same, and of a service that is not there the remedy.
+/// Calls `ask`. If there is no service, the error names the remedy.
 template <class Ask>
 auto asked_of_service(Ask ask) {
   try {

@@ -1,4 +1,4 @@
-// In place of haply.cpp in a build that lacks the library for WebSockets.
+// Replaces haply.cpp in a build that lacks the library for WebSockets.
 
 #include <stdexcept>
 

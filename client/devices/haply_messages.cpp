@@ -11,10 +11,10 @@ namespace feltwire::haply {
 namespace {
 
 constexpr int kDeepest = 32;
-constexpr double kLargest = 1e6;  // of any number; what is larger is a mistake
+constexpr double kLargest = 1e6;  // largest number; a larger one is a mistake
 constexpr std::string_view kBlanks = " \t\r\n";
 
-/// Walks through JSON from left to right. Once something is wrong nothing more is read.
+/// Walks through JSON from left to right. After an error it reads nothing more.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) noexcept : rest_(text) {}
@@ -41,7 +41,7 @@ class Scanner {
   void array(Take take) noexcept {
     list('[', ']', take);
   }
-  /// As it stands between the quotes.
+  /// Returns the raw text between the quotes.
   std::string_view string() noexcept {
     if (!expect('"')) return {};
     for (std::size_t n = 0; n < rest_.size(); ++n) {
@@ -70,7 +70,7 @@ class Scanner {
     word(value ? "true" : "false");
     return value && good_;
   }
-  /// Any value.
+  /// Skips any value.
   void skip() noexcept {
     switch (peek()) {
       case '{':
@@ -120,7 +120,7 @@ class Scanner {
   bool good_ = true;
 };
 
-/// {"x": 1, "y": 2, "z": 3}; what is missing stays.
+/// {"x": 1, "y": 2, "z": 3}; a missing member keeps its value.
 Vec3 vector(Scanner& scan, Vec3 value) noexcept {
   scan.object([&](std::string_view key) {
     const std::size_t axis = key.size() == 1 ? std::string_view("xyz").find(key) : 3;
@@ -148,7 +148,7 @@ std::optional<Quaternion> orientation(Scanner& scan) noexcept {
   return Quaternion(Eigen::Vector4d(value / length));
 }
 
-/// Whether a quaternion is more than 1e-6 away from none.
+/// Whether a quaternion differs from no turn by more than 1e-6.
 bool turns(Scanner& scan) noexcept {
   bool turned = false;
   scan.object([&](std::string_view key) {
@@ -169,7 +169,7 @@ void read_state(Scanner& scan, Told& told) noexcept {
     else
       scan.skip();
   });
-  // All of it, or none.
+  // Take all components or none.
   if (told.position && !told.position->allFinite()) told.position.reset();
   if (told.force && !told.force->allFinite()) told.force.reset();
 }
@@ -298,7 +298,7 @@ Grip read_grip(Scanner& scan) noexcept {
   return grip;
 }
 
-/// Writes at the front of what is left.
+/// Writes into the rest of the room, front to back.
 struct Writer {
   std::span<char> room;
   std::size_t size = 0;

@@ -53,8 +53,8 @@ void LockStepDevice::give(const Command& command) noexcept {
   const auto taken = send(command);
   lost_ |= !taken;
   next_ = taken.value_or(Command{});
-  // A command that could not be sent changes nothing on the device: zero is sent again, until it
-  // goes out.
+  // A command that could not be sent changes nothing on the device. Zero is then sent again until
+  // it goes out.
   pulls_ = taken ? next_ != Command{} : pulls_ || command != Command{};
 }
 

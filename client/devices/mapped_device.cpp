@@ -14,13 +14,13 @@ namespace {
 
 constexpr double kSmallestScale = 0.01, kLargestScale = 100.0;
 constexpr double kFarthest = 100.0;  // [m]
-constexpr double kRounded = 1e-14;   // of an element of a matrix that should be whole
+constexpr double kRounded = 1e-14;   // error of a matrix element that should be whole
 
 void require_of_mapping(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// M B M' / s^2, of the same kind where that can be.
+/// M B M' / s^2, of the same kind if possible.
 Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   const double square = scale * scale;
   if (damping.isotropic()) return {damping.matrix()(0, 0) / square};
@@ -30,7 +30,7 @@ Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   return {symmetric};
 }
 
-/// Of a box along the device's axes, how much longer its half-width along an axis of the scene is.
+/// The factor by which a box along the device's axes is wider along an axis of the scene.
 double widening(const Mat3& axes) { return axes.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 }  // namespace
@@ -98,7 +98,7 @@ void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
                  axes_.transpose() * normal);
 }
 
-/// Exactly `tool_` at `hand_`. The mapped turn of (w, v) is (w, det(M) M v).
+/// Maps `hand_` exactly to `tool_`. The mapped turn of (w, v) is (w, det(M) M v).
 Pose MappedDevice::in_scene(const Pose& pose) const noexcept {
   Pose mapped = tool_;
   mapped.position += scale_ * (axes_ * (pose.position - hand_.position));
@@ -121,7 +121,7 @@ Command MappedDevice::to_device(const Command& c) const noexcept {
           .torque = turning_ * (axes_.transpose() * c.torque)};
 }
 
-/// `holds`: the device held a force since the reading before, or will without another write.
+/// `holds`: the device held a force since the last reading, or will hold one without a new write.
 void MappedDevice::clutch(DeviceReading& reading, bool holds) noexcept {
   const Pose hand = reading.pose;
   switch (state_) {

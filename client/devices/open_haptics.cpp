@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Numbers of the HD API that are used, by the facts that its users have published.
+// Numbers of the HD API in use here, from facts that its users have published.
 constexpr unsigned kNoHandle = 0xFFFFFFFFu;
 constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
@@ -31,8 +31,8 @@ constexpr unsigned kCurrentForce = 0x2700, kCurrentTorque = 0x2701;
 constexpr int kForceAndTorque = 6;  // kOutputDof of a device with motors at the wrist
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
 constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // styles of calibration
-// From here on an error says that the force is not as asked for: warm motors, force, speed, faults
-// of the device, a scheduler that is late, a frame that did not end.
+// From here on an error says that the force is not as requested: warm motors, force, speed,
+// device faults, a late scheduler, a frame that did not end.
 constexpr unsigned kFirstFault = 0x200;
 
 constexpr Nanoseconds kPatience =
@@ -88,7 +88,7 @@ struct Calls {
   void (*disable)(unsigned);
   void (*get_doubles)(unsigned, double*);
   void (*get_integers)(unsigned, int*);
-  void (*get_booleans)(unsigned, unsigned char*);  // null where it is not
+  void (*get_booleans)(unsigned, unsigned char*);  // null if absent
   const char* (*get_string)(unsigned);
   void (*set_doubles)(unsigned, const double*);
   unsigned (*calibration)();
@@ -160,12 +160,12 @@ class OpenHapticsDevice final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override { return handover_.await(latest); }
   DeviceReading read(Nanoseconds) noexcept override { return handover_.newest(); }
   Command write(const Command& on_hand) noexcept override { return handover_.write(on_hand); }
-  /// The call back acts on it at its next tick.
+  /// The callback acts on it at its next tick.
   void release() noexcept override { handover_.release(); }
 
  private:
   unsigned opened(const std::string& name) const {
-    while (call_.error().code != 0) continue;  // of others
+    while (call_.error().code != 0) continue;  // drop errors of others
     std::vector<const char*> names = {nullptr, "Default Device", "Default PHANToM"};
     if (!name.empty()) names = {name.c_str()};
     std::string why = "no reason";
@@ -204,8 +204,8 @@ class OpenHapticsDevice final : public Device {
     }
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
-    // No call tells the connection. A Premium has a card or a parallel port; a Touch is at USB, or
-    // at Ethernet.
+    // No call reports the connection. A Premium has a card or a parallel port; a Touch has USB or
+    // Ethernet.
     const bool touch = model.find("Touch") != std::string::npos;
     assume_lag(described_, premium ? kMappedConnection
                            : touch ? kUsbConnection
@@ -267,13 +267,13 @@ class OpenHapticsDevice final : public Device {
     return in != 0;
   }
 
-  /// In the thread of the maker's scheduler.
+  /// Called in the thread of the maker's scheduler.
   static unsigned called_back(void* self) {
     static_cast<OpenHapticsDevice*>(self)->frame();
     return kContinue;
   }
 
-  /// Within a frame of the maker's library.
+  /// Called within a frame of the maker's library.
   DeviceReading sensed(bool in_inkwell) const noexcept {
     std::array<double, 16> transform{};  // 4 x 4, the translation [mm] in the last column
     call_.get_doubles(kTransform, transform.data());
@@ -314,8 +314,8 @@ class OpenHapticsDevice final : public Device {
     look_for_errors();
   }
 
-  /// While the maker ramps, what is on the hand is some part of what was asked for, nobody knows
-  /// which. So nothing is asked for.
+  /// While the maker ramps, an unknown part of the command is on the hand. So nothing is commanded
+  /// then.
   void look_for_errors() noexcept {
     constexpr int kMost = 32;
     ramping_ = std::max(0, ramping_ - 1);
@@ -342,7 +342,7 @@ class OpenHapticsDevice final : public Device {
   std::atomic<bool> let_go_{false}, in_inkwell_{false};
   // Only the scheduler's thread reads and writes it.
   int ramping_ = kRampTicks;
-  bool failed_ = false;  // in the frame before: what was on the hand since is not known
+  bool failed_ = false;  // in the frame before: the force on the hand is unknown
 };
 
 }  // namespace

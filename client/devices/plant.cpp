@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-// Ceilings that no device and no hand reaches; beyond them a unit has been mistaken.
+// Ceilings that no device and no hand reaches; a larger number has the wrong unit.
 constexpr double kMostLag = 0.05;           // [s]
 constexpr double kMostPlantForce = 100.0;   // [N]
 constexpr double kMostStiffness = 1e9;      // [N/m]

@@ -14,31 +14,31 @@ constexpr double kPlantStep = 10e-6;           // [s]
 constexpr double kShortestPlantStep = 0.2e-6;  // [s]
 constexpr double kPhase = 0.1;                 // [rad] of the fastest spring, most in a step
 constexpr double kDecay = 0.05;                // of the fastest damper's movement, most in a step
-constexpr int kMostRounds = 30;                // of a step's equation, at most
-constexpr double kSolved = 1e-14;              // change of a round that ends them, of the velocity
-constexpr double kStill = 1e-15;               // [m/s] and this, beyond it
-constexpr std::size_t kMemoryMargin = 5;       // of remembered errors beyond the delay
+constexpr int kMostRounds = 30;                // most rounds for a step's equation
+constexpr double kSolved = 1e-14;              // relative velocity change that ends the rounds
+constexpr double kStill = 1e-15;               // [m/s] added to that change
+constexpr std::size_t kMemoryMargin = 5;       // remembered errors beyond the delay
 constexpr std::uint64_t kNoiseSeed = 0x6e6f697365;
 
-/// The way of a spring with a backlash of `width` beyond it.
+/// The strain of a spring with a backlash of `width`.
 double beyond(double way, double width) noexcept {
   const double out = std::abs(way) - 0.5 * width;
   return out > 0.0 ? std::copysign(out, way) : 0.0;
 }
 
-/// Even in (0, 1].
+/// Uniform in (0, 1].
 double even(std::uint64_t seed, std::uint64_t i) noexcept {
   return 0x1p-53 * (static_cast<double>(splitmix::draw(seed, i) >> 11U) + 1.0);
 }
 
 double largest(const Vec3& v) noexcept { return v.cwiseAbs().maxCoeff(); }
 
-/// All that pulls one body: the sums of its springs and dampers.
+/// Everything that pulls a body: the sums of its springs and dampers.
 struct Pull {
   double stiffness = 0.0, damping = 0.0, mass = 0.0;
 };
 
-/// [s] the longest step for a body. The ends of its springs move too: twice as stiff at most.
+/// [s] the longest step for a body. The other ends of its springs move too: at most twice as stiff.
 double step_for(const Pull& body) {
   const double fastest = std::sqrt(2.0 * body.stiffness / body.mass);
   double step = kPlantStep;
@@ -54,7 +54,7 @@ PlantMotion::PlantMotion(const Plant& plant, const DeviceSpec& spec, const Hand&
       damping_(spec.damping),
       dry_(spec.coulomb_friction),
       arm_(hand),
-      // A handle on a thread has no finger behind it.
+      // A hand without mass (a thread) has no finger pad.
       pad_(plant.hand.has_pad() && hand.mass > 0.0),
       handle_(plant.transmission.rigid() ? kMotor : kMotor + 1),
       hand_body_(pad_ ? handle_ + 1 : handle_),
@@ -120,7 +120,7 @@ double PlantMotion::grip(double time) const noexcept {
   return grips.back().share;
 }
 
-/// The muscles know the error of `reflex_delay` ago, between two that are remembered.
+/// The muscles act on the error of `reflex_delay` ago, interpolated between two remembered errors.
 Vec3 PlantMotion::reflex(double time) noexcept {
   const double at = (time - plant_.hand.reflex_delay) / kMemoryStep;
   if (!(at >= 0.0)) return Vec3::Zero();
@@ -138,8 +138,8 @@ void PlantMotion::remember(double time, const Vec3& error, const Vec3& rate) noe
     memory_[remembered_++ % memory_.size()] = {error, rate};
 }
 
-/// The spring's force is its change of energy over its change of length, so that no step gives or
-/// takes energy where the backlash begins or ends.
+/// The spring's force is its change of energy over its change of length, so that no step adds or
+/// removes energy at the ends of the backlash.
 void PlantMotion::strain_transmission(const Bodies& moved, double span,
                                       Forces& forces) const noexcept {
   const Plant::Transmission& t = plant_.transmission;
@@ -150,7 +150,7 @@ void PlantMotion::strain_transmission(const Bodies& moved, double span,
     const double d1 = beyond(before[axis] + change[axis], t.backlash);
     double spring = 0.5 * t.stiffness * (d0 + d1), damper = t.damping * change[axis] / span;
     if (t.backlash > 0.0) {
-      // 1 where it strains all the way, 0 in the gap.
+      // 1 if it is strained all the way, 0 in the gap.
       double share = d0 * d1 > 0.0 ? 1.0 : 0.0;
       if (share == 0.0 && change[axis] != 0.0)
         share = std::clamp((d1 - d0) / change[axis], 0.0, 1.0);
@@ -178,8 +178,8 @@ PlantMotion::Forces PlantMotion::forces(const Bodies& moved, const Drive& drive)
   return forces;
 }
 
-/// The velocities after the step, under these forces. Sets the dry friction: as much as stops the
-/// motor, and no more than `most_dry`.
+/// The velocities after the step under these forces. Sets the dry friction: as much as stops the
+/// motor, but at most `most_dry`.
 PlantMotion::Bodies PlantMotion::accelerated(Forces& forces, const Bodies& moved,
                                              const Drive& drive,
                                              const Vec3& most_dry) const noexcept {
@@ -236,13 +236,13 @@ double PlantMotion::stored() const noexcept {
   return energy;
 }
 
-/// The works of a step's forces, whose ways are `moved`.
+/// Counts the work of a step's forces over the ways `moved`.
 void PlantMotion::count(const Forces& forces, const Bodies& moved, const Bodies& velocity,
                         const Drive& drive) noexcept {
   const Vec3& hand = moved[hand_body_];
   flow_.given += drive.motor.dot(moved[kMotor]);
   flow_.burned += damping_.quadratic(moved[kMotor]) / drive.step - forces.dry.dot(moved[kMotor]);
-  // On its hand's mass alone, where no pad is between.
+  // Without a pad, the force held is the force on the hand's mass.
   const Vec3 held =
       pad_ ? forces.pad
            : Vec3(arm_.mass / drive.step * (velocity[hand_body_] - velocity_[hand_body_]) -
@@ -295,7 +295,7 @@ void PlantMotion::step(double begin, double span, const Vec3& intended,
   }
   arm_error_ = drive.error + drive.intended_way - moved[hand_body_];
   share_ = drive.grip_after;
-  // A grip that tightens strains the springs as they are.
+  // A tightening grip strains the springs as they are.
   if (grips)
     flow_.by_arm += spring_energy(share_, arm_error_) - loose -
                     (spring_energy(drive.grip(), arm_error_) - mean_loose);

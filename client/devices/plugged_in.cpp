@@ -20,7 +20,7 @@ struct Known {
   std::string_view vendor, product;  // product empty: any
   std::string_view what, kind;
 };
-// As others have seen them.
+// Identifiers as others have reported them.
 constexpr std::array kKnown = {
     Known{"1451", "", "Force Dimension", "forcedimension"},
     Known{"0403", "cb48", "Novint Falcon", "falcon"},
@@ -55,7 +55,7 @@ std::vector<fs::path> nodes_of(const fs::path& device) {
   return nodes;
 }
 
-/// "ModemManager (process 812)" of all that have it open, but this one.
+/// "ModemManager (process 812)" for each process with the node open, except this one.
 std::string holders(const fs::path& root, const fs::path& node) {
   std::string list;
   for (const fs::path& process : entries(root / "proc")) {
@@ -73,7 +73,7 @@ std::string holders(const fs::path& root, const fs::path& node) {
   return list;
 }
 
-/// Complains where the node is not there, or may not be opened with these rights.
+/// Complains if the node does not exist, or may not be opened with these rights.
 void check_node(const Machine& machine, const fs::path& node, int rights, const std::string& rule,
                 PluggedIn& device) {
   const fs::path file = machine.root / node.relative_path();
@@ -109,7 +109,7 @@ void examine(const Machine& machine, const Known& known, const std::string& prod
          "write a plugin (docs/devices.md#as-a-plugin-in-c---device-pluginfilesoarguments)"});
 }
 
-/// Many programs may listen to an event node at once, unless one has it for itself.
+/// Many programs may listen to an event node at once, unless one has grabbed it.
 PluggedIn examined(const Machine& machine, const InputNode& node) {
   PluggedIn device{node.vendor + ":" + node.product,
                    (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +

@@ -35,7 +35,7 @@ SharedLibrary load(const fs::path& file) {
   }
 }
 
-/// The plugin's functions, all there.
+/// Returns the plugin's functions. Refuses a plugin that lacks some.
 const feltwire_device_v1& functions(const SharedLibrary& library) {
   const fs::path& file = library.file();
   auto* entry = library.find<const feltwire_device_v1*()>(kEntry);

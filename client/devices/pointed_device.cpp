@@ -29,7 +29,7 @@ DeviceReading PointedDevice::read(Nanoseconds now) noexcept {
   while (pointings_.pop(told)) {
     heard_ = now;
     if (told.kind == Pointing::Kind::let_go) ended_ = true;
-    // One that is not finite is no place; the hand stays with the last.
+    // Ignore a target that is not finite: the hand stays at the last one.
     if (told.kind == Pointing::Kind::to && told.target.allFinite()) target_ = told.target;
   }
   if (!ended_ && now - heard_ > from_seconds(options_.patience) &&

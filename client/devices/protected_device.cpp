@@ -13,11 +13,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kTakeUp = 0.5;         // [s] in which the weight is taken up, or let down
+constexpr double kTakeUp = 0.5;         // [s] for taking up or releasing the weight
 constexpr double kStillWithin = 0.003;  // [m]
 constexpr Nanoseconds kLongPause = std::chrono::milliseconds(20);
 constexpr int kMostButtons = 32;
-constexpr double kNoForceLeft = 1e-9;  // [N] of a mean of two equal forces
+constexpr double kNoForceLeft = 1e-9;  // [N] rounding of a mean of two equal forces
 // The largest share of the device's continuous force that a tool may weigh.
 constexpr double kMostOfForce = 0.8;
 
@@ -66,7 +66,7 @@ ProtectedDevice::ProtectedDevice(std::unique_ptr<Device> device, const Protectio
       emergency_(std::move(emergency)),
       spec_(protected_spec(device_->spec(), options)) {}
 
-/// A pressed enabling switch counts as still: a person says by it that the hand is there.
+/// A pressed enabling switch counts as still: it shows that a person's hand is there.
 bool ProtectedDevice::still(const DeviceReading& reading, Nanoseconds now) noexcept {
   if (options_.still == 0.0 || reading.deadman) return true;
   if (!since_ || (reading.pose.position - still_at_).norm() > kStillWithin) {
@@ -90,19 +90,19 @@ DeviceReading ProtectedDevice::read(Nanoseconds now) noexcept {
   if (options_.clutch_button) reading.clutch = is_pressed(reading.buttons, *options_.clutch_button);
   if (reading.ok && emergency_->pressed()) {
     if (!reading.fresh) reading.pose = pose_;
-    reading.fresh = true;  // a tick is made of it: that writes the zero
+    reading.fresh = true;  // so that a tick writes the zero
     reading.withheld = Withheld::emergency;
   }
   if (reading.fresh) pose_ = reading.pose;
   if (reading.held) reading.held = less_weight(*reading.held);
   if (!reading.ok || reading.withheld != Withheld::nothing) {
-    // After a fault the hand may be where it was, but what is on it is not known.
+    // After a fault the hand may still be there, but the force on it is unknown.
     stage_ = reading.ok || stage_ == Stage::moving ? Stage::moving : Stage::rising;
     share_ = 0.0;
     since_.reset();
   } else if (stage_ == Stage::open && options_.tool_weight > 0.0 && !lowering_ &&
              now - changed_ > kLongPause) {
-    // It made no ticks, and has let the weight go meanwhile.
+    // The device made no ticks, and has released the weight meanwhile.
     stage_ = Stage::rising;
     share_ = 0.0;
     reading.withheld = Withheld::starting;

@@ -16,12 +16,12 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLatest = 1e10;  // [s] from any epoch; between two times there is always a number
+constexpr double kLatest = 1e10;  // [s] from any epoch; a larger time has too few digits
 constexpr double kNotUnit =
-    0.01;  // a quaternion's norm may be off by so much; printed digits are not more than that
+    0.01;  // largest error of a quaternion's norm; printed digits cause less
 
-/// By the recording's own times: a rate of the servo that is slower than the rows would hide a jump
-/// in a long tick, and a faster one would make a blow of each row.
+/// Finds jumps by the recording's own times. If the servo is slower than the rows, a jump would
+/// hide in a long tick. If it is faster, each row would be a jump.
 std::vector<bool> jumps_of(const Recording& recording, const DeviceSpec& spec) {
   const auto& poses = recording.poses;
   std::vector<bool> jumps(poses.size());
@@ -121,7 +121,7 @@ DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
   const double time = recording_.poses.front().time + passed;
   const std::size_t before = cursor_;
   const Pose pose = pose_at(recording_, time, cursor_);
-  // Also in the rows that were passed over since the last reading.
+  // Include the rows that were skipped since the last reading.
   bool jumped = false;
   for (std::size_t row = std::min(before + 1, cursor_); row <= cursor_; ++row)
     jumped |= jumps_after_[row];

@@ -29,8 +29,8 @@ namespace {
                            std::generic_category().message(error) + "; " + remedy);
 }
 
-/// Keeps other programs away. The lock holds against another program of root, too, which TIOCEXCL
-/// does not; only a program that asks for it sees it.
+/// Keeps other programs away. The lock also stops a program of root, which TIOCEXCL does not, but
+/// only if that program asks for the lock.
 bool keep(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::ioctl(descriptor, TIOCEXCL) == 0;
 }
@@ -80,7 +80,7 @@ std::optional<std::size_t> SerialPort::read(std::span<std::uint8_t> room) const 
     const ssize_t count = ::read(descriptor_, room.data(), room.size());
     if (count > 0) return static_cast<std::size_t>(count);
     if (count < 0 && would_wait()) return 0;
-    return std::nullopt;  // readable, and nothing there: it was unplugged
+    return std::nullopt;  // readable, but empty: it was unplugged
   }
   if (state.revents != 0) return std::nullopt;
   return 0;

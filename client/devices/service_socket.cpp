@@ -49,7 +49,7 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-/// What a server must answer to a key.
+/// The answer that a server must give to a key.
 std::string accepted(const std::string& key) {
   const std::string text = key + std::string(kMagic);
   std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
@@ -58,7 +58,7 @@ std::string accepted(const std::string& key) {
   return base64(std::span(hash).first(size));
 }
 
-/// Connects the socket and asks for a WebSocket. Returns what came behind the service's answer.
+/// Connects the socket and asks for a WebSocket. Returns the bytes after the service's answer.
 std::string shake_hands(int descriptor, std::uint16_t port) {
   const Nanoseconds latest = monotonic_now() + kHandshake;
   sockaddr_in address{};
@@ -230,7 +230,7 @@ ServiceSocket::News ServiceSocket::receive(Nanoseconds latest) noexcept {
   }
 }
 
-/// As far as there are whole ones, or parts of them, by `latest`; one in any case.
+/// Takes frames, or parts of them, until a message ends or `latest`; at least one part.
 ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
   while (!ended_) {
     wslay_frame_iocb part{};
@@ -241,7 +241,7 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     const bool control = part.opcode == WSLAY_PING || part.opcode == WSLAY_PONG ||
                          part.opcode == WSLAY_CONNECTION_CLOSE;
     const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
-    // Begun twice, or gone on with where none was begun.
+    // A message that begins twice, or continues without a beginning.
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
     const bool masked = part.mask != 0;   // only a client's frames may be (RFC 6455, 5.1)
     const bool extended = part.rsv != 0;  // no extension was agreed on (5.2)

@@ -53,7 +53,7 @@ class ServiceSocket {
   bool send(std::string_view text) noexcept;
   /// Returns the bytes of a text for post().
   Frame frame(std::string_view text);
-  /// One system call: async-signal-safe, for any thread.
+  /// Makes one system call: async-signal-safe, for any thread.
   bool post(std::span<const std::uint8_t> frame) const noexcept;
 
   /// Waits for the next message until `latest` (a monotonic time). It answers pings.

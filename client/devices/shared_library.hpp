@@ -26,7 +26,7 @@ class SharedLibrary {
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(symbol(name));
   }
-  /// The same; throws std::runtime_error naming the file and the function if there is none.
+  /// Like find(); throws std::runtime_error naming the file and the function if there is none.
   template <class Function>
   Function* get(const char* name) const {
     return reinterpret_cast<Function*>(needed(name));

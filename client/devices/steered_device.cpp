@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kYieldingTurn = 1.25;  // [rad/s] as kYielding, at an arm of 40 mm
-constexpr double kLongest = 0.05;       // [s] for which a deflection counts that was read once
-constexpr int kReadsATick = 4;          // reads a tick at most: 256 events, four times what comes
+constexpr double kLongest = 0.05;       // [s] for which a deflection read once counts
+constexpr int kReadsATick = 4;          // most reads in a tick: 256 events, four times what comes
 
 OpenedDevice open_steered(std::string_view kind, const DeviceRequest& request) {
   const fs::path node = input_node(Machine{}, kind, request.name);

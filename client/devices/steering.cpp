@@ -13,9 +13,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kRelativeSilence = milliseconds(100);  // 3D mice tell every 8 to 16 ms
+constexpr Nanoseconds kRelativeSilence = milliseconds(100);  // 3D mice report every 8 to 16 ms
 constexpr Nanoseconds kSilence = milliseconds(2000);
-constexpr double kRelativeReach = 350.0;  // of 3Dconnexion's, in what their reports count
+constexpr double kRelativeReach = 350.0;  // of 3Dconnexion's, in counts of their reports
 constexpr double kGripper = 0.08;         // [m] open
 constexpr double kLargestRest = 0.9;
 
@@ -78,7 +78,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   enable_ = BTN_TR;
   clutch_ = BTN_TL;
   others_ = kPadButtons;
-  const bool usual = has[ABS_RX] && has[ABS_RY];  // else as pads without a driver of their own
+  const bool usual = has[ABS_RX] && has[ABS_RY];  // else like pads without their own driver
   const auto put = [&](std::size_t place, unsigned code, double sign) {
     if (has[code]) layout_[place] = absolute(node, code, sign, dead_zone);
   };
@@ -91,7 +91,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   lay_out_gripper(node, has, usual);
 }
 
-/// The right trigger, wherever the pad has it.
+/// Finds the right trigger, which pads report by different codes.
 void InputState::lay_out_gripper(const EventNode& node, const InputAxes& has, bool usual) {
   if (has[ABS_HAT2X]) trigger_ = ABS_HAT2X;
   if (has[ABS_GAS]) trigger_ = ABS_GAS;
@@ -142,7 +142,7 @@ bool InputState::take(const input_event& event, Nanoseconds now, const EventNode
     coming_.axes[event.code] = event.value;
   if (event.type == EV_REL && event.code <= REL_RZ && relative_) {
     const std::size_t group = event.code < REL_RX ? 0 : 1;
-    // A packet tells all three; the kernel leaves out zeros.
+    // A packet reports all three axes; the kernel leaves out zeros.
     if (!moved_[group]) std::fill_n(coming_.axes.begin() + (group == 0 ? REL_X : REL_RX), 3, 0);
     moved_[group] = true;
     coming_.axes[event.code] = event.value;
@@ -157,7 +157,7 @@ void InputState::end_packet(Nanoseconds now) noexcept {
   moved_ = {};
 }
 
-/// -1 to 1, and zero at rest. Square, so that small movements are slow.
+/// -1 to 1, and zero at rest. Squared, so that small deflections give slow movements.
 double InputState::deflection(const Axis& axis, Nanoseconds now) const noexcept {
   if (axis.sign == 0.0) return 0.0;
   if (relative_ && now - moved_at_[axis.code < REL_RX ? 0 : 1] > kRelativeSilence) return 0.0;

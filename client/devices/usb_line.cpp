@@ -11,7 +11,7 @@
 namespace feltwire {
 namespace {
 
-// Of libusb-1.0 (its API is stable since 2008), by its documentation.
+// From the documentation of libusb-1.0 (its API is stable since 2008).
 constexpr int kAccess = -3, kNoDevice = -4, kBusy = -6, kTimeout = -7;
 constexpr std::uint8_t kToDevice = 0x40;  // a vendor's request
 constexpr unsigned char kBulkOut = 0x02, kBulkIn = 0x81;
@@ -33,7 +33,7 @@ struct Version {
   const char *rc, *description;
 };
 
-/// libusb takes 0 for ever.
+/// At least 1 ms, because libusb takes 0 as forever.
 unsigned milliseconds_of(Nanoseconds patience) {
   return static_cast<unsigned>(std::max<std::int64_t>(
       1, std::chrono::duration_cast<std::chrono::milliseconds>(patience).count()));
@@ -72,12 +72,12 @@ struct UsbLine::Calls {
   void (*close)(void*);
   int (*claim)(void*, int);
   int (*release)(void*, int);
-  int (*detach)(void*, int);  // null where it is not
+  int (*detach)(void*, int);  // null if absent
   int (*control)(void*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t, unsigned char*,
                  std::uint16_t, unsigned);
   int (*bulk)(void*, unsigned char, unsigned char*, int, int*, unsigned);
   const char* (*error_name)(int);
-  const Version* (*version)();  // null where it is not
+  const Version* (*version)();  // null if absent
 };
 
 std::unique_ptr<UsbLine::Calls> UsbLine::load() {

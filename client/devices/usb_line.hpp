@@ -35,7 +35,7 @@ class UsbLine {
   bool control(Request request, std::uint16_t value);
   /// The number of bytes that the device took; none: it is gone.
   std::optional<std::size_t> write(std::span<const std::uint8_t> bytes, Nanoseconds patience);
-  /// One packet, without the converter's own two bytes; 0: none had come by then; none: it is gone.
+  /// A packet, without the converter's own two bytes; 0: none had come by then; none: it is gone.
   std::optional<std::size_t> read(std::span<std::uint8_t> room, Nanoseconds patience);
 
   /// "FILE, version 1.0.26", of libusb. Throws std::runtime_error with the remedy.

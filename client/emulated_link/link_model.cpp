@@ -11,14 +11,14 @@
 namespace feltwire {
 namespace {
 
-// Which random number of a datagram is for what. Each has its own, so that one setting leaves what
-// the others do as it was.
+// The uses of a datagram's random numbers. Each use has its own number, so that one setting does
+// not change the effects of the others.
 enum Draw : std::uint64_t { kLoss, kDelay, kDelay2, kReorder, kDuplicate, kCopy, kCopy2, kDraws };
 
 constexpr double kNanoseconds = 1e9;
 
-/// Zero mean, unit variance, from u and v uniform on (0, 1). By transformation, so that it is the
-/// same everywhere.
+/// Zero mean, unit variance, from u and v uniform on (0, 1). A transformation gives equal numbers
+/// everywhere.
 double scatter(Jitter distribution, double u, double v) noexcept {
   switch (distribution) {
     case Jitter::normal:  // Box and Muller 1958
@@ -42,8 +42,8 @@ LinkModel::LinkModel(LinkOptions options, std::uint64_t key)
 }
 
 void LinkModel::set_chain() noexcept {
-  // Runs of losses are geometric with mean 1 / recover; in balance loss * recover =
-  // (1 - loss) * fall_ill. Independent losses are the chain that falls ill as often as it stays so.
+  // Runs of losses are geometric with mean 1 / recover. In balance loss * recover =
+  // (1 - loss) * fall_ill. For independent losses the chain falls ill as often as it stays ill.
   const double loss = options_.loss;
   recover_ = options_.burst > 0.0 ? 1.0 / options_.burst : 1.0 - loss;
   fall_ill_ = loss < 1.0 ? loss * recover_ / (1.0 - loss) : 1.0;
@@ -107,7 +107,7 @@ Nanoseconds LinkModel::delay(std::uint64_t draw) const noexcept {
   return from_seconds(std::clamp(seconds, 0.0, 2.0 * kLongestLinkDelay));
 }
 
-/// Behind those that entered before, where order is kept: a line is first in, first out.
+/// Keeps the order, if wanted: a line is first in, first out.
 Nanoseconds LinkModel::in_order(Nanoseconds arrival) noexcept {
   if (!options_.keep_order) return arrival;
   return newest_arrival_ = std::max(newest_arrival_, arrival);
@@ -130,7 +130,7 @@ LinkFate LinkModel::next(std::size_t size, Nanoseconds now) noexcept {
     };
     fate.copies = 1;
     if (uniform(kReorder) < options_.reorder) {
-      // Behind the line, and the line does not wait for it.
+      // It comes after the line, and the line does not wait for it.
       const Nanoseconds latest = options_.keep_order ? newest_arrival_ : Nanoseconds(0);
       fate.arrivals[0] = std::max(latest, arrival(kDelay)) + from_seconds(options_.reorder_delay);
     } else {

@@ -41,7 +41,7 @@ constexpr std::array kNumbers = {
            &LinkOptions::queue},
 };
 
-/// Which directions an item is for.
+/// The directions that an item applies to.
 struct Directions {
   bool up = true, down = true;
 };
@@ -53,7 +53,7 @@ std::string in_quotes(std::string_view text) { return "'" + std::string(text) + 
 std::string keys() { return choices(kNumbers, ", ", &Number::key) + ", distribution, order, seed"; }
 std::string profile_names() { return choices(kLinkProfiles, ", ", &LinkProfile::name); }
 
-/// Without trailing zeros.
+/// Prints without trailing zeros.
 std::string plain(double value) {
   std::array<char, 32> text;
   const auto end =
@@ -69,7 +69,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// Does `change` to each direction that is meant.
+/// Applies `change` to each chosen direction.
 template <class Change>
 void apply(TwoWayLinkOptions& link, Directions directions, Change change) {
   if (directions.up) change(link.up);

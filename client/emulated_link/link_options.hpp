@@ -15,7 +15,7 @@ namespace feltwire {
 enum class Jitter : std::uint8_t { normal, uniform, pareto };
 inline constexpr std::array<std::string_view, 3> kJitterNames = {"normal", "uniform", "pareto"};
 
-/// One direction of a link. With all zero, every datagram passes at once.
+/// A direction of a link. With all zero, every datagram passes at once.
 struct LinkOptions {
   double delay = 0.0;   // [s] mean
   double jitter = 0.0;  // [s] standard deviation

@@ -12,7 +12,7 @@ namespace feltwire::follower_lines {
 namespace {
 
 constexpr std::string_view kFinite = "is no finite number; write one like 0.25";
-constexpr double kMost = 1e6;  // of any number; what is larger is a mistake
+constexpr double kMost = 1e6;  // largest number; a larger one is a mistake
 
 /// The text up to the next blank; `rest` is what follows it.
 std::string_view word(std::string_view& rest) noexcept {
@@ -53,7 +53,7 @@ std::string_view read_positive(std::string_view text, double& value, bool zero) 
   return {};
 }
 
-/// Calls take(name, value) for each field; it returns what is wrong, if anything.
+/// Calls take(name, value) for each field. take() returns the fault, if any.
 template <class Take>
 std::optional<Fault> each_field(std::string_view rest, Take take) {
   while (!rest.empty()) {
@@ -68,7 +68,7 @@ std::optional<Fault> each_field(std::string_view rest, Take take) {
 }
 
 /// Fields have one bit each, in the order of their lines below: 1, 2, 4, ...
-/// Marks a field as seen; false: it was before.
+/// Marks a field as seen; false: it was seen before.
 bool first_time(unsigned& seen, unsigned bit) noexcept {
   if ((seen & bit) != 0) return false;
   seen |= bit;
@@ -110,8 +110,8 @@ class Writer {
   bool fits_ = true;
 };
 
-/// Finds a field among those that a line may have. The bits of `seen` are theirs in the order of
-/// the calls, which must be the same for each field of the line.
+/// Finds a field among those that a line may have. Each call uses the next bit of `seen`, so the
+/// order of the calls must be the same for each field of the line.
 class KnownFields {
  public:
   KnownFields(std::string_view name, unsigned& seen) : name_(name), seen_(seen) {}
@@ -238,7 +238,7 @@ std::optional<Lines::Line> Lines::next() noexcept {
     const std::size_t end = rest.find('\n');
     if (end == std::string_view::npos) {
       if (rest.size() < kLongestLine) return std::nullopt;
-      const bool more = skipping_;  // it was said already
+      const bool more = skipping_;  // it was reported already
       skipping_ = true;
       begin_ = filled_;
       if (more) return std::nullopt;

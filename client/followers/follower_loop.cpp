@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr Nanoseconds kBetweenJoins = std::chrono::seconds(1);
-constexpr double kBrakes = 0.25;  // [s] enough for any speed and acceleration worth the name
+constexpr double kBrakes = 0.25;  // [s] enough for any real speed and acceleration
 constexpr int kGoodbyes = 3;
 
-/// A join tells of a device. A robot has none, and nothing of it counts but the name.
+/// A join request describes a device. A robot has none, so only the name counts.
 control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec) {
   DeviceSpec device = builtin_device("simulated");
   device.name = spec.name;
@@ -65,7 +65,7 @@ class FollowerLoop {
     if (run_.on_join) run_.on_join();
   }
 
-  /// Until the session or the run is over; true: the run is.
+  /// Serves until the session or the run is over; true: the run is over.
   bool serve() {
     start();
     heard_ = monotonic_now();
@@ -98,7 +98,7 @@ class FollowerLoop {
     return run_.duration > 0.0 && seconds(now - begun_) >= run_.duration;
   }
 
-  /// Until something may have come or a sample is due. The time now.
+  /// Waits until something may have come or a sample is due. Returns the present time.
   Nanoseconds wait() {
     Nanoseconds wake = next_;
     if (const auto due = port_->next_due()) wake = std::min(wake, *due);
@@ -140,7 +140,7 @@ class FollowerLoop {
     next_ += passed * period_;
   }
 
-  /// Without a server: the robot brakes, and holds.
+  /// Ticks without a server: the robot brakes, and holds.
   void tick_on(double time) {
     servo_.reconnected();
     start();

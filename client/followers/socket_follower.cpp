@@ -22,7 +22,7 @@ using follower_lines::Fault;
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// "error LINE: FIELD: WHAT\n" into `text`; returns its length.
+/// Writes "error LINE: FIELD: WHAT\n" into `text`; returns its length.
 std::size_t write_error(std::uint64_t line, const Fault& fault, std::span<char> text) noexcept {
   std::size_t size = 0;
   const auto put = [&](std::string_view part) {
@@ -140,7 +140,7 @@ bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
 }
 
 FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
-  if (!heard_) return target;  // where the robot is nobody knows: it is told nothing
+  if (!heard_) return target;  // the robot's place is unknown, so send no target
   const bool follows = fresh_ && reading_.ok && !reading_.stopped && !hold_.load();
   if (!follows)
     held_ = {reading_.commanded, reading_.gripper};
@@ -154,13 +154,13 @@ FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
 
 void SocketFollower::hold() noexcept {
   hold_.store(true);
-  // At once, whatever read() and write() do: the first line feed ends what may be half sent.
+  // Send at once, whatever read() and write() do. The first line feed ends a half-sent line.
   constexpr std::string_view kNow = "\nhold\n";
   [[maybe_unused]] const ssize_t sent =
       ::send(socket_.get(), kNow.data(), kNow.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// Sends the rest of a line that was sent in part. Returns whether nothing is left of it.
+/// Sends the rest of a partly sent line. Returns whether nothing is left of it.
 bool SocketFollower::flush() noexcept {
   if (pending_size_ == 0) return true;
   const ssize_t count =
@@ -171,7 +171,7 @@ bool SocketFollower::flush() noexcept {
   return pending_size_ == 0;
 }
 
-/// A line that finds no room is left out, and false is returned: the next target is newer.
+/// Drops a line that finds no room, and returns false: the next target is newer.
 bool SocketFollower::send(const char* text, std::size_t size) noexcept {
   if (size == 0 || !connected_ || !flush()) return false;
   const ssize_t count = ::send(socket_.get(), text, size, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -208,7 +208,7 @@ std::unique_ptr<SocketFollower> FollowerListener::wait(Nanoseconds longest) {
   OwnDescriptor driver(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (driver.get() < 0)
     throw std::runtime_error(path_.string() + ": the driver is gone: " + reason());
-  // The least that the kernel takes: old targets must not wait there for a slow driver.
+  // The kernel's smallest buffer: old targets must not wait there for a slow driver.
   const int least = 1;
   ::setsockopt(driver.get(), SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
   follower_lines::Lines lines;

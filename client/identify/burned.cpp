@@ -41,7 +41,7 @@ std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double
   if (ticks.size() < 4 * kHalfWindow || run.turns.size() < 2) return cycles;
   const double period =
       (ticks.back().time - ticks.front().time) / static_cast<double>(ticks.size() - 1);
-  // A force is held from a tick to the next: the middle is half a tick on.
+  // A force is held from one tick to the next, so its middle is half a tick later.
   const VelocityBetween velocity(ticks, 0.5 + delay / period);
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
     const std::size_t first = run.turns[n], end = run.turns[n + 1];
@@ -58,7 +58,7 @@ std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double
       mean_force += ticks[k].force / static_cast<double>(end - first);
     }
     if (!(way > 0.0)) continue;
-    // Subtracts the energy of the ends: of a little speed, and of a step against the mean force.
+    // Subtract the energy left at the ends: of a small speed, and of a step against the mean force.
     const double kinetic = velocity(end).squaredNorm() - velocity(first).squaredNorm();
     work -= 0.5 * mass * kinetic + mean_force.dot(moved);
     cycles.push_back({work / way, squares / way, slow / way});

@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// One closed cycle.
+/// A closed cycle.
 struct BurnedCycle {
   double resistance = 0.0;  // [N] work over length
   double speed = 0.0;       // [m/s] mean along the way

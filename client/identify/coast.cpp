@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array kPushes = {0.4, 0.7, 1.0};       // of the top speed
 constexpr std::array kPlaces = {-0.45, -0.4, -0.35};  // [amplitudes]
-constexpr double kNoForce = 1e-3;                     // [N] that a device may hold of none
+constexpr double kNoForce = 1e-3;                     // [N] that a device may hold instead of none
 constexpr double kMargin = 3e-3;                      // [s] that a force may last beyond the delay
 constexpr double kSlowestCoast = 0.25;                // of the push: below it stiction may act
 constexpr std::size_t kShortest = 10;                 // [ticks]
@@ -36,8 +36,8 @@ struct Slowing {
   double deceleration, speed;  // [m/s^2], [m/s]
 };
 
-/// Over the part without a force. The integral of dv/dt = -(b v + f_c) / m from one tick to another
-/// has no other error than that of both ends.
+/// Uses the part without a force. The integral of dv/dt = -(b v + f_c) / m between two ticks has
+/// only the errors of its two ends.
 std::optional<Slowing> slowing(const CoastRun& run, double delay) {
   std::size_t free = run.ticks.size();
   while (free > 0 && std::abs(run.coast.along.dot(run.ticks[free - 1].force)) < kNoForce) --free;

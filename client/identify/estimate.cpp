@@ -13,17 +13,17 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShare = 0.8;           // of a bound that is reported
-constexpr double kDelayMargin = 0.5e-3;  // [s] the delay may be less or more than it seems
-constexpr double kLeastForce = 2e-3;     // [N] that is not told from nothing
-constexpr double kSticks = 2.0;          // stiction at the turns, over the most resistance found
-constexpr double kSpeedError = 0.02;     // of the mean speed, which windows and ripple round off
+constexpr double kShare = 0.8;           // share of a bound that is reported
+constexpr double kDelayMargin = 0.5e-3;  // [s] error of the delay, in both directions
+constexpr double kLeastForce = 2e-3;     // [N] smaller forces cannot be told from zero
+constexpr double kSticks = 2.0;          // stiction at the turns, over the largest resistance found
+constexpr double kSpeedError = 0.02;     // error of the mean speed, from windows and ripple
 constexpr double kLagShare = 0.02, kLeastLag = 40e-6;  // [s] that is added to the lag's bound
-constexpr double kOpenLag = 0.5e-3;                    // [s] left open: more tells nothing
+constexpr double kOpenLag = 0.5e-3;                    // [s] largest error of a usable lag
 constexpr double kHeld = 25.0;         // [N/m] a hand's stiffness; a free handle has none
-constexpr double kDisagreement = 0.3;  // of the damping, beyond what the fits say of themselves
+constexpr double kDisagreement = 0.3;  // of the damping, beyond the errors that the fits report
 
-/// u' A u of one line, and how far below it the truth may be.
+/// u' A u along a line, and how far below it the truth may be.
 struct AlongLine {
   Vec3 along = Vec3::Zero();
   double value = 0.0, uncertainty = 0.0;
@@ -36,12 +36,12 @@ const AlongLine* find_line(std::span<const AlongLine> lines, const Vec3& along) 
   return found == lines.end() ? nullptr : &*found;
 }
 
-/// A symmetric matrix, and how far each of its numbers may be off.
+/// A symmetric matrix, and the possible error of each of its numbers.
 struct Measured {
   Mat3 value = Mat3::Zero(), uncertainty = Mat3::Zero();
 };
 
-/// Of what is known along the axes and the diagonals of each pair of them.
+/// Finds the matrix from its values along the axes and the diagonals of each pair of axes.
 /// Precondition: all of sweep_plan()'s lines are there.
 Measured measured(std::span<const AlongLine> lines, int dof) {
   Measured found;
@@ -60,8 +60,8 @@ Measured measured(std::span<const AlongLine> lines, int dof) {
   return found;
 }
 
-/// A diagonal matrix D that is surely below A: A - D is diagonally dominant (Gershgorin), or, where
-/// the axes are coupled too much for that, the least eigenvalue of A in every direction.
+/// A diagonal matrix D that is surely below A: A - D is diagonally dominant (Gershgorin). If the
+/// axes are coupled too much for that, D is the least eigenvalue of A in every direction.
 Vec3 diagonal_below(const Measured& a, int dof) {
   Vec3 below = Vec3::Zero();
   for (int i = 0; i < dof; ++i) {
@@ -78,7 +78,7 @@ Vec3 diagonal_below(const Measured& a, int dof) {
   return same;
 }
 
-/// The runs along one line, which stand together in the plan.
+/// The runs along one line, which are adjacent in the plan.
 struct Line {
   Vec3 along = Vec3::Zero();
   std::vector<const SweptRun*> runs;
@@ -101,8 +101,8 @@ std::vector<Line> lines_of(std::span<const SweptRun> runs) {
   return lines;
 }
 
-/// A lower bound of the friction along one line: the smaller of the estimates by all cycles and by
-/// the faster half, in which stiction is over.
+/// A lower bound of the friction along one line: the smaller of two estimates. One uses all cycles,
+/// the other only the faster half, where stiction is over.
 double friction_below(const std::vector<BurnedCycle>& cycles) {
   const FittedLine all = fitted_line(cycles);
   double fastest = 0.0, most = 0.0, slow_share = 0.0;
@@ -139,9 +139,9 @@ std::string line_name(const Vec3& along) {
   return text;
 }
 
-/// Empty: the other measurement says no less than the energy does. It says more where stiction
-/// bends the line or axes have a friction each, and the less is the safe one. `open`: what both
-/// leave open.
+/// Empty unless the other measurement finds clearly less damping than the energy does. It may find
+/// more if stiction bends the line or each axis has its own friction; then the smaller value is the
+/// safe one. `open`: the uncertainty of both.
 std::string disagreement(const Vec3& along, const FittedLine& energy, const char* other,
                          double damping, double open) {
   if (energy.slope - damping <= kDisagreement * std::abs(energy.slope) + open) return {};
@@ -152,7 +152,7 @@ std::string disagreement(const Vec3& along, const FittedLine& energy, const char
   return text.str();
 }
 
-/// Takes the decay along an axis: it can only lower the damping.
+/// Takes the decay along an axis, which can only lower the damping.
 void cross_check(std::span<const CoastRun> coasts, std::size_t axis, const Line& line,
                  const FittedLine& energy, const AlongLine& damping, DeviceEstimate& found) {
   const ImpulseFit& impulse = line.impulse;
@@ -225,8 +225,8 @@ DeviceEstimate estimate(std::span<const SweptRun> all_runs, std::span<const Coas
     dampings.push_back({line.along, energy.slope, t * energy.slope_error});
     masses.push_back({line.along, impulse.mass, student(30) * impulse.mass_error});
     found.friction = std::min(found.friction, energy.offset);
-    // A delay that is made good in part takes from the fast sweeps, and so adds to the friction;
-    // one that is made good in excess takes from it.
+    // A delay that is compensated too little takes from the fast sweeps, and so adds to the
+    // friction. A delay that is compensated too much takes from the friction.
     found.friction_bound = std::min({found.friction_bound, friction_below(cycles),
                                      friction_below(cycles_of(line, most_delay + kDelayMargin))});
     if (pull_back(*line.runs.front()) > kHeld)

@@ -11,23 +11,23 @@
 namespace feltwire {
 namespace {
 
-// A soft spring and damper towards where the handle is led: as a light hand.
+// A soft spring and damper towards the place to which the handle is led, like a light hand.
 constexpr double kStiffness = 200.0, kDamping = 2.0;  // [N/m], [N s/m]
-constexpr double kBrake = 5.0;  // [N s/m] more, on the speed that exceeds the sweep's by half
+constexpr double kBrake = 5.0;  // [N s/m] more, on the speed beyond the sweep's by half
 constexpr double kExcess = 1.5;
 constexpr double kFilter = 3e-3;  // [s] of the velocity that the damper sees
 constexpr double kSlew = 100.0;   // [N/s]
 constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;  // [s]
-constexpr double kBeyond = 0.03;   // [s] after the last cycle: what the windows look at
-constexpr double kRoom = 1.5;      // ticks that there is room for, over those that are awaited
+constexpr double kBeyond = 0.03;   // [s] after the last cycle, for the windows
+constexpr double kRoom = 1.5;      // room for ticks, over the expected ones
 constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
-// A coast: its longest time and way, and the speeds [of the push] at which it is over. What is not
-// balanced falls.
+// A coast: its longest time and way, and the speeds [of the push] at which it ends. An unbalanced
+// handle falls.
 constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
 constexpr double kCoasted = 0.15, kFallen = 1.3;
 constexpr double kLeastBrake = 1.0;  // [m/s^2]
 // The force that shakes: its first and its largest amplitude [of the largest force], the speed that
-// it makes [of the sweep's], and the times [s] in which it grows e-fold, or shrinks.
+// it causes [of the sweep's], and the times [s] in which it grows e-fold, or shrinks.
 constexpr double kFirstShake = 0.02, kMostShake = 0.5;
 constexpr double kLeastSwing = 0.5, kMostSwing = 0.7;
 constexpr double kShakeGrows = 0.12, kShakeShrinks = 0.03, kSwingFades = 0.1;
@@ -127,7 +127,7 @@ void Identification::held(const Vec3& force) noexcept {
   if (recorded_ != nullptr) recorded_->back().force = force;
 }
 
-/// Gives up where the reading is one that a free handle, led softly, cannot give.
+/// Gives up if a free handle, led softly, cannot give such a reading.
 bool Identification::odd(double time, const Vec3& position) noexcept {
   if (!position.allFinite()) return give_up("the device gave a position that is no number"), true;
   const double span = time - last_;
@@ -192,7 +192,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
         begin(Phase::brake, time);
       break;
     }
-    case Phase::brake: {  // from the speed that it has to rest, as at a sweep's turn
+    case Phase::brake: {  // from its present speed to rest, as at a sweep's turn
       const Coast& coast = coasts_[coast_].coast;
       meant = coast.speed;
       const double speed = std::max(coasted_, 0.0);
@@ -220,7 +220,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
 }
 
 /// [N] The force along a shaken sweep. In the cycle before the measured ones its amplitude grows
-/// until the handle swings by half of the sweep's speed: then dry friction keeps its sense.
+/// until the handle swings by half of the sweep's speed: then dry friction keeps its direction.
 double Identification::shaken(const Sweep& sweep, double in_phase, double span) noexcept {
   const double cycle = cycle_time(sweep, limits_.amplitude);
   if (in_phase < span + 1e-9 || shake_level_ == 0.0) {
@@ -251,7 +251,7 @@ const Vec3& Identification::line_along() const noexcept {
   return sweeps() ? runs_[run_].sweep.along : coasts_[coast_].coast.along;
 }
 
-/// The next sweep or coast, or the end.
+/// Begins the next sweep or coast, or ends.
 void Identification::next(double time) noexcept {
   const bool last = !sweeps() && coast_ + 1 == coasts_.size();
   if (sweeps())
@@ -261,7 +261,7 @@ void Identification::next(double time) noexcept {
   begin(last ? Phase::fade : Phase::approach, time);
 }
 
-/// The tick that is recorded next begins a cycle, or ends the last one.
+/// Marks a turn if the next recorded tick begins a cycle, or ends the last one.
 void Identification::look_for_turn(double in_phase) noexcept {
   SweptRun& run = runs_[run_];
   const double next = static_cast<double>(run.turns.size()) + 1.0;

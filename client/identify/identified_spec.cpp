@@ -27,8 +27,8 @@ nlohmann::ordered_json numbers(const Damping& damping) {
   return all;
 }
 
-/// A motor that is late by up to a servo period may be so by a delay, a first-order lag or both.
-/// The account cannot reckon with a longer first-order lag; then the most of it is a delay.
+/// A motor that is late by up to a servo period may have a delay, a first-order lag or both. The
+/// account cannot handle a longer first-order lag, so a longer lag is described as a delay.
 std::pair<LagKind, double> told_lag(double bound) {
   constexpr double kLongestMixed = 1e-3, kTail = 0.5e-3;  // [s]
   if (bound <= kLongestMixed) return {LagKind::mixed, bound};
@@ -48,7 +48,7 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   spec.least_mass = std::min(found.mass_bound, spec.apparent_mass);
   spec.coulomb_friction = std::max(found.friction, 0.0);
   spec.least_friction = std::min(found.friction_bound, spec.coulomb_friction);
-  // Noise as coarse as a quantum of sqrt(12) times its RMS.
+  // Treat noise like a quantum of sqrt(12) times its RMS.
   spec.position_resolution = std::max(found.quantum, std::sqrt(12.0) * found.noise);
 
   const std::string by = "identify, " + date;

@@ -10,9 +10,9 @@ namespace feltwire {
 namespace {
 
 constexpr double kDelayStep = 0.25e-3, kLongestDelay = 8e-3;  // [s]
-constexpr double kSlowest = 0.2;  // of the sweep's speed: slower ticks tell stiction, not friction
+constexpr double kSlowest = 0.2;  // of the sweep's speed: slower ticks show stiction, not friction
 
-/// Means over the same window of ticks, along the sweep: so noise and delay meet all alike.
+/// Means over one window of ticks, along the sweep: noise and delay affect all of them alike.
 struct Means {
   double force, velocity, acceleration;
 };
@@ -41,7 +41,7 @@ struct Fit {
   bool valid = false;
 };
 
-/// `shift` [ticks] of the movement behind the force.
+/// `shift` [ticks]: delay of the movement after the force.
 Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   const auto whole = static_cast<std::size_t>(shift);
   const double part = shift - std::floor(shift);
@@ -64,7 +64,7 @@ Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   if (count < 100) return found;
   const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
   found.x = solver.solve(right);
-  // Neighbours share their windows: so many ticks tell one thing.
+  // Neighbours share their windows: so many ticks give one independent value.
   const double independent = count / (4.0 * kHalfWindow);
   found.variance = std::max(0.0, square - found.x.dot(right)) / count;
   const Eigen::Matrix4d inverse = solver.solve(Eigen::Matrix4d::Identity());

@@ -15,13 +15,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSettled = 0.05;    // of a way's time after its turn, before the test function
+constexpr double kSettled = 0.05;    // of a way's time between its turn and the test function
 constexpr int kRounds = 6;           // of Newton's rule
 constexpr double kClose = 1e-8;      // [s]
 constexpr double kMostLag = 4e-3;    // [s] beyond it a lag of first order turns less than w L
-constexpr double kMassChange = 0.3;  // of the apparent mass: then a resonance is near
+constexpr double kMassChange = 0.3;  // change of the apparent mass near a resonance
 constexpr int kLeastFrequencies = 3;
-constexpr int kSurplus = 4;  // of equations over unknowns
+constexpr int kSurplus = 4;  // more equations than unknowns
 
 /// sin^4 over one way, times exp(-j w t), with its derivatives; `t` [s].
 class TestFunction {
@@ -31,7 +31,7 @@ class TestFunction {
 
   double ends() const { return ends_; }
   double turn() const { return turn_; }  // w [rad/s]
-  /// Its derivative of that order; of order 0 it is the function.
+  /// Its derivative of that order; order 0 is the function itself.
   Complex derived(int order, double t) const {
     if (!(t > begins_ && t < ends_)) return 0.0;
     // sin^4 is a sum of five exponentials.
@@ -52,18 +52,18 @@ class TestFunction {
   double begins_, ends_, turn_;
 };
 
-/// The integrals over one way of a run, its cycles turned back to one phase.
+/// The integrals over one way of a run, with its cycles turned back to one phase.
 struct ShakenWay {
   const SweptRun* run;
   TestFunction test;
   Complex accelerated = 0.0;  // of x p''
   Complex moved = 0.0;        // of -x p'
 
-  /// The integral of f(t - lag) p. A force is held to the next tick: Simpson's rule over its time.
+  /// The integral of f(t - lag) p. A force is held to the next tick: Simpson's rule in between.
   Complex forced(double lag) const;
 };
 
-/// Calls visit(the turn of its phase, ticks of the cycle and all after it, the time of its begin).
+/// Calls visit(turn back by the phase, ticks from the cycle's begin on, time of that begin).
 template <class Visit>
 void for_each_cycle(const SweptRun& run, Visit visit) {
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
@@ -94,7 +94,7 @@ ShakenWay way_of(const SweptRun& run, const TestFunction& test) {
     for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
       const double at = ticks[k].time - origin;
       if (at > test.ends()) break;
-      // Trapezoids, which are exact enough: the ends are nothing.
+      // Trapezoids are exact enough, because the function is zero at the ends.
       const double span = 0.5 * (ticks[k + 1].time - ticks[k - 1].time);
       const double x = run.sweep.along.dot(ticks[k].position - ticks[0].position);
       way.accelerated += turned * span * x * test.derived(2, at);
@@ -124,9 +124,9 @@ Eigen::Index line_of(std::span<const Vec3> lines, const ShakenWay& way) {
   return std::find(lines.begin(), lines.end(), way.run->sweep.along) - lines.begin();
 }
 
-/// Leaves out the frequencies of a line from which on the apparent mass is another than at the
-/// lowest one: there a transmission or a spring resonates, and its loss has another form. Empty if
-/// a line keeps too few. Precondition: the frequencies of each line rise.
+/// Drops the frequencies of a line from which on the apparent mass differs from that at the lowest
+/// one: there a transmission or a spring resonates, and its loss has another form. Empty if a line
+/// keeps too few. Precondition: the frequencies of each line rise.
 std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
                                        std::span<const Vec3> lines) {
   std::vector<ShakenWay> kept;
@@ -148,7 +148,7 @@ std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
   return kept;
 }
 
-/// Least squares without the columns that are left out.
+/// Least squares with only some of the columns.
 struct Solution {
   Eigen::VectorXd x;
   double variance = 0.0, first_error = 0.0;
@@ -183,7 +183,7 @@ LagFit lag_fit(std::span<const SweptRun> runs) {
   const std::vector<ShakenWay> ways = below_resonance(shaken, lines);
   double top = 0.0;  // [rad/s]
   for (const ShakenWay& way : ways) top = std::max(top, way.test.turn());
-  // The unknowns: the lag; then of each line its damping, and its other loss at the top frequency.
+  // The unknowns: the lag, the damping of each line, and its other loss at the top frequency.
   const auto count = static_cast<Eigen::Index>(lines.size());
   const auto equations = static_cast<Eigen::Index>(ways.size());
   if (equations < 1 + 2 * count + kSurplus) return fit;

@@ -15,8 +15,8 @@ namespace {
 constexpr Nanoseconds kPatience = std::chrono::milliseconds(50);
 constexpr Nanoseconds kHung = std::chrono::milliseconds(100);
 constexpr Nanoseconds kGivenUp = std::chrono::seconds(1);
-constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);  // two questions to a person
-// Before it begins: how long a fault may last, a person may take, and the device must be usable.
+constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);  // two requests to a person
+// Before it begins: the longest fault, a person's longest time, and how long it must be usable.
 constexpr Nanoseconds kLongestFault = std::chrono::seconds(5);
 constexpr Nanoseconds kLongestWithheld = std::chrono::seconds(60);
 constexpr Nanoseconds kUsable = std::chrono::milliseconds(200);

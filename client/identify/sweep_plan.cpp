@@ -15,12 +15,12 @@ struct Speed {
 constexpr std::array kSpeeds = {Speed{0.16, 1}, Speed{0.32, 1}, Speed{0.5, 2}, Speed{0.72, 3},
                                 Speed{1.0, 5}};
 
-// The lowest makes three periods in a way. Losses beside the damping grow with the frequency.
+// The lowest makes three periods in a way. Losses other than damping grow with the frequency.
 constexpr std::array kShakes = {10.0, 14.0, 20.0, 28.0, 40.0};  // [Hz]
 constexpr double kShakenSpeed = 0.5;                            // of the top speed
 constexpr int kShakenCycles = 4;                                // one for each phase
 
-/// Of one way, in units of its length, at the time t in 0..1 of it.
+/// The place on a way, in units of its length, at the time t in 0..1 of it.
 double way(double t) {
   const double speed = 1.0 / (1.0 - kTurnShare);
   if (t < kTurnShare) return 0.5 * speed * t * t / kTurnShare;

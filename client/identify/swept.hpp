@@ -16,7 +16,7 @@ struct Sweep {
   double shake = 0.0;          // [Hz] of a force along it that shakes the handle; 0: none
 };
 
-/// One tick.
+/// A tick.
 struct SweptTick {
   double time = 0.0;             // [s] of the reading
   Vec3 position = Vec3::Zero();  // [m] as read

@@ -19,7 +19,7 @@
 namespace feltwire {
 namespace {
 
-constexpr int kHousekeeping = 50;  // [ms] between looks at the rings
+constexpr int kHousekeeping = 50;  // [ms] between checks of the rings
 const std::string kLost = "the session was lost";
 
 constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
@@ -28,7 +28,7 @@ std::atomic<pthread_t> taker{};  // the thread that takes the signals
 static_assert(std::atomic<pthread_t>::is_always_lock_free);
 
 /// Runs in a thread that began before the signals were blocked, as those of a device's driver and
-/// of its maker's library do. Without it such a thread would end the program, and leave the last
+/// of its maker's library do. Without it the signal would end the program there, and leave the last
 /// force on the hand.
 void pass_on(int signal) { ::pthread_kill(taker.load(), signal); }
 
@@ -40,7 +40,7 @@ void handle(int signal, void (*handler)(int)) noexcept {
   ::sigaction(signal, &action, nullptr);
 }
 
-/// Also where the system fails to wait, so that looks do not follow each other without end.
+/// Also pauses if the system cannot wait, so that checks do not follow each other without end.
 void wait(std::array<pollfd, 3>& waiting) noexcept {
   if (::poll(waiting.data(), waiting.size(), kHousekeeping) < 0 && errno != EINTR) {
     const timespec pause{.tv_sec = 0, .tv_nsec = kHousekeeping * 1'000'000L};
@@ -59,13 +59,13 @@ void show(StatusLine& line, const LiveStatus& status, const Records& records,
   }
 }
 
-/// Says what an admin has changed, or what was refused, and writes it down.
+/// Reports what an admin has changed, or what was refused, and records it.
 void tell_of(Changes& changes, StatusLine& line, Records& records,
              Reconnector& reconnector) noexcept {
   while (const Changes::Done* done = changes.next(reconnector.sessions())) try {
       const bool taken = done->refusal.empty();
-      // First: a session that is joined with another law than the hand has is worse than a line
-      // that is not written.
+      // First, because a session that is joined with another law than the hand's is worse than a
+      // missing line.
       if (taken && done->prepared.law) reconnector.put_law(changes.law());
       line.end();
       std::fprintf(stderr, "feltwire-client: an admin changes this session: %s%s%s\n",
@@ -78,7 +78,7 @@ void tell_of(Changes& changes, StatusLine& line, Records& records,
     }
 }
 
-/// Says once why what was fetched is not used.
+/// Says once why fetched data is not used.
 void tell_of(const SceneFetch& fetch, std::string& told, StatusLine& line) noexcept {
   if (fetch.refusal() == told) return;
   try {
@@ -134,7 +134,7 @@ void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statu
             Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
             std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
-  std::string told;  // of what was fetched
+  std::string told;  // about the fetched data
   bool connected = true;
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
                                  {thread.over_descriptor(), POLLIN, 0},

@@ -15,7 +15,7 @@ Changes::Changes(const Client& client)
       port_(client.port),
       takes_(client.takes) {}
 
-/// All of it, or nothing.
+/// Takes the whole change, or nothing.
 Changes::Done Changes::judged(const ClientChange& change) {
   Done done;
   done.prepared.number = change.number;
@@ -48,7 +48,7 @@ Changes::Done Changes::judged(const ClientChange& change) {
   return done;
 }
 
-/// A refusal that is not kept. It takes no memory: `why` is short enough for a string's own room.
+/// A refusal that is not kept. It takes no memory: `why` fits into a string's own buffer.
 Changes::Done& Changes::refused(const char* why) noexcept {
   Done& done = not_kept_[next_not_kept_];
   next_not_kept_ = (next_not_kept_ + 1) % not_kept_.size();

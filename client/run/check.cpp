@@ -43,7 +43,7 @@ Finding wakeups(const RunFigures& run) {
                kQuietMachine);
 }
 
-/// Deep sleep matters where ticks are late.
+/// Deep sleep matters only if ticks are late.
 Finding processors(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kShort = 50;  // [us]
   const bool late = wakeups(run).verdict != Verdict::pass;

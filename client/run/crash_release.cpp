@@ -18,7 +18,7 @@ constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSY
 constexpr std::array kIgnored = {SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
 /// No program can react to the first two; the others end no program.
 constexpr std::array kHarmless = {SIGKILL, SIGSTOP, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
-/// [ns] that a thread of a driver is given, which does what release() asked for (LetGo).
+/// [ns] for a driver's thread to do what release() asked for (LetGo).
 constexpr timespec kTimeToLetGo{.tv_sec = 0, .tv_nsec = 20'000'000};
 
 std::atomic<Device*> device_to_release{nullptr};
@@ -35,13 +35,13 @@ void release_and_die(int signal) {
     timespec left = kTimeToLetGo;
     while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
   }
-  // As if there were no handler: SA_RESETHAND has put the default back.
+  // As without a handler: SA_RESETHAND has restored the default.
   ::raise(signal);
 }
 
-/// The C library keeps the signals between the usual and the real-time ones to itself, and lets no
-/// program handle them. It handles one when it needs it. Until then another program's would end
-/// this one. So they are ignored, by the kernel's own call: the C library's refuses.
+/// The C library reserves the signals between the usual and the real-time ones, and lets no program
+/// handle them. It handles one when it needs it. Until then such a signal of another program would
+/// end this one. So the kernel's own call ignores them: the C library's call refuses.
 class OwnSignals {
  public:
   static constexpr int kFirst = 32;

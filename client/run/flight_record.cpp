@@ -33,7 +33,7 @@ void FlightRecord::add(const TickRecord& row) noexcept {
                                          row.no_force == NoForce::device_fault};
   for (std::size_t i = 0; i < kCauses; ++i) {
     Cause& cause = causes_[i];
-    // One that comes and goes is one: all of it is in the file, or in the next.
+    // A cause that comes and goes counts once: all of it is in the file, or in the next.
     const bool again = cause.began && row.time - *cause.began < kKept;
     if (now[i] && !cause.stands && !again) {
       cause.due = true;

@@ -30,7 +30,7 @@ double resolution() {
 }
 
 /// Documentation/power/pm_qos_interface.rst of the kernel: a signed 32 bit number of microseconds.
-/// To open the file asks for no latency of one's own until something is written.
+/// Opening the file requests no latency until something is written.
 std::optional<int> wake_latency() {
   const int file = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;

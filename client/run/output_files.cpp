@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two equal ones are the same file: its inode, or the folder's inode and the name it will have.
+/// Two equal places are the same file: its inode, or the folder's inode and the name it will have.
 struct Place {
   dev_t device = 0;
   ino_t inode = 0;
@@ -25,7 +25,7 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-/// Nothing for a pipe or a device, which may be written to by several.
+/// Nothing for a pipe or a device, to which several may write.
 std::optional<Place> place_of(const fs::path& file) {
   const fs::path target = followed(file);
   struct stat status {};

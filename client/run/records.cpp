@@ -40,7 +40,7 @@ void Records::open_flight(const Files& files) {
   }
 }
 
-/// A hand may hold a force meanwhile: that there is no memory to say it nicely ends nothing.
+/// A hand may hold a force meanwhile, so missing memory for a good message must not end the run.
 void Records::tell(const char* what) const noexcept {
   try {
     std::fprintf(errors_, "feltwire-client: %s\n", visible(what).c_str());

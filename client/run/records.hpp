@@ -45,7 +45,7 @@ class Records {
   void finish() noexcept;
   /// Writes the last seconds to a file of their own, and returns it; empty: there is none.
   std::optional<std::filesystem::path> write_flight_record(const std::string& cause) noexcept;
-  /// The same, and tells the user the file.
+  /// Calls write_flight_record(), and tells the user the file.
   void tell_of_flight_record(const std::string& cause) noexcept;
   /// All flight records so far.
   const std::vector<WrittenFlight>& flight_records() const { return flight_records_; }

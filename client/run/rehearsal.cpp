@@ -22,14 +22,14 @@ namespace feltwire {
 namespace {
 
 constexpr double kCalm = 10e-6;        // [m] as in docs/lab/frontier.md
-constexpr double kWhole = 0.9;         // share of a wall that is felt as it is
+constexpr double kWhole = 0.9;         // smallest felt share of a wall that counts as whole
 constexpr double kUsualWall = 1000.0;  // [N/m]
 constexpr double kAssumedMass = 0.1;   // [kg]
 constexpr double kMostForce = 3.0;     // [N]
-constexpr double kAnyTime = 1.0;       // [s] at which a press begins
-constexpr double kLate = 0.1;          // of a period by which a tick comes late, at most
-constexpr int kBetweenLooks = 100;     // [ticks] that it goes on after it was stopped
-constexpr int kPause = 4;              // of the time that a piece took, after it
+constexpr double kAnyTime = 1.0;       // [s] when a press begins
+constexpr double kLate = 0.1;          // of a period: the largest delay of a tick
+constexpr int kBetweenLooks = 100;     // [ticks] between checks for a stop
+constexpr int kPause = 4;              // length of a pause, in times of the piece before it
 constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] of a press
 constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};  // [N/m]
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
@@ -39,8 +39,8 @@ double press_force(const DeviceSpec& spec) {
   return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
 }
 
-/// The handle's place over a time: its mean, and its RMS about a straight line, since what only
-/// drifts does not swing.
+/// The handle's place over a time: its mean, and its RMS about a straight line, because drift is no
+/// oscillation.
 class HandleAtRest {
  public:
   void add(double t, double y, double force) {
@@ -58,7 +58,7 @@ class HandleAtRest {
   double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
 };
 
-/// A wall below y = 0: each device has a force along y.
+/// A wall below y = 0, because each device has a force along y.
 Reply wall_reply(const Sample& sample, double stiffness) {
   Reply reply;
   reply.sample_index = sample.index;
@@ -88,7 +88,7 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   return SimulatedDevice(options);
 }
 
-/// Empty: it was stopped.
+/// Empty if it was stopped.
 std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& parameters,
                           const ServoOptions& options, double wall, const Hand& hand,
                           const std::function<bool()>& goes_on) {
@@ -216,7 +216,7 @@ RehearsalThread::RehearsalThread(const DeviceSpec& spec, const SessionParameters
                          visible(error.what()).c_str());
           }
         });
-  } catch (const std::exception&) {  // the run does without
+  } catch (const std::exception&) {  // the run continues without it
   }
 }
 

@@ -29,7 +29,7 @@ Json micrometres(const std::optional<double>& metres) {
   return metres ? number(kMicro * *metres) : Json(nullptr);
 }
 
-/// Null where nothing was recorded: a zero would be a claim.
+/// Null if nothing was recorded: a zero would claim a measurement.
 Json quantile(const Histogram& h, double q, double scale) {
   return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
 }
@@ -142,7 +142,7 @@ Json server(const Servo& servo) {
           {"recovering", reply.recovering}};
 }
 
-/// Null where nothing was fetched, or nothing limits it.
+/// Null if nothing was fetched, or nothing limits it.
 Json allowed_work(const Servo& servo) {
   const FetchedScene* fetched = servo.fetched();
   if (fetched == nullptr || fetched->most_work == WorkLimit::kUnlimited) return nullptr;
@@ -176,7 +176,7 @@ Json let_go(const LoopResult& loop) {
       {"in", loop.stood_still ? Json(name_among(kDeviceCallNames, loop.still_in)) : Json(nullptr)}};
 }
 
-/// The account's balance and its counts; null where no account stands.
+/// The account's balance and its counts; null without an account.
 Json account(const Servo& servo) {
   if (!servo.account()) return nullptr;
   const AccountStatistics& s = servo.account()->statistics();
@@ -230,7 +230,7 @@ Json hand_credit(const std::optional<HandCredit>& credit) {
           {"untold_lag_s", number(credit->untold_lag)}};
 }
 
-/// Ticks by why the hand was given no force, and the reason of a run that gave none at all.
+/// Ticks by the reason why the hand got no force, and the reason of a run that gave none at all.
 Json no_force(const ServoStatistics& s) {
   Json samples = Json::object();
   for (std::size_t i = 1; i < kNoForceReasons; ++i)
@@ -279,7 +279,7 @@ Json states(const std::vector<LinkState>& robots) {
   return list;
 }
 
-/// Null where the hand leads no robot.
+/// Null if the hand leads no robot.
 Json robot(const Servo& servo) {
   if (!servo.remote()) return nullptr;
   return link_states_json(servo.link_states());
@@ -401,7 +401,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
   };
   if (loop.end == EndReason::server_goodbye)
     report["goodbye_reason"] = name_among(kGoodbyeReasonNames, loop.goodbye);
-  // A name may be any bytes; the report stays JSON.
+  // A name may contain any bytes; the report must stay JSON.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -16,7 +16,7 @@ constexpr std::size_t kMemory = 1 << 18;  // [bytes] a report is some ten thousa
 
 std::atomic<void*> put_by{nullptr};
 
-/// Of operator new, which tries again when this returns.
+/// The handler of operator new, which tries again when this returns.
 void give_memory_back() {
   void* memory = put_by.exchange(nullptr);
   if (memory == nullptr) throw std::bad_alloc();

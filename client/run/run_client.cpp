@@ -107,7 +107,7 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
   return 1;
 }
 
-/// Once, where the servo thread was not given what it asked for.
+/// Warns once if the servo thread did not get what it asked for.
 void warn_of_missing(const RealTime& granted, int priority) noexcept {
   try {
     if (const std::string less = missing(granted, priority); !less.empty())
@@ -128,7 +128,7 @@ struct Run : ServoTask {
   Ring<const FetchedScene*> fetched{kSessionRoom};
 };
 
-/// For the metadata of MCAP files.
+/// The metadata of MCAP files.
 std::map<std::string, std::string> about(const RunOptions& options) {
   return {{"client", options.name},
           {"device", options.device_kind},
@@ -149,7 +149,7 @@ std::optional<FlightTarget> flight_target(const RunOptions& options) {
   return FlightTarget{*options.flight_recorder, about(options), options.flight_recorder_required};
 }
 
-/// Names a device among those of this process.
+/// A name for the device among those of this process.
 std::string key_of(const RunOptions& options, const DeviceSpec& spec) {
   return options.device_kind + ' ' + spec.name;
 }
@@ -175,7 +175,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
     servo.seats = accepted.seats;
     servo.seat = seat_of(options.robot, accepted.seats);
   }
-  // A robot may touch things that are stiffer or softer than the scene: nobody knows.
+  // A robot may touch stiffer or softer things than the scene's: their stiffness is unknown.
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
@@ -201,7 +201,7 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
-/// The session for which the scene may be fetched in full; 0: that is not wanted, or of no use.
+/// The session for which to fetch the scene in full; 0: it is not wanted, or of no use.
 std::uint64_t fetching_session(const control::JoinAccepted& accepted, const RunOptions& options) {
   const bool fetches = options.whole_surfaces && accepted.lists_surfaces &&
                        accepted.parameters.local_model && feels(options.role);
@@ -245,7 +245,7 @@ void write_report(const std::filesystem::path& file, const RunDescription& descr
                                 port_report(run.transport->port())));
 }
 
-/// A second time where the first fails: what the system refused once it may give now.
+/// Tries a second time if the first fails: the system may now give what it refused.
 void write_report_surely(const std::filesystem::path& file, const RunDescription& described,
                          const Run& run) {
   try {
@@ -294,8 +294,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
       joined.accepted.parameters, device->spec().rotation_sensed > 0,
       options.open_port ? options.open_port(joined.datagrams) : open_udp_port(joined.datagrams),
       PositionScale{device->spec().position_resolution, joined.accepted.stiffness});
-  joined.keys = {};  // the transport has what is still needed of them
-  // From here on the server knows of us: whatever fails, it is told.
+  joined.keys = {};  // the transport has the parts that are still needed
+  // From here on the server has a session for this client: it is told of every failure.
   std::shared_ptr<Run> all;
   std::optional<Reconnector> reconnector;
   std::optional<SceneFetch> fetch;

@@ -24,7 +24,7 @@ std::string one_way(const char* way, double delay, double jitter, bool known) {
   return part.data();
 }
 
-/// [%] of the samples between the two that were lost; late answers may make it too much for a
+/// [%] of the samples between the two that were lost. Late answers may make it too large for a
 /// while.
 double loss(const LiveStatus& status, const LiveStatus& before) {
   const double samples = static_cast<double>(status.samples - before.samples);
@@ -32,7 +32,7 @@ double loss(const LiveStatus& status, const LiveStatus& before) {
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
 }
 
-/// "  oscillation 3 um  stiffness 487 N/m"; each only where it was measured.
+/// "  oscillation 3 um  stiffness 487 N/m"; each only if it was measured.
 std::string feel(const LiveStatus& status, const LiveStatus& before) {
   constexpr double kMicrometres = 1e6;
   std::string line;
@@ -89,7 +89,7 @@ std::string account(const LiveStatus& s, const LiveStatus& before) {
   return line;
 }
 
-/// "  contact cut off in 34 % of the ticks": what it would take is more than a tick has for it.
+/// "  contact cut off in 34 % of the ticks": it costs more time than a tick has for it.
 std::string cut_contact(const LiveStatus& s, const LiveStatus& before) {
   if (s.contact_cuts <= before.contact_cuts || s.samples <= before.samples) return {};
   std::array<char, kLongest> part{};
@@ -180,7 +180,7 @@ std::string feel_text(const HandMeasures& measures) {
 StatusLine::StatusLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 void StatusLine::show(const LiveStatus& status, std::string_view more) {
-  constexpr double kEvery = 1.0;  // [s] where lines pile up
+  constexpr double kEvery = 1.0;  // [s] if lines are not rewritten
   if (!terminal_ && shown_ >= 0.0 && status.time - shown_ < kEvery) return;
   const std::string line = text(status, before_).append(more);
   std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", line.c_str(), terminal_ ? "\x1b[K" : "\n");

@@ -20,7 +20,7 @@ std::string feel_text(const HandMeasures& measures);
 /// ", contact cut off in 12 ticks"; empty if it was in none.
 std::string cut_text(const ServoStatistics& statistics);
 
-/// One line about a run on standard error: rewritten in place on a terminal, one line a second
+/// The line about a run on standard error: rewritten in place on a terminal, printed once a second
 /// elsewhere.
 class StatusLine {
  public:

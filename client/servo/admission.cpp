@@ -8,7 +8,7 @@ namespace feltwire {
 
 double Admission::energy(const Tick& tick, const PortAccount& account) noexcept {
   const double wanted = length(tick.command.elastic);
-  if (!(wanted > 0.0)) {  // the contact is lost: what was pressed into it is gone
+  if (!(wanted > 0.0)) {  // the contact is lost, and so is the energy pressed into it
     forget();
     return 0.0;
   }

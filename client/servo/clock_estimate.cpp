@@ -8,15 +8,15 @@ namespace {
 
 constexpr double kSecond = 1e-9;           // of nanoseconds
 constexpr double kLongestExchange = 60.0;  // [s]
-constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no clock worth the name is worse
-constexpr double kUsualDrift = 20e-6;      // [s/s] of a crystal: what is believed before it shows
-// The uncertainty of even the fastest exchange: the scheduling of two machines.
+constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no usable clock is worse
+constexpr double kUsualDrift = 20e-6;      // [s/s] of a crystal: assumed until it is measured
+// The uncertainty of even the fastest exchange, from the scheduling of two machines.
 constexpr double kLeastUncertainty = 5e-6;  // [s]
 // Drift shows above the noise of single exchanges only over some seconds.
 constexpr double kDriftTime = 3.0;          // [s]
 constexpr double kJitterGain = 1.0 / 16.0;  // RFC 3550
 
-/// b - a of clocks that may count from anywhere, and may be hostile: wraps round, never overflows.
+/// b - a of clocks with any origin, possibly hostile. The difference wraps around, never overflows.
 std::int64_t difference(Nanoseconds a, Nanoseconds b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(b.count()) -
                                    static_cast<std::uint64_t>(a.count()));
@@ -53,8 +53,8 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
   double down = beyond_base(exchange.arrived, exchange.answered);
   double offset = 0.5 * (up + down);
   double time = in_seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
-  // An offset can be wrong by half the round trip, and an old line by its drift; more is a new
-  // clock.
+  // An offset may be wrong by half the round trip, and an old line by its drift. A larger
+  // difference means a new clock.
   const double horizon = in_seconds((kBuckets * kBucketTime).count());
   if (known() && std::abs(offset - residual_offset(time)) >
                      0.5 * round_trip + error_bound() + kLargestDrift * horizon) {
@@ -84,7 +84,7 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
   delay_down_ = delay_down;
 }
 
-/// Weighted least squares of offset over time.
+/// Fits the offset over time by weighted least squares.
 void ClockEstimate::fit() noexcept {
   std::int64_t newest = -1;
   for (const Fastest& b : buckets_) newest = std::max(newest, b.bucket);
@@ -104,8 +104,8 @@ void ClockEstimate::fit() noexcept {
   double slower = 0.0;  // [s] than the fastest, on average
   for (const Fastest& b : buckets_)
     if (counts(b)) slower += (b.round_trip - least_round_trip_) / buckets_used_;
-  // The excess over the fastest round trip is what a queue added on one way: half of it is error.
-  // The difference of the buckets bounds the distance of the fastest itself from an empty way.
+  // The excess over the fastest round trip is the delay of a queue on one way: half of it is error.
+  // The differences between buckets bound how far the fastest itself is from an empty way.
   const auto weight = [&](const Fastest& b) {
     const double excess = b.round_trip - least_round_trip_;
     const double uncertainty = kLeastUncertainty + 0.5 * (excess + slower);

@@ -9,7 +9,7 @@ void DeviceGuard::leave() noexcept {
   calls_.fetch_add(1, std::memory_order_release);
   Where expected = Where::in_device;
   if (where_.compare_exchange_strong(expected, Where::outside)) return;
-  while (true) ::pause();  // abandoned: others read what this thread worked with
+  while (true) ::pause();  // abandoned: other threads read its data now
 }
 
 bool DeviceGuard::abandon() noexcept {

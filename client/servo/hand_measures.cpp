@@ -54,7 +54,7 @@ void HandMeasures::press(const Vec3& displacement, const Vec3& held) noexcept {
   const bool deeper = depth_ > deepest_;
   deepest_ = std::max(deepest_, depth_);
   if (!deeper || force < kFeltForce || 2.0 * inwards * inwards < displacement.squaredNorm()) return;
-  // Welford's, of this contact; what it adds to the centred sums belongs to all.
+  // Welford's method within this contact. Its additions to the centred sums count for all contacts.
   ticks_ += 1.0;
   const double from_mean = depth_ - mean_depth_;
   mean_depth_ += from_mean / ticks_;

@@ -32,7 +32,7 @@ class HandMeasures {
   /// `period` of the servo [s].
   explicit HandMeasures(double period);
 
-  /// One tick. `displacement` [m] since the last one. `elastic` [N]: the scene's command on the
+  /// Takes a tick. `displacement` [m] since the last one. `elastic` [N]: the scene's command on the
   /// hand; `held` [N]: the force on the hand from now on.
   void take(const Vec3& displacement, const Vec3& elastic, const Vec3& held) noexcept;
   /// The place of the device is not known: a contact ends.
@@ -64,7 +64,7 @@ class HandMeasures {
   Vec3 way_ = Vec3::Zero();             // [m] since the contact began
   Squares squares_, pending_;           // pending: since the last commanded force
   double depth_ = 0.0, deepest_ = 0.0;  // [m] pressing displacement
-  // Of this contact, and of all contacts: means and centred sums.
+  // Means and centred sums: of this contact, and of all contacts.
   double ticks_ = 0.0, mean_depth_ = 0.0, mean_force_ = 0.0;
   double all_ticks_ = 0.0, depth_depth_ = 0.0, depth_force_ = 0.0;
 };

@@ -62,7 +62,7 @@ NoForce reason_of(Withheld withheld) {
   }
   return NoForce::device_fault;
 }
-/// Whether the wait for a small force leaves less than a tenth of what could be given.
+/// Whether the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
   constexpr double kShare = 0.1;
   return t.stage_waits && felt(t.actuated) &&
@@ -94,7 +94,7 @@ NoForce why_no_force(const ForceTrail& t) noexcept {
     return any(t.asked) ? NoForce::too_little : NoForce::touches_nothing;
   }
   if (!felt(t.actuated)) return NoForce::not_actuated;
-  // Before the bound: with nothing held it may let nothing through, but that is not why.
+  // Before the bound: while nothing is held it may let nothing through, but that is not the reason.
   if (t.stage_waits) return NoForce::waiting;
   if (!felt(t.faded)) return NoForce::silent;
   if (!felt(t.bounded)) return t.refused ? NoForce::refused : NoForce::bound;

@@ -62,7 +62,7 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   return energy_.step(elapsed);
 }
 
-/// The surfaces lie where the hand is to meet them, and follow the hand's offset.
+/// The surfaces lie where the hand should meet them, and follow the hand's offset.
 void RemoteHand::show(const Vec3& hand) noexcept {
   constexpr double kReach = 1.0;  // [m]
   LocalModel model;

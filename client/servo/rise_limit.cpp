@@ -33,8 +33,8 @@ Command RiseLimit::apply(const Command& command, const BodyModel& model, double 
   for (const BodyPatch& patch : model.surfaces())
     fastest = std::max(fastest, length(patch.velocity));
   way += fastest * elapsed;  // a surface that moves takes the tool with it
-  // The force that the spring adds if the tool stays, twice: the tool may come towards the device.
-  // A way presses a point that is up to a radius beside the tool's origin, and a turn moves it.
+  // Twice the force that the spring adds if the tool stays: the tool may come towards the device. A
+  // way also presses a point up to a radius beside the tool's origin, and a turn moves that point.
   double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
   double torque = last_torque_ + torque_slew_ * elapsed +
                   2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);

@@ -25,7 +25,7 @@ class RiseLimit {
   Command apply(const Command& command, const LocalModel& model, double way, double elapsed,
                 double beside = 0.0) noexcept;
 
-  /// The same for a tool with a body, whose spring couples it to the device, and for torque. The
+  /// Limits force and torque for a tool with a body, whose spring couples it to the device. The
   /// device moved by `way` [m] and turned by `turn` [rad]. One scale for force and torque.
   /// `inertia`: of a tool with mass; null: it has none.
   Command apply(const Command& command, const BodyModel& model, double way, double turn,

@@ -19,7 +19,7 @@ bool good(const DeviceReading& reading) {
          reading.pose.position.allFinite() && q.coeffs().allFinite() && q.squaredNorm() > 0.0;
 }
 
-/// The pose is known, although no force is given.
+/// The pose is known, but the device gives no force.
 bool only_shown(const DeviceReading& reading) {
   if (reading.withheld == Withheld::nothing || reading.withheld == Withheld::not_homed)
     return false;
@@ -28,7 +28,7 @@ bool only_shown(const DeviceReading& reading) {
   return good(shown);
 }
 
-/// A hand that would feel it if its force fell or rose at once.
+/// Whether the hand stands still with a force: it would feel a sudden fall or rise.
 bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Command& held) {
   constexpr double kSmall = 10.0 * kFeltForce, kSmallTorque = 10.0 * kFeltTorque;
   if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
@@ -44,7 +44,7 @@ bool without_fault(const ForceTrail& trail) {
   return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
 }
 
-constexpr double kDevicePatience = 0.25;  // of the hold time, with a device that gives nothing
+constexpr double kDevicePatience = 0.25;  // of the hold time, for a device without new readings
 
 }  // namespace
 
@@ -75,10 +75,10 @@ void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   safety_.begin_anew();
   forget_surfaces();
   anew_after_ = last_sample_before;
-  newest_original_ = false;  // what was said before says nothing of where the hand is now
+  newest_original_ = false;  // earlier answers do not tell where the hand is now
 }
 
-/// Until the next reply.
+/// Forgets them until the next reply.
 void Servo::forget_surfaces() noexcept {
   local_.clear();
   local_body_.clear();
@@ -99,8 +99,8 @@ const Sample* Servo::tick(Device& device, Nanoseconds now) noexcept {
   return hold(device.write(render(reading, now)));
 }
 
-/// Whether no hand can have moved to the place of a good reading. Ticks come at times of their own,
-/// so one that follows the last sooner than a period may show the movement of a whole one.
+/// Whether no hand can have moved to the place of a good reading. Ticks are irregular: a tick
+/// sooner than a period after the last one may show the movement of a whole period.
 bool Servo::jumps(const DeviceReading& reading, double elapsed) noexcept {
   if (reading.jumped) return *reading.jumped;
   if (!position_known_) {
@@ -115,7 +115,7 @@ bool Servo::jumps(const DeviceReading& reading, double elapsed) noexcept {
   return !turns_.made(rotation_between(sample_.pose.orientation, now), time) || !moved;
 }
 
-/// Before the movement under it is accounted.
+/// Corrects the held force before the movement under it is accounted.
 void Servo::correct(const Command& held) noexcept {
   statistics_.forces_corrected += length(held.force() - held_.force()) > kFeltForce ? 1 : 0;
   account_for(held);
@@ -129,11 +129,11 @@ void Servo::account_for(const Command& held) noexcept {
   if (law_.account) law_.account->set_held(held_);
 }
 
-/// [s]; the period where the clock says that none has passed.
+/// [s]; the period at the first tick, or if the clock was set back.
 double Servo::time_since_last_tick(Nanoseconds now) noexcept {
   if (!ticked_) return period_;
   const Nanoseconds elapsed = now - last_tick_;
-  if (elapsed.count() < 0) {  // set back: what is remembered moves with it, and ages by a tick
+  if (elapsed.count() < 0) {  // set back: remembered times move with it, and age by a tick
     newest_arrival_ += elapsed - from_seconds(period_);
     newest_sampled_ += elapsed - from_seconds(period_);
     let_go_from_ += elapsed - from_seconds(period_);
@@ -150,9 +150,9 @@ double Servo::fade_factor() const noexcept {
   return std::clamp(1.0 - seconds(last_tick_ - let_go_from_) / half, 0.0, by_age);
 }
 
-/// The share of the command for this tick. When nothing was left of a force for want of answers,
-/// the hand has moved on, and meets a scene that asks for more: it is let in as after a lost
-/// session. A force of which a part was left comes back as slowly as it faded.
+/// The share of the command for this tick. If the force faded to zero because answers were missing,
+/// the hand has moved on and meets a scene that asks for more: it begins as after a lost session. A
+/// force that did not fade to zero comes back as slowly as it faded.
 double Servo::share_of_command(double elapsed) noexcept {
   const double factor = fade_factor();
   const double half = 0.5 * law_.parameters.hold_time;
@@ -161,7 +161,7 @@ double Servo::share_of_command(double elapsed) noexcept {
   return share_;
 }
 
-/// Never more than the device can do is faded, or a command far beyond it would be gone in a step.
+/// Fades from at most the device's force: a far larger command would vanish in a single step.
 Command Servo::faded(const Command& command, double factor) const noexcept {
   if (!(factor < 1.0)) return command;
   const double force = length(command.force()), torque = length(command.torque);
@@ -172,8 +172,8 @@ Command Servo::faded(const Command& command, double factor) const noexcept {
   return {of_force * command.elastic, of_force * command.frictional, of_torque * command.torque};
 }
 
-/// The movement since the last tick. Across a fault it is unknown, so none is credited: the storage
-/// of the force that was held covers the worst of it (bounding.md), and that force has become zero.
+/// The movement since the last tick. Across a fault it is unknown, so none is credited. The storage
+/// of the held force covers the worst of it (bounding.md), and that force has become zero.
 Servo::Movement Servo::moved_to(const DeviceReading& reading) noexcept {
   Movement moved;
   moved.known = position_known_;
@@ -210,7 +210,7 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
   return safe.rendered;
 }
 
-/// Of a scene that was changed, what the hand has paid for.
+/// Lets in the part of a changed scene that the hand has paid for.
 void Servo::let_in(const BoundingStep& step) noexcept {
   const double energy = law_.admission->energy({.held = held_,
                                                 .displacement = step.displacement,
@@ -218,7 +218,7 @@ void Servo::let_in(const BoundingStep& step) noexcept {
                                                 .command = step.command,
                                                 .margin = port_.margin()},
                                                *law_.account);
-  // Elastic storage has kept what was pressed; it would have it twice.
+  // Elastic storage already has the pressed energy: do not add it twice.
   if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
 }
 
@@ -226,7 +226,7 @@ void Servo::let_in(const BoundingStep& step) noexcept {
 /// movement was measured.
 Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept {
   if (!law_.account) return command;
-  constexpr double kInstant = 1e-9;  // [s] where the clock stood still
+  constexpr double kInstant = 1e-9;  // [s] if the clock stood still
   step.command = command;
   step.hold_time = std::max(step.hold_time, kInstant);
   if (!moved_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -238,7 +238,7 @@ Command Servo::paid_for(const Command& command, BoundingStep step, bool moved_kn
   return given;
 }
 
-/// A debt with which the servo began is no fault of this run. What was burned of it since counts.
+/// The debt from before this run is no fault of it. Energy burned since then reduces that debt.
 void Servo::judge_debt(double hold_time, std::uint64_t strong_hand_before) noexcept {
   const double balance = law_.account->balance();
   forgiven_ = std::clamp(balance, forgiven_, 0.0);
@@ -312,10 +312,10 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   bool original = newest_original_;
   if (usable && has_reply() && !overdraft_) {
     const Command asked = environment(step, now);
-    // Only what the device can do goes into the bound, so that it accounts what it gives.
+    // Only what the device can give goes into the bound, so that the bound accounts what it gives.
     wanted_ = actuated(spec_, asked);
     factor = share_of_command(step.hold_time);
-    // A command that has faded away says nothing of where the hand is now.
+    // A command that has faded to zero does not tell where the hand is now.
     original = factor > 0.0 && (newest_original_ || near_);
     if (factor < 1.0) ++statistics_.faded;
     step.command = faded(wanted_, factor);
@@ -330,7 +330,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   if (law_.admission) let_in(step);
   Bounded bounded = law_.bounding.step(step);
   if (law_.admission) law_.admission->given(bounded.rendered.elastic, step.command.elastic);
-  // The paper's laws would hold on to a part of the last force; zero is passive too.
+  // The paper's laws would keep a part of the last force; zero is passive too.
   if (!(factor > 0.0)) bounded.rendered = {};
   statistics_.bound_active += bounded.active ? 1 : 0;
   statistics_.saturated += bounded.saturated ? 1 : 0;
@@ -348,7 +348,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     newest_.predicted = false;
     if (found_again_) begin_anew(sample_.index);
     found_again_ = false;
-    given = {};  // the last of a fade is nothing, whatever a bound holds on to
+    given = {};  // a fade ends with zero, whatever the bound keeps
     if (next_law_ != nullptr) exchange_law();
   }
   if (overdraft_) given = {};
@@ -381,7 +381,7 @@ std::optional<Lead> Servo::lead() const noexcept {
 }
 
 HandReport Servo::report() const noexcept {
-  // A shaped force is never quite the one that was asked for: only what is felt is worth a word.
+  // A shaped force is never exactly the requested one: report only what is felt.
   constexpr double kMuchLess = 0.95;
   const auto takes_off = [](const Command& before, const Command& after) {
     const double was = length(before.force());
@@ -424,7 +424,7 @@ HandReport Servo::report() const noexcept {
   return report;
 }
 
-/// One scale for force and torque, so that either tells it.
+/// The account scales force and torque alike, so either one shows the cut.
 double Servo::account_cut() const noexcept {
   const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
   if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);
@@ -442,8 +442,8 @@ void Servo::explain(const Command& held) noexcept {
     measures_.lose();
 }
 
-/// Whether this tick tells how the scene feels: nothing but the bound, the account and the limits
-/// of the device stands between its command and the hand.
+/// Whether this tick shows how the scene feels: only the bound, the account and the limits of the
+/// device stand between its command and the hand.
 bool Servo::feels_scene() const noexcept {
   return position_known_ && !released_ && !letting_go_ && share_ >= 1.0 && !trail_.stage_waits &&
          !trail_.ramped && !trail_.recovering && !withholds_change();
@@ -472,7 +472,7 @@ void Servo::observe_direction(const Command& held) noexcept {
   const Vec3 wanted = wanted_.force();
   if (!(length(given) > kSmallestForce) || !(length(wanted) > kSmallestForce)) return;
   const Vec3 u = direction(given), v = direction(wanted);
-  // Right for every angle; the arc cosine loses half the digits near zero.
+  // Accurate for every angle; the arc cosine loses half the digits near zero.
   const double angle = 2.0 * std::atan2((u - v).norm(), (u + v).norm());
   constexpr double kMicrodegrees = 1e6 * 180.0 / std::numbers::pi;
   statistics_.direction_error.record(std::llround(kMicrodegrees * angle));

@@ -1,5 +1,5 @@
 #pragma once
-// One servo tick: its input is the position of the device, its output the command that the device
+// The servo tick: its input is the position of the device, its output the command that the device
 // holds until the next tick. It has no socket, clock or thread. Time is an argument, so every
 // property can be tested and replayed.
 
@@ -153,7 +153,7 @@ class Servo {
   /// sample to send; null until the first good reading. It stays valid until the next call.
   const Sample* hold(const Command& held) noexcept;
 
-  /// One whole tick. Null, and no tick, if the device has no newer reading (DeviceReading::fresh):
+  /// Makes a tick. Null, and no tick, if the device has no newer reading (DeviceReading::fresh):
   /// the held force stays, and the next tick is longer by that time. After a quarter of the hold
   /// time without a newer reading the device has a fault.
   const Sample* tick(Device& device, Nanoseconds now) noexcept;

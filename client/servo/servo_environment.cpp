@@ -34,8 +34,8 @@ bool Servo::follow_model(const BoundingStep& step, Nanoseconds now, Command& com
   return count_modelled(w);
 }
 
-/// The limit of a tick's contact, so that no server makes a tick late. Beyond it the model has no
-/// weight, and the command of the reply is used.
+/// Limits the work of a tick's contact, so that no server makes a tick late. Above the limit the
+/// model has no weight, and the reply's command is used.
 WorkLimit Servo::contact_work() const noexcept {
   const bool whole = local_.has_whole() || local_body_.has_whole();
   return WorkLimit(whole && fetched_ != nullptr ? fetched_->most_work : plane_work(period_));
@@ -79,7 +79,7 @@ Command Servo::rise_limited(const BoundingStep& step) noexcept {
                      remote_ ? remote_->may_rise(length(model_moved_), step.hold_time) : 0.0);
 }
 
-/// The hand leaves a robot while it does not move it and feels nothing of it.
+/// The hand leaves a robot only while it does not move it and feels nothing of it.
 void Servo::choose_robot(const DeviceReading& reading) noexcept {
   const bool pressed = reading.ok && options_.seat_button > 0 &&
                        (reading.buttons >> (options_.seat_button - 1) & 1u) != 0;
@@ -90,7 +90,7 @@ void Servo::choose_robot(const DeviceReading& reading) noexcept {
     remote_->lead_another(wanted_seat_);
 }
 
-/// The force of the objects that the robot touches, beside the scene's.
+/// The force of the objects that the robot touches, in addition to the scene's.
 Command Servo::meet_robot(const Tool& tool, const Command& scene, Nanoseconds now,
                           double elapsed) noexcept {
   return remote_->touch(tool, scene, seconds(now - remote_time_), elapsed);

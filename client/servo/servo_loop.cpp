@@ -16,14 +16,14 @@
 namespace feltwire {
 namespace {
 
-// Between looks for another way to a server that is silent: time for an answer by the last one.
+// Between two looks for another way to a silent server: time for an answer by the last way.
 constexpr Nanoseconds kReroutePeriod = std::chrono::seconds(1);
 constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
 constexpr Nanoseconds kFarewell =
     std::chrono::milliseconds(100);                         // for replies that are on their way
-constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // that a tool may take
-// Then the deadline is looked at again, whatever the network brings. Datagrams that are dropped
-// count, too, so that no sender makes a tick late.
+constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // for lowering a tool
+// After so many datagrams the deadline is checked again. Dropped datagrams count too, so that no
+// sender makes a tick late.
 constexpr int kDatagramsAtOnce = 64;
 
 timespec to_timespec(Nanoseconds time) noexcept {
@@ -71,9 +71,9 @@ class Loop {
   }
 
  private:
-  /// Until one of the first `count` descriptors is ready, a deadline has come or a datagram is to
-  /// leave the emulated link: asleep while neither a reply nor a deadline is near. No timer but
-  /// this sleep's, or its interrupt would come just when there is something to do.
+  /// Waits until one of the first `count` descriptors is ready, a deadline has come or a datagram
+  /// must leave the emulated link. It sleeps while neither a reply nor a deadline is near. It sets
+  /// no other timer: that interrupt would come just when there is something to do.
   int wait(std::size_t count) noexcept {
     if (paced_) return await_device(count);
     const auto due = port_.next_due();
@@ -93,7 +93,7 @@ class Loop {
       if (woken != 0 || due == wake) return woken;
     }
   }
-  /// Until the device's tick. Once it is overdue by a quarter of the hold time, it is taken for
+  /// Waits for the device's tick. A tick that is overdue by a quarter of the hold time counts as
   /// missed. A device that returns without a tick is asked again after a servo period.
   int await_device(std::size_t count) noexcept {
     constexpr double kPatience = 0.25;
@@ -118,7 +118,7 @@ class Loop {
     if (stop_.is_set()) return end(EndReason::requested);
     if (!is_due(now)) return true;
 
-    // Before the tick: a hand that has just been found again must not feel what waited for it.
+    // Before the tick: a hand whose session is back must not feel the force that waited for it.
     if (options_.rejoined != nullptr) regain(now);
     if (options_.changes != nullptr) change(now);
     if (options_.fetched != nullptr) take_fetched();
@@ -132,7 +132,7 @@ class Loop {
     return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
   }
 
-  /// Whether the device has ticked, or should have by now. What is beyond T is late.
+  /// Whether the device has ticked, or should have by now. The time beyond T counts as late.
   bool device_is_due(Nanoseconds now) noexcept {
     if (!device_ticked_ && now < overdue_at_) return false;
     const Nanoseconds interval = now - last_tick_;
@@ -163,7 +163,7 @@ class Loop {
     count(wakeups_, hand_time_limits::kWakeups, late);
   }
 
-  /// The session is gone, by a goodbye or by silence. False when that is the end.
+  /// The session is lost, by a goodbye or by silence. False if that is the end.
   bool lose(Nanoseconds now, EndReason reason) noexcept {
     if (options_.rejoined == nullptr || options_.patience.count() <= 0) return end(reason);
     if (lost_) return true;
@@ -175,7 +175,7 @@ class Loop {
     return true;
   }
 
-  /// A new session, or the old one that answers again.
+  /// Takes a new session, or the old one if it answers again.
   void regain(Nanoseconds now) noexcept {
     SessionAddress to;
     bool fresh = false;
@@ -187,7 +187,7 @@ class Loop {
       next_reroute_ = now + kReroutePeriod;
       if (!server_left_) port_.reroute();
     }
-    // Take a session that comes late, too: the server would keep it without a client.
+    // Take even a late session: otherwise the server would keep it without a client.
     if (fresh) last_heard_ = now;
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
@@ -208,7 +208,7 @@ class Loop {
       if (!next->refused && next->link) port_.set_link(*next->link);
       if (!next->refused && next->law) servo_.adopt(*next->law);
       next->taken = ticked_ ? seconds(now - first_tick_) : 0.0;
-      if (next->session != session_) continue;  // its number says nothing to this one's server
+      if (next->session != session_) continue;  // its number means nothing to the present server
       dealt_with_ = next->number;
       refused_ = next->refused;
       reported_ = Nanoseconds{0};  // the server is told with the next sample
@@ -220,7 +220,7 @@ class Loop {
     while (options_.fetched->pop(fetched)) servo_.use(fetched);
   }
 
-  /// Replies bring a change until the server has heard of it.
+  /// Replies repeat a change until the server has received its answer.
   void hear(const std::optional<ClientChange>& wanted) noexcept {
     if (!wanted || wanted->number == heard_) return;
     if (outputs_.wanted->push({*wanted, session_})) heard_ = wanted->number;
@@ -235,8 +235,8 @@ class Loop {
     if (!ticked_) first_tick_ = now;
     ticked_ = true;
     last_tick_ = now;
-    // To a server that said goodbye nothing is sent; to one that is silent it is, for it may be the
-    // way back only.
+    // Stop sending after a goodbye. Keep sending to a silent server: only the return path may be
+    // down.
     const Sample* sample =
         paced_ && !device_ticked_ ? servo_.missed_tick(device_, now) : servo_.tick(device_, now);
     if (sample != nullptr && !server_left_) send(*sample);
@@ -245,7 +245,7 @@ class Loop {
     if (now >= next_status_) report_status(now);
   }
 
-  /// Now and then with a report for those who look on.
+  /// Sends the sample, now and then with a report for observers.
   void send(const Sample& sample) noexcept {
     std::optional<HandReport> report;
     if (seconds(sample.client_time - reported_) >= kBetweenReports && !servo_.options().observes)
@@ -274,7 +274,7 @@ class Loop {
         server_left_ = true;
         return;
       }
-      // A reply that answers no newer sample is no sign of life.
+      // A reply that answers no newer sample does not show that the server is alive.
       if (!servo_.take(reply_, now)) continue;
       last_heard_ = now;
       if (outputs_.wanted != nullptr) hear(reply_.change);
@@ -288,7 +288,7 @@ class Loop {
       ++result_.views_dropped;
   }
 
-  /// Tick by tick until the force has faded.
+  /// Ticks until the force has faded.
   void let_go() noexcept {
     Nanoseconds now = monotonic_now();
     if (lost_) result_.disconnected += seconds(now - lost_at_);
@@ -296,10 +296,10 @@ class Loop {
     if (delayed_) port_.pass(now);
     tick(now);
     constexpr std::size_t kWithoutStop = 1;
-    // A device that goes on holding something whatever it is told is not waited for.
+    // Do not wait for a device that keeps holding a force against all commands.
     const Nanoseconds latest = now + from_seconds(servo_.parameters().hold_time);
     while (!servo_.let_go() && now < latest) {
-      if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // nothing to wait by
+      if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // it cannot wait
       now = monotonic_now();
       if (delayed_) port_.pass(now);
       take_replies(now);
@@ -308,7 +308,7 @@ class Loop {
     lower_tool();
   }
 
-  /// Tick by tick until the device has handed the weight of its tool to the hand.
+  /// Ticks until the device has handed the weight of its tool to the hand.
   void lower_tool() noexcept {
     constexpr std::size_t kWithoutStop = 1;
     const Nanoseconds latest = monotonic_now() + kLowering;
@@ -325,7 +325,7 @@ class Loop {
     }
   }
 
-  /// Replies that are on their way are counted, and the server is told.
+  /// Counts the replies that are still on their way, then tells the server.
   void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
     while (!server_left_ && servo_.awaits_answer() && now < latest) {

@@ -1,5 +1,4 @@
-// The way of the replies from the server to the servo: the choice of the newest, the count of
-// losses.
+// The replies' way from the server to the servo: selects the newest, counts losses.
 
 #include <algorithm>
 
@@ -9,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// Finite, and nothing that the bound would refuse.
+/// Finite, and small enough for the bound.
 bool believable(const Command& c) {
   const auto small = [](const Vec3& v) {
     return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestForce;
@@ -20,7 +19,7 @@ bool believable(const Command& c) {
 }  // namespace
 
 bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
-  // An answer to what was never asked would lock out every true one after it.
+  // An answer to a sample that was never sent would lock out all true answers after it.
   if (reply.sample_index == 0 || reply.sample_index > sample_.index || !believable(reply.command)) {
     ++statistics_.replies_refused;
     return false;
@@ -36,7 +35,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   if (has_reply() && !fresh_ && reply.reloads != newest_.reloads) scene_changed();
   fresh_ = false;
   newest_ = reply;
-  if (remote_) newest_.body_modelled = false;  // the robot is met by a point
+  if (remote_) newest_.body_modelled = false;  // a point meets the robot
   const Sent& sent = sent_[reply.sample_index % sent_.size()];
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) newest_datagram_ = sent.datagram;
@@ -53,7 +52,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
                                 : std::min(arrival, last_tick_ + 2 * from_seconds(period_));
   newest_sampled_ = remembered ? sent.time : arrival;
   // A command that the server's bound has changed does not tell how deep the hand is: at the first
-  // sample the bound lets nothing through, inside an object too.
+  // sample the bound lets nothing through, even inside an object.
   newest_original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   if (law_.parameters.local_model) take_model(reply, newest_arrival_);
@@ -76,8 +75,8 @@ void Servo::take_model(const Reply& reply, Nanoseconds arrival) noexcept {
   ++statistics_.models;
   statistics_.whole_models += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
   statistics_.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
-  // Moving objects have moved on since the server looked. The clocks give the time of the way back;
-  // they are believed up to the hold time of a command.
+  // Moving objects have moved since the server looked. The clocks give the time of the way back,
+  // which is believed up to the hold time of a command.
   const double since = std::clamp(server_clock_.delay_down(), 0.0, law_.parameters.hold_time);
   model_time_ = arrival - from_seconds(since);
   if (!remote_) return;
@@ -122,8 +121,8 @@ std::uint64_t Servo::lost() const noexcept {
   return lost_so_far() + since - std::min(since, allowed);
 }
 
-/// The newest command as it is by now: at the samples since, the server withheld its answer because
-/// this is what it would have said.
+/// The newest command, extrapolated to now. For the samples since then the server withheld its
+/// answer, because this is what it would have said.
 Command Servo::reconstructed(Nanoseconds now) const noexcept {
   if (!newest_.predicted) return newest_.command;
   const double ahead = std::min(seconds(now - newest_sampled_), law_.parameters.keep_alive);

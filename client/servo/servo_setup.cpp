@@ -26,7 +26,7 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   validate(parameters);
   BoundingConfig config = bounding_config(parameters, spec);
   if (scene_stiffness > 0.0) config.stiffness = scene_stiffness;
-  // The server bounds: what stays here are the safety clamps, which every mode has.
+  // The server bounds. Only the safety clamps remain here, which every mode has.
   if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
   return config;
 }
@@ -40,16 +40,16 @@ const char* needs_account(const SessionParameters& p) {
 }
 
 /// Whether the account counts on the device's mass and dry friction, and on the hand's largest
-/// force: behind a method that shapes, or that was told of the operator's damping.
+/// force: it does with a method that shapes, or that was told of the operator's damping.
 bool counts_on_mass(const SessionParameters& p) {
   return p.side != BoundingSide::server && needs_account(p) != nullptr;
 }
 
-/// Behind a method that only shapes, or that counts on the operator's damping, the account is what
-/// makes the port passive. Elsewhere it stands where the server bounds, for its bound knows nothing
-/// of delay, of loss and of late ticks, and behind every bound at this side, for that one counts on
-/// holds of T, and some of the papers' are not passive by themselves. None where nothing bounds,
-/// and where nothing of the device is known.
+/// With a method that only shapes, or that counts on the operator's damping, only the account makes
+/// the port passive. A bound at the server also has an account, because that bound ignores delay,
+/// loss and late ticks. So has every bound at this side: it counts on holds of T, and some of the
+/// papers' bounds are not passive by themselves. There is no account if nothing bounds, or if
+/// nothing of the device is known.
 std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const ServoOptions& options) {
   if (counts_on_mass(p)) {
@@ -62,8 +62,8 @@ std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSp
   return PortAccount(any_hand_account(spec, p.servo_period));
 }
 
-/// The observer counts what the device itself burns, whatever the bound is told to credit. It
-/// counts dry friction where the account does.
+/// The observer counts what the device itself burns, whatever the bound may credit. It counts dry
+/// friction if the account does.
 PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
   return {spec.damping,
           spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(),
@@ -71,11 +71,11 @@ PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
           {counts_on_mass(p) ? spec.least_friction : 0.0, spec.position_resolution}};
 }
 
-/// [N/s], [N m/s] of a force or torque that nothing but a change of the scene makes: all of it in
-/// half the hold time, as a fade takes it off.
+/// [N/s], [N m/s] for a force or torque that only a change of the scene causes: all of it in half
+/// the hold time, as fast as a fade removes it.
 double largest_slew(double most, const SessionParameters& p) { return most / (0.5 * p.hold_time); }
 
-/// Nothing else withholds what a scene changes to, and nothing else sees to it that it is paid for.
+/// Only an admission withholds a changed scene's force, and makes sure that the hand pays for it.
 std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const Bounding& bounding,
                                       const std::optional<PortAccount>& account) {
@@ -83,7 +83,7 @@ std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSp
   return Admission(largest_slew(spec.max_force, p));
 }
 
-/// Its contact is rendered as the local model is.
+/// The robot's contact is rendered like the local model.
 std::optional<RemoteHand> remote_of(const ServoOptions& options, const SessionParameters& p) {
   if (!options.leads) return std::nullopt;
   if (!p.local_model)
@@ -125,7 +125,7 @@ ServoOptions protect_hand(const SessionParameters& parameters) {
   options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
   if (!admits_reduction(parameters)) return options;
   options.safety.force.speed = 1.5;  // [m/s]
-  // A bound lets nothing through at first either, and what a ramp withheld behind it comes back
+  // A bound also lets nothing through at first. Force that a ramp withholds behind it comes back
   // only as the hand presses deeper (measured).
   const bool client_bounds =
       parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
@@ -175,7 +175,7 @@ void Servo::adopt(ServoLaw& next) noexcept {
     exchange_law();
 }
 
-/// Precondition: nothing is given. A device that is late may still hold something.
+/// Precondition: no force is given. A late device may still hold some.
 void Servo::exchange_law() noexcept {
   owed_ = owed();
   std::swap(law_, *next_law_);
@@ -184,15 +184,15 @@ void Servo::exchange_law() noexcept {
     law_.account->go_on_from(*before);
   else if (law_.account)
     law_.account->begin_in_debt(owed_);
-  // Never less than the account counts.
+  // Count at least what the account counts.
   if (law_.counts_on_mass) port_.count_friction(spec_.least_friction);
   next_law_ = nullptr;
-  if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with what the join said
+  if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with the join's data
   rise_.given({});
   forget_surfaces();
   newest_.command = {};
   newest_.predicted = false;
-  // The account may pay for all of a force at once. It must not throw a hand that has sunk in.
+  // The account may pay for a whole force at once. That must not throw a hand that has sunk in.
   safety_.begin_anew();
 }
 

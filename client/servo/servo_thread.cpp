@@ -22,7 +22,7 @@ struct ServoThread::Shared {
   RealTime real_time;
   bool started = false, ended = false, given_up = false;  // with the mutex
   std::atomic<bool> stood_still{false};
-  // Written before it: where, and for how long.
+  // Written before stood_still: where, and for how long.
   std::atomic<double> still_for{0.0};
   std::atomic<DeviceCall> still_in{DeviceCall::none};
   std::atomic<double> let_go_after{0.0};
@@ -72,7 +72,7 @@ void ServoThread::run_loop(Shared& shared) noexcept {
 
 void ServoThread::watch(Shared& shared) noexcept {
   ServoTask& task = *shared.task;
-  // Above the servo thread, or one that never sleeps would keep its watch waiting.
+  // Above the servo thread: a servo that never sleeps would otherwise block its watch.
   if (task.priority > 0) request_real_time(task.priority + 1);
   std::unique_lock lock(shared.mutex);
   shared.changed.wait(lock, [&] { return shared.started || shared.ended; });
@@ -83,7 +83,7 @@ void ServoThread::watch(Shared& shared) noexcept {
   watch.look(monotonic_now(), {});  // it counts from here
   while (!shared.ended) {
     if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
-    // Released by its own loop: what is left of it waits for answers only.
+    // Its own loop has released the device, and now only waits for answers.
     if (task.guard.released() && !shared.stood_still.load()) continue;
     const DeviceCall call = task.guard.call();
     switch (watch.look(monotonic_now(), {.calls = task.guard.calls(),

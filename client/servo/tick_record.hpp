@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// One row of a recording. A CSV has t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age; an MCAP file has all.
+/// A row of a recording. A CSV has t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age; an MCAP file has all.
 struct TickRecord {
   double time = 0.0;               // t [s] since the first tick
   Vec3 position = Vec3::Zero();    // x,y,z [m]

@@ -27,7 +27,7 @@ TickWatch::Verdict TickWatch::look(Nanoseconds now, const Life& life) noexcept {
   calls_ = life.calls;
   limit_ = life.awaits ? hold_ : late_;
   if (lives) {
-    // It ticked since the last look. If then the program was stopped as a whole, that time counts
+    // It ticked since the last look. If the whole program was stopped after that, that time counts
     // as none.
     still_ = stopped ? Nanoseconds(0) : std::clamp(now - life.tick, Nanoseconds(0), slept);
     pulling_ = life.pulls ? still_ : Nanoseconds(0);

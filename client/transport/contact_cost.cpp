@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-/// The shortest of some runs: what the system does in between is no cost of the contact.
+/// The shortest of some runs: interruptions by the system are no cost of the contact.
 struct Timed {
   double time = 0.0;  // [s]
   std::uint64_t work = 0;
@@ -60,10 +60,10 @@ Nanoseconds computing_time() noexcept {
 
 namespace {
 
-/// [s] that a unit of work takes at most, by ticks within the usual limit.
+/// [s] the longest time of a unit of work, measured in ticks within the usual limit.
 double measured_unit(const FetchedScene& scene, double servo_period, const ComputingClock& clock,
                      double reading) {
-  // A tick of less work tells more of what surrounds it than of a unit.
+  // A tick with less work mostly shows overhead, not the time of a unit.
   constexpr std::uint64_t kManyUnits = 1024;
   constexpr double kSlowest = 4.0 * kUsualUnit;  // if only such ticks were seen
   const std::uint64_t most = units_within(contact_budget(servo_period));

@@ -67,13 +67,13 @@ std::variant<Fingerprint, Authorities> trust(const CredentialOptions& words) {
 
 Secret token(const CredentialOptions& words) {
   if (!words.token_file.empty()) {
-    // Unlike a key it can be revoked, and containers are given such files: no more than a word.
+    // Only warn: unlike a key a token can be revoked, and containers are given such files.
     if (const auto open = exposure(words.token_file))
       std::fprintf(stderr, "%s: warning: --token-file: %s\n", program_invocation_short_name,
                    visible(*open).c_str());
     return read_secret(words.token_file, "--token-file", true);
   }
-  // Not as an option: every user of a machine can read the command lines of all.
+  // Not as an option: every user of a machine can read all command lines.
   if (const char* text = std::getenv(kTokenVariable); text != nullptr && *text != '\0')
     return Secret(text);
   throw std::invalid_argument(

@@ -22,7 +22,7 @@ struct PortStatistics {
   std::uint64_t received = 0;  // datagrams, before any check
 };
 
-/// One thread uses it. Only report() and refuses_link() may block, allocate or throw.
+/// A single thread uses it. Only report() and refuses_link() may block, allocate or throw.
 class DatagramPort {
  public:
   /// The largest number of datagrams that one call takes from the system, so that a flood costs no

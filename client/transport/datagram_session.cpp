@@ -14,7 +14,7 @@ DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
       packer_(parameters, rotation, scale),
       sealer_(keys.suite, keys.up),
       opener_(keys.suite, keys.down) {
-  // The encoder takes its memory at the first and largest datagram of each kind: now, not in the
+  // The encoder allocates at the first and largest datagram of each kind. Do it now, not in the
   // loop.
   SampleBatch largest;
   largest.rotation = rotation;

@@ -16,7 +16,7 @@ namespace feltwire {
 /// 2006.
 std::optional<double> encoder_stiffness_limit(const DeviceSpec& spec);
 
-/// One sentence with numbers and remedy if the scene's stiffest surface [N/m] is above that limit.
+/// A sentence with numbers and remedy if the scene's stiffest surface [N/m] is above that limit.
 /// The bound cannot detect this energy, because it counts the movement that the encoders report.
 std::optional<std::string> encoder_warning(const DeviceSpec& spec, double scene_stiffness);
 

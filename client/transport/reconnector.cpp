@@ -17,7 +17,7 @@ Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
       return {std::nullopt, to_string(server.endpoint) +
                                 " now has other seats for robots than those of the session before; "
                                 "start anew"};
-    // The servo loop goes on with the parameters that it has: a new session must have the same.
+    // The servo loop keeps its parameters, so a new session must have the same ones.
     const auto changed = difference(request.parameters, joined.accepted.parameters);
     if (!changed)
       return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
@@ -53,9 +53,9 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
     if (std::exchange(outdated_, false)) done = {};
-    // A session that has been found again meanwhile goes on for as long as it does.
+    // If the old session answers again, it continues in spite of a refusal.
     if (!connected) refusal_ = std::move(done.refusal);
-    // Also when the old session answers again meanwhile: two would stand at the server else.
+    // Even if the old session answers again: otherwise the server would have two.
     handed_over_ = done.session && out_.push(*done.session);
     if (handed_over_) {
       ++sessions_;

@@ -68,7 +68,7 @@ bool SamplePacker::due(const Sample& sample) const noexcept {
 bool SamplePacker::known(const Sample& sample) const noexcept {
   const Sample& last = travelled_[0];
   const double silence = seconds(sample.client_time - last.client_time);
-  // The next tick would be too late. Half a tick: a servo does not wake up to the nanosecond.
+  // The next tick would be too late. Half a tick allows for the servo's jitter.
   if (!(silence + 0.5 * parameters_.servo_period < parameters_.keep_alive) || silence < 0.0)
     return false;
   if (acts(sample.held) != acts(last.held)) return false;
@@ -78,7 +78,7 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
   const double force = length(sample.held.force());
   const double scale = force > 0.0 && scale_.stiffness > 0.0 ? force / scale_.stiffness
                                                              : kFreeAge * velocity_.norm();
-  // One quantum more or less comes out of a difference of two roundings.
+  // The difference of two rounded values may be one quantum too large or too small.
   constexpr double kRounding = 1.0 + 1e-6;
   const double allowed = std::max(kRounding * scale_.quantum, k * scale);
   const Vec3 expected =
@@ -91,7 +91,7 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
                           std::max(kUnfeltAngle, k * kFreeAge * angular_velocity_.norm()));
 }
 
-/// Puts the datagram together from the newest `fresh` samples and those that travelled.
+/// Makes the datagram from the newest `fresh` samples and some that were sent before.
 void SamplePacker::make(std::uint64_t fresh) noexcept {
   const std::uint64_t count =
       std::min({static_cast<std::uint64_t>(std::min(parameters_.batch, most_)), fresh,
@@ -104,7 +104,7 @@ void SamplePacker::make(std::uint64_t fresh) noexcept {
   batch_.previous =
       again < travelled_count_ ? travelled_[static_cast<std::size_t>(again)].index : 0;
 
-  // The next one repeats k, and names the one before these.
+  // The next datagram repeats k samples, and names the one before these.
   const int kept = parameters_.redundancy + 1;
   const int fresh_kept = std::min(made, kept);
   const int old_kept = std::min(travelled_count_, kept - fresh_kept);

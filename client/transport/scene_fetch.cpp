@@ -54,7 +54,7 @@ std::uint32_t version_of(const Fetched& have) {
 
 std::string refusal_of(const std::string& why) { return "nothing of the scene is fetched: " + why; }
 
-/// Null: nothing of it is of use.
+/// Null: nothing of it is useful.
 std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t session,
                                     const Offer& offer) {
   auto all = std::make_shared<FetchedScene>();
@@ -71,7 +71,7 @@ std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t ses
   return all;
 }
 
-/// Gives the scene the work that a tick has for it, by what a unit takes on this machine.
+/// Sets the work that a tick may spend on the scene, from the time of a unit on this machine.
 Judged judged(std::shared_ptr<FetchedScene> scene, const SceneFetchOptions& options) {
   if (scene == nullptr) return {};
   const ContactCost cost = contact_cost(*scene, options.servo_period, options.clock);
@@ -88,7 +88,7 @@ SceneFetch::SceneFetch(ServerAccess server, Ring<const FetchedScene*>& out,
     : server_(std::move(server)), out_(out), options_(std::move(options)), wait_(kFirstWait) {}
 
 SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
-  // To sample a mesh takes all processors for seconds. The servo needs them more.
+  // Sampling a mesh takes all processors for seconds. The servo needs them more.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
   try {
     ControlDialogue dialogue(question.server, question.options.timeout);
@@ -105,7 +105,7 @@ SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
     return {.known = take.objects.size()};
   } catch (const FalseAnswer& error) {
     return {.failed = true, .refusal = refusal_of(error.what())};
-  } catch (const LastingError&) {  // the server or the scene does not do it
+  } catch (const LastingError&) {  // the server or the scene does not support it
     return {};
   } catch (const std::invalid_argument& error) {
     return {.failed = true,
@@ -141,7 +141,7 @@ void SceneFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
       unsettled_ = false;
       wait_ = kFirstWait;
     } else {
-      // A server that has another scene each time would be fetched from without a pause.
+      // Without this pause, a server that always has another scene would be asked without end.
       if (std::exchange(unsettled_, true)) put_off(now);
       hand_over(std::move(done.fetched));
     }
@@ -177,7 +177,7 @@ void SceneFetch::in_use(const FetchedScene* fetched) noexcept {
 }
 
 void SceneFetch::begin(const ScenePlace& place) {
-  // Another session may be another server's: it may count other scenes by the same numbers.
+  // Another session may be at another server, which may give other scenes the same numbers.
   const auto have = of_session_ == place.session ? kept_.back() : nullptr;
   attempt_ =
       run_detached([question = Question{server_, place.session, have, kept_.size() >= kMostKept,

@@ -15,7 +15,7 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// In place of OpenSSL's own judgement of a certificate: it is the one that was pinned, or not.
+/// Replaces OpenSSL's own check of a certificate: it must be the pinned one.
 int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   auto& pin = *static_cast<TlsStream::Pin*>(pin_of_stream);
   const X509* certificate = X509_STORE_CTX_get0_cert(judged);
@@ -28,8 +28,8 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   return 0;
 }
 
-/// A failure here is no LastingError: when a lost session is looked for, the same call worked
-/// before, so only memory can be missing.
+/// A failure here is no LastingError: while reconnecting the same call has worked before, so only
+/// memory can be missing.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
@@ -54,7 +54,7 @@ asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin
   return tls;
 }
 
-/// Throws where the server has said that this client's certificate is none for it.
+/// Throws if the server said that it does not accept this client's certificate.
 void fail_for_own_certificate(const std::string& server, int reason) {
   switch (reason) {
     case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
@@ -74,13 +74,13 @@ void fail_for_own_certificate(const std::string& server, int reason) {
   }
 }
 
-/// Has the certificate be for this host, and no partial wildcards.
+/// Requires a certificate for this host, without partial wildcards.
 void expect_host(SSL* connection, const std::string& host) {
   X509_VERIFY_PARAM* parameters = SSL_get0_param(connection);
   X509_VERIFY_PARAM_set_hostflags(parameters, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
   Error no_address;
   asio::ip::make_address(host, no_address);
-  // No certificate has a zone: it is this machine's.
+  // No certificate has a zone, which is local to this machine.
   const std::string address = host.substr(0, host.find('%'));
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
                              : X509_VERIFY_PARAM_set1_ip_asc(parameters, address.c_str());
@@ -119,7 +119,7 @@ void TlsStream::connect(const Endpoint& server) {
       },
       "cannot connect to ",
       "; is feltwire-server running there, and is the port its control port?");
-  // A request follows the end of the handshake: it waits for no acknowledgement of that, 40 ms.
+  // The request must not wait 40 ms for an acknowledgement of the handshake's end.
   stream_.lowest_layer().set_option(tcp::no_delay(true), error);
 }
 
@@ -139,7 +139,7 @@ void TlsStream::handshake(const ServerAccess& server) {
         "no TLS with ", "; is the port the control port of a feltwire-server?");
   } catch (const SessionError&) {
     const long verdict = SSL_get_verify_result(connection);
-    // No fingerprint was seen, for want of memory perhaps: then the server is not known.
+    // No fingerprint was seen, perhaps for lack of memory: then the server is unknown.
     if (verdict == X509_V_OK || verdict == X509_V_ERR_OUT_OF_MEM || (pins && !pin_.seen)) throw;
     if (pins)
       throw LastingError(
@@ -186,14 +186,14 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
   io_.run_for(timeout_);
   if (result == asio::error::would_block) {
     Error ignored;
-    stream_.lowest_layer().close(ignored);  // ends the operation, so that it lets go of `result`
+    stream_.lowest_layer().close(ignored);  // ends the operation, so that it releases `result`
     io_.restart();
     io_.run();
     throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
                        remedy);
   }
   if (!result) return;
-  // In TLS 1.3 a server judges the client's certificate when the client has long been done.
+  // In TLS 1.3 a server judges the client's certificate after the client's part is over.
   if (result.category() == asio::error::get_ssl_category())
     fail_for_own_certificate(server_, ERR_GET_REASON(static_cast<unsigned long>(result.value())));
   throw SessionError(what + server_ + ": " + result.message() + remedy);

@@ -16,7 +16,7 @@ bool Transport::resume(const SessionAddress& to) noexcept {
   return true;
 }
 
-/// Datagrams carry fewer samples from now on if the path took one that was too long.
+/// From now on datagrams carry fewer samples, if one was too long for the path.
 void Transport::look_at_lengths() noexcept {
   for (const std::uint64_t seen = port_->statistics().too_long; too_long_ < seen; ++too_long_)
     datagrams_.carry_fewer();

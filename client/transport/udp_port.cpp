@@ -49,15 +49,15 @@ class UdpPort final : public DatagramPort {
       ++statistics_.too_long;
       return;
     }
-    // These errors pass; any other says that there is no way from here.
+    // These errors pass; any other means that there is no way from here.
     const bool passes = errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS ||
                         errno == ECONNREFUSED || errno == EINTR;
     if (!passes) reroute();
   }
 
   std::optional<Bytes> receive() noexcept override {
-    // The error of an earlier datagram (the server's port is closed, it was too long on the way) is
-    // returned here, once; an interruption too.
+    // recv() returns the error of an earlier datagram once (the server's port is closed, or the
+    // datagram was too long). It may also be interrupted.
     for (int tries = 0; tries < kBurst; ++tries) {
       const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
       if (size >= 0) {
@@ -74,14 +74,14 @@ class UdpPort final : public DatagramPort {
   PortStatistics statistics() const noexcept override { return statistics_; }
 
  private:
-  /// Connected, so that only the server's datagrams are let in, and a closed port is noticed.
+  /// Connects, so that only the server's datagrams are let in, and a closed port is noticed.
   bool connect_socket(const Address& server) noexcept {
     return ::connect(socket_, reinterpret_cast<const sockaddr*>(&server.storage), server.size) == 0;
   }
 
   int socket_ = -1;
   Address server_;
-  std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more byte: too long a datagram shows
+  std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more byte shows too long a datagram
   PortStatistics statistics_;
 };
 

@@ -13,7 +13,7 @@ namespace feltwire::arm {
 inline constexpr int kAxes = 7;
 using Vec7 = Eigen::Matrix<double, kAxes, 1>;
 
-/// One joint with its motor.
+/// A joint with its motor.
 struct Axis {
   int joint = 0, position = 0, speed = 0, motor = 0;  // indices: joint, qpos, qvel, ctrl
   double low = 0.0, high = 0.0;                       // [rad] or [m] its range

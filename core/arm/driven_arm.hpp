@@ -35,8 +35,8 @@ namespace feltwire {
 /// subtracted, then noise is added: normal, and in length at most spec().wrench_noise. Above
 /// stop_force or stop_torque the arm stops: it holds its place until resume().
 ///
-/// Of one step of the simulation: spread(), drive(), mj_step2(), weigh(), mj_step1(), judge(),
-/// read(). It allocates only at construction.
+/// A step of the simulation calls spread(), drive(), mj_step2(), weigh(), mj_step1(), judge() and
+/// read(), in this order. It allocates only at construction.
 class DrivenArm {
  public:
   /// `data` is evaluated (mj_step1) with the arm at home. The model must outlive it. Throws

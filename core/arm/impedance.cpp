@@ -15,19 +15,19 @@ namespace {
 
 constexpr int kWays = 6, kLinear = 3;
 constexpr double kReferenceRate = 20.0;  // [Hz]
-constexpr double kFastest = 0.5;         // [m/s] that the target's velocity is believed
-constexpr double kFastestTurn = 2.0;     // [rad/s]: likewise
+constexpr double kFastest = 0.5;         // [m/s] largest believed speed of the target
+constexpr double kFastestTurn = 2.0;     // [rad/s] the largest turning speed
 constexpr double kPostureDamping = 1.0;  // [N m s/rad] for each sqrt of the stiffness
 constexpr double kWall = 300.0;          // [N m/rad] of a joint's wall
 constexpr double kWallDamping = 5.0;     // [N m s/rad]
-constexpr double kBefore = 0.1;          // [rad] that it begins before the limit
-// The gripper: the mean of its fingers follows the target, their difference stays zero.
+constexpr double kBefore = 0.1;          // [rad] distance from the limit at which the wall begins
+// The gripper: the mean of the fingers follows the target. Their difference is held at zero.
 constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
 constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
 
 using feltwire::shortened;
 
-/// Linear and angular part, each shortened.
+/// Shortens the linear and the angular part, each on its own.
 Vec6 shortened(const Vec6& v, double linear, double angular) {
   Vec6 out;
   out << shortened(Vec3(v.head<3>()), linear), shortened(Vec3(v.tail<3>()), angular);
@@ -39,7 +39,7 @@ bool is_orientation(const Quaternion& q) {
   return std::isfinite(square) && std::abs(square - 1.0) < 0.01;
 }
 
-/// [J] of a spring whose force is at most `most`.
+/// [J] Energy of a spring whose force is at most `most`.
 double stored(double stiffness, double stretched, double most) {
   const double free = most / stiffness;
   return stretched <= free ? 0.5 * stiffness * stretched * stretched
@@ -61,7 +61,7 @@ Impedance::Impedance(const ArmControl& control, const ArmParts& arm, const mjMod
   const int speeds = model_.nv;
   const Mat6 mobility =
       Rows(rows_.data(), kWays, speeds) * Rows(solved_.data(), kWays, speeds).transpose();
-  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // eigenvalues rise
+  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // sorts the eigenvalues in rising order
   mass_ = 1.0 / Solver(mobility.topLeftCorner<3, 3>()).eigenvalues().y();
   const double inertia = 1.0 / Solver(mobility.bottomRightCorner<3, 3>()).eigenvalues().y();
   damping_ = 2.0 * control.damping_ratio * std::sqrt(control.stiffness * mass_);
@@ -107,7 +107,7 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
     target_.pose.orientation =
         turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
                       : target.pose.orientation.normalized();
-    moved_.setZero();  // the target goes with the tool: it has no velocity of its own
+    moved_.setZero();  // the tool drags the target along: the target has no velocity of its own
   } else {
     target_.pose = {target.pose.position, target.pose.orientation.normalized()};
     moved_.head<3>() += target_.pose.position - before.position;
@@ -132,7 +132,7 @@ void Impedance::spread(int steps, bool touching) noexcept {
   moved_.setZero();
 }
 
-/// [N m] The axes carry what hangs on them.
+/// [N m] Torques with which the axes carry the weight of the arm.
 Vec7 Impedance::gravity(const mjData& data) const noexcept {
   const Vec3 down = mujoco::vector(model_.opt.gravity);
   Vec7 torque;
@@ -158,8 +158,8 @@ Vec7 Impedance::walls(const Vec7& q, const Vec7& speed) const noexcept {
   return torque;
 }
 
-/// Towards home, without the part that would move the tool (Khatib's dynamically consistent null
-/// space, IEEE J. Robotics and Automation 3(1) 1987).
+/// Torques towards home, without the part that would move the tool (Khatib's dynamically consistent
+/// null space, IEEE J. Robotics and Automation 3(1) 1987).
 Vec7 Impedance::posture(const Vec7& q, const Vec7& speed) noexcept {
   constexpr double kSingular = 1e-6;  // [1/kg] keeps the inverse finite
   const std::ptrdiff_t speeds = model_.nv;

@@ -13,7 +13,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Jacobian = Eigen::Matrix<double, 6, kAxes>;
 
-/// Of the tool, linear above angular, as the data stands after mj_step1(). World frame.
+/// State of the tool, linear above angular, as the data stands after mj_step1(). World frame.
 struct ToolState {
   Pose pose;
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();

@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// Takes the file away from others, also where it was there before. A pipe or a device stays as it
-/// is. False, with errno, if the system refuses.
+/// Removes the rights of all others, also from an existing file. Leaves a pipe or a device as it
+/// is. Returns false and sets errno if the system refuses.
 bool keep_private(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
@@ -49,7 +49,8 @@ void AppendedFile::append(std::string_view piece, Whole whole) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int error = errno;
-      // Half a piece would make the whole file unreadable. (A pipe cannot be cut.)
+      // Remove the half-written piece: it would make the whole file unreadable. (A pipe cannot be
+      // cut.)
       size_ += static_cast<std::int64_t>(whole(piece.substr(0, done)));
       while (::ftruncate(descriptor_, size_) != 0 && errno == EINTR) {
       }
@@ -62,7 +63,7 @@ void AppendedFile::append(std::string_view piece, Whole whole) {
 
 void AppendedFile::finish() {
   const int descriptor = std::exchange(descriptor_, -1);
-  // Only a file on a disk can be synchronized, and needs to be.
+  // These errors come from files that are not on a disk and need no synchronization.
   const bool lost = ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS;
   int error = lost ? errno : 0;
   if (::close(descriptor) != 0 && error == 0 && errno != EINTR) error = errno;

@@ -29,8 +29,8 @@ constexpr auto find_choice(const Entries& entries, std::string_view given, Name 
   return nullptr;
 }
 
-/// The same; `what` names the kind of choice. Throws std::invalid_argument that lists the choices
-/// if there is no such entry.
+/// Returns the entry with that name. If there is none, throws std::invalid_argument that lists the
+/// choices. `what` names the kind of choice.
 template <class Entries, class Name = std::identity>
 const auto& chosen(std::string_view what, std::string_view given, const Entries& entries,
                    Name name = {}) {

@@ -46,7 +46,7 @@ std::string names_of(const Definitions& definitions) {
   return names;
 }
 
-/// How to write a value of a table or a struct, with the names of its fields.
+/// Text that shows how to write a value of a table or a struct, with the names of its fields.
 std::string notation(const StructDef& definition) {
   const auto& fields = definition.fields.vec;
   if (definition.fixed) return "[" + names_of(fields) + "]";
@@ -64,7 +64,7 @@ const Node* member(const Node& object, std::string_view key) {
   return nullptr;
 }
 
-/// Down a path as far as it is in the text; what is not stays in `path`.
+/// Follows a path as far as it exists in the text. Leaves the rest in `path`.
 const Node& walk(const Node& root, std::string_view& path) {
   const Node* node = &root;
   while (!path.empty()) {
@@ -85,13 +85,13 @@ const Node& walk(const Node& root, std::string_view& path) {
   return *node;
 }
 
-/// Puts the characters in place of the escapes of a text. Precondition: the scanner accepted them.
-/// Returns the reason if a half of a surrogate pair stands alone.
+/// Replaces the escapes of a text by their characters. Precondition: the scanner accepted them.
+/// Returns the reason if one half of a surrogate pair stands alone.
 std::optional<std::string_view> unescape(std::string_view written, std::string& text) {
   constexpr std::string_view kUnpairedHigh = "illegal Unicode sequence (unpaired high surrogate)";
   constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kPairs = 0x10000;
   constexpr std::string_view kLetters = "bfnrt", kControls = "\b\f\n\r\t";
-  std::uint32_t high = 0;  // the first half of a pair, 0: none
+  std::uint32_t high = 0;  // first half of a pair; 0: none
   for (std::size_t at = 0; at < written.size();) {
     const bool escape = written[at] == '\\';
     const char c = written[escape ? at + 1 : at];
@@ -119,8 +119,8 @@ std::optional<std::string_view> unescape(std::string_view written, std::string& 
   return std::nullopt;
 }
 
-/// Checks the outline of a text against a schema, so that every error has its field and its line,
-/// and builds the FlatBuffer on the way.
+/// Checks the structure of a text against a schema, so that every error names its field and line.
+/// Builds the FlatBuffer at the same time.
 class Builder {
  public:
   explicit Builder(const std::string& file) : file_(file) {}
@@ -134,7 +134,7 @@ class Builder {
   /// The value of a field or an element: its bytes, or the offset of its text, list or table.
   struct Value {
     std::vector<std::uint8_t> bytes;
-    flatbuffers::uoffset_t offset = 0;  // above zero: it is a text, a list or a table
+    flatbuffers::uoffset_t offset = 0;  // above zero: the value is a text, a list or a table
   };
 
   [[noreturn]] void fail(const Node& node, const std::string& path, const std::string& why) const {
@@ -176,7 +176,7 @@ class Builder {
     });
   }
 
-  /// Hands each member with its field and its path to `take`.
+  /// Calls `take` with each member, its field and its path.
   template <class Take>
   void members(Node& node, const StructDef& definition, const std::string& path, Take take) const {
     const auto& fields = definition.fields.vec;
@@ -296,7 +296,7 @@ class Builder {
     return value;
   }
 
-  /// The low bytes of a whole number, the lowest first.
+  /// Writes the low bytes of a whole number, the lowest first.
   static void put(std::uint64_t value, flatbuffers::BaseType type, std::uint8_t* place) {
     for (std::size_t i = 0; i < flatbuffers::SizeOf(type); ++i, value >>= 8)
       place[i] = static_cast<std::uint8_t>(value);
@@ -306,9 +306,9 @@ class Builder {
   flatbuffers::FlatBufferBuilder buffer_;
 };
 
-/// FlatBuffers 2.0.8 frees a value of an enumeration twice in the parser's destructor where memory
-/// was refused while that value was entered. A parser that was interrupted is not destroyed, then;
-/// its memory is lost.
+/// If memory runs out while FlatBuffers 2.0.8 reads a value of an enumeration, the parser's
+/// destructor frees that value twice. So this function never destroys an interrupted parser and
+/// loses its memory.
 std::unique_ptr<flatbuffers::Parser> parsed_schema(const char* schema, const std::string& file) {
   auto parser = std::make_unique<flatbuffers::Parser>();
   bool good = false;

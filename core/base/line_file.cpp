@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// Up to the end of the last whole line.
+/// Length up to the end of the last whole line.
 std::size_t whole_lines(std::string_view written) {
   const std::size_t last = written.rfind('\n');
   return last == std::string_view::npos ? 0 : last + 1;
@@ -36,7 +36,7 @@ void LineFile::put() {
   try {
     file_.append(lines_, whole_lines);
   } catch (...) {
-    lines_.clear();  // a part of them is in the file
+    lines_.clear();  // the file already has a part of them
     throw;
   }
   lines_.clear();

@@ -13,14 +13,14 @@
 namespace feltwire {
 namespace {
 
-constexpr std::string_view kPart = ".part-";  // behind a file's name, while it is written
-constexpr std::size_t kDigits = 6;            // behind that
+constexpr std::string_view kPart = ".part-";  // follows the file's name while it is written
+constexpr std::size_t kDigits = 6;            // digits after kPart
 
-/// Makes a file that was not there, and notes its name.
+/// Creates a file that did not exist, and stores its name.
 int make_beside(const std::filesystem::path& file, mode_t mode, std::string& name) {
   for (int number = 0;; ++number) {
     std::string digits = std::to_string(number);
-    if (digits.size() > kDigits) return -1;  // with EEXIST
+    if (digits.size() > kDigits) return -1;  // errno is EEXIST
     digits.insert(0, kDigits - digits.size(), '0');
     name = file.string() + std::string(kPart) + digits;
     const int made = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
@@ -34,7 +34,7 @@ bool synchronize(int descriptor) {
   return true;
 }
 
-/// A file system that cannot synchronize a folder has done what it can.
+/// Ignores the result: some file systems cannot synchronize a folder.
 void synchronize_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -51,13 +51,13 @@ PendingFile::PendingFile(std::filesystem::path file, std::string_view text,
   if (std::error_code failed; std::filesystem::is_directory(file_, failed))
     cannot_write(file_, "it is a directory");
   if (is_special(file_)) cannot_write(file_, "it is not a regular file");
-  // Nobody else may read it before it has the mode that was asked for.
+  // Create it private if a mode is given: nobody else may read it before it has that mode.
   const int descriptor = make_beside(file_, mode ? kPrivate : kPublic, written_);
   if (descriptor < 0) cannot_write(file_, std::strerror(errno));
   const bool written = (!mode || ::fchmod(descriptor, *mode) == 0) && write_all(descriptor, text) &&
                        synchronize(descriptor);
   int reason = written ? 0 : errno;
-  // Some file systems report a full disk only here.
+  // Some file systems report a full disk only at close().
   if (::close(descriptor) != 0 && reason == 0 && errno != EINTR) reason = errno;
   if (reason == 0) return;
   ::unlink(written_.c_str());
@@ -79,8 +79,8 @@ void replace_file(const std::filesystem::path& file, std::string_view text,
   PendingFile(file, text, mode).put_in_place();
 }
 
-/// With readdir(): where std::filesystem::directory_iterator is refused memory it may end the
-/// program (libstdc++ 12).
+/// Uses readdir(): std::filesystem::directory_iterator may end the program if memory runs out
+/// (libstdc++ 12).
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string beginning = file.filename().string() + std::string(kPart);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";

@@ -20,7 +20,7 @@ class TimeCounts {
   using Counts = std::array<std::uint64_t, kClasses>;
 
   TimeCounts() = default;
-  /// Of times that were counted elsewhere. `sum`: [ns] of all of them.
+  /// Takes times that were counted elsewhere. `sum`: [ns] of all of them.
   TimeCounts(const Counts& counts, std::uint64_t sum) noexcept : counts_(counts), sum_(sum) {}
 
   /// Takes a time [ns] that occurred `times` times. A negative one counts as zero.

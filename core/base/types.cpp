@@ -7,7 +7,7 @@
 namespace feltwire {
 
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
-  // to * conj(from) is |to||from| times the unit rotation: the angle only needs the ratio of its
+  // to * conj(from) is |to||from| times the unit rotation. The angle needs only the ratio of its
   // parts.
   const Quaternion difference = to * from.conjugate();
   const double sine = difference.vec().norm();

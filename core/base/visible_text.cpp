@@ -9,13 +9,13 @@ namespace {
 
 using CodePoint = std::uint32_t;
 
-/// A character of UTF-8; size 0: the first byte begins none.
+/// A character of UTF-8. Size 0: the first byte begins no character.
 struct Character {
   CodePoint code = 0;
   std::size_t size = 0;
 };
 
-/// Table 3-7 of the Unicode standard: shortest form only, no surrogates, at most U+10FFFF.
+/// Table 3-7 of the Unicode standard: only the shortest form, no surrogates, at most U+10FFFF.
 Character first_character(std::string_view text) {
   constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
   constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // by size
@@ -38,11 +38,11 @@ bool within(CodePoint code, CodePoint first, CodePoint last) {
   return code >= first && code <= last;
 }
 
-/// Obeyed by terminals, or not seen where it stands.
+/// Whether a terminal obeys the character, or a reader cannot see it.
 bool hidden(CodePoint code) {
   constexpr CodePoint kSoftHyphen = 0xAD, kArabicMark = 0x61C, kByteOrderMark = 0xFEFF;
   return code < 0x20 || within(code, 0x7F, 0x9F) || code == kSoftHyphen || code == kArabicMark ||
-         within(code, 0x200B, 0x200F) ||    // without width, direction marks
+         within(code, 0x200B, 0x200F) ||    // zero width, direction marks
          within(code, 0x2028, 0x202E) ||    // separators, embeddings, overrides
          within(code, 0x2060, 0x206F) ||    // joiners, isolates
          within(code, 0xFFF9, 0xFFFB) ||    // annotations

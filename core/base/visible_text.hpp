@@ -15,7 +15,7 @@ namespace feltwire {
 /// it.
 std::string visible(std::string_view text);
 
-/// The same for text of several lines: it keeps each '\n'.
+/// Like visible(), for text of several lines: it keeps each '\n'.
 std::string visible_lines(std::string_view text);
 
 }  // namespace feltwire

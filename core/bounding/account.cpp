@@ -15,8 +15,8 @@
 namespace feltwire {
 namespace {
 
-/// [Hz] in whole numbers: the highest servo rate at which the forces of such a motor can be
-/// followed. Precondition: it lags.
+/// [Hz] The highest whole servo rate at which the account can follow the forces of a motor with
+/// this lag. Precondition: the lag is not zero.
 long highest_rate(const MotorLag& lag) {
   constexpr double kRounded = 1.0 + 1e-9;
   return static_cast<long>(std::floor(kRounded * LaggingForces::kMostSamples / lag.rest()));
@@ -53,8 +53,8 @@ const AccountConfig& checked(const AccountConfig& config) {
   return config;
 }
 
-/// The largest share s of 0 to 1 at which `balance` pays for the sum of all needs. `Needs`: a span,
-/// best of a length that is known while compiling.
+/// The largest share s, 0 to 1, at which `balance` pays for the sum of all needs. `Needs`: a span,
+/// preferably with a length known at compile time.
 template <class Needs>
 double affordable(const Needs& needs, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
@@ -69,13 +69,14 @@ double affordable(const Needs& needs, double balance) noexcept {
     for (const EnergyNeed& need : needs) sum += need.at(s);
     return sum;
   };
-  // A command at its own bound's limit is off by some roundings: it is not scaled for that.
+  // Rounding moves a command at the limit of its own bound slightly beyond it. Do not scale for
+  // that.
   if (all(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
   constexpr double kLess = 1.0 - kOffByRounding;  // rounding must not overdraw
   const double below = kLess * std::sqrt(balance / first);
   if (std::ranges::all_of(needs, [&](const EnergyNeed& need) { return need.before_turn(below); }))
     return std::min(below, 1.0);
-  // All grow with s, so the answer lies beyond a turn exactly when the turn costs less.
+  // Every need grows with s. So the answer lies beyond a turn exactly when the turn costs less.
   double square = 0.0, linear = 0.0, left = balance;
   for (const EnergyNeed& need : needs) {
     const double turn = need.reach / need.free;
@@ -85,7 +86,7 @@ double affordable(const Needs& needs, double balance) noexcept {
     linear += need.linear;
     left += need.burned / need.squared;
   }
-  // The positive root of square s^2 + linear s = left, without cancellation.
+  // Positive root of square s^2 + linear s = left, in the form without cancellation.
   const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
   return std::isfinite(s) ? std::clamp(s * kLess, 0.0, 1.0) : 0.0;
 }
@@ -95,7 +96,7 @@ double affordable(const Needs& needs, double balance) noexcept {
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       looks_ahead_(config.looks_ahead),
-      // The true force of a motor that lags is not known well enough to learn from.
+      // The true force of a lagging motor is not known well enough to learn from it.
       translation_(config.translation, config.period,
                    config.learns_outside_force && config.lag.time == 0.0),
       rotation_(config.rotation, config.period,
@@ -111,11 +112,11 @@ PortAccount::PortAccount(const AccountConfig& config)
   surely_paid_ = 1.0 - std::max(translation_.most_kept(), rotation_.most_kept());
 }
 
-/// Returns the balance that the next force is cut to: the present one, or the one half a sample
-/// ahead if the motion goes on, whichever is less.
+/// Returns the balance that limits the next force: the smaller of the present balance and the one
+/// half a sample ahead if the motion goes on.
 inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
-  // A movement whose square is not finite is not usable, even where its numbers are.
+  // Reject a movement whose square is not finite, even if its numbers are.
   const double moved = s.displacement.squaredNorm() + s.rotation.squaredNorm();
   const bool known = std::isfinite(moved) && std::isfinite(s.hold_time) && s.hold_time > 0.0;
   const double delivered = held_.force.dot(s.displacement) + held_.torque.dot(s.rotation);
@@ -145,20 +146,20 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   return balance_ - ahead * std::max(0.0, per_period);
 }
 
-/// Nothing is on the hand, and nothing will be that was given before.
+/// Whether no force is on the hand and no earlier force is still to come.
 bool PortAccount::idle() const noexcept {
   for (std::size_t n = 0; n < late_; ++n)
     if (!Held{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
   return held_.nothing() && older_forces_.nothing() && older_torques_.nothing();
 }
 
-/// The force that was given last.
+/// The force of the last command.
 inline PortAccount::Last PortAccount::last() const noexcept {
   if (late_ == 0) return {held_.force, held_.torque};
   return {coming_forces_[late_ - 1], coming_torques_[late_ - 1]};
 }
 
-/// The share of the balance that is kept beside it.
+/// The share of the balance that is kept in reserve.
 inline double PortAccount::kept() const noexcept {
   const double force = translation_.kept_beside(last().force);
   if (force == 0.0) return 0.0;
@@ -166,8 +167,8 @@ inline double PortAccount::kept() const noexcept {
   return beside == PortBalance::kBesideNothing ? 0.0 : beside;
 }
 
-/// `usual` and `most`: the shares of `wanted` that are paid for without what is kept, and with it.
-/// It is paid with only so far that the force falls little by little.
+/// `usual` and `most`: the shares of `wanted` that can be paid for without and with the reserve.
+/// The reserve is spent only so far that the force falls gradually.
 double PortAccount::softened(const Held& wanted, double usual, double most) const noexcept {
   const bool pushes = !wanted.force.isZero(0.0);
   const double before = pushes ? length(last().force) : length(last().torque);
@@ -177,10 +178,10 @@ double PortAccount::softened(const Held& wanted, double usual, double most) cons
 }
 
 /// The share of `wanted` that `left` [J] pays for after the coming forces. `own`: its needs after
-/// them. A force that took all that they leave would leave nothing for the next one, which would
-/// leave all for the one after it. So L + 1 forces like it, one after the other, must be paid for
-/// as well. They are taken at the share that is given: the needs of a larger force are distributed
-/// otherwise, and such a force would swing.
+/// them. A force that took all that is left would leave nothing for the next force, and that one
+/// would leave everything to the one after it. So `left` must also pay for L + 1 such forces in a
+/// row. Their needs are computed at the share that is given: a larger force has differently
+/// distributed needs, and the share would oscillate.
 double PortAccount::share_after_coming(const Needs& own, const Held& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
@@ -200,13 +201,13 @@ double PortAccount::share_after_coming(const Needs& own, const Held& wanted, dou
   return usual == 1.0 || keeps == 0.0 ? usual : softened(wanted, usual, share(left));
 }
 
-/// [J] of the whole of `held`, after the first n of the coming ones.
+/// [J] Need of the whole of `held`, after the first n of the coming forces.
 double PortAccount::need_after(const Held& held, std::size_t n, double hold) const noexcept {
   return translation_.need(held.force, hold, {coming_forces_.data(), n}).at(1.0) +
          rotation_.need(held.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
-/// Takes note of what was given: it is on the hand now, or L samples later.
+/// Stores the given force: it acts on the hand now, or L samples later.
 void PortAccount::give(const Held& given) noexcept {
   if (late_ == 0) {
     held_ = given;
@@ -238,8 +239,8 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   return given;
 }
 
-/// The largest share of `wanted` that `left` [J] pays for. kNoLimit where a need has no limit, as
-/// that of a number that is not finite.
+/// The largest share of `wanted` that `left` [J] pays for. kNoLimit if a need has no limit, as for
+/// a number that is not finite.
 inline double PortAccount::affordable_share(const Held& wanted, double left, double hold) noexcept {
   if (lags()) return lagging_share(wanted, left, hold);
   const Needs both{translation_.need(wanted.force, hold, {coming_forces_.data(), late_}),
@@ -253,8 +254,8 @@ inline double PortAccount::affordable_share(const Held& wanted, double left, dou
   return softened(wanted, usual, affordable(both, left));
 }
 
-/// affordable_share() for a motor that lags. The cost of a share has no simple inverse, so it is
-/// searched: the share that is returned was found to be paid for.
+/// affordable_share() for a lagging motor. The cost of a share has no simple inverse, so this
+/// searches. The share that it returns is always affordable.
 double PortAccount::lagging_share(const Held& wanted, double left, double hold) noexcept {
   const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
   const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
@@ -266,8 +267,8 @@ double PortAccount::lagging_share(const Held& wanted, double left, double hold) 
   return share;
 }
 
-/// Gives what is affordable of the parts whose need has a limit, and nothing of a command that is
-/// not finite.
+/// Gives the affordable share of the parts whose need has a limit. Gives nothing of a command that
+/// is not finite.
 Command PortAccount::give_limited_part(const Command& command, double left, double hold) noexcept {
   Command given;
   if (command.finite()) {
@@ -301,7 +302,7 @@ void PortAccount::begin_in_debt(double energy) noexcept {
   older_forces_.forget();
   older_torques_.forget();
   worst_next_ = 0.0;
-  balance_ = 0.0 - energy;  // no negative zero
+  balance_ = 0.0 - energy;  // avoids a negative zero
   translation_.forget();
   rotation_.forget();
 }
@@ -323,7 +324,7 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
       for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
       return LaggingNeed(balance, older, force, config.period).at(1.0);
     }
-    double sum = 0.0;  // of the samples of which this force needs the energy together
+    double sum = 0.0;  // over the samples that pay together for this force
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);
     return sum;

@@ -245,10 +245,11 @@ class PortAccount {
   /// Throws std::invalid_argument naming the parameter and the remedy.
   explicit PortAccount(const AccountConfig& config);
 
-  /// One servo sample: the movement of the device while the last force was held, and the wanted
-  /// force, for a hold of `next_hold` [s] at most (T if it is shorter). Returns the allowed force.
-  /// Takes it as held, or that of L samples before, which a late device takes up now. A sample with
-  /// a number that is not finite, or without a duration, loses the balance and renders no force.
+  /// Takes a servo sample: the movement of the device while the last force was held, and the wanted
+  /// force, for a hold of at most `next_hold` [s] (T if it is shorter). Returns the allowed force.
+  /// It assumes that the device now holds this force, or on a late device the force of L samples
+  /// before. A sample without a duration, or with a number that is not finite, loses the balance
+  /// and renders no force.
   Command step(const BoundingStep& step, double next_hold = 0.0) noexcept;
 
   /// Sets the force that was really held after the last step, if it differs.

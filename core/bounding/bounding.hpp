@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// One step's outcome.
+/// The result of a step.
 template <class Real>
 struct BasicBounded {
   BasicCommand<Real> rendered;  // the command for the hand until the next step
@@ -38,7 +38,7 @@ class BasicBounding {
   /// A method that need not be in the registry; config.mode is not read. Throws the same.
   BasicBounding(const BasicBoundingMethod<Real>& method, const BoundingConfig& config);
 
-  /// One servo sample. The order of calls is the order of the samples.
+  /// Takes a servo sample. The order of calls is the order of the samples.
   BasicBounded<Real> step(const Step& step) noexcept;
 
   /// Sets the force that the device really held after the last step, if it differs from `rendered`

@@ -226,7 +226,7 @@ class Shaped {
   void set_held(const BasicCommand<Real>& held) noexcept {
     was_near_ ? void(held_ = held) : late_.set_held(held);
   }
-  /// The same as Midpoint::probe(), for commands that are made at the device.
+  /// Like Midpoint::probe(), for commands that are made at the device.
   BasicProbe<Real> probe(const Vector3<Real>& displacement,
                          const Vector3<Real>& rotation) const noexcept {
     return near_.probe(displacement, rotation);

@@ -129,7 +129,7 @@ template <class Real>
 inline Real reduction(Real allowed, Real wanted) noexcept {
   return wanted > allowed ? allowed / wanted : Real(1);
 }
-/// The same for the lengths of two vectors. It computes no root if nothing is to be reduced.
+/// The reduction for the lengths of two vectors. It computes no root if nothing is to be reduced.
 template <class Real>
 inline Real reduction(const Vector3<Real>& allowed, const Vector3<Real>& wanted) noexcept {
   if (wanted.isZero(0)) return Real(1);

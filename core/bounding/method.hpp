@@ -38,7 +38,7 @@ struct MethodOptions {
   bool c1_c2 = false, projection_storage = false, reference = false, coupling = false;
 };
 
-/// One method: its entry in the registry.
+/// A method: its entry in the registry.
 template <class Real>
 struct BasicBoundingMethod {
   std::string_view name;     // a to z, 0 to 9 and _, at most kLongestMethodName; unique

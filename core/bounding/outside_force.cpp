@@ -9,7 +9,7 @@ namespace feltwire {
 
 void OutsideForce::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
   pass(hold_time);
-  // The weights are those of samples that last a period.
+  // The weights hold only for samples that last about one period.
   if (hold_time < 0.5 * period_ || hold_time > 1.5 * period_) return forget();
   const double late = (block_.samples + 0.5) / kSamples;
   block_.way += displacement;
@@ -25,13 +25,13 @@ void OutsideForce::look() noexcept {
   const double per_metre = mass_ / (block_time * block_time);
   const Vec3 force = per_metre * (block_.way - before_.way) -
                      (before_.rising + block_.falling) / static_cast<double>(kSamples);
-  const double most_axes = std::sqrt(3.0);  // |u|_1
+  const double most_axes = std::sqrt(3.0);  // largest |u|_1 of a unit vector
   largest_ = std::max(largest_, length(force) + 2.0 * most_axes * per_metre * quantum_);
 }
 
 void OutsideForce::pass(double time) noexcept {
   time_ += time;
-  if (time_ < kWindow - 0.5 * period_) return;  // a sum of periods is off by some roundings
+  if (time_ < kWindow - 0.5 * period_) return;  // rounding: a sum of periods is not exact
   const double seen = kMargin * std::max(largest_, largest_before_);
   bound_ = std::clamp(seen, kLeastShare * told_, told_);
   largest_before_ = largest_;

@@ -24,7 +24,7 @@ struct ForceInterval {
   Real lo, hi;
 };
 
-/// One axis, in the paper's sign F = -f (F dx > 0 flows into the controller).
+/// A single axis, in the paper's sign F = -f (F dx > 0 flows into the controller).
 ///
 /// Printed (with c2 squared, see docs/bounding.md):  F_d(n) = F_d(n-1) + beta(n) dx(n),
 ///   beta_max = min(c1, gamma_max),  beta_min = gamma_min,
@@ -46,7 +46,7 @@ inline ForceInterval<Real> eba_interval(Real dx, Real held, BasicEbaConstants<Re
   return {lo, hi};
 }
 
-/// One axis: the command clamped into the interval of the bounding laws (paper's sign).
+/// A single axis: clamps the command into the interval of the bounding laws (paper's sign).
 template <class Real>
 inline Real eba_axis(Real command, Real dx, Real held, BasicEbaConstants<Real> c) noexcept {
   const ForceInterval<Real> allowed = eba_interval(dx, held, c);
@@ -59,7 +59,7 @@ template <class Real>
 struct EbaAxes {
   std::array<BasicEbaConstants<Real>, 3> axis;
 
-  /// The same on every axis.
+  /// Uses these constants on every axis.
   static EbaAxes uniform(BasicEbaConstants<Real> c) { return {{c, c, c}}; }
 
   /// Three axes at once; vectors on the hand (f = -F).

@@ -21,15 +21,15 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-/// For a force so small that f d is its need, after L + 1 such forces in a row. The reach d of each
-/// is longer by delta after the tick that is late. Then f' (d_L + delta) = f (d_L - L delta) + what
-/// is kept of f (d_0 + ... + d_L). Between an axis and a diagonal it grows with the square of
-/// |u|_1, nearly.
+/// For a force so small that its need is f d, after L + 1 such forces in a row. After the late tick
+/// each reach d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the part that is
+/// kept of f (d_0 + ... + d_L). Between an axis and a diagonal the kept part grows nearly with the
+/// square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
-  if (late == 0 || !reach_.bounds()) return;  // where a first press must be felt in full
+  if (late == 0 || !reach_.bounds()) return;  // there a first press must be felt in full
   constexpr double kLate = 0.5;               // [T]
-  constexpr double kMost = 0.1;               // of a balance: no device loses more by it
-  constexpr int kSamples = 4;                 // more than a reach knows of
+  constexpr double kMost = 0.1;               // of a balance: limits what a device loses by it
+  constexpr int kSamples = 4;                 // more than a reach remembers
   const Vec3 none = Vec3::Zero();
   Reach before(known_);
   for (int n = 0; n < kSamples; ++n) before.moved(none, none, period_, period_);
@@ -50,7 +50,8 @@ void PortBalance::keep_for_late_ticks(int late) noexcept {
 
 double PortBalance::damping_along(const Vec3& force) const noexcept {
   if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
-  // If a direction is not damped at all, a force along any other may move the handle along it.
+  // If one direction has no damping, a force along any other direction may move the handle along
+  // it.
   return directional_ ? force.squaredNorm() / force.dot(inverse_damping_ * force) : 0.0;
 }
 
@@ -84,14 +85,14 @@ inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held
   if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
   const double squared = displacement.squaredNorm();
   if (squared == 0.0) return false;
-  // A movement of one quantum is always within reach, and often exactly as far as that.
+  // A movement of one quantum is always within reach, and often exactly at its limit.
   return squared >
          (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
 }
 
-/// Over an even movement only the mean force counts. Of that, no more than share(j) is from the
-/// older force j and those before it: so a slice of share(j) - share(j + 1) is from the worst of
-/// the forces up to j. A hand that turns within the sample makes the rest: TurnLimit.
+/// During an even movement only the mean force counts. At most share(j) of it comes from the older
+/// force j and the forces before j. So a slice of share(j) - share(j + 1) is charged with the worst
+/// of the forces up to j. TurnLimit covers a hand that turns around within the sample.
 double PortBalance::charged_for_lag(const Vec3& displacement, const Vec3& held, double hold_time,
                                     const LaggingForces& older) const noexcept {
   double charged = 0.0, worst = 0.0, slice = 0.0;
@@ -149,7 +150,7 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
 inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                                           double farther) const noexcept {
   const double k = hold.per_newton;
-  if (!(k < hold.free)) return;  // so well damped that no force moves the handle that far
+  if (!(k < hold.free)) return;  // the damping is so large that no force moves the handle that far
   need.reach = reach_.along(force.vector, force.length, hold.time) + farther;
   need.free = (hold.free - k) * force.squared;
   need.second = hold.second * force.squared;
@@ -170,7 +171,7 @@ EnergyNeed PortBalance::need_of(const Vec3& wanted, double hold_time,
   const Hold& hold = prepared ? hold_ : other;
   need.first = 0.5 * hold.free * squared;
   if (reach_.known()) limit_by_inertia(need, force, hold, farther(force.length));
-  // A handle that was just faster than was told may be so again.
+  // Skip the speed limit after the handle exceeded it: it may do so again.
   if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
   return need;
 }
@@ -181,8 +182,8 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
                  [&](double length) { return reach_.driven(wanted, length, coming, hold_time); });
 }
 
-/// Each sample before it carries the handle farther by a whole sample of its speed, and this one by
-/// half of it.
+/// Each earlier sample carries the handle farther by its speed times a whole sample; this sample by
+/// its speed times half a sample.
 EnergyNeed PortBalance::need_after(const Vec3& wanted, double hold_time, int samples,
                                    double strongest) const noexcept {
   return need_of(wanted, hold_time, [&](double length) {
@@ -197,8 +198,8 @@ double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const
   return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
 }
 
-/// Both limits are true at every share of the force, so the one that is less at the whole of it is
-/// taken; the maximum within both at once would be a little less still.
+/// Both limits hold at every share of the force. Take the one that is smaller for the whole force:
+/// the maximum under both limits at once would be only slightly smaller.
 void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
                                  const Hold& hold) const noexcept {
   const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);

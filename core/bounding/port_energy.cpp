@@ -22,7 +22,7 @@ void PortEnergy::step(const Command& held, const Vec3& displacement, const Vec3&
   const double hold = hold_time > period_ ? hold_time : period_;
   const double burned =
       (damping_.quadratic(displacement) + rotational_damping_.quadratic(rotation)) / hold;
-  // One sum tells of anything not finite among the inputs, and of products that overflowed.
+  // This sum is not finite if an input is not finite or a product overflowed.
   const double exchange = std::abs(elastic) + std::abs(frictional) + std::abs(torque) + burned;
   if (!std::isfinite(exchange) || !std::isfinite(hold_time)) {
     ++refused_;

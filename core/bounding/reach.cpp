@@ -15,22 +15,22 @@ void refuse(const char* field, const char* part, double value, const char* remed
                               "; " + remedy);
 }
 
-/// The longest time before the end of a sample of `time` [s] for which a handle can have moved
-/// along v since it last stood or moved against it. All but `time` are multiplied by |v|: `driven`
-/// and `braked` [m/s^2] are the largest accelerations along v and against it, `way` [m] is the most
-/// that it moved along v, `against` [m/s] the largest speed against v at the beginning.
+/// The longest time before the end of a sample of `time` [s] during which the handle can have moved
+/// along v without standing or turning back. All but `time` are multiplied by |v|: `driven` and
+/// `braked` [m/s^2] are the largest accelerations along v and against v, `way` [m] is the largest
+/// movement along v, `against` [m/s] is the largest speed against v at the beginning.
 ///
-/// driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2, whose left side grows with s and
-/// whose right side falls.
+/// It solves driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2 for s: the left side grows
+/// with s and the right side falls.
 double since_turn(double driven, double braked, double way, double against, double time) noexcept {
   const double square = 0.5 * (driven - braked);
   const double linear = against + braked * time;
   const double constant = way + against * time + 0.5 * braked * time * time;
   if (!(constant > 0.0)) return 0.0;
   const double root = linear * linear + 4.0 * square * constant;
-  if (!(root >= 0.0)) return time;  // it holds for every s
+  if (!(root >= 0.0)) return time;  // every s fulfils it
   const double since = 2.0 * constant / (linear + std::sqrt(root));
-  return since < time ? since : time;  // also where it is not a number
+  return since < time ? since : time;  // also for NaN
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ void validate(const PortKnowledge& port, const char* field) {
 
 double Reach::Past::magnitude() const noexcept { return joined ? strongest : length(held); }
 
-/// Both as one. The force may have been the stronger one throughout, along any direction.
+/// Joins two samples. The stronger force may have acted all the time, along any direction.
 Reach::Past Reach::together(const Past& first, const Past& second) noexcept {
   return {.displacement = first.displacement + second.displacement,
           .held = second.held,
@@ -66,7 +66,7 @@ Reach::Past Reach::together(const Past& first, const Past& second) noexcept {
 void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time, double period,
                   double strongest) noexcept {
   period_ = period;
-  // A movement that is not known stays so until a whole sample has shown the speed again.
+  // After an unknown movement, the speed stays unknown until one whole sample has shown it.
   const bool too_short = hold_time < 0.5 * period;
   Past sample{.displacement = displacement, .held = held, .time = hold_time};
   if (strongest >= 0.0) {
@@ -81,8 +81,8 @@ void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time, 
   past_[newest_] = sample;
 }
 
-/// |v| times the largest speed along v at the end of `sample`, whose predecessor has the age
-/// `before`.
+/// |v| times the largest speed along v at the end of `sample`. `before` is the age of the sample
+/// before it.
 double Reach::fastest(const Past& sample, std::size_t before, const Vec3& v,
                       double length) const noexcept {
   const double outside = known_.outside_force * length;
@@ -98,9 +98,9 @@ double Reach::fastest(const Past& sample, std::size_t before, const Vec3& v,
   return std::max({0.0, driven * since, way / sample.time + 0.5 * driven * sample.time});
 }
 
-/// |v| times the largest speed along v after a sample that was not a period long. `simple` is the
-/// bound from that sample alone. It is at least as large as after a period in which the handle
-/// moved as fast: a handle that stands keeps its reach, whatever its ticks do.
+/// |v| times the largest speed along v after a sample that was not one period long. `simple` is the
+/// bound from that sample alone. The result is never below the bound after a regular period with
+/// the same speed: so a handle at rest keeps its reach with irregular ticks.
 double Reach::irregular(const Vec3& v, double length, double simple) const noexcept {
   const Past& before = last();
   const double driven =

@@ -80,7 +80,7 @@ class Reach {
     return reached(v, length, std::max(0.0, held.dot(v) + known_.outside_force * length),
                    hold_time);
   }
-  /// The same with no force held.
+  /// As above, with no force held.
   double along(const Vec3& v, double length, double hold_time) const noexcept {
     return reached(v, length, known_.outside_force * length, hold_time);
   }

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-/// One formula on both sides of the surface: the potential is (radius - d)^2.
+/// Uses one formula on both sides of the surface: the potential is (radius - d)^2.
 SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
                      FeatureMemory& memory) {
   const FieldPoint field = signed_distance(grid, side, p);
@@ -22,8 +22,8 @@ SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
   return {p + beneath * out.direction, out.direction, beneath * out.length};
 }
 
-/// A ball outside a solid with edges, which the ball rounds: uses the signed distance while the
-/// centre is outside the solid, and the solid's own proxy while it is inside.
+/// A ball outside a solid whose edges the ball rounds off. It uses the signed distance while the
+/// centre is outside the solid, and the solid's own proxy while the centre is inside.
 template <Primitive Solid>
 SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
   SurfacePoint centre = solid.surface_point(Side::outside, p, memory);

@@ -1,5 +1,5 @@
 #pragma once
-// One tool point against one object: penalty force from the proxy, friction from a stick point.
+// A tool point against an object: penalty force from the proxy, friction from a stick point.
 
 #include <cmath>
 #include <string>
@@ -33,8 +33,8 @@ inline SurfacePoint surface_point(const Object& object, const Vec3& tool, double
                       : surface_point(object.shape, object.felt_from, position, memory, work);
 }
 
-/// The same as touch(), with the two forces apart. Returns false for a free tool, and then writes
-/// neither.
+/// Like touch(), with the two forces apart. Returns false for a free tool, and then writes neither
+/// force.
 bool touch(const Object& object, const Tool& tool, ContactMemory& memory, double radius,
            Vec3& elastic, Vec3& frictional) noexcept;
 /// As above, but the object has this material instead of its own. Where `work` is cut off, the tool

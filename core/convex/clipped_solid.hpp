@@ -34,7 +34,7 @@ class ClippedSolid {
   ClippedSolid(const MeshSurface& solid, double rounding) : solid_(&solid), rounding_(rounding) {}
   bool crosses(double a, double b) const;
   std::vector<double> heights_over(const HalfSpaceBelow& cut) const;
-  /// Of the cell on the plane, inside the solid.
+  /// Corners of the cell that lie on the plane, inside the solid.
   std::vector<Vec3> corners_on(const HalfSpaceBelow& cut) const;
 
   const MeshSurface* solid_;

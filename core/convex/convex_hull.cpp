@@ -22,7 +22,7 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// Qhull's state, freed however the work ends.
+/// Owns Qhull's state and frees it in every case.
 class Qhull {
  public:
   explicit Qhull(std::FILE* messages) { qh_zero(&state_, messages); }
@@ -39,8 +39,8 @@ class Qhull {
   qhT state_{};
 };
 
-/// Whether all points lie in one plane, on a line or at one place, to rounding: Qhull has an error
-/// of its own for each of these, one of them "internal".
+/// Whether all points lie in one plane, on a line or at one place, within rounding. Qhull reports a
+/// different error for each of these cases, one of them "internal".
 bool is_flat(std::span<const Vec3> points) {
   constexpr double kFlat = 1e-13;  // of the size
   const auto farthest = [&](const auto& distance) {
@@ -59,12 +59,12 @@ bool is_flat(std::span<const Vec3> points) {
   return !(height(farthest(height)) > kFlat * size);
 }
 
-/// Calls read(qh) with Qhull's hull of the points, of triangles. False: the points are flat.
+/// Calls read(qh) with the hull of the points, made of triangles. Returns false if they are flat.
 template <class Read>
 bool with_hull(std::span<const Vec3> points, Read read) {
   constexpr std::size_t kLeast = 4;
   if (points.size() < kLeast || is_flat(points)) return false;
-  // Qhull's messages about flat points are of no use to anybody.
+  // Drop Qhull's messages about flat points: they help nobody.
   const std::unique_ptr<std::FILE, CloseFile> messages(std::fopen("/dev/null", "w"));
   if (messages == nullptr) throw std::runtime_error("convex hull: cannot open /dev/null");
   std::vector<coordT> coordinates;
@@ -98,7 +98,7 @@ std::vector<std::size_t> corners_of(const qhT& qh) {
   return corners;
 }
 
-/// Calls visit(facet, its plane) for each triangle.
+/// Calls visit(facet, its plane) for each facet.
 template <class Visit>
 void for_each_facet(const qhT& qh, Visit visit) {
   for (const facetT* facet = qh.facet_list; facet != nullptr && facet->next != nullptr;
@@ -152,7 +152,7 @@ HullTriangles hull_triangles(std::span<const Vec3> points) {
         triangle[k] =
             static_cast<std::uint32_t>(std::ranges::lower_bound(corners, corner) - corners.begin());
       }
-      // All turn the same way. The largest triangle shows it best.
+      // All triangles turn the same way. The largest one shows it best.
       const Vec3 turn = (place[1] - place[0]).cross(place[2] - place[0]);
       if (turn.norm() > largest) {
         largest = turn.norm();

@@ -14,9 +14,9 @@ namespace feltwire {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Pieces that are cut for each part that is asked for: joining makes fewer of them.
+/// Pieces to cut for each requested part: joining reduces their number.
 constexpr std::size_t kPiecesPerPart = 2;
-/// Parts below this share of the whole's volume are rounding.
+/// A part below this share of the whole volume is a rounding error.
 constexpr double kDust = 1e-9;
 
 struct Piece {
@@ -25,15 +25,15 @@ struct Piece {
   double outside = 0.0;  // [m]
 };
 
-/// The work on one mesh.
+/// Cuts one mesh into pieces.
 struct Cutter {
   const MeshSurface& surface;
   double tolerance;  // [m]
 
   double outside(const ConvexHull& hull) const { return overhang(hull, surface, tolerance); }
 
-  /// Whether a piece is so thin along a direction that no cut across it brings a hull nearer. Such
-  /// cuts are the most even ones of a thin plate with a hollow in its rim, and would have no end.
+  /// Whether a piece is so thin along a direction that no cut across it brings a hull nearer. A
+  /// thin plate with a hollow in its rim would prefer such cuts, the most even ones, without end.
   bool is_thin(const Piece& piece, const Vec3& direction) const {
     double least = kInfinity, most = -kInfinity;
     for (const Vec3& v : piece.hull.vertices) {
@@ -43,8 +43,8 @@ struct Cutter {
     return most - least < tolerance;
   }
 
-  /// The plane that leaves the hulls with the least volume. Of equal ones the more even one, so
-  /// that thin slices are not preferred.
+  /// The plane that leaves the hulls with the least volume. Prefers even cuts among equals, to
+  /// avoid thin slices.
   std::optional<HalfSpaceBelow> best_cut(const Piece& piece) const {
     constexpr double kUneven = 0.02;
     const std::vector<HalfSpaceBelow> cuts = piece.solid.cuts();
@@ -68,7 +68,7 @@ struct Cutter {
     return Piece{std::move(solid), *std::move(hull), out};
   }
 
-  /// Cuts until all are near enough or there are `most`.
+  /// Cuts until every piece is near enough or there are `most` pieces.
   std::vector<Piece> cut(std::size_t most) const {
     std::vector<Piece> done, open;
     if (auto whole = piece(ClippedSolid(surface))) open.push_back(*std::move(whole));
@@ -101,16 +101,16 @@ Part part_of(ConvexHull hull) {
   return part;
 }
 
-/// Two parts as one.
+/// Two parts joined into one.
 struct Join {
   std::size_t a = 0, b = 0;  // a < b
   ConvexHull hull;
-  double added = 0.0;  // [m^3] more than the two have, if they do not overlap
-  bool fits = true;    // until it is found to reach out too far
+  double added = 0.0;  // [m^3] volume beyond the sum of both parts, if they do not overlap
+  bool fits = true;    // false once the hull is found to reach out too far
 };
 
-/// Joins parts, those first that add the least volume: as long as the tolerance holds, and beyond
-/// it while there are more than `most`.
+/// Joins pairs of parts, the pair that adds the least volume first. It joins while the tolerance
+/// holds, and beyond the tolerance while there are more than `most` parts.
 std::vector<Part> joined(const Cutter& cutter, std::vector<Part> parts, std::size_t most) {
   std::vector<Join> joins;
   const auto add_pairs = [&](const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
@@ -176,7 +176,7 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  // The overhang that is found may be this share of the true one (overhang()).
+  // The search may find only this share of the true overhang (overhang()).
   constexpr double kFound = 8.0 / 9.0;
   const double tolerance = tolerance_of(options, solid.mesh());
   const Cutter cutter{solid, kFound * tolerance};

@@ -10,7 +10,7 @@ namespace feltwire {
 namespace {
 
 struct Box {
-  double most = 0.0;  // [m] an upper bound of the distance in it
+  double most = 0.0;  // [m] an upper bound of the distance in the box
   double distance = 0.0;
   Vec3 middle = Vec3::Zero(), half = Vec3::Zero();
   bool operator<(const Box& other) const { return most < other.most; }
@@ -30,8 +30,8 @@ double signed_distance(const MeshSurface& solid, const Vec3& p, double within) {
 }  // namespace
 
 double overhang(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
-  constexpr double kGap = 1.125;       // between what is found and what can be
-  constexpr double kWider = 1.000001;  // of the way to where the nearest point is known to be
+  constexpr double kGap = 1.125;       // largest possible overhang over the one found
+  constexpr double kWider = 1.000001;  // margin on the known distance to the nearest point
   Bounds bounds;
   for (const Vec3& v : hull.vertices) bounds.add(v);
   double found = 0.0;

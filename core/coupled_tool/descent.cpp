@@ -9,25 +9,25 @@
 namespace feltwire::coupled_tool {
 namespace {
 
-/// A spring that pulls with no more than `most`.
+/// A spring whose force is at most `most`.
 struct Spring {
   double stiffness, most;
 
-  /// [J] Quadratic up to where it saturates, linear beyond.
+  /// [J] Quadratic until the spring saturates, linear beyond.
   double energy(double stretch) const {
     const double linear_from = most / stiffness;
     return stretch <= linear_from ? 0.5 * stiffness * stretch * stretch
                                   : most * (stretch - 0.5 * linear_from);
   }
-  /// Force over stretch: also the stiffness of the parabola that touches the energy there and lies
-  /// above it everywhere.
+  /// Force over stretch. It is also the stiffness of the parabola that touches the energy at this
+  /// stretch and lies above it everywhere.
   double secant(double stretch) const {
     return stiffness * stretch <= most ? stiffness : most / stretch;
   }
 };
 
-/// The stiffness less as much of the softening as leaves a tenth of it in every direction: all of
-/// it, a half, a quarter or nothing.
+/// The stiffness less a share of the softening, so that a tenth of the stiffness is left in every
+/// direction. The share is 1, 1/2, 1/4 or 0.
 Mat6 softened(const Mat6& stiffness, const Mat6& softening) {
   constexpr double kLeft = 0.1;
   if (softening.isZero(0.0)) return stiffness;
@@ -101,9 +101,9 @@ void Step::damp(const State& state, bool slipping) {
 }
 
 FrictionSolution descend(Step& step, State& state, bool& slipping) {
-  // Shares of the radius: a shorter way is not tried, and not tried again in the same step.
+  // Shares of the radius: a shorter way is not tried (kCloseEnough: not tried again in this step).
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
-  // A tool with mass has the way over the time as its velocity. One that friction holds stays.
+  // The velocity of a tool with mass is its way over the time. A tool held by friction stays.
   constexpr double kCloseWithMass = 1e-12, kRounding = 1e-7;
   const bool has_mass = step.inertial != nullptr;
   const double radius = step.tool.radius;
@@ -119,14 +119,14 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
   FrictionSolution next = next_slide();
   bool slips = next.slips;  // at any time in this step
   Vec6 way = step.allowed(state, next.motion);
-  // Objects that move are followed however slow they are.
+  // Follow moving objects, however slow they are.
   const double least = step.tool.surroundings_move ? 0.0 : kClose * radius;
   const auto enough = [&] {
     if (!has_mass) return kCloseEnough * radius;
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
   const auto done = [&] { return step.tool.work != nullptr ? step.tool.work->done() : 0; };
-  std::uint64_t look = done();  // units: of the first, no more than all that led to it
+  std::uint64_t look = done();  // units: the first costs at most all work before it
   while (step.result.evaluations < step.budget && !is_cut(step.tool.work)) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
@@ -146,14 +146,14 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
       state = tried;
       step.done += way;
       step.paid += cost;
-      // The tool has gone with what carries it; from here on it slips.
+      // The tool has moved with the object that carries it. From here on it slips.
       for (std::size_t i = 0; i < state.contact.grip_count; ++i)
         state.contact.patches[i].carried.setZero();
       next = next_slide();
       slips |= next.slips;
       way = step.allowed(state, next.motion);
     } else if (has_mass && step.length_of(way) < kRounding * radius) {
-      break;  // what it would lower is less than the rounding of the energy
+      break;  // the energy would fall by less than its rounding
     } else {
       way *= 0.5;
     }

@@ -8,7 +8,7 @@ namespace feltwire {
 namespace {
 
 constexpr int kSweeps = 4;      // over the patches
-constexpr int kRootSteps = 12;  // for one of them
+constexpr int kRootSteps = 12;  // for one patch
 constexpr double kCloseToCone = 1e-3;
 constexpr std::uint64_t kSolveWork = 16;  // units of a system of six equations
 
@@ -21,8 +21,8 @@ double slip_of(const FrictionPatch& patch, const Vec6& motion) {
   return std::sqrt(std::max(0.0, against.dot(patch.slip * against)));
 }
 
-/// Each patch as a spring, whose stiffness is its limit over its slip: at the least of the sum
-/// these are the same forces.
+/// Treats each patch as a spring with the stiffness limit / slip. At the minimum of the sum, the
+/// spring forces equal the friction forces.
 struct Springs {
   const Mat6& stiffness;
   const Vec6& wrench;
@@ -43,20 +43,20 @@ struct Springs {
     motion = all.ldlt().solve(pull);
   }
 
-  /// limit / slip - spring of a patch: falls with the spring, about in a line, through the root.
+  /// limit / slip - spring of a patch. It falls almost linearly with the spring, through the root.
   double excess(std::size_t i, double limit, double spring) {
     of[i] = spring;
     solve();
     return limit / std::max(slip_of(patches[i], motion), kHeld * kHeld) - spring;
   }
 
-  /// The patch's spring, the others as they are.
+  /// Finds the spring of one patch and leaves the others unchanged.
   void find(std::size_t i, double limit) {
     double high = limit / kHeld, above = excess(i, limit, high);
-    if (above >= 0.0 || limit == 0.0) return;  // it holds
+    if (above >= 0.0 || limit == 0.0) return;  // the patch holds
     double low = 0.0, below = excess(i, limit, low);
     int last = 0;
-    for (int n = 0; n < kRootSteps; ++n) {  // regula falsi, Illinois
+    for (int n = 0; n < kRootSteps; ++n) {  // regula falsi with the Illinois rule
       const double between = (low * above - high * below) / (above - below);
       const double value = excess(i, limit, between);
       if (std::abs(value) <= kCloseToCone * between) return;

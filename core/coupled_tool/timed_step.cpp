@@ -18,7 +18,7 @@ using coupled_tool::resistance;
 using coupled_tool::State;
 using coupled_tool::Step;
 
-/// The damper's resistance is less where it would pull harder than the spring leaves room for.
+/// The damper's resistance is reduced if spring and damper together would exceed the largest pull.
 Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before,
                    const Pose& device, double elapsed, const BodyMemory& memory) {
   const ToolInertia& body = *tool.inertia;
@@ -42,19 +42,19 @@ Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before
   return dashpot;
 }
 
-/// The end of a step of time. It is filled in place: a state is some 5 kB.
+/// The result of a time step. It is filled in place because a state takes about 5 kB.
 struct End {
   State state;
   ToolVelocity velocity = {};
   Vec6 damper = Vec6::Zero();        // [N], [N m] of the dashpot on the tool
-  double work = 0.0;                 // [J] of the hand
-  std::optional<State> middle = {};  // of the midpoint rule: where contacts have their forces
+  double work = 0.0;                 // [J] done by the hand
+  std::optional<State> middle = {};  // of the midpoint rule: contact forces act here
   FrictionSolution last = {};
   Vec6 resisted = Vec6::Zero();  // [N], [N m] by friction and the dampers of contacts
   bool slipping = false;
 };
 
-/// A step of time, with the device before and after it.
+/// A time step, with the device's pose before and after it.
 struct TimeStep {
   const CoupledTool& tool;
   const ToolSurroundings& surroundings;
@@ -62,7 +62,7 @@ struct TimeStep {
   const Pose& device;
   double elapsed;
   const BodyMemory& memory;
-  const ShellContact& met;  // at the beginning
+  const ShellContact& met;  // at the beginning of the step
   BodyStep& result;
 
   Pull pull_at(const Pose& at_device) const { return pull(tool.coupling, at_device, memory.pose); }
@@ -71,7 +71,7 @@ struct TimeStep {
     return kinetic_energy(*tool.inertia, memory.pose.orientation, memory.velocity);
   }
 
-  /// Slows the tool down to the energy that is left. False: there is less than nothing left, so the
+  /// Slows the tool down until its energy is `left`. Returns false if `left` is negative: then the
   /// tool cannot be there.
   bool settle(End& end, double left) const {
     if (!(left >= 0.0)) return false;
@@ -84,7 +84,7 @@ struct TimeStep {
     return true;
   }
 
-  /// Takes the damper's force where the step ends. Returns its work on the tool [J].
+  /// Computes the damper's force at the end of the step. Returns its work on the tool [J].
   double take_damper(const Dashpot& dashpot, End& end) const {
     Vec6 way;
     way << end.state.pose.position - memory.pose.position,
@@ -101,7 +101,7 @@ struct TimeStep {
     return end.damper.dot(way);
   }
 
-  /// Leaves the tool at the beginning: it can be nowhere else, or no time passes.
+  /// Leaves the tool where it began: no other place is possible, or no time passes.
   void stay(End& end, const ToolVelocity& velocity) const {
     end = {start(device), velocity};
     end.work = end.state.pull.energy - pull_at(before).energy;
@@ -130,7 +130,7 @@ struct TimeStep {
     return settle(end, had - has - step.paid + damped);
   }
 
-  /// The device is halfway too while the middle is searched for.
+  /// Places the device halfway too while it searches for the middle.
   bool midpoint(End& end) const {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 0.5);
     const Vec3 by = device.position - before.position;
@@ -138,7 +138,7 @@ struct TimeStep {
     Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
     step.inertial = &inertial;
     step.frictionless = true;
-    // It may have to be done again in another way.
+    // The step may have to be repeated with the other method.
     if (tool.work != nullptr) step.reserve = tool.work->left() / 2;
     const Pull begins = pull_at(before);
     State& state = end.middle.emplace(start(step.device));
@@ -148,7 +148,7 @@ struct TimeStep {
     end.slipping = false;
     end.last = descend(step, state, end.slipping);
     end.velocity = inertial.velocity(state.pose);
-    // The second half of the way is not searched: no farther than the first was allowed to be.
+    // The second half of the way is not searched: allow it no more length than the first half.
     const Pose whole = inertial.whole(state.pose);
     Vec6 beyond;
     beyond << whole.position - state.pose.position,
@@ -166,14 +166,14 @@ struct TimeStep {
     return settle(end, had - has + damped);
   }
 
-  /// It may fail, and an implicit step is done then: there must be work for both.
+  /// Leaves work for both steps: the midpoint step may fail, and then an implicit step follows.
   bool has_room_for_midpoint() const {
-    constexpr std::uint64_t kTimes = 4;  // of what the step has taken so far
+    constexpr std::uint64_t kTimes = 4;  // times the work that the step has taken so far
     return tool.work == nullptr || tool.work->left() >= kTimes * tool.work->done();
   }
 
   bool may_take_midpoint() const {
-    // If friction or a damper takes energy, there is none to keep.
+    // If friction or a damper takes energy, energy need not be kept.
     return tool.inertia->integration == ToolIntegration::midpoint && elapsed <= kLongestMidpoint &&
            has_room_for_midpoint() && met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
            met.viscosity.resistance.isZero(0.0);
@@ -185,8 +185,8 @@ struct TimeStep {
   }
 };
 
-/// The force on the hand in its parts. Inertia, weight and the damper belong to no surface, and
-/// what they take from a contact's force is no part of it: so the elastic part is never more than
+/// Splits the force on the hand. Inertia, weight and the damper belong to no surface. The part of a
+/// contact's force that they take does not reach the hand, so the elastic part is never larger than
 /// the whole.
 Command command_of(const Vec6& on_tool, const ShellContact& contact) {
   Command command;

@@ -8,8 +8,8 @@
 namespace feltwire {
 
 /// Viscous damping B of translation [N s/m] or rotation [N m s/rad]: force B v against velocity v.
-/// The same in every direction (a number), along the world's axes, or a symmetric positive definite
-/// matrix in the world frame. Not checked here: see validate().
+/// It is equal in every direction (a number), different along the world's axes, or a symmetric
+/// positive definite matrix in the world frame. Not checked here: see validate().
 class Damping {
  public:
   enum class Kind : std::uint8_t { isotropic, axes, matrix };

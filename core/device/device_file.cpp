@@ -28,7 +28,7 @@ namespace {
 
 using Numbers = flatbuffers::Vector<double>;
 
-/// Three numbers along x, y, z, or nine of a symmetric matrix.
+/// Reads three numbers along x, y, z, or the nine numbers of a symmetric matrix.
 Mat3 matrix(const JsonDocument& document, const char* field, const Numbers& values) {
   constexpr flatbuffers::uoffset_t kAxes = 3, kMatrix = 9;
   if (values.size() == kAxes) {
@@ -51,14 +51,14 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
   return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
-/// The least in any direction of what one field gives as a number, or another as a matrix.
+/// The least value in any direction, given as a number in one field or as a matrix in another.
 double least(const JsonDocument& document, const std::string& field, double number,
              const Numbers* values) {
   if (values == nullptr) return number;
   const std::string other = field + "_matrix";
   if (document.has(field))
     document.fail(other, "stands beside " + field + ", which says the same; give one of the two");
-  const Damping given(matrix(document, other.c_str(), *values));  // checked as a damping is
+  const Damping given(matrix(document, other.c_str(), *values));  // checks it like a damping
   try {
     validate(given, other.c_str());
   } catch (const std::invalid_argument& error) {
@@ -150,7 +150,7 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
   return {std::move(spec), sources_of(given), document.has("actuation_lag")};
 }
 
-/// In a fixed order.
+/// The built-in devices, in a fixed order.
 const std::vector<SourcedSpec>& built_in() {
   static const std::vector<SourcedSpec> list = [] {
     std::vector<SourcedSpec> specs;

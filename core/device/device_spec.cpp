@@ -6,7 +6,7 @@
 namespace feltwire {
 namespace {
 
-// Ceilings that no haptic device reaches; beyond them a unit has been mistaken.
+// No haptic device reaches these limits. A larger number means a wrong unit.
 constexpr double kMaxDamping = 1e3;            // [N s/m]
 constexpr double kMaxRotationalDamping = 1e2;  // [N m s/rad]
 constexpr double kMaxLag = 0.1;                // [s]

@@ -47,7 +47,7 @@ struct DeviceSpec {
   double actuation_lag = 0.0;   // L [s] upper bound of the time by which the motor's force follows
                                 // write(); 0: none is told. Instead of late_ticks, not beside it
   LagKind actuation_kind = LagKind::delay;
-  // The same for rotation.
+  // These fields repeat the ones above for rotation.
   double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
                                // least eigenvalue of its matrix; 0: not known

@@ -13,7 +13,7 @@ constexpr std::string_view kAssumption = "assumption", kAssumedFor = "assumption
 struct Number {
   const char* field;
   const char* unit;
-  bool counted_on;  // by the account: too large a number makes energy
+  bool counted_on;  // by the account: too large a number creates energy
   std::function<std::string(const DeviceSpec&)> text;
 };
 
@@ -75,7 +75,7 @@ const std::vector<Number>& numbers() {
   return list;
 }
 
-/// Empty where nobody told one.
+/// The source of a field; empty if nobody gave one.
 std::string_view source_of(const SourcedSpec& described, std::string_view field) {
   const auto found = described.sources.find(field);
   return found == described.sources.end() ? std::string_view() : std::string_view(found->second);
@@ -102,7 +102,7 @@ std::vector<std::string> assumptions(const SourcedSpec& described) {
   for (const Number& number : numbers()) {
     const std::string_view source = source_of(described, number.field);
     if (!number.counted_on || !source.starts_with(kAssumption)) continue;
-    // "assumption for USB" says for what it was made.
+    // "assumption for USB" names the case that it was made for.
     const bool says_for = source.starts_with(kAssumedFor);
     said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
                    number.unit + " is an " + std::string(says_for ? source : kAssumption) + "; " +

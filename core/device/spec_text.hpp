@@ -8,8 +8,8 @@
 
 namespace feltwire {
 
-/// One line for each number: field, value, unit, source. Numbers that the device does not have
-/// (torque of one without rotation) and that have no source are left out.
+/// A line for each number: field, value, unit, source. It leaves out numbers that the device does
+/// not have (torque of a device without rotation) and that have no source.
 std::string spec_table(const SourcedSpec& described);
 
 /// A sentence for each number that the account relies on and that is an assumption: "damping 0.05

@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-/// Steiner: of a unit of volume at an offset.
+/// Steiner's theorem: the inertia of a unit of volume at an offset.
 Mat3 offset_inertia(const Vec3& by) {
   return by.squaredNorm() * Mat3::Identity() - by * by.transpose();
 }
@@ -23,8 +23,8 @@ MassProperties mass_properties(const Shape& shape) {
       [] { return MassProperties{}; });
 }
 
-// The sum over tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
-// for the 3-D tetrahedron inertia tensor"), in units of the size, as TriangleMesh::volume().
+// Sums over the tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
+// for the 3-D tetrahedron inertia tensor"), in units of the size, like TriangleMesh::volume().
 MassProperties mass_properties(const TriangleMesh& mesh) {
   const double size = mesh.half_extents().maxCoeff();
   double volume = 0.0;
@@ -62,9 +62,9 @@ MassProperties together(const MassProperties& a, const MassProperties& b) {
 }
 
 bool is_convex(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-9;  // of the size: rounding of a flat face cut into triangles
+  constexpr double kFlat = 1e-9;  // share of the size: rounding of a flat face cut into triangles
   if (!mesh.report().closed()) return false;
-  // Euler: vertices - edges + triangles = 2 of one ball, with 3/2 edges a triangle.
+  // Euler: a single ball has vertices - edges + triangles = 2, with 3/2 edges per triangle.
   if (2 * mesh.vertices().size() != mesh.triangles().size() + 4) return false;
   const double flat = kFlat * mesh.half_extents().maxCoeff();
   for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {

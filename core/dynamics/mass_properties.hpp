@@ -14,7 +14,7 @@ MassProperties mass_properties(const Shape& shape);
 /// Precondition: the mesh is closed.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
-/// The same solid seen from the frame that `pose` places it in.
+/// The solid's properties in the frame that `pose` places it in.
 MassProperties placed(const MassProperties& solid, const Pose& pose);
 /// Two solids as one body; their overlap counts twice.
 MassProperties together(const MassProperties& a, const MassProperties& b);

@@ -1,16 +1,16 @@
 // feltwire-mjcf: reads one MJCF file with MuJoCo's loader and writes the compiled model. A server
 // runs it as a child process: MuJoCo's loader leaves its own C++ code by longjmp and may crash on a
-// bad file, and neither may happen in a process that holds a hand.
+// bad file. Neither may happen in a process that holds a hand.
 //   feltwire-mjcf FILE MODEL ERROR FILES ROOT TEXT
-// Status 0: MODEL holds the binary model, and FILES the names of what was read, each with a zero
-// byte behind it. Status 1: ERROR holds MuJoCo's words. Where ROOT is not empty, what lies outside
-// of that folder is refused. Where TEXT is not empty, it is a file whose text stands for that of
-// FILE; the files that it names still lie beside FILE.
+// Status 0: MODEL holds the binary model. FILES holds the names of all files that were read, each
+// followed by a zero byte. Status 1: ERROR holds MuJoCo's message. If ROOT is not empty, files
+// outside that folder are refused. If TEXT is not empty, it is a file whose text replaces that of
+// FILE; the files that the text names still lie beside FILE.
 //
 // An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
-// open all of them by fopen(). The dynamic linker takes this program's own fopen() before libc's,
-// and this one refuses what is not a regular file: a pipe would be waited for, a device read for
-// ever.
+// open all of them by fopen(). The dynamic linker prefers this program's own fopen() to libc's.
+// This one refuses everything but regular files: opening a pipe would block, and reading a device
+// might never end.
 
 #include <fcntl.h>
 #include <mujoco/mujoco.h>
@@ -40,7 +40,7 @@ int files = -1;  // descriptor of the list
     std::fputs(words, out);
     std::fclose(out);
   }
-  _exit(1);  // no destructor of a half read model is run
+  _exit(1);  // skips the destructors of a half-read model
 }
 
 [[noreturn]] void refuse_file(const char* name, mode_t mode) {
@@ -71,8 +71,8 @@ void note(const char* name) {
   static_cast<void>(ignored);
 }
 
-/// fopen() for regular files only. It never blocks: a pipe opens without a writer, and is then
-/// refused.
+/// fopen() for regular files only. It never blocks: it opens a pipe without waiting for the other
+/// end, and then refuses the pipe.
 FILE* open_regular(const char* name, const char* mode) {
   const bool reads = mode[0] == 'r', also = std::strchr(mode, '+') != nullptr;
   const int access = also ? O_RDWR : reads ? O_RDONLY : O_WRONLY;
@@ -107,7 +107,7 @@ void limit_resources() {
   const rlimit time{kSeconds, kSeconds}, none{0, 0};
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
-#ifndef FELTWIRE_SANITIZED                     // whose own memory counts
+#ifndef FELTWIRE_SANITIZED                     // a sanitizer's own memory would count
   constexpr rlim_t kMemory = rlim_t{4} << 30;  // [bytes]
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_DATA, &memory);
@@ -136,7 +136,7 @@ int main(int count, char** words) {
   main_text = words[6];
   files = open(words[4], O_WRONLY | O_APPEND | O_CLOEXEC);
   mju_user_error = refuse;
-  mju_user_warning = [](const char*) {};  // by itself it writes a file
+  mju_user_warning = [](const char*) {};  // MuJoCo's own handler writes a file
   std::array<char, 1000> error{};
   mjModel* model = mj_loadXML(words[1], nullptr, error.data(), static_cast<int>(error.size()));
   if (model == nullptr)

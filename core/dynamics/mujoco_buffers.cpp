@@ -13,15 +13,15 @@ namespace feltwire::mujoco {
 namespace {
 
 constexpr int kFewContacts = 16, kContactsOfGeom = 4;
-// The sizes that MuJoCo 2.2 takes if the file has no <size>.
+// MuJoCo 2.2 uses these sizes if the file has no <size>.
 constexpr int kDefaultContacts = 100, kDefaultRows = 500;
 constexpr int kMostFriction = 6;                // dimensions of a contact
 constexpr int kRowsOfEquality = 6;              // a weld's
 constexpr double kFirstStack = 1 << 20;         // numbers
-constexpr double kMostStack = 2.0 * (1 << 27);  // numbers, 2 GiB; what is not used takes no memory
+constexpr double kMostStack = 2.0 * (1 << 27);  // numbers, 2 GiB; unused stack takes no memory
 constexpr double kNumber = sizeof(mjtNum), kIndex = sizeof(int);
 
-/// Of one contact, of the most friction that there is in the model.
+/// Constraint rows of one contact with the largest friction dimension in the model.
 int rows_of_contact(const mjModel& model) {
   int dimensions = 1;
   for (int g = 0; g < model.ngeom; ++g) dimensions = std::max(dimensions, model.geom_condim[g]);
@@ -31,7 +31,7 @@ int rows_of_contact(const mjModel& model) {
   return pyramid ? 2 * (dimensions - 1) : dimensions;
 }
 
-/// Of all that is no contact, at most.
+/// Upper bound of the constraint rows that belong to no contact.
 int other_rows(const mjModel& model) {
   int rows = kRowsOfEquality * model.neq;
   for (int i = 0; i < model.nv; ++i) rows += model.dof_frictionloss[i] > 0.0 ? 1 : 0;
@@ -41,15 +41,15 @@ int other_rows(const mjModel& model) {
   return rows;
 }
 
-/// Numbers that kinematics and the search for contacts take at once, as measured with some to
-/// spare.
+/// Numbers that kinematics and the search for contacts need on the stack at once: measured values
+/// with a margin.
 double least_stack(const mjModel& model, int rows) {
   constexpr double kVectors = 64.0;
   const double bodies = model.nbody;
   return bodies * bodies + kVectors * (1.0 + bodies + model.nv + model.ngeom + model.njnt + rows);
 }
 
-/// The same with the solvers: Newton's matrices of all speeds, the second one's of all rows.
+/// least_stack() and the solvers: Newton's matrices of all speeds, the noslip solver's of all rows.
 double whole_stack(const mjModel& model, int rows) {
   constexpr double kNewton = 3.0, kSecond = 2.0;
   const double nv = model.nv, all = rows;
@@ -59,7 +59,7 @@ double whole_stack(const mjModel& model, int rows) {
 
 int numbers(double count) { return static_cast<int>(std::min(count, kMostStack)); }
 
-/// The file has sizes of its own: something else than what MuJoCo makes of none.
+/// Whether the file has sizes of its own: they differ from MuJoCo's sizes without <size>.
 bool has_own_room(const mjModel& m) {
   constexpr double kOfSquare = 5.0, kOfOthers = 20.0, kLeast = 1000.0;
   const double square = m.njmax + m.neq + m.nv;
@@ -86,7 +86,7 @@ std::string printed(double bytes) {
 }  // namespace
 
 double bytes(const mjModel& model, const Room& room) {
-  // The constraints' Jacobian and its transpose with their columns, the matrix between all rows.
+  // The constraints' Jacobian and its transpose, both with column indices; the matrix of all rows.
   const double entry = kNumber + kIndex, rows = room.rows;
   return 2.0 * entry * rows * model.nv + entry * rows * rows +
          static_cast<double>(sizeof(mjContact)) * room.contacts;
@@ -131,7 +131,7 @@ std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
   const std::size_t solver = count <= kFewBodies ? kNewton * speeds * speeds : 0;
   const std::size_t stack = solver + 2 * rows * rows + count * count +
                             kVectors * (1 + rows + speeds + 2 * count + 7 * objects);
-  // The two blocks that mj_makeData() takes: constraints between all speeds and all rows, and the
+  // mj_makeData() allocates two blocks: the constraints (between all speeds and all rows) and the
   // stack. It counts the bytes of each in an int.
   constexpr double kMost = 2e9, kEntry = sizeof(mjtNum) + sizeof(int);  // [bytes]
   const auto r = static_cast<double>(rows), v = static_cast<double>(speeds);
@@ -153,7 +153,7 @@ Simulation::Simulation(const mjModel& model, double most_memory, const std::vect
   bring_own_sort();
   if (!fixed_) give(model_, first_room(model));
   data_ = make_data(model_, start);
-  if (data_ == nullptr && !fixed_) {  // the stack that it may take later on, all at once
+  if (data_ == nullptr && !fixed_) {  // allocate at once the whole stack that may be needed later
     model_.nstack = numbers(whole_stack(model_, model_.njmax));
     data_ = make_data(model_, start);
   }
@@ -186,7 +186,7 @@ bool Simulation::advance() noexcept {
   return true;
 }
 
-/// Twice as much of what ran out, and the state as it was before; false where that may not be.
+/// Enlarges the buffer that ran out and restores the state. False if the buffer must not grow.
 bool Simulation::grow(bool out_of_stack) noexcept {
   if (fixed_ || (full_ && !out_of_stack)) return false;
   mjModel larger = model_;

@@ -16,7 +16,7 @@ void on_error(const char* message) {
   stack_overflowed = std::strstr(message, "tack overflow") != nullptr;
   if (way_out != nullptr) std::longjmp(*way_out, 1);
 }
-// Every warning of a simulation is counted in its mjData, too.
+// Ignores warnings: every simulation also counts them in its mjData.
 void on_warning(const char*) {}
 
 void install_handlers() {

@@ -15,10 +15,10 @@
 namespace feltwire::mujoco {
 namespace {
 
-/// MuJoCo keeps points in single precision, and refuses a model with a mesh of no volume.
+/// Whether a mesh keeps a volume in single precision: MuJoCo refuses a mesh without volume.
 bool is_solid_in_float(const std::vector<Vec3>& points) {
   constexpr double kLeastVolume = 2.0 * mjMINVAL;  // [m^3]
-  constexpr double kThin = 1e-6;                   // of the size: some roundings of a float
+  constexpr double kThin = 1e-6;                   // share of the size: some roundings of a float
   std::vector<Vec3> rounded;
   Bounds bounds;
   for (const Vec3& p : points) {
@@ -49,12 +49,12 @@ std::vector<PhysicsGeom> made_geoms(const Object& object, const ConvexSolids* so
   return geoms;
 }
 
-/// Of one of `count` geoms.
+/// Number for the name of one of `count` geoms.
 std::string number_of(std::size_t object, std::size_t index, std::size_t count) {
   return std::to_string(object) + (count > 1 ? "_" + std::to_string(index) : "");
 }
 
-/// `name`: of the mesh that a hull is.
+/// `name`: the name of a hull's mesh.
 std::string geom_shape(const PhysicsGeom& geom, const std::string& name) {
   const auto sized = [](const char* type, const std::string& size) {
     return attribute("type", type) + attribute("size", size);
@@ -128,7 +128,7 @@ std::string CollisionGeoms::meshes() const {
 
 std::string CollisionGeoms::text(std::size_t object, const Pose& pose, const Material& material,
                                  const std::string& more) const {
-  // MuJoCo's cone is that of sliding; without friction a contact is one-dimensional.
+  // MuJoCo's cone takes the dynamic friction. A contact without friction is one-dimensional.
   const double friction = material.dynamic_friction;
   const auto& geoms = geoms_of(object);
   std::string xml;

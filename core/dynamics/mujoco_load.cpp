@@ -1,4 +1,4 @@
-// MuJoCo's loader, in a process of its own (mjcf_reader.cpp).
+// Runs MuJoCo's loader in its own process (mjcf_reader.cpp).
 
 #include <fcntl.h>
 #include <poll.h>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* kReader = "feltwire-mjcf";
 
-// The child's descriptors: what it is told to read and write.
+// Descriptors in the child: what it reads and writes.
 constexpr int kInput = 3, kModel = 4, kError = 5, kFiles = 6, kFirstFree = 7;
 
 /// A file in memory.
@@ -60,10 +60,10 @@ class MemoryFile {
   }
 
  private:
-  int descriptor_ = -1;  // kFirstFree or above, so that none of the child's overwrites it
+  int descriptor_ = -1;  // at least kFirstFree: the child's descriptors must not replace it
 };
 
-/// Beside this program, else where it was built (programs of tests lie elsewhere).
+/// Path of the reader: beside this program, else where it was built (tests lie elsewhere).
 std::string reader() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -76,7 +76,7 @@ std::string reader() {
 
 std::string place(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
-/// A child process. The destructor kills it, unless its end was waited for.
+/// A child process. The destructor kills it unless end() has waited for it.
 class Child {
  public:
   explicit Child(pid_t id) : id_(id) {}
@@ -88,14 +88,15 @@ class Child {
     wait(0);
   }
 
-  /// Its status as waitpid() gives it. Throws Cancelled where the work of this thread is.
+  /// Waits, and returns the status of waitpid(). Throws Cancelled if this thread's work is
+  /// cancelled.
   int end() {
     const int handle =
         long_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
     const MaybeDescriptor owned(handle);
     while (long_work() != nullptr && !wait(WNOHANG)) {
       constexpr int kLook = 20;        // [ms]
-      pollfd ends{handle, POLLIN, 0};  // a descriptor below zero is passed over: a nap
+      pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor: it only waits
       poll(&ends, 1, kLook);
       check_cancelled();
     }
@@ -114,13 +115,13 @@ class Child {
     int descriptor;
   };
 
-  /// True when it has ended.
+  /// Returns true if the child has ended.
   bool wait(int options) {
     pid_t found = 0;
     do found = waitpid(id_, &status_, options);
     while (found < 0 && errno == EINTR);
     ended_ = found != 0;
-    // Somebody else has waited for it: what became of it is not known.
+    // Somebody else has collected the status: the result is unknown.
     if (found < 0) status_ = SIGKILL;
     return ended_;
   }
@@ -130,13 +131,13 @@ class Child {
   bool ended_ = false;
 };
 
-/// The child's ends.
+/// The descriptors that the child gets.
 struct Ends {
   int input = -1;  // -1: none
   int model, error, files;
 };
 
-/// The child's status as waitpid() gives it. Throws std::system_error where none can be started.
+/// Runs the child and returns waitpid()'s status. Throws std::system_error if it cannot start.
 int run_reader(const std::string& file, const std::string& root, const std::string& text,
                const Ends& ends) {
   posix_spawn_file_actions_t actions;
@@ -147,7 +148,7 @@ int run_reader(const std::string& file, const std::string& root, const std::stri
   if (ends.input >= 0) posix_spawn_file_actions_adddup2(&actions, ends.input, kInput);
   if (ends.input < 0) posix_spawn_file_actions_addopen(&actions, kInput, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // Qhull's, of a flat mesh
+  for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // silences Qhull
     posix_spawn_file_actions_addopen(&actions, chatter, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addclosefrom_np(&actions, kFirstFree);
   posix_spawnattr_t attributes;
@@ -173,7 +174,7 @@ int run_reader(const std::string& file, const std::string& root, const std::stri
   return Child(child).end();
 }
 
-/// The text between quotes behind a word; empty: there is none.
+/// The quoted text after a word; empty if there is none.
 std::string quoted_behind(const std::string& words, std::string_view word) {
   std::size_t begin = words.find(word);
   if (begin == std::string::npos) return {};
@@ -182,7 +183,7 @@ std::string quoted_behind(const std::string& words, std::string_view word) {
   return end == std::string::npos ? std::string() : words.substr(begin + 1, end - begin - 1);
 }
 
-/// A file may be right for a newer MuJoCo. Says which one this is, and which word it does not know.
+/// A file may be right for a newer MuJoCo. Names this version and the unknown word.
 std::string of_this_version(const std::string& words) {
   const std::string element = quoted_behind(words, "Element");
   const std::string where = element.empty() ? "" : " in <" + element + ">";
@@ -222,7 +223,7 @@ std::string reason(int status, const MemoryFile& error) {
   return words + of_this_version(words);
 }
 
-/// Each ends with a zero byte.
+/// Splits a list of names. Each name ends with a zero byte. Drops duplicates.
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
   for (std::size_t at = 0, end = list.find('\0'); end != std::string::npos;
@@ -232,7 +233,7 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-/// `text` stands for the file where there is one.
+/// If `text` is given, it replaces the text of the file.
 Loaded load(const std::string& file, const std::string* text, const std::string& root = {}) try {
   constexpr std::size_t kMostNames = 1 << 20;  // [bytes]
   const MemoryFile input("input"), model("model"), error("error"), files("files");

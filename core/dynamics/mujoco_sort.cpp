@@ -9,8 +9,8 @@
 namespace feltwire::mujoco {
 namespace {
 
-// Room of a thread for half of what is sorted. It grows as scenes do, and stays until the thread
-// ends.
+// Memory of this thread for half of the sorted items. It grows with the scenes and stays until
+// the thread ends.
 thread_local std::byte* room_of_thread = nullptr;
 thread_local std::size_t size_of_room = 0;
 
@@ -20,8 +20,8 @@ void give_room_back(void* memory) noexcept {
   size_of_room = 0;
 }
 
-// No object with a destructor: glibc ends the program where it has no memory to note one of a
-// thread.
+// Use no thread_local object with a destructor: glibc ends the program if it has no memory to
+// register the destructor.
 pthread_key_t end_of_thread{};
 const bool sees_end_of_thread = ::pthread_key_create(&end_of_thread, give_room_back) == 0;
 
@@ -37,7 +37,7 @@ std::byte* room_for(std::size_t bytes) noexcept {
   return nullptr;
 }
 
-/// Two sorted halves become one; of two that are equal the left one stays first.
+/// Merges two sorted halves. The left of two equal items stays first.
 void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, std::size_t size,
                   Compare compare, void* context, std::byte* room) noexcept {
   std::memcpy(room, left, of_left * size);
@@ -50,7 +50,7 @@ void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, st
     (take_a ? a : b) += size;
     out += size;
   }
-  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // what is left of b lies there
+  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // the rest of b stays in place
 }
 
 void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare compare,
@@ -62,7 +62,7 @@ void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare 
   merge_halves(first, of_left, count - of_left, size, compare, context, room);
 }
 
-/// For want of memory: slow, and as stable.
+/// For a lack of memory: slow, but stable too.
 void sort_in_place(std::byte* first, std::size_t count, std::size_t size, Compare compare,
                    void* context) noexcept {
   for (std::size_t n = 1; n < count; ++n)

@@ -20,17 +20,17 @@ std::string number_shown(const char* format, Numbers... numbers) {
   return text.data();
 }
 
-/// A geom as seen along gravity.
+/// A geom seen along gravity.
 struct Seen {
   int geom;
   double low, high;  // [m] along up
   double thickness;  // [m] its least extent, in any direction
   bool falls;        // gravity moves it
   bool endless;      // a plane: nothing falls through
-  bool thin;         // something in the scene may be too fast for its thickness
+  bool thin;         // some object may be too fast for its thickness
 };
 
-/// [m] Half of a geom's extent along a direction in its own frame.
+/// [m] Half the extent of a geom along a direction in its own frame.
 double half_extent(const mjModel& model, int geom, const Vec3& own) {
   const Vec3 size = vector(entry<3>(model.geom_size, geom));
   switch (model.geom_type[geom]) {
@@ -60,7 +60,7 @@ double half_extent(const mjModel& model, int geom, const Vec3& own) {
   }
 }
 
-/// [m] Half of its extent along a direction of the world.
+/// [m] Half the extent of a geom along a direction in the world frame.
 double half_extent_along(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
   const mjtNum* const turn = entry<9>(data.geom_xmat, geom);
   const Vec3 own(turn[0] * along.x() + turn[3] * along.y() + turn[6] * along.z(),
@@ -69,14 +69,14 @@ double half_extent_along(const mjModel& model, const mjData& data, int geom, con
   return half_extent(model, geom, own);
 }
 
-/// [m] Half of its least extent, in any direction. Each shape is thinnest along an axis of its own;
-/// so is a mesh, or nearly, because MuJoCo turns it into the axes of its inertia.
+/// [m] Half the least extent of a geom, in any direction. Each shape is thinnest along one of its
+/// axes. So is a mesh, nearly: MuJoCo turns it into the axes of its inertia.
 double half_thickness(const mjModel& model, int geom) {
   return std::min({half_extent(model, geom, Vec3::UnitX()), half_extent(model, geom, Vec3::UnitY()),
                    half_extent(model, geom, Vec3::UnitZ())});
 }
 
-/// [m] From a geom's middle down to the surface of another; negative: that is not below it.
+/// [m] From a geom's middle down to the surface of another; negative: the surface is not below it.
 double depth_below(const mjModel& model, const mjData& data, int middle_of, int surface_of,
                    const Vec3& down) {
   const std::array<mjtNum, 3> along = {down.x(), down.y(), down.z()};
@@ -88,8 +88,8 @@ double depth_below(const mjModel& model, const mjData& data, int middle_of, int 
                      model.geom_type[surface_of]);
 }
 
-/// [m] How thick two geoms are together for a contact. MuJoCo loses a capsule in a box as soon as
-/// the capsule's axis is inside, so the box does not count.
+/// [m] Thickness of two geoms together in a contact. MuJoCo loses a capsule in a box as soon as the
+/// capsule's axis is inside, so the box does not count.
 double thickness_of(const mjModel& model, const Seen& a, const Seen& b) {
   const int kinds[] = {model.geom_type[a.geom], model.geom_type[b.geom]};
   if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
@@ -117,7 +117,7 @@ bool meet(const mjModel& model, int a, int b) {
          (model.geom_contype[b] & model.geom_conaffinity[a]) != 0;
 }
 
-/// Whether their shadows on the ground may have a point in common.
+/// Whether their shadows on the ground may overlap.
 bool overlap(const mjModel& model, const mjData& data, int a, int b, const Vec3& up) {
   const Vec3 apart = vector(entry<3>(data.geom_xpos, a)) - vector(entry<3>(data.geom_xpos, b));
   return (apart - up.dot(apart) * up).norm() <= model.geom_rbound[a] + model.geom_rbound[b];
@@ -126,11 +126,11 @@ bool overlap(const mjModel& model, const mjData& data, int a, int b, const Vec3&
 /// [s] The time constant of their contact.
 double contact_time(const mjModel& model, int a, int b) {
   const auto of = [&](int geom) { return model.geom_solref[std::ptrdiff_t{mjNREF} * geom]; };
-  const double shortest = 2.0 * model.opt.timestep;  // MuJoCo takes no shorter one
+  const double shortest = 2.0 * model.opt.timestep;  // MuJoCo's shortest time constant
   return std::max({of(a), of(b), shortest});
 }
 
-/// [s] The longest of them.
+/// [s] The longest time constant of any contact.
 double longest_contact_time(const mjModel& model) {
   double longest = 2.0 * model.opt.timestep;
   for (int g = 0; g < model.ngeom; ++g) longest = std::max(longest, contact_time(model, g, g));
@@ -138,8 +138,8 @@ double longest_contact_time(const mjModel& model) {
 }
 
 struct Fall {
-  double height, thickness;        // [m] of the middle's fall; of both
-  double topple = 0.0;             // [m] the part of the fall in which the body comes to lie flat
+  double height, thickness;        // [m] of the middle's fall; of both geoms together
+  double topple = 0.0;             // [m] part of the fall in which the body turns flat
   double speed = 0.0, held = 0.0;  // [m/s]
 };
 
@@ -170,8 +170,8 @@ std::string warning_of(const Object& upper, const Object& lower, const Seen& a, 
 }  // namespace
 
 double held_speed(double thickness, double contact, double tick) {
-  // A contact is a spring and a critical damper, so a body comes in by speed * contact / e. A tick
-  // that passes before it begins adds up to kTicks of one (measured, ThinContacts.*).
+  // A contact is a spring with a critical damper, so a body enters by speed * contact / e. The
+  // delay until the contact begins adds up to kTicks ticks of way (measured, ThinContacts.*).
   constexpr double kTicks = 0.65, kE = 2.718281828459045;
   return 0.5 * thickness / (contact / kE + kTicks * tick);
 }
@@ -197,12 +197,12 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     lowest = std::min(lowest, middle - half);
     highest = std::max(highest, middle + half);
   }
-  // Nothing in the scene falls faster, so thicker bodies need no look.
+  // Nothing in the scene can fall faster, so thicker bodies need no check.
   const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
   for (Seen& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
-  // How far each falls: to the highest of what does not move and lies below it.
+  // Height of a geom's fall: down to the highest geom below it that does not move.
   constexpr std::size_t kMostPairs = 20'000'000, kMostSaid = 16;
   std::size_t pairs = 0, more = 0;
   const auto drop_of = [&](const Seen& a) {
@@ -216,7 +216,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     return std::isfinite(least) ? least : 0.0;
   };
 
-  // The middle of a body falls until the body lies flat, and all of that makes it fast.
+  // Height by which the middle of a body falls until the body lies flat: all of it adds speed.
   const auto fall_of = [&](const Seen& a, const Seen& b) {
     const double below = depth_below(model, data, a.geom, b.geom, -up);
     if (model.geom_type[b.geom] == mjGEOM_MESH)
@@ -237,7 +237,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
         continue;
       Fall fall{.height = fall_of(a, b), .thickness = thickness};
       fall.topple = std::min(fall.height, 0.5 * (a.high - a.low - a.thickness));
-      // A body that falls below it lies still when it arrives.
+      // If the lower body falls too, it may lie still when the upper body arrives.
       if (b.falls) fall.height += drop_of(b);
       fall.speed = std::sqrt(2.0 * gravity * fall.height);
       const double margin = std::max(model.geom_margin[a.geom], model.geom_margin[b.geom]);

@@ -15,7 +15,7 @@ std::size_t behind(std::string_view xml, std::string_view end, std::size_t at) {
   return found == std::string_view::npos ? xml.size() : found + end.size();
 }
 
-/// The place at which the root element begins; npos: there is none.
+/// Index where the root element begins; npos if there is none.
 std::size_t root_of(std::string_view xml) {
   std::size_t at = 0;
   while ((at = xml.find('<', at)) != std::string_view::npos) {
@@ -38,7 +38,7 @@ bool is_element(std::string_view xml, std::size_t at, std::string_view name) {
          (kBlanks.find(xml[end]) != std::string_view::npos || xml[end] == '>' || xml[end] == '/');
 }
 
-/// The next element with this name, that is no comment; npos: none.
+/// Index of the next element with this name outside comments; npos if there is none.
 std::size_t find_element(std::string_view xml, std::string_view name) {
   for (std::size_t at = xml.find('<'); at < xml.size(); at = xml.find('<', at + 1)) {
     if (xml.substr(at).starts_with("<!--"))
@@ -64,7 +64,7 @@ std::optional<fs::path> find_package_file(std::string_view path, const fs::path&
   return std::nullopt;
 }
 
-/// Hands each value of filename="..." to `take`, which may change it.
+/// Replaces each value of filename="..." by what `take` returns for it.
 template <class Take>
 std::string with_names(const std::string& xml, Take take) {
   constexpr std::string_view kAttribute = "filename";
@@ -113,7 +113,7 @@ std::optional<std::string> with_paths_kept(const std::string& xml, const fs::pat
     if (name.starts_with(kFile)) return name.substr(kFile.size());
     if (!name.starts_with(kPackage)) return name;
     const auto found = file_of_uri(name, folder);
-    // MuJoCo puts the folder of the URDF file before a name.
+    // MuJoCo prepends the folder of the URDF file to a name.
     return found ? found->lexically_relative(folder.empty() ? fs::path(".") : folder).string()
                  : name;
   });

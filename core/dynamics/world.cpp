@@ -27,7 +27,7 @@ mujoco::Simulation simulation_of(const Mechanism& mechanism) {
 
 }  // namespace
 
-/// The MuJoCo side: state, and the ring of states that were good.
+/// The MuJoCo side: the state and a ring of good states.
 struct World::Run {
   struct Snapshot {
     std::vector<mjtNum> coordinates, activations;
@@ -53,7 +53,7 @@ struct World::Run {
     std::copy_n(data()->act, model().na, place.activations.begin());
     place.step = step;
   }
-  /// Takes out of the ring all from the newest that is no younger than that step on.
+  /// Removes all states younger than `step`, and the next one. Returns that one.
   const Snapshot& take_before(std::uint64_t step) noexcept {
     while (kept > 0) {
       const Snapshot& last = ring[newest];
@@ -69,7 +69,7 @@ struct World::Run {
     std::copy(to.activations.begin(), to.activations.end(), data()->act);
   }
 
-  /// Warnings of the last step that mean that its result is none: MuJoCo has then reset itself.
+  /// Whether a warning of the last step says that it failed. MuJoCo has then reset itself.
   bool broken() const noexcept {
     return data()->warning[mjWARN_BADQPOS].number != 0 ||
            data()->warning[mjWARN_BADQVEL].number != 0 ||
@@ -83,7 +83,7 @@ struct World::Run {
     }
     return count;
   }
-  /// Bodies that left for good begin anew; says how many.
+  /// Puts lost bodies back to their start. Returns their number.
   std::uint64_t put_back_lost() noexcept {
     std::uint64_t count = 0;
     for (int j = 0; j < model().njnt; ++j) {
@@ -99,8 +99,8 @@ struct World::Run {
     return count;
   }
 
-  /// Marks what MuJoCo's own warnings of the last step name. False where they name something that
-  /// is not known here.
+  /// Marks the bodies that MuJoCo's warnings of the last step name. False if a warning names an
+  /// unknown body.
   bool mark_warned() noexcept {
     const auto number = [&](int kind) { return data()->warning[kind].number; };
     const auto index = [&](int kind) { return data()->warning[kind].lastinfo; };
@@ -125,12 +125,12 @@ struct World::Run {
   Snapshot initial;
   std::vector<Snapshot> ring;
   std::size_t newest = 0, kept = 0;
-  BrokenTrees broken_trees;  // of the last step that came to nothing
+  BrokenTrees broken_trees;  // of the last failed step
 };
 
 namespace {
 
-/// The share of so much force [N] that its limit lets a hand put on what moves.
+/// The share of a force [N] that the hand's limit allows on moving objects.
 double allowed(const BodyContactState& contacts, double force) {
   return force > contacts.most_force ? contacts.most_force / force : 1.0;
 }
@@ -166,7 +166,7 @@ const mjModel_& World::model() const noexcept { return run_->model(); }
 
 mjData_& World::state() noexcept { return *run_->data(); }
 
-/// Poses and velocities as MuJoCo has them after mj_step1.
+/// Reads poses and velocities from MuJoCo after mj_step1.
 void World::look() noexcept {
   for (std::size_t i = 0; i < parts_; ++i) {
     const Mechanism::Part& part = run_->parts[i];
@@ -190,7 +190,7 @@ void World::look() noexcept {
 }
 
 bool World::sane(std::size_t part) const noexcept {
-  // Written so that a NaN is not sane.
+  // Written so that the comparison rejects NaN.
   if (!(length(motions_[part].linear) <= kLargestSpeed)) return false;
   if (!(length(motions_[part].angular) <= kLargestTurn)) return false;
   const Pose& pose = objects()[still_ + part].pose;
@@ -205,8 +205,8 @@ bool World::sane() const noexcept {
 }
 
 bool World::step() noexcept {
-  // The second half of MuJoCo's step moves on; the first makes ready, so that the places are those
-  // of now between two steps.
+  // advance() is the second half of MuJoCo's step; evaluate() is the first half of the next. So the
+  // poses between two steps are up to date.
   bool done = run_->simulation.advance();
   std::fill_n(run_->data()->qfrc_applied, run_->model().nv, 0.0);
   if (done) counters_.returned += run_->put_back_lost();
@@ -231,7 +231,7 @@ void World::go_back() noexcept {
   const std::uint64_t before = counters_.steps > age ? counters_.steps - age : 0;
   run_->restore(run_->take_before(before));
   if (!run_->simulation.evaluate() || run_->broken()) [[unlikely]] {
-    run_->restore(run_->initial);  // it was evaluated once
+    run_->restore(run_->initial);  // it was evaluated successfully before
     run_->simulation.evaluate();
   }
   look();

@@ -108,7 +108,7 @@ class World {
   /// since its last sample, it lets go of the moving objects. The force between them then begins at
   /// zero and is whole again after kRecovery.
   Command touch(const Tool& tool, TouchMemory& memory, BodyContactState& contacts) const noexcept;
-  /// The same for a tool with a body.
+  /// As above, for a tool with a body.
   Command touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
                 BodyContactState& contacts) const noexcept;
 

@@ -1,5 +1,5 @@
-// A tool with a body in a world: what stands and what moves answer it together, since it is one
-// balance that it finds between them and the hand.
+// A tool with a body in a world. Still and moving objects answer it together: the tool finds one
+// balance between all of them and the hand.
 
 #include <algorithm>
 #include <stdexcept>
@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// [m] that a point of a hand's tool may have gone from its last pose to the next.
+/// [m] Upper bound of the way of any point of a hand's tool from its last pose to the next.
 double World::way_of(const BodyContactState& contacts, const Pose& next) const noexcept {
   if (!contacts.placed) return 0.0;
   const double radius = view(contacts.held).tool().body->shell().radius;
@@ -38,7 +38,7 @@ BodyContactState World::contact_state(const ToolView& view, const HandLimits& li
 Command World::hold(const Pose& device, double elapsed, BodyMemory& memory,
                     BodyContactState& contacts) const noexcept {
   if (contacts.resets != counters_.resets) {
-    memory = {};  // the tool is where the hand is, and feels what moves from zero again
+    memory = {};  // the tool starts at the hand, and moving objects push from zero
     contacts.resets = counters_.resets;
   }
   const double moved_for = tick_ * static_cast<double>(counters_.steps - contacts.steps);
@@ -72,7 +72,7 @@ Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, B
     return {};
   if (!contacts.pace.follow(way_of(contacts, device), time())) memory = {};
   contacts.placed = true;
-  // A tool with mass has gone through the ticks without a sample already.
+  // A tool with mass has already been moved through the ticks without a sample.
   if (view(contacts.held).tool().body->inertia().mass > 0.0)
     elapsed = std::max(0.0, elapsed - contacts.ahead);
   contacts.ahead = 0.0;

@@ -1,4 +1,4 @@
-// A point or a ball in a world: which moving objects it asks, and what they answer.
+// A point or a ball in a world: which moving objects it asks, and how they answer.
 
 #include <algorithm>
 
@@ -23,9 +23,9 @@ void World::forget_moving(BodyContactState& contacts, TouchMemory& memory) const
   contacts.resets = counters_.resets;
 }
 
-/// Is the tool near what follows its way, or has it come by it since it was asked for last, at
-/// contacts.tool? The way is that which the object sees. One that was in no list is told where the
-/// tool comes from: where that was a step ago; what of a longer silence is not known.
+/// Whether the tool is near an object that follows its way, or has passed it since the last query
+/// at contacts.tool. The way is the one relative to the object. For an object that was in no list,
+/// the way begins where the object's pose of one step ago saw the tool; older poses are unknown.
 bool World::comes_near(const MovedView& held, std::size_t part, const Vec3& position,
                        const BodyContactState& contacts, FeatureMemory& memory) const noexcept {
   const bool is_near = held.reach.is_near(part, position), known = contacts.near.known();
@@ -46,8 +46,8 @@ bool World::comes_near(const MovedView& held, std::size_t part, const Vec3& posi
   return true;
 }
 
-/// Makes the list of the objects near the tool anew. What leaves it has no force: it has been asked
-/// since it came out of reach, or is in the list still.
+/// Rebuilds the list of the objects near the tool. An object that leaves the list has no force: it
+/// was asked after it came out of reach. Otherwise it stays in the list.
 void World::look_round(const MovedView& held, const Vec3& position, TouchMemory& memory,
                        BodyContactState& contacts) const noexcept {
   NeighbourList& near = contacts.near;
@@ -67,8 +67,8 @@ void World::look_round(const MovedView& held, const Vec3& position, TouchMemory&
   held.reach.mark(near, position);
 }
 
-/// A tool out of reach of what does not hold it, whose way there was so too: where it is now is
-/// remembered, as if it had been asked.
+/// If neither the tool nor its way is in reach of an object that does not hold the tool, remembers
+/// the tool's place as a query would, and returns true.
 bool World::passes_by(const MovedView& held, std::size_t part, const Vec3& position,
                       FeatureMemory& memory) const noexcept {
   if (memory.side != 0) return false;
@@ -82,8 +82,8 @@ bool World::passes_by(const MovedView& held, std::size_t part, const Vec3& posit
   return true;
 }
 
-/// Keeps what a moving object answers in the contacts and adds it to `sum`. One that has gone out
-/// of reach is asked once more, and lets go.
+/// Stores the answer of a moving object in the contacts and adds it to `sum`. An object that went
+/// out of reach is asked once more, and lets go.
 void World::ask(const MovedView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
                 BodyContactState& contacts, Command& sum) const noexcept {
   const std::size_t object = still_ + part;
@@ -107,7 +107,7 @@ void World::ask(const MovedView& held, std::size_t part, const Tool& tool, Touch
   sum.frictional += answer.frictional;
 }
 
-/// The objects that move, as far as they are near.
+/// Asks the moving objects that are near.
 void World::ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
                      Command& sum) const noexcept {
   const MovedView& held = held_[contacts.held];

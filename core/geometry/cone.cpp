@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-/// A cone seen from a point p: in the half plane through the axis and p.
+/// A cone seen from a point p, in the half plane through the axis and p.
 struct ConeView {
   ConeView(const Cone& cone, const Vec3& p) : radius(cone.radius), half_length(cone.half_length) {
     slant = hypotenuse(radius, 2.0 * half_length);
@@ -28,9 +28,9 @@ struct ConeView {
     along = across * sine + (half_length - p.z()) * cosine;
   }
   bool is_inside() const { return below_side > 0.0 && above_base > 0.0; }
-  /// Of the side where it faces this way.
+  /// Normal of the side in the direction `facing`.
   Vec3 normal(const Vec3& facing) const { return cosine * facing + sine * Vec3::UnitZ(); }
-  /// Down the side, from the tip to the rim.
+  /// Direction down the side, from the tip to the rim.
   Vec3 down(const Vec3& facing) const { return sine * facing - cosine * Vec3::UnitZ(); }
   Vec3 tip() const { return half_length * Vec3::UnitZ(); }
   Vec3 on_side(const Vec3& facing, double from_tip) const {
@@ -78,21 +78,21 @@ ConeClosest closest_on(const ConeView& view, const Vec3& p) {
   return best;
 }
 
-/// Seen from within, the cone is convex for the proxy, as the box is.
+/// From inside, the proxy's room is convex, as for the box.
 SurfacePoint cone_from_inside(const Cone& cone, const Vec3& p, FeatureMemory& memory) {
   const ConeClosest closest = closest_on(ConeView(cone, p), p);
   if (!(closest.distance > 0.0) || !std::isfinite(closest.distance)) return no_contact(memory);
   return stand_on(closest.point, -closest.away, closest.distance, closest.face, memory);
 }
 
-/// The part of a way that is in the solid, and the face by which it goes in.
+/// The part of a way inside the solid, and the face through which it enters.
 struct ConeSpan : Span {
   int face = kConeSide;
 };
 ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   const double h = cone.half_length, length_unit = std::max(cone.radius, h);
   ConeSpan span{{0.0, 1.0}};
-  // To where the height over the base is above zero, and that under the tip.
+  // Clip the way to heights above the base and below the tip.
   const auto cut = [&](double before, double change, int face) {
     if (before <= 0.0) {
       if (!(before + change > 0.0)) {
@@ -109,7 +109,7 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   cut(h - from.z(), -way.z(), kConeSide);
   if (!(span.in < span.out)) return span;
 
-  // Across less than what the side leaves of the radius: a x^2 + 2 b x + c < 0.
+  // Clip the way to the inside of the side: a x^2 + 2 b x + c < 0.
   const double slope = cone.radius / (2.0 * h);
   const Vec3 start = Vec3(from.x(), from.y(), slope * (h - from.z())) / length_unit;
   const Vec3 going = Vec3(way.x(), way.y(), -slope * way.z()) / length_unit;
@@ -124,11 +124,11 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
     span.face = kConeSide;
   };
   if (!(square > 0.0)) {
-    // Along the axis, or beside the cone all the way.
+    // The way runs along the axis, or passes beside the cone.
     if (!(c < 0.0)) span.in = 1.0, span.out = 0.0;
     return span;
   }
-  // Both roots without cancellation.
+  // Both roots, in the form without cancellation.
   const double q = -(b + std::copysign(std::sqrt(square), b));
   double low = a != 0.0 ? q / a : -std::numeric_limits<double>::infinity();
   double high = q != 0.0 ? c / q : 0.0;
@@ -136,7 +136,7 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   if (a > 0.0) {
     in_from(low);
     span.out = std::min(span.out, high);
-  } else if (going.z() > 0.0) {  // steeper than the side, down: in by it
+  } else if (going.z() > 0.0) {  // down and steeper than the side: it enters
     in_from(a < 0.0 ? high : c / q);
   } else {
     span.out = std::min(span.out, a < 0.0 ? low : c / q);
@@ -144,8 +144,8 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   return span;
 }
 
-/// The side's proxy goes round with the hand as that of a pipe does which is as wide as the cone at
-/// the hand's height. One that is drawn over the tip goes on at the hand's side of it.
+/// The proxy on the side turns with the hand like the proxy of a pipe with the cone's width at the
+/// hand's height. A proxy drawn over the tip continues on the hand's side.
 SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from, const Vec3& p,
                        Vec3 facing, FeatureMemory& memory) {
   const double wide = (view.half_length - p.z()) * view.sine / view.cosine;
@@ -159,7 +159,7 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
   const bool nearest = facing == view.outward;
   const double under = nearest ? view.below_side : -normal.dot(offset);
   if (!(under > 0.0)) return free_at(p, memory);
-  if (!view.is_inside()) {  // held as long as the way straight back leads through the solid
+  if (!view.is_inside()) {  // held while the straight way back leads through the solid
     const Span back = way_within(cone, p, under * normal);
     if (!(back.in < back.out)) return free_at(p, memory);
   }
@@ -171,12 +171,12 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({on.point, normal, on.depth}, kConeSide, memory);
-  memory.proxy = p;  // of what is round: where the tool was
+  memory.proxy = p;  // round surfaces remember the tool's place
   return on;
 }
 
-/// [m] About a point of the side: as far as a cylinder stands for it. At an angle of 45 degrees it
-/// is off by half of kPatchSlope of that way, at all others by less.
+/// [m] Extent of the patch about a point of the side: there a cylinder approximates the cone. With
+/// a cone angle of 45 degrees its error is half of kPatchSlope times the extent, else less.
 double side_extent(double across) {
   constexpr double kOfRadius = 0.25;
   return kOfRadius * across;
@@ -216,7 +216,7 @@ SurfacePoint Cone::surface_point(Side side, const Vec3& p, FeatureMemory& memory
 
 Grown<Cone> Cone::grown(Side side, double ball) const noexcept {
   if (side == Side::outside) return {*this, Vec3::Zero(), ball};
-  // A smaller one of the same angle, its side and its base by the ball's radius within.
+  // A smaller cone of the same angle: side and base lie inside by the ball's radius.
   const double sine = radius / hypotenuse(radius, 2.0 * half_length);
   const double top = half_length - ball / sine, bottom = ball - half_length;
   const double half = 0.5 * (top - bottom);
@@ -261,7 +261,7 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   const ConeView view(*this, p);
   const Vec3 outward = or_else(view.outward, Vec3::UnitX());
   const double down = std::clamp(view.along, 0.0, view.slant);
-  const double off = length(Vec3(p - view.on_side(outward, down)));  // the side
+  const double off = length(Vec3(p - view.on_side(outward, down)));  // distance to the side
   const double extent = side_extent(down * view.sine);
   const double under = std::max(0.0, view.below_side), over = std::max(0.0, view.above_base);
   if (side == Side::inside) {
@@ -272,13 +272,13 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   }
   const ConeClosest closest = closest_on(view, p);
   const double solid = std::isfinite(closest.distance) ? closest.distance : 0.0;
-  // Shorter than the ways to what lies beyond one face and within the other.
+  // These are no longer than the ways to anything beyond one face and within the other.
   const double beyond_side = std::max(under, -view.above_base);
   const double beyond_base = std::max(over, -view.below_side);
   add_convex(all, beyond_side, solid, kConeSide, entered);
   add_convex(all, beyond_base, solid, kConeBase, entered);
-  // Beyond the extent of the side's patch. What is so far from the solid's nearest point is also
-  // farther from p by Pythagoras.
+  // Surface beyond the extent of the side's patch. If it is that far from the solid's nearest
+  // point, it is also farther from p (Pythagoras).
   double rest = extent - off;
   if (entered != feature_of(kConeSide)) {
     if (solid > 0.0 && closest.face == kConeSide) rest = root(solid, extent);

@@ -24,8 +24,8 @@ inline void add(SurfaceParts& all, double distance, std::uint32_t feature, bool 
   all.parts[static_cast<std::size_t>(all.count++)] = {distance, feature, shown};
 }
 
-/// One of several faces that bound a convex solid together. It begins to count where the solid
-/// does, and where the tool could be beyond it and inside the others. The face that the tool
+/// Adds a face of a convex solid that several faces bound. The face begins to count where the solid
+/// does, and where the tool could be beyond this face and inside the others. The face that the tool
 /// touches counts everywhere.
 inline void add_convex(SurfaceParts& all, double beyond, double solid, int face,
                        std::uint32_t entered) {

@@ -16,10 +16,11 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// Away from the axis, unit; zero on it.
+/// Unit vector away from the axis; zero on the axis.
 Vec3 facing_of(const Vec3& p) { return direction(Vec3(p.x(), p.y(), 0.0)); }
 
-/// The cut through the ring that faces one way: x away from the middle of the tube, y up.
+/// Coordinates in the cut through the ring at `facing`: x from the middle of the tube outwards, y
+/// up.
 Vec3 in_cut(const Torus& torus, const Vec3& facing, const Vec3& p) {
   return {facing.dot(p) - torus.major_radius, p.z(), 0.0};
 }
@@ -35,9 +36,9 @@ double distance_to(const Torus& torus, const Vec3& p) {
   return length(Vec3(p - core_of(torus, p))) - torus.minor_radius;
 }
 
-/// [m] From a free point to where the way, `length` [m] along a unit direction, first goes into the
-/// ring; infinite: it does not. No step is longer than the distance to the ring, so that it passes
-/// nothing by but a chord of 1/64 of the tube's radius.
+/// [m] Distance from a free point to where the way, `length` [m] along a unit direction, first
+/// enters the ring; infinite: it does not. Each step is the distance to the ring, and at least 1/64
+/// of the tube's radius: it can miss only a chord of this length.
 double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double length) {
   constexpr double kLeastStep = 1.0 / 64.0;
   constexpr int kMostSteps = 1024, kHalvings = 48;
@@ -58,16 +59,16 @@ double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double le
   return kInfinite;
 }
 
-/// The place of the proxy on the ring. It goes around the axis as the proxy of a pipe that is as
-/// wide as the ring, and around the tube as the proxy of a pipe as wide as the tube. In the hole
-/// the nearest part of the ring changes with the slightest movement; there the proxy stays at its
-/// part.
+/// The place of the proxy on the ring. Around the axis it moves like the proxy of a pipe as wide as
+/// the ring; around the tube, like the proxy of a pipe as wide as the tube. In the hole, the
+/// nearest part of the ring changes with the slightest movement. So the proxy stays at its part
+/// there.
 struct RingProxy {
   Vec3 facing, normal;  // the cut through the ring; the normal in it
 };
 
-/// Of a proxy that has not left the part of the ring nearest to the tool memory.triangle is zero;
-/// else it is the angle of its part in 2^-32 turns.
+/// memory.triangle is zero while the proxy is at the part of the ring nearest to the tool.
+/// Otherwise it is the angle of the proxy's part in 2^-32 turns.
 constexpr double kTurn = 2.0 * std::numbers::pi, kParts = 0x1p32;
 Vec3 remembered_facing(const FeatureMemory& memory) {
   if (memory.triangle == 0) return or_else(facing_of(memory.proxy), Vec3::UnitX());
@@ -88,8 +89,8 @@ RingProxy followed(const Torus& torus, const Vec3& from, const Vec3& to, RingPro
   return proxy;
 }
 
-/// A tube that is wider than the ring (as that of a ball in the hand may be) ends on the axis: a
-/// proxy beyond it is put there.
+/// A tube wider than the ring (possible with a ball in the hand) ends on the axis. Puts a proxy
+/// beyond the axis onto the axis.
 bool ends_on_axis(const Torus& torus, RingProxy& proxy) {
   const double big = torus.major_radius, small = torus.minor_radius;
   if (!(big + small * proxy.normal.x() < 0.0)) return false;
@@ -109,7 +110,7 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
   const bool on_tube = !ends_on_axis(torus, proxy);
   const Vec3 point =
       torus.major_radius * proxy.facing + torus.minor_radius * from_cut(proxy.facing, proxy.normal);
-  if (!inside) {  // held as long as the way straight back leads through the ring
+  if (!inside) {  // held while the straight way back leads through the ring
     const double back = straight.dot(point - p);
     if (!(back > 0.0) || !(way_in(torus, p, straight, back) < back)) return free_at(p, memory);
   }
@@ -121,14 +122,14 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({point, normal, on.depth}, 0, memory);
-  memory.proxy = p;  // of what is round: where the tool was
+  memory.proxy = p;  // round surfaces remember the tool's place
   memory.triangle = at_nearest ? 0 : part_of(proxy.facing);
   return on;
 }
 
-/// [m] How far about a point of the surface a ball or a cylinder stands for it within kPatchSlope:
-/// what it is off by grows with the curvature that it leaves out, and with how that changes.
-/// `cosine`: of the angle of the normal to the ring's plane.
+/// [m] Extent about a point of the surface within which a ball or a cylinder approximates the ring
+/// to kPatchSlope. The error grows with the neglected curvature and with its change. `cosine`: of
+/// the angle between the normal and the ring's plane.
 double patch_extent(const Torus& torus, double cosine) {
   const double big = torus.major_radius, small = torus.minor_radius;
   const double across = big + small * cosine;  // [m] from the axis
@@ -212,8 +213,8 @@ TriangleSoup Torus::triangles(int segments) const {
   return soup;
 }
 
-/// Capsules from corner to corner of a polygon that is as far beyond the circle at its corners as
-/// it is within at its sides.
+/// Capsules along the sides of a polygon. Its corners lie as far outside the circle as the middles
+/// of its sides lie inside.
 std::vector<PhysicsGeom> Torus::geoms(Side side) const {
   if (side == Side::inside) return {};
   constexpr int kCapsules = 24;
@@ -231,8 +232,8 @@ std::vector<PhysicsGeom> Torus::geoms(Side side) const {
   return ring;
 }
 
-/// One smooth surface, but no patch: the place that is nearest to the point is shown, as far as its
-/// patch stands for the ring.
+/// The surface is smooth, but more than one patch. The nearest place is shown, as far as its patch
+/// approximates the ring.
 SurfaceParts Torus::parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept {
   SurfaceParts all;
   const Vec3 offset = p - core_of(*this, p);
@@ -246,8 +247,8 @@ SurfaceParts Torus::parts(Side side, const Vec3& p, std::uint32_t entered) const
   if (side == Side::inside) {
     rest = std::max(near, rest);
   } else if (off > 0.0) {
-    // A ball that touches the ring there from the hole, its middle on the axis, is free: what is
-    // farther than the extent along the surface is this far from p.
+    // A ball in the hole that touches the ring there, with its middle on the axis, is free. So any
+    // surface farther than the extent has at least this distance from p.
     const double across = major_radius + minor_radius * cosine;
     const double bent = cosine < 0.0 ? off * -cosine / across : 0.0;
     rest = root(off, extent * std::sqrt(std::max(0.0, 1.0 - bent)));

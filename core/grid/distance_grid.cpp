@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kBrickShift = 3, kBrickMask = 7;
 constexpr double kMaxBricksAlong = 1 << 20;  // so that every index fits an int
-/// Half the diagonal of a brick's cells, in steps of the grid: no point of it is farther from its
-/// centre.
+/// Half the diagonal of a brick's cells, in steps of the grid: the largest distance of its points
+/// from its centre.
 const double kBrickReach = 4.0 * std::sqrt(3.0);
 
 std::string text(double value) {
@@ -26,12 +26,12 @@ std::string text(double value) {
   return {characters.data(), end};
 }
 
-/// Four numbers at once; a stencil has three along x, the fourth has no weight.
+/// Four numbers at once. A stencil has three along x; the fourth has weight zero.
 template <class Real>
 using Row = Eigen::Array<Real, 4, 1>;
 
-/// Weights of the samples before, at and after the nearest one, and their derivatives, where t in
-/// [-1/2, 1/2] is how far beyond the nearest sample.
+/// Weights of the samples before, at and after the nearest one, and their derivatives. The offset t
+/// from the nearest sample is in [-1/2, 1/2].
 template <class Real>
 struct Weights {
   Row<Real> value = Row<Real>::Zero(), slope = Row<Real>::Zero();
@@ -55,8 +55,8 @@ Weights<Real> weights(Interpolation interpolation, Real t) noexcept {
   return w;
 }
 
-/// Value and gradient (in steps of the grid) from 3 x 3 rows; `first` is the row of the samples
-/// before along y and z. Every row must have a fourth number to read.
+/// Value and gradient (per step of the grid) from 3 x 3 rows. `first` is the row of the samples
+/// before along y and z. Every row must have a readable fourth number.
 template <class Real>
 FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t along_z,
                     const std::array<Weights<Real>, 3>& w) noexcept {
@@ -94,7 +94,7 @@ template <class Real>
 struct DistanceGrid<Real>::Builder {
   DistanceGrid& grid;
   const Solid& solid;
-  std::vector<Index> bricks;  // that have samples, in the order of the table
+  std::vector<Index> bricks;  // bricks with samples, in the order of the table
   std::vector<Real> raw;      // their samples without aprons
 
   static constexpr std::size_t kOwn = std::size_t{kBrick} * kBrick * kBrick;
@@ -118,7 +118,7 @@ struct DistanceGrid<Real>::Builder {
   void store(std::size_t slot);
 };
 
-/// The grid's extent and its table.
+/// Determines the grid's extent and its table.
 template <class Real>
 void DistanceGrid<Real>::Builder::place(const GridOptions& options) {
   const double h = options.resolution;
@@ -157,10 +157,10 @@ void DistanceGrid<Real>::Builder::place(const GridOptions& options) {
   grid.centers_.resize(size);
 }
 
-/// The bricks that the band touches.
+/// Chooses the bricks that the band touches.
 template <class Real>
 void DistanceGrid<Real>::Builder::choose(std::size_t max_bytes) {
-  // A plane of bricks to a thread at a time.
+  // Each thread takes one plane of bricks at a time.
   const auto plane =
       static_cast<std::size_t>(grid.count_.x()) * static_cast<std::size_t>(grid.count_.y());
   parallel_for(static_cast<std::size_t>(grid.count_.z()), [&](std::size_t z) {
@@ -195,7 +195,7 @@ void DistanceGrid<Real>::Builder::sample(std::size_t slot) {
       for (int x = 0; x < kBrick; ++x) *out++ = static_cast<Real>(distance(first + Index(x, y, z)));
 }
 
-/// A sample from the brick that has it, or else from the solid.
+/// A sample from the brick that stores it, or else from the solid.
 template <class Real>
 double DistanceGrid<Real>::Builder::known(const Index& sample) const {
   const Index brick = sample.unaryExpr([](int i) { return i >> kBrickShift; });
@@ -223,7 +223,7 @@ void DistanceGrid<Real>::Builder::store(std::size_t slot) {
   for (int z = 0; z < kWide; ++z)
     for (int y = 0; y < kWide; ++y)
       for (int x = 0; x < kWide; ++x) {
-        // Of the outer apron only the faces are asked for, and only by the spline.
+        // Only the spline needs the outer apron, and only its faces.
         const int outer = int{outermost(x)} + int{outermost(y)} + int{outermost(z)};
         if (outer == 0 || (outer == 1 && quadratic))
           wide[at(x, y, z)] = known(first + Index(x, y, z));
@@ -251,7 +251,7 @@ DistanceGrid<Real>::DistanceGrid(const Solid& solid, const GridOptions& options)
   const std::size_t count = build.bricks.size();
   build.raw.resize(count * Builder::kOwn);
   parallel_for(count, [&](std::size_t slot) { build.sample(slot); });
-  values_.resize(count * kStored + 1);  // the last row has a fourth number to read, too
+  values_.resize(count * kStored + 1);  // the last row needs a readable fourth number too
   parallel_for(count, [&](std::size_t slot) { build.store(slot); });
 }
 
@@ -277,11 +277,11 @@ Vec3 DistanceGrid<Real>::center_of(const Index& brick) const noexcept {
 
 template <class Real>
 bool DistanceGrid<Real>::find(const Vec3& position, Place& place) const noexcept {
-  // Half a step on, so that the part before the point is the nearest sample's index.
+  // Add half a step, so that the integer part is the index of the nearest sample.
   const Vec3 u = inverse_h_ * (position - origin_) + Vec3::Constant(0.5);
   const bool in = u.x() >= 0.0 && u.y() >= 0.0 && u.z() >= 0.0 && u.x() < kBrick * count_.x() &&
                   u.y() < kBrick * count_.y() && u.z() < kBrick * count_.z();
-  if (!in) return false;  // and what is not a number
+  if (!in) return false;  // also NaN
   place.nearest = u.cast<int>();
   place.brick = Index(place.nearest.x() >> kBrickShift, place.nearest.y() >> kBrickShift,
                       place.nearest.z() >> kBrickShift);
@@ -306,8 +306,8 @@ FieldPoint DistanceGrid<Real>::fine(const Place& place, std::int32_t slot) const
   return point;
 }
 
-/// The same spline over the bricks' centres. No coefficients but the values themselves: it never
-/// goes beyond them.
+/// Applies the same spline to the bricks' centres. The coefficients are the values themselves, so
+/// the result never exceeds them.
 template <class Real>
 FieldPoint DistanceGrid<Real>::coarse(const Place& place) const noexcept {
   constexpr std::ptrdiff_t kLanes = 4, kSide = 3;
@@ -329,7 +329,7 @@ FieldPoint DistanceGrid<Real>::coarse(const Place& place) const noexcept {
         weights(Interpolation::quadratic, static_cast<Real>(t[static_cast<Eigen::Index>(axis)]));
   FieldPoint point = evaluate<Real>(around.data(), kLanes, kSide * kLanes, w);
   point.gradient *= inverse_h_ / kBrick;
-  // All of a brick without samples is farther from the surface than the band.
+  // Every point of a brick without samples is farther from the surface than the band.
   point.distance =
       centers_[place.at] > 0 ? std::max(point.distance, band_) : std::min(point.distance, -band_);
   return point;
@@ -360,7 +360,7 @@ double DistanceGrid<Real>::at_least(const Vec3& position, double sign,
       sign * static_cast<double>(centers_[place.at]) - (position - center_of(place.brick)).norm();
   const std::int32_t slot = slots_[place.at];
   if (quick > wanted || slot < 0) return quick;
-  // Interpolation errs by a part of a step at most, at the solid's sharpest edges.
+  // Interpolation errs by at most a part of a step, at the solid's sharpest edges.
   return std::max(quick, sign * fine(place, slot).distance - h_);
 }
 

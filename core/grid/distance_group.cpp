@@ -1,7 +1,7 @@
-// Eight queries of a distance grid at once. A place reads nine rows of samples; those of four
-// places are turned over, so that each number of a vector belongs to one place and all arithmetic
-// is the vector's. Its width is given here and not found out by the compiler: the same bits
-// whatever the machine can do.
+// Eight queries of a distance grid at once. A place reads nine rows of samples. The rows of four
+// places are transposed, so that each lane of a vector belongs to one place and all arithmetic is
+// vector arithmetic. The width is fixed here and not chosen by the compiler: every machine gives
+// the same bits.
 
 #include <cstring>
 
@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kQuad = 4;
 constexpr std::size_t kTaps = 3;  // samples along an axis
 
-/// Four numbers, one a place.
+/// Four numbers, one for each place.
 template <class Real>
 struct Quad {
   typedef Real Type __attribute__((vector_size(kQuad * sizeof(Real))));
@@ -24,8 +24,8 @@ void load(Type& quad, const Real* from) noexcept {
   std::memcpy(&quad, from, sizeof quad);
 }
 
-/// Weights of an axis' samples before, at and after the nearest, and their derivatives; as those of
-/// one place (distance_grid.cpp).
+/// Weights of the samples before, at and after the nearest one along an axis, and their
+/// derivatives, as for a single place (distance_grid.cpp).
 template <class Type>
 struct QuadWeights {
   std::array<Type, kTaps> value, slope;
@@ -50,12 +50,12 @@ void weigh(Interpolation interpolation, const Real* beyond, QuadWeights<Type>& w
 
 }  // namespace
 
-/// False where one of the places is not near the surface, and nothing is known.
+/// False if a place is not near the surface: nothing is known there.
 template <class Real>
 bool DistanceGrid<Real>::find(const FieldGroup& group, Offsets& offsets,
                               Beyond& beyond) const noexcept {
   using Lanes = FieldGroup::Lanes;
-  // Half a step on, so that the part before the point is the nearest sample's index.
+  // Add half a step, so that the integer part is the index of the nearest sample.
   const std::array<Lanes, 3> u = {inverse_h_ * (group.x - origin_.x()) + 0.5,
                                   inverse_h_ * (group.y - origin_.y()) + 0.5,
                                   inverse_h_ * (group.z - origin_.z()) + 0.5};
@@ -98,7 +98,7 @@ void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
         const std::size_t row = (z * kRow + y) * kRow;
         std::array<Four, kQuad> from;
         for (std::size_t i = 0; i < kQuad; ++i)
-          load(from[i], &values_[offsets[half + i] + row]);  // the fourth number has no weight
+          load(from[i], &values_[offsets[half + i] + row]);  // the fourth number has weight zero
         const Four low = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
         const Four high = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
         const Four low_last = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
@@ -147,7 +147,7 @@ void DistanceGrid<Real>::at_least(FieldGroup& group, double sign,
   Beyond beyond;
   if (find(group, offsets, beyond)) {
     fine(offsets, beyond, group);
-    group.distance = sign * group.distance - h_;  // as of one place
+    group.distance = sign * group.distance - h_;  // as for a single place
     return;
   }
   for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-/// Of the solid, whichever side it is felt from.
+/// Distance from the solid, whichever side it is felt from.
 FieldPoint of_solid(const Shape& shape, const Vec3& p) noexcept {
   if (const auto* grid = std::get_if<Grid>(&shape)) return grid->field->at(p);
   return on_primitive(

@@ -8,8 +8,8 @@
 namespace feltwire {
 namespace {
 
-/// `force` along `away`, no more than `most`; damping of the movement along it in what is left of
-/// `most`, so that the elastic part stays what the position alone says.
+/// `force` along `away`, at most `most`. The damping along it uses only the rest of `most`, so that
+/// the elastic part depends on the position alone.
 Command along_way(const Vec3& away, double force, double damping, const Vec3& velocity,
                   double most) {
   Command command;
@@ -20,7 +20,7 @@ Command along_way(const Vec3& away, double force, double damping, const Vec3& ve
   return command;
 }
 
-/// Whole up to half of the range, then linearly less.
+/// 1 up to half of the range, then linear down to 0.
 double fade(double distance, double range) {
   constexpr double kWhole = 0.5;
   if (distance <= kWhole * range) return 1.0;
@@ -40,7 +40,7 @@ Command keep_out(const KeepOut& spring, const ClosestPoint& closest, const Vec3&
   if (!(depth > 0.0)) return {};
   Command command =
       along_way(closest.away, spring.stiffness * depth, spring.damping, velocity, most);
-  // Damping of a hand that leaves must not hold it back more than the spring lets it go.
+  // When the hand leaves, damping must not exceed the spring's force: it would hold the hand back.
   if (command.force().dot(closest.away) < 0.0) command.frictional = -command.elastic;
   return command;
 }
@@ -64,7 +64,7 @@ Command constant(const ConstantForce& field, double most) {
   return command;
 }
 
-/// The tool against the guide's place, world frame; everywhere is inside.
+/// The tool relative to the guide's place, world frame. Every point is inside Everywhere.
 ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
   ClosestPoint at = closest_point(
@@ -93,7 +93,7 @@ Command guide_force(const Guide& guide, const Tool& tool) noexcept {
   if (const auto* field = std::get_if<ConstantForce>(&guide.action))
     return inside ? constant(*field, most) : Command{};
 
-  // To a solid from outside, to what has no end (a plane) from both sides.
+  // A solid attracts only from outside; a place without end (a plane) attracts from both sides.
   if (inside && has_an_end(guide.place)) return {};
   if (inside) at = {-at.away, -at.distance};
   if (const auto* spring = std::get_if<Attract>(&guide.action))
@@ -106,7 +106,7 @@ double begins(const Guide& guide, const Vec3& position) noexcept {
   const double distance = foot_at(guide, position).distance;
   if (std::get_if<Magnet>(&guide.action) != nullptr) return 0.0;
   if (const auto* spring = std::get_if<Attract>(&guide.action))
-    return std::max(0.0, std::abs(distance) - spring->range);  // a solid's inside counts as near
+    return std::max(0.0, std::abs(distance) - spring->range);  // a solid's inside is near
   if (const auto* spring = std::get_if<KeepOut>(&guide.action))
     return std::max(0.0, distance - spring->margin);
   return std::max(0.0, distance);
@@ -120,7 +120,7 @@ bool needs_velocity(const Guide& guide) noexcept {
 
 double stiffness(const Guide& guide) noexcept {
   if (const auto* spring = std::get_if<Attract>(&guide.action)) {
-    // A force that fades can fall faster than it rises: fastest over half the range.
+    // A force that fades can fall faster than it rises: it falls fastest over half of the range.
     const double falling = 2.0 * std::min(guide.max_force, spring->stiffness * spring->range);
     return std::isinf(spring->range) ? spring->stiffness
                                      : std::max(spring->stiffness, falling / spring->range);

@@ -31,10 +31,10 @@ void LocalBody::take(const BodyModel& model, std::uint64_t ticks) noexcept {
   model_ = model;
 }
 
-/// A model shows the tool a round trip ago, without the corrections since: what was seen once is
-/// corrected once (Smith 1957).
+/// A model shows the tool one round trip ago, without the corrections made since. This corrects
+/// each difference only once (Smith 1957).
 void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
-  constexpr double kPart = 0.1;  // of a difference, a model
+  constexpr double kPart = 0.1;  // share of a difference that a model corrects
   if (ticks == 0 || ticks > ticks_ || ticks > kRemembered) return;
   const Past& past = past_[(ticks_ - ticks) % kRemembered];
   const Vec3 off = kPart * (model.tool.position - past.pose.position - (moved_ - past.moved));

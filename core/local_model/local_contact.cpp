@@ -8,9 +8,8 @@
 
 namespace feltwire {
 
-/// With d from the patch's point to p (less its part along the axis), n the normal and k the
-/// curvature, the centre of curvature is at d = -n / k, and for balls (k > 0), hollows (k < 0) and
-/// planes alike
+/// Let d lead from the patch's point to p (less its part along the axis), n be the normal and k the
+/// curvature. The centre of curvature is at d = -n / k. Balls (k > 0), hollows (k < 0), planes:
 ///   normal = (n + k d) / s,   height = (2 n.d + k |d|^2) / (1 + s),   s = |n + k d|.
 /// Nothing cancels in it: a flat patch needs no far centre.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p) noexcept {
@@ -40,11 +39,11 @@ ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexc
 void LocalContact::use(const WholeSurfaces* surfaces) noexcept {
   if (surfaces == surfaces_) return;
   surfaces_ = surfaces;
-  // A memory of the old surfaces means nothing on the new ones.
+  // A memory of the old surfaces is invalid on the new ones.
   adopt_whole();
 }
 
-/// The contacts with whole surfaces go on from where the server's were.
+/// Lets the contacts with whole surfaces continue from the server's contacts.
 void LocalContact::adopt_whole() noexcept {
   for (Contact& contact : contacts_)
     if (contact.whole) contact.adopted = true;
@@ -68,8 +67,9 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
   return nullptr;
 }
 
-/// The memory to go on with: this side's own where it follows the object (a free one too: what the
-/// model says of touching is older) and its face is still described, else the model's.
+/// The memory to continue with. It is this side's own memory if that follows the object and its
+/// face is still described. A free one counts too: the model's word on touching is older. Else it
+/// is the model's.
 LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
   const bool same_scene = model.scene == model_.scene;
@@ -109,11 +109,11 @@ void LocalContact::take(const LocalModel& model, const Command* answered) noexce
   texture_ = answered != nullptr ? texture_of(*answered) : Texture{};
 }
 
-/// The part of an answer that the patches do not explain, at the place of the tool that it answers.
+/// The part of an answer that the patches do not explain, at the tool's place of that answer.
 LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
   Texture texture{.force = answered.elastic, .depth = 0.0};
   for (const SurfacePatch& patch : model_.view())
-    if (patch.whole && patch.touching) return {};  // its force cannot be told from the texture's
+    if (patch.whole && patch.touching) return {};  // its force hides the texture's
   for (int i = 0; i < count_; ++i) {
     FeatureMemory entered;
     if (contacts_[static_cast<std::size_t>(i)].whole) continue;
@@ -129,7 +129,7 @@ LocalContact::Texture LocalContact::texture_of(const Command& answered) const no
   return texture;
 }
 
-/// The patch that the tool touched before, or might touch.
+/// The patch that the tool touched before or may touch.
 const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcept {
   const SurfacePatch* of_object = &model_.patches[0];
   for (const SurfacePatch& patch : model_.view()) {
@@ -140,8 +140,8 @@ const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcep
   return *of_object;
 }
 
-/// Brings the memory of a touching tool up to date: its surface has moved for `age` [s] or
-/// `elapsed` [s]. The patches themselves have the place of the proxy when the model was made.
+/// Updates the memory of a touching tool: its surface has moved for `age` [s] or `elapsed` [s]. The
+/// patches hold the proxy's place at the time when the model was made.
 void LocalContact::bring_up(Contact& contact, double age, double elapsed) const noexcept {
   ContactMemory& memory = contact.memory;
   const SurfacePatch& patch = patch_of(contact);
@@ -156,7 +156,7 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
   contact.adopted = false;
 }
 
-/// By the scene's own contact; the object does not move.
+/// Uses the scene's own contact. The object does not move.
 Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool,
                                   WorkLimit* work) const noexcept {
   if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center, work);
@@ -171,10 +171,10 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   if (contact.whole) {
     const SurfacePatch& patch = patch_of(contact);
     if (has_whole(patch)) return touch_whole(contact, patch, tool, work);
-    weight = 0.0;  // the server counts on a surface that is not here
+    weight = 0.0;  // the server relies on a surface that is missing here
     return {};
   }
-  // A memory that is the model's is of its centre.
+  // A memory taken from the model refers to the model's centre.
   CameFrom from = from_;
   if (memory.touching && contact.adopted) from = {true, model_.center, age};
   if (memory.touching) bring_up(contact, age, elapsed);
@@ -202,7 +202,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
                                   tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
-  memory = {};  // a model beyond what products can hold
+  memory = {};  // a model whose products overflow
   return {};
 }
 
@@ -210,7 +210,7 @@ double LocalContact::weight_at(const Vec3& position) const noexcept {
   return share_within(length(Vec3(position - model_.center)), model_.reach);
 }
 
-/// Nothing that was computed of this tick is kept.
+/// Drops everything that this tick has computed.
 LocalForce LocalContact::cut_off() noexcept {
   adopt_whole();
   from_ = {};
@@ -230,7 +230,7 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed,
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }
-  // Less of it the less deep the tool is: no more than the surface pushes with can be taken off it.
+  // The texture's force falls with the depth: it must never take off more than the surface's push.
   double depth = 0.0;
   for (int i = 0; i < count_; ++i)
     depth = std::max(depth, contacts_[static_cast<std::size_t>(i)].rough_depth);

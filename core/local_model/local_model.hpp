@@ -11,7 +11,7 @@
 
 namespace feltwire {
 
-/// One surface, described around its point nearest to the tool. World frame.
+/// A surface, described around its point nearest to the tool. World frame.
 struct SurfacePatch {
   Vec3 point = Vec3::Zero();    // [m] on the surface
   Vec3 normal = Vec3::UnitZ();  // unit, towards the free side

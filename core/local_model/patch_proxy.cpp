@@ -11,7 +11,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kExact = 1e-12;  // of a depth or a height
+constexpr double kExact = 1e-12;  // share of a depth or a height
 
 bool solid(double height) { return height < 0.0; }  // a NaN is free
 
@@ -20,13 +20,13 @@ struct Seen {
   const SurfacePatch* patch = nullptr;
   double height = 0.0;  // [m] of the tool above the patch itself
   Vec3 normal = Vec3::Zero();
-  double before = 0.0;  // [m] the height that it came from
+  double before = 0.0;  // [m] the height before this movement
 
-  /// Above what pushes.
+  /// Height above the surface that pushes.
   double clearance() const { return height - patch->offset; }
-  /// In front of the tangent plane, moved on by the offset.
+  /// The half space in front of the tangent plane, moved by the offset.
   HalfSpace open(const Vec3& tool) const { return {normal, normal.dot(tool) - clearance()}; }
-  /// Behind the tangent plane of the patch itself.
+  /// The half space behind the tangent plane of the patch itself.
   HalfSpace closed(const Vec3& tool) const { return {-normal, height - normal.dot(tool)}; }
 };
 
@@ -37,8 +37,8 @@ struct SeenPatches {
   void add(const Seen& seen) { all[count++] = seen; }
 };
 
-/// Patches that are not joined: to the nearest place in front of all, each taken for its tangent
-/// plane.
+/// Patches that are not joined: the proxy is the nearest point in front of all their tangent
+/// planes.
 PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   PatchProxy proxy;
   std::array<HalfSpace, kMaxPatches> spaces;
@@ -72,7 +72,7 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
 /// The patch beyond an obtuse edge, if such an edge lies between the proxy on a joined patch and
 /// the point of that patch closest to the tool.
 Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double age) {
-  constexpr double kBeyond = 1e-9;  // of the depth: at right angles nothing is beyond
+  constexpr double kBeyond = 1e-9;  // share of the depth: nothing is beyond a right angle
   const Vec3 closest = tool - from.height * from.normal;
   Seen to = from;
   double highest = -kBeyond * from.height;
@@ -87,8 +87,8 @@ Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double ag
   return to;
 }
 
-/// A ball on the edge or corner that joined patches make, or on one of them: about the nearest
-/// point of the solid behind all, each taken for its tangent plane.
+/// A ball on the edge or corner of joined patches, or on one of them. It touches the nearest point
+/// of the solid behind all tangent planes.
 PatchProxy round_edge(const SeenPatches& seen, const Seen& highest, const Vec3& tool) {
   std::array<HalfSpace, kMaxPatches> spaces;
   for (std::size_t i = 0; i < seen.count; ++i) spaces[i] = seen.all[i].closed(tool);
@@ -103,11 +103,11 @@ PatchProxy round_edge(const SeenPatches& seen, const Seen& highest, const Vec3& 
   return {highest.patch, {tool + depth * normal, normal, depth}};
 }
 
-/// Which face a ball comes to that was on a round edge or corner, and whose middle is behind all by
-/// now: that to which its proxy falls steepest. Null where it was on none.
+/// The face that a ball reaches from a round edge or corner, once its middle is behind all patches.
+/// It is the face to which the proxy falls steepest. Null if the ball was on no edge or corner.
 const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
   constexpr double kRound = 1e-9;    // 1 less the cosine between normals
-  constexpr double kTouched = 1e-3;  // of the ball's radius: it was on this face's edge
+  constexpr double kTouched = 1e-3;  // share of the ball's radius: it was on this face's edge
   const Seen* best = nullptr;
   double steepest = 0.0;
   for (const Seen& one : seen.view()) {
@@ -124,7 +124,7 @@ const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemor
   return best;
 }
 
-/// The patch by which the way of the tool went into what is behind all; null: it did not.
+/// The patch through which the tool's way entered the solid behind all patches; null if none.
 const Seen* entry(const SeenPatches& seen) {
   const Seen* by = nullptr;
   double in = 0.0, out = 1.0;
@@ -142,7 +142,7 @@ const Seen* entry(const SeenPatches& seen) {
   return in < out ? by : nullptr;
 }
 
-/// Whether the way from the tool straight back to a face leads through what is behind all.
+/// Whether the straight way from the tool back to a face leads through the solid.
 bool holds(const SeenPatches& seen, const Seen& by) {
   double from = 0.0, to = -by.height;  // [m] along its normal
   for (const Seen& one : seen.view()) {
@@ -158,8 +158,8 @@ bool holds(const SeenPatches& seen, const Seen& by) {
   return from < to;
 }
 
-/// Joined patches: by the one that the tool entered by, the nearest where that is not known, as
-/// long as the solid is between (shapes.cpp).
+/// Joined patches: the tool is held by the patch through which it entered, or by the nearest patch
+/// if that is unknown, while the solid is between them (shapes.cpp).
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
   const Seen* highest = nullptr;
@@ -185,15 +185,15 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
   return {on.patch, {tool + depth * on.normal, on.normal, depth}};
 }
 
-/// A round patch whose proxy was left behind on another side (round_proxy.hpp): seen from there. Of
-/// a tool that `before` does not hold on it, `from` says whether it has come through.
+/// A round patch whose proxy stayed behind on another side (round_proxy.hpp) is seen from there. If
+/// `before` does not hold the tool on this patch, `from` says whether the tool has come through.
 void leave_behind(Seen& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
                   const FeatureMemory& before, const CameFrom& from) {
   constexpr double kRounding = 1e-9;
   const SurfacePatch& patch = *seen.patch;
   const bool held = before.feature != 0 && before.feature == patch.feature;
   if (!(patch.curvature > 0.0) || (!held && !from.known)) return;
-  // About the centre of curvature.
+  // Position relative to the centre of curvature.
   const auto about = [&](const Vec3& p, const Vec3& patch_moved) {
     Vec3 d = p - (patch.point + patch_moved);
     d -= along(d, patch.axis);

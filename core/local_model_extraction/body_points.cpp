@@ -12,13 +12,13 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Parts that the shell is cut into at most. The places that are left are for points of these parts
-/// that meet another side of the solid.
+/// Largest number of parts that the shell is cut into. The remaining places are for points of these
+/// parts that meet another side of the solid.
 constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
-constexpr double kLooked = 2e-3;      // [m] nearer parts are looked at point by point
-constexpr double kLeastReach = 1e-2;  // [m] where points that hardly matter found no place
+constexpr double kLooked = 2e-3;      // [m] nearer parts are examined point by point
+constexpr double kLeastReach = 1e-2;  // [m] least reach if points that hardly matter find no place
 
 /// A part of the shell near one object: nodes or points [begin, end).
 struct Part {
@@ -28,11 +28,11 @@ struct Part {
   std::uint32_t begin = 0, end = 0;
   Vec3 center = Vec3::Zero();  // [m, tool frame] of the ball that holds it
   double radius = 0.0;         // [m]
-  double distance = 0.0;       // [m] of the center
+  double distance = 0.0;       // [m] of the center from the surface
 
   double nearest() const { return distance - radius; }  // [m] no point is nearer
   bool single() const { return of_points && end - begin == 1; }
-  /// The loss if the part is one point [m].
+  /// [m] The loss of detail if the part becomes a single point.
   double coarseness() const {
     if (single()) return 0.0;
     const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
@@ -40,7 +40,8 @@ struct Part {
   }
 };
 
-/// Points that meet about the same plane. Arms in the tool's frame, normals in the world.
+/// Points that meet about the same plane. The arms are in the tool's frame, the normals in the
+/// world's.
 struct Gathered {
   double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();  // [m]
   double pushed = 0.0, squares = 0.0;
@@ -63,7 +64,7 @@ struct Gathered {
   Mat3 spread() const { return arms / count - center() * center().transpose(); }
 };
 
-/// [m] The depth of a part's centre, evenly spread by `half`, at which its mean depth is `mean`.
+/// [m] Depth of the centre of a part that is evenly spread by `half` and has the mean depth `mean`.
 double depth_for(double mean, double half) {
   if (mean >= half) return mean;
   return 2.0 * std::sqrt(half * mean) - half;  // (depth + half)^2 / (4 half) = mean
@@ -82,7 +83,7 @@ class Cut {
         tool_(tool),
         turned_(tool.orientation.toRotationMatrix()) {}
 
-  /// [m] No point that the cut lacks is nearer to a surface.
+  /// [m] No point outside of the cut is nearer to a surface than this.
   double reach() const { return reach_; }
   std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
 
@@ -130,7 +131,7 @@ class Cut {
     reach_ = std::min(reach_, part.nearest());
   }
 
-  /// The ball, and how far it is.
+  /// Computes the ball around a part and its distance from the surface.
   void measure(Part& part) const {
     const auto n = static_cast<double>(part.end - part.begin);
     part.center.setZero();
@@ -146,7 +147,8 @@ class Cut {
     part.distance = at(part.object, part.center).distance;
   }
 
-  /// Adds a part; one that is too far ends the reach, and so does the farthest of too many.
+  /// Adds a part. A part that is too far ends the reach. So does the farthest part if there are too
+  /// many.
   void offer(Part part) {
     measure(part);
     if (!(part.nearest() < reach_)) return;
@@ -166,7 +168,7 @@ class Cut {
     parts_[static_cast<std::size_t>(count_++)] = part;
   }
 
-  /// In two; false where it cannot be.
+  /// Cuts a part in two. Returns false if that is impossible.
   bool halves(const Part& part, Part& low, Part& high) const {
     Part whole = part;
     while (!whole.of_points && whole.end - whole.begin == 1) {
@@ -181,7 +183,7 @@ class Cut {
     return true;
   }
 
-  /// Cuts the coarsest part in two; false where none may be cut.
+  /// Cuts the coarsest part in two. Returns false if none may be cut.
   bool refine() {
     constexpr double kFine = 1e-5;  // [m]
     const auto begin = parts_.begin(), end = begin + count_;
@@ -211,17 +213,17 @@ class Cut {
   double reach_ = kBodyReach;
 };
 
-/// Makes points and patches of parts.
+/// Turns parts into points and patches.
 struct Builder {
   const BodyTool& tool;
   const std::vector<Object>& objects;
   const Cut& cut;
   BodyModel& model;
   int most = kMaxBodyPoints;
-  const World* world = nullptr;  // where objects move
+  const World* world = nullptr;  // null: no object moves
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
-  /// By the axis of the object's frame that the normal is nearest to.
+  /// The side is the axis of the object's frame that is nearest to the normal.
   std::uint8_t side_of(std::size_t object, const Vec3& normal) const {
     const Vec3 n = objects[object].pose.orientation.conjugate() * normal;
     Eigen::Index axis;
@@ -232,8 +234,8 @@ struct Builder {
   /// The share of an object's force that is felt.
   double trust(std::size_t object) const { return world != nullptr ? world->trust(object) : 1.0; }
 
-  /// The patch of these normals at `arm` [m, tool frame]. If there is no patch left, it is the
-  /// patch of another side of the object, or the last one.
+  /// The patch for this normal at `arm` [m, tool frame]. If no patch is left, it returns the patch
+  /// of another side of the object, or the last patch.
   std::uint8_t patch_of(std::size_t object, const Vec3& normal, const Vec3& arm) {
     const std::uint8_t side = side_of(object, normal);
     std::uint8_t other = kMaxBodyPatches - 1;
@@ -275,7 +277,7 @@ struct Builder {
     const Mat3 turned = cut.turned();
     const Vec3 n = turned.transpose() * normal;
     const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
-    // Its force is the scene's, at the scene's centre of pressure.
+    // Its force is the force in the scene, at the scene's centre of pressure.
     if (points.pushed > 0.0) {
       point.distance = -depth_for(points.pushed / points.squares, half);
       const PressedPart in = pressed_part(-point.distance, half);
@@ -284,15 +286,15 @@ struct Builder {
       if (half > 0.0) pressed -= in.moment / in.depth / (half * half / 3.0) * spread;
       point.arm += points.pressure / points.pushed - pressed;
     } else {
-      // If solids are curved, the plane would touch before the first point does.
+      // On curved solids, the plane would touch before the first point does.
       point.distance = std::max(point.distance, points.least + half);
     }
     model.points[static_cast<std::size_t>(model.count++)] = point;
     return true;
   }
 
-  /// The points of a part that meet about the plane that pushes most (or is nearest), and the
-  /// others by the side of the object that they meet.
+  /// Points of a part. Group 0 holds those about the plane that pushes most (or is nearest). The
+  /// others are grouped by the side of the object that they meet.
   struct Group {
     Gathered points;
     std::size_t object = 0;
@@ -341,7 +343,7 @@ struct Builder {
     for (std::size_t i = 0; i < parts.size(); ++i)
       if (parts[i].nearest() < kLooked)
         gather(parts[i], std::span(groups).subspan(kSides * i, kSides));
-    // Those that push hardest come first, then those that will be met first.
+    // Sort: first the groups that push hardest, then the groups that will be met first.
     std::array<const Group*, kParts * kSides> order{};
     std::size_t count = 0;
     for (const Group& group : groups)
@@ -362,7 +364,7 @@ struct Builder {
   }
 };
 
-/// `objects`: the view's, where they now are. `world`: that moves them, or null.
+/// `objects`: the view's objects at their present places. `world`: moves them; may be null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
                    const BodyMemory& memory, std::uint32_t version, const KnownSurfaces& known,
                    int most, const World* world = nullptr) noexcept {
@@ -380,7 +382,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   model.radius = tool.shell().radius;
   model.slipping = memory.slipping;
   model.reach = cut.reach();
-  for (const Guide& guide : view.guides())  // a model has no word for them
+  for (const Guide& guide : view.guides())  // a model cannot describe guides
     model.reach = std::min(model.reach, begins(guide, device.position));
   Builder{tool, objects, cut, model, most, world}.build();
   model.reach = std::max(0.0, model.reach);

@@ -31,7 +31,7 @@ inline constexpr int kLeastBodyPoints = 4;
 BodyModel body_model(const ToolView& view, const Pose& device, const BodyMemory& memory,
                      std::uint32_t version = 0, const KnownSurfaces& known = {},
                      int most = kMaxBodyPoints) noexcept;
-/// The same, with the moving objects at their present poses. `held`: as in BodyContactState.
+/// As above, with the moving objects at their present poses. `held`: as in BodyContactState.
 BodyModel body_model(const World& world, const Pose& device, const BodyMemory& memory,
                      std::size_t held = 0, std::uint32_t version = 0,
                      const KnownSurfaces& known = {}, int most = kMaxBodyPoints) noexcept;

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastTrust = 1e-6;  // so little of a stiffness is nothing to a hand
+constexpr double kLeastTrust = 1e-6;  // a hand does not feel so small a share of a stiffness
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
 /// A part of an object of the scene.
@@ -20,11 +20,11 @@ struct Near {
   std::uint32_t feature = 0;
 };
 
-/// The nearest parts so far, in order; those of equal distance in the order they came.
+/// The nearest parts so far, sorted by distance. Parts of equal distance keep the order of arrival.
 class Nearest {
  public:
   explicit Nearest(double reach) : reach_(reach) {}
-  /// Puts a part in its place; what no longer fits, or cannot be shown, ends the reach.
+  /// Inserts a part. A part that does not fit, or that cannot be shown, ends the reach.
   void offer(const Near& part, bool shown) noexcept {
     if (part.distance >= reach_) return;
     if (!shown) {
@@ -62,7 +62,7 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_
   return surface_parts(object.shape, object.felt_from, p, entered, ball);
 }
 
-/// The patches that were fitted last to meshes and grids: those that are chosen are used again.
+/// Keeps the patches that were last fitted to meshes and grids, to use the chosen ones again.
 class Fitted {
  public:
   Fitted(const KnownSurfaces& known, double ball) : known_(known), ball_(ball) {}
@@ -91,7 +91,7 @@ class Fitted {
   std::size_t next_ = 0;
 };
 
-/// The patch of a mesh or a grid that was chosen, with its radius.
+/// The chosen patch of a mesh or a grid, with its radius.
 SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, const Near& chosen,
                           std::span<const Near> all, const ContactMemory& memory, double ball) {
   const auto of_object = [&](const Near& near) { return near.object == chosen.object; };
@@ -105,7 +105,7 @@ SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, con
   return patch;
 }
 
-/// [m] from a patch's point to where a part of the same object begins that is not in the model.
+/// [m] From a patch's point to where a part of the same object begins that the model lacks.
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
                  std::span<const Near> chosen, double ball) {
   double radius = kModelReach;
@@ -119,8 +119,8 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-/// The middle of a ball that stands on a solid with edges is in no face. The ball stands on the one
-/// that looks towards it.
+/// The middle of a ball that stands on a solid with edges belongs to no face. Then the ball stands
+/// on the face that looks most towards it.
 void set_standing(LocalModel& model, const std::vector<Object>& objects,
                   const TouchMemory& memory) {
   const std::span patches{model.patches.data(), static_cast<std::size_t>(model.count)};
@@ -136,18 +136,18 @@ void set_standing(LocalModel& model, const std::vector<Object>& objects,
   }
 }
 
-/// The view's objects where they now are.
+/// `objects`: the view's objects at their present places.
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
-  if (view.tool().body) return model;  // it has a model of its own kind (body_model.hpp)
+  if (view.tool().body) return model;  // a body has a model of its own kind (body_model.hpp)
   const double ball = view.tool().radius;
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;
 
   double reach = kModelReach;
-  for (const Guide& guide : view.guides())  // a model has no word for them
+  for (const Guide& guide : view.guides())  // a model cannot describe guides
     reach = std::min(reach, begins(guide, position));
   Nearest nearest(reach);
   Fitted fits(known, ball);
@@ -210,7 +210,7 @@ LocalModel local_model(const World& world, const Vec3& position, const TouchMemo
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);
-    // Softer where bodies were put back; no surface has no stiffness at all.
+    // Bodies that were put back become softer. Their stiffness is never zero: a surface has some.
     const double trust = std::max(kLeastTrust, world.trust(patch.object));
     patch.material.stiffness *= trust;
     patch.material.damping *= trust;

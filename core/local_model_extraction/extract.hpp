@@ -28,11 +28,11 @@ using KnownSurfaces = std::vector<bool>;
 /// a mark, and do not end the reach. It never allocates.
 LocalModel local_model(const ToolView& view, const Vec3& position, const TouchMemory& memory,
                        const KnownSurfaces& known = {}) noexcept;
-/// The same, with the objects of the view at the places in `objects`. A process that does not
-/// simulate the bodies, and is told their places, calls it.
+/// As above, with the objects of the view at the places in `objects`. It is for a process that is
+/// told the places of bodies and does not simulate them.
 LocalModel local_model(const ToolView& view, const std::vector<Object>& objects,
                        const Vec3& position, const TouchMemory& memory) noexcept;
-/// The same, with the moving objects at their present poses. Their patches have the velocity of the
+/// As above, with the moving objects at their present poses. Their patches have the velocity of the
 /// surface. `held`: as in BodyContactState.
 LocalModel local_model(const World& world, const Vec3& position, const TouchMemory& memory,
                        std::size_t held = 0, const KnownSurfaces& known = {}) noexcept;

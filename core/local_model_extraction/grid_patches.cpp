@@ -1,6 +1,6 @@
-// A distance grid as one patch, curved as its gradient turns, and how far that holds: looked at on
-// rings about the point that double their radius. A spike thinner than the ways between the eight
-// places of a ring is not seen until the tool is nearer.
+// Describes a distance grid as one patch that is curved as its gradient turns. Rings about the
+// point, each of double radius, check how far the patch holds. A spike that is thinner than the
+// gaps between the eight places of a ring stays unseen until the tool is nearer.
 
 #include <algorithm>
 #include <array>
@@ -16,13 +16,13 @@ namespace feltwire {
 namespace {
 
 constexpr int kNewton = 4;          // steps to the surface
-constexpr int kGridPlaces = 8;      // of a ring
+constexpr int kGridPlaces = 8;      // on a ring
 constexpr double kFirstRing = 2.0;  // resolutions
-constexpr double kGridOpen = 0.75;  // of a height above the patch that must be free
-constexpr double kGridDeep = 0.25;  // of a ring's radius, below which the solid must be solid
-constexpr double kStraight = 1.1;   // times as far as the distance says a point may be found
+constexpr double kGridOpen = 0.75;  // share of a height above the patch that must be free
+constexpr double kGridDeep = 0.25;  // share of a ring's radius that must be solid below the patch
+constexpr double kStraight = 1.1;   // a point may be found this many times the distance away
 
-/// The point of the surface at which the way down the distance ends.
+/// The point where the way down the distance reaches the surface.
 struct GridClosest {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double slope = 0.0;  // |gradient|
@@ -42,7 +42,7 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
   return closest;
 }
 
-/// The bend of the surface: differences of the normal, one resolution to either side.
+/// The bend of the surface, from differences of the normal over one resolution to either side.
 Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
   const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
   const double h = field.resolution();
@@ -55,18 +55,18 @@ Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& c
   return bend(u, v, along_u.dot(u), 0.5 * (along_u.dot(v) + along_v.dot(u)), along_v.dot(v));
 }
 
-/// Along a normal: on the surface, as far in it as the tool gets, and free above.
+/// Checks a line along a normal: on the surface, inside as deep as the tool gets, and free above.
 bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, const Vec3& normal,
                  double radius, double deep) {
   const double may = kPatchSlope * (radius + field.resolution());
-  // Beyond its band a field says no more than that it is beyond.
+  // Beyond its band, a field says only that a point is beyond.
   const double open = std::min(kGridOpen * radius, field.band());
   return std::abs(field.at(on).distance) <= may &&
          std::abs(sign * field.at(on - deep * normal).distance + deep) <= may &&
          sign * field.at(on + radius * normal).distance >= open;
 }
 
-/// `depth` [m] of the tool.
+/// `depth` [m]: of the tool.
 bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& patch, double radius,
            double depth) {
   const Vec3 u = patch.normal.unitOrthogonal(), v = patch.normal.cross(u);

@@ -10,20 +10,19 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostLooked = 256;  // triangles; where there are more, it is looked less far
+constexpr std::size_t kMostLooked = 256;  // triangles; if there are more, the extent is halved
 
-/// The place of a triangle at a patch, by its corners in front of the patch and behind it.
+/// Place of a triangle relative to a patch: are its corners in front of the patch or behind it?
 struct TrianglePlacement {
-  bool front = false, behind = false;  // some corner is; neither: it lies on the patch
-  bool hidden = false;                 // all corners are behind, and what is between them
+  bool front = false, behind = false;  // some corner is; if neither: the triangle lies on the patch
+  bool hidden = false;                 // all corners are behind, and all between them
 };
 
-/// The corners of a triangle tell its place, whatever the patches are. If patches are curved, its
-/// middle tells it, too.
+/// The corners of a triangle tell its place. Its middle counts too, because patches may be curved.
 TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& corners,
                                double skin) {
   TrianglePlacement placement{.front = false, .behind = false, .hidden = true};
-  // Between corners that are behind a hollow patch a triangle may come out of it.
+  // A triangle whose corners are behind a hollow patch may come out of the patch between them.
   const double longest =
       std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
                 (corners[0] - corners[2]).squaredNorm()});
@@ -95,7 +94,7 @@ MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
     all_hidden &= placement.hidden;
     any_hidden |= placement.hidden;
   }
-  // Nothing comes to where the patches are between it and the open.
+  // The tool cannot reach a triangle if the patches are between them.
   if (joined_ ? all_hidden : any_hidden) return {.distance = kNever};
   for (int i = 0; i < count_; ++i) {
     const TrianglePlacement& on = lies[static_cast<std::size_t>(i)];
@@ -110,7 +109,7 @@ MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
   return {.distance = (nearest_on_triangle(c, place).point - place).norm(), .triangle = t};
 }
 
-/// To an edge that the surface ends at.
+/// Distance to an edge where the surface ends.
 double MeshFits::border(std::uint32_t t, const std::array<Vec3, 3>& c, const Vec3& place) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k)

@@ -1,5 +1,5 @@
-// A mesh as patches: one that is curved as the normals about the point turn, or up to three planes
-// with the edges between them; whichever reaches farther.
+// Describes a mesh as patches: either as one patch, curved as the normals about the point turn, or
+// as up to three planes with the edges between them. It takes the one that reaches farther.
 
 #include <algorithm>
 #include <array>
@@ -16,25 +16,25 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFittedSides = 3.0;  // of the triangle it begins at: how far is looked
-// Facets that turn by no more than this [rad] are taken for a smooth surface cut up; the middle of
-// an equilateral one stands kSagitta * angle * side off its corners' ball, of a lopsided one more.
+constexpr double kFittedSides = 3.0;  // extent of the search, in sides of the first triangle
+// Facets that turn by at most this angle [rad] count as parts of a smooth surface. The middle of an
+// equilateral facet is kSagitta * angle * side off the ball through its corners; of others, more.
 constexpr double kMostTurned = 0.15, kSagitta = 0.25;
 constexpr std::uint32_t kNone = TriangleMesh::kNone;
 
-/// The place of the surface that is nearest to a tool.
+/// The place of the surface nearest to a tool.
 struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;
-  double side = 0.0;      // 0: none to speak of
-  double distance = 0.0;  // [m] to the surface, 0 where it holds the tool
-  double height = 0.0;    // [m] of the tool off the point, on either side
+  double side = 0.0;      // 0: no side
+  double distance = 0.0;  // [m] to the surface; 0: it holds the tool
+  double height = 0.0;    // [m] from the point to the tool, on either side
 };
 
 NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
                                const FeatureMemory& memory, double ball) {
   if (memory.side != 0) {
-    // A ball's proxy is its middle: it touches below.
+    // A ball's proxy is its middle. The ball touches below it.
     const Vec3 closest =
         ball > 0.0
             ? nearest_on_triangle(surface.mesh().corners(memory.triangle), memory.proxy).point
@@ -55,7 +55,7 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
              reverse != kNone) {
     nearest.triangle = reverse;
     nearest.side = side;
-  }  // else it is behind, and nothing there holds it yet
+  }  // else the tool is behind, and nothing there holds it yet
   return nearest;
 }
 
@@ -67,12 +67,13 @@ MeshFit plane(const MeshSurface& surface, std::uint32_t t, double side, const Ve
   return fit;
 }
 
-/// [m] Near the length of an equilateral triangle's sides.
+/// [m] About the length of an equilateral triangle's sides.
 double side_of(const std::array<Vec3, 3>& c) {
   return std::sqrt((c[1] - c[0]).cross(c[2] - c[0]).norm());
 }
 
-/// As the normals of its corners turn (Rusinkiewicz 2004, of one triangle).
+/// Fits a patch that curves as the normals of the corners turn (Rusinkiewicz 2004, of one
+/// triangle).
 MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
   MeshFit fit = plane(surface, nearest.triangle, nearest.side, nearest.point);
   const std::array<Vec3, 3> c = surface.mesh().corners(nearest.triangle);
@@ -100,17 +101,17 @@ MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
   return fit;
 }
 
-/// The flat face that it is fitted to, or all that is round: no two faces share one.
+/// A number for the flat face of the fit, or one for all round fits. Faces never share a number.
 std::uint32_t feature_of(const MeshSurface& surface, const MeshFit& fit) {
   constexpr std::uint32_t kRound = 1, kFirstFace = 2;
   return fit.curvature != 0.0 ? kRound : kFirstFace + surface.face(fit.triangle);
 }
 
-/// Beyond what was looked at triangle by triangle one patch is asked for at eight places of rings
-/// that double: on the surface, and free above.
+/// Checks one patch beyond the triangles that were looked at. At eight places of each ring, it must
+/// be on the surface and free above. The rings double their radius.
 bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, double radius) {
   constexpr int kPlaces = 8;
-  constexpr double kOpen = 0.75;  // of a radius above the patch that must be free
+  constexpr double kOpen = 0.75;  // share of a radius above the patch that must be free
   SurfacePatch patch;
   patch.point = fit.point;
   patch.normal = fit.normal;
@@ -135,14 +136,14 @@ bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, doubl
   return true;
 }
 
-/// [m] What pushes the tool stands so far in front of the triangles.
+/// [m] Height above the triangles of the surface that pushes the tool.
 double offset_of(const MeshOptions& options, double ball) {
   double offset = ball - options.grain.amplitude;
   if (options.height_map) offset -= options.height_map->mean();
   return offset;
 }
 
-/// `end` [m] from the position is where triangles begin that are not described: a ball meets them a
+/// `end` [m]: from the position to the first triangle that is not described. A ball meets it a
 /// radius earlier.
 FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fits, double end,
                     double extent) {
@@ -160,7 +161,7 @@ FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fit
     const std::uint32_t feature = feature_of(surface, fit);
     for (int j = 0; j < i; ++j)
       if (all.patches[static_cast<std::size_t>(j)].feature == feature) {
-        all.end = earlier(fit.distance);  // nobody could tell the two apart
+        all.end = earlier(fit.distance);  // the two cannot be told apart
         return all;
       }
     all.patches[static_cast<std::size_t>(all.count++)] = {surface.mesh().origin() + fit.point,
@@ -178,11 +179,11 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
   return std::min(kMostFitted, kFittedSides * side_of(surface.mesh().corners(t)));
 }
 
-/// One patch to which nothing near was an exception: how much farther it holds.
+/// For one patch without any exception near it: finds how much farther the patch holds.
 FittedPatches reaching(const MeshSurface& surface, double ball, const MeshFits& fits,
                        const NearestSurface& nearest, const MeshFits::Other& other) {
   FittedPatches all = found(surface, ball, fits, other.distance, other.looked);
-  constexpr double kLow = 0.75;  // of the radius: higher than that the rings do not look
+  constexpr double kLow = 0.75;  // share of the radius: the rings do not look higher
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
   while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
@@ -228,7 +229,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
   if (round) beyond = curve.first_other(goal, nearest.height, extent);
-  if (flat.count > 0) {  // facets so fine may be a curved surface's
+  if (flat.count > 0) {  // such fine facets may belong to a curved surface
     if (!round || fit.curvature == 0.0) return flat;
     const FittedPatches bent = reaching(surface, ball, curve, nearest, beyond);
     return bent.end > flat.end ? bent : flat;
@@ -243,7 +244,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
     next.distance = other.distance;
     if (!more.join(next)) break;
     const MeshFits::Other after = more.first_other(goal, nearest.height, extent);
-    // At a corner that the tool is over all of its faces are as near.
+    // For a tool over a corner, all faces of the corner are equally near.
     if (after.distance < other.distance) break;
     planes = more;
     other = after;
@@ -260,7 +261,7 @@ FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& 
   const double ball = surface.options().radius + tool;
   const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory, ball);
   if (!(nearest.distance <= kMostFitted)) return mark;
-  // Behind a surface that is felt from one side it looks that way, too.
+  // Behind a surface that is felt from one side, the patch faces that side too.
   const double side = nearest.side != 0.0 ? nearest.side : felt_from == Side::outside ? 1.0 : -1.0;
   FittedPatch& patch = mark.patches[0];
   patch.point = surface.mesh().origin() + nearest.point;
@@ -279,9 +280,9 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     return fitted.patches[static_cast<std::size_t>(i)];
   };
   const double ball = surface.options().radius + tool;
-  // Beyond that, the surface was sampled on rings.
+  // The extent comes from rings on which the surface was sampled.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
-  // Which side faces the tool, the patches' own normals say.
+  // The patches' own normals tell which side faces the tool.
   const Vec3 closest = at(index).point - surface.mesh().origin();
   const auto nearest = surface.nearest(closest, kMostFitted);
   if (!(nearest.distance <= kMostFitted)) return 0.0;
@@ -298,7 +299,7 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     fit.slack = at(i).slack;
     fits.add(fit);
   }
-  // Of a ball that touches there.
+  // The radius for a ball that touches there.
   return std::max(
       0.0, fits.first_other(closest + ball * at(index).normal, ball, looked).distance - ball);
 }

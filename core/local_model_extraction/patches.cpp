@@ -86,7 +86,7 @@ SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, in
                         .curvature = fit.curvature,
                         .joined = fitted.joined};
   SurfacePatch patch = in_world(object, s, fit.feature);
-  // The first is what the tool stands on.
+  // The tool stands on the first patch.
   if (memory.touching && index == 0) set_touched(patch, object, memory);
   patch.offset = fitted.offset;
   patch.faceted = fitted.faceted;

@@ -25,7 +25,7 @@ SurfaceParts surface_parts(const Shape& shape, Side side, const Vec3& position,
 SurfacePatch surface_patch(const Object& object, const Vec3& position, std::uint32_t feature,
                            const ContactMemory& memory, double ball) noexcept;
 
-/// The same for a fitted patch.
+/// As above, for a fitted patch.
 SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, int index,
                            const ContactMemory& memory) noexcept;
 

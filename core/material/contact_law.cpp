@@ -6,8 +6,8 @@
 
 namespace feltwire {
 
-// Spring and surface have the same stiffness, so the cone |F_t| <= mu F_n is a cone of lengths:
-// |stretch| <= mu * depth, in which the stiffness has no part.
+// Spring and surface have the same stiffness. So the cone |F_t| <= mu F_n is a cone of lengths that
+// does not depend on the stiffness: |stretch| <= mu * depth.
 Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
                    ContactMemory& memory) noexcept {
   if (!memory.touching) {
@@ -15,8 +15,8 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
     memory.slipping = false;
     return Vec3::Zero();
   }
-  // On a curved surface only the part of the anchor's pull in the proxy's tangent plane is
-  // friction; the contact force has the rest.
+  // On a curved surface, only the part of the anchor's pull in the proxy's tangent plane is
+  // friction. The contact force contains the rest.
   const Vec3 chord = memory.anchor - surface.point;
   Vec3 stretch = chord - along(chord, surface.normal);
   const double stretched = length(stretch);
@@ -24,7 +24,7 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
   const double mu = memory.slipping ? material.dynamic_friction : material.static_friction;
   memory.slipping = stretched > mu * surface.depth;
   if (memory.slipping) {
-    // At the break the force falls from mu_s F_n to mu_d F_n; the anchor is dragged along.
+    // When slipping begins, the force falls from mu_s F_n to mu_d F_n and drags the anchor along.
     stretch *= material.dynamic_friction * surface.depth / stretched;
     memory.anchor = surface.point + stretch;
   }
@@ -34,7 +34,7 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
 Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept {
   const double cosine = from.dot(to);
   const Vec3 axis = from.cross(to), v = anchor - about;
-  if (!(cosine > -0.5)) return anchor;  // turned right round: another place
+  if (!(cosine > -0.5)) return anchor;  // turned far round: this is another place
   return about + cosine * v + axis.cross(v) + axis.dot(v) / (1.0 + cosine) * axis;
 }
 

@@ -1,6 +1,6 @@
-// Builds the tree from the top down: each node's things are cut in two where the surface area
-// heuristic says (Goldsmith, Salmon 1987), by bins of their middles (Wald 2007), until there are
-// four parts.
+// Builds the tree from the top down. It splits the items of each node by the surface area heuristic
+// (Goldsmith, Salmon 1987), with bins of their middles (Wald 2007), until the node has four
+// parts.
 
 #include "core/mesh/box_tree.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostInLeaf = 4;
 constexpr std::size_t kBins = 16;
-/// From this level on things are cut into halves, whatever that costs: so no tree is deep.
+/// From this level on, parts are halved whatever that costs, so that no tree is deep.
 constexpr int kMaxUneven = 24;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -28,7 +28,7 @@ float above(double x) {
 
 using Corner = std::array<float, 3>;
 
-/// A box that grows; empty at first.
+/// A box that grows. It is empty at first.
 struct Hull {
   Corner least{kInfinity, kInfinity, kInfinity}, most{-kInfinity, -kInfinity, -kInfinity};
 
@@ -39,7 +39,7 @@ struct Hull {
     }
   }
   void add(const Hull& other) { add(other.least, other.most); }
-  /// Half its area [m^2]; 0 of an empty one.
+  /// Half the surface area [m^2]; 0 if the box is empty.
   double area() const {
     const auto side = [&](std::size_t axis) {
       return std::max(0.0, static_cast<double>(most[axis]) - static_cast<double>(least[axis]));
@@ -51,18 +51,18 @@ struct Hull {
 struct Thing {
   Hull box;
   std::uint32_t index = 0;
-  /// Twice its middle: nothing is rounded away.
+  /// Twice the middle, so that nothing is rounded.
   float middle(std::size_t axis) const { return box.least[axis] + box.most[axis]; }
 };
 
-/// Things side by side.
+/// Bounds and count of a group.
 struct Part {
   std::size_t begin = 0, end = 0;
   Hull box;
   std::size_t size() const { return end - begin; }
 };
 
-/// Where a part may be cut along an axis: between bins of the things' middles.
+/// Bins of the items' middles along an axis. A part may be cut between two bins.
 struct Bins {
   float first = kInfinity, per_bin = 0.0f;
   std::array<Hull, kBins> boxes{};
@@ -76,7 +76,7 @@ struct Bins {
 
 struct Cut {
   std::size_t axis = 0;
-  std::size_t bin = 0;  // things of this bin and later ones go to the second part; 0: no cut
+  std::size_t bin = 0;  // items of this bin and of later bins go to the second part; 0: no cut
   double cost = std::numeric_limits<double>::infinity();
 };
 
@@ -86,7 +86,7 @@ Part part_of(const std::vector<Thing>& things, std::size_t begin, std::size_t en
   return part;
 }
 
-/// The bins of all axes. An axis along which all middles are one has no bins: per_bin is zero.
+/// The bins of all axes. If all middles coincide along an axis, its per_bin is zero.
 std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) {
   std::array<Bins, 3> bins;
   Corner last{-kInfinity, -kInfinity, -kInfinity};
@@ -113,7 +113,7 @@ std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) 
 /// The cheapest cut between the bins of an axis.
 Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   Cut cut{.axis = axis};
-  // First the costs of all that lies behind each cut. Then the cuts, with what lies before them.
+  // First compute the cost behind each cut. Then add the cost before it.
   std::array<double, kBins> behind{};
   Hull hull;
   std::size_t count = 0;
@@ -136,7 +136,7 @@ Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   return cut;
 }
 
-/// Cuts a part in two, and puts its things on their sides.
+/// Splits a range and partitions its items.
 std::array<Part, 2> halves(std::vector<Thing>& things, const Part& part, int level) {
   const auto at = [&](std::size_t i) { return things.begin() + static_cast<std::ptrdiff_t>(i); };
   std::array<Bins, 3> bins;
@@ -183,7 +183,7 @@ class BoxTree::Building {
   }
 
  private:
-  /// Up to four parts; the largest one is cut next. The whole, where it fits a leaf.
+  /// Splits into up to four parts, the costliest part first. Keeps a range that fits a leaf whole.
   std::size_t cut_up(const Part& whole, int level, std::array<Part, kWidth>& parts) {
     parts[0] = whole;
     std::size_t count = 1;
@@ -191,7 +191,7 @@ class BoxTree::Building {
       const auto cost = [](const Part& part) {
         return part.size() < 2 ? -1.0 : part.box.area() * static_cast<double>(part.size());
       };
-      // One that is too large for a leaf before all that are not.
+      // A part that is too large for a leaf comes before all parts that fit.
       const auto after = [&](const Part& a, const Part& b) {
         const bool large_a = a.size() > kMostInLeaf, large_b = b.size() > kMostInLeaf;
         return large_a != large_b ? large_b : cost(a) < cost(b);
@@ -206,7 +206,7 @@ class BoxTree::Building {
     return count;
   }
 
-  /// Parents before children, the things of a subtree side by side.
+  /// Stores parents before children, and the items of a subtree side by side.
   std::uint32_t node(const Part& whole, int level) {
     const auto at = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.emplace_back();

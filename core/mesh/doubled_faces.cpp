@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// Three corners, in ascending order, and the first triangle of each side on them. The forward side
-/// has the corners in this order.
+/// Three corners in ascending order, and the first triangle on each side. The forward side has the
+/// corners in this order.
 struct Face {
   Triangle corners;
-  std::uint32_t first = kNone;                      // of both
-  std::array<std::uint32_t, 2> side{kNone, kNone};  // forward, backward; kNone: has none
+  std::uint32_t first = kNone;                      // of both sides
+  std::array<std::uint32_t, 2> side{kNone, kNone};  // forward, backward; kNone: no triangle
   bool has_both() const { return side[0] != kNone && side[1] != kNone; }
 };
 
@@ -37,7 +37,7 @@ struct Corners {
   }
 };
 
-/// By their lowest corner, then by the other two.
+/// Sorted by the lowest corner, then by the other two.
 std::vector<Corners> sorted_corners(std::span<const Triangle> triangles, std::size_t vertices) {
   return bucketed<Corners>(
       triangles.size(), vertices,
@@ -63,14 +63,14 @@ std::vector<Face> faces_of(std::span<const Triangle> triangles, std::span<const 
   return faces;
 }
 
-/// An edge of a face. The forward side of the face goes up the edge, from its lower end to its
-/// higher one, if `way` is 1, and down if it is -1.
+/// An edge of a face. `way` is 1 if the forward side of the face goes from the lower end to the
+/// higher end of the edge, and -1 if it goes down.
 struct EdgeOfFace {
   std::uint32_t low, high, face;
   int way;
 };
 
-/// The edges that a face with both sides may have, with all their faces, edge by edge.
+/// All edges between corners of faces with both sides, and all their faces, sorted by edge.
 std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::size_t vertices) {
   std::vector<bool> asked(vertices);
   for (const Face& face : faces)
@@ -89,8 +89,8 @@ std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::s
   return edges;
 }
 
-/// Groups of faces whose sides depend on each other: one face's choice is that of its group, or the
-/// opposite one.
+/// Groups of faces whose sides depend on each other. The choice of a face is that of its group, or
+/// the opposite.
 class Groups {
  public:
   explicit Groups(std::size_t faces)
@@ -100,7 +100,7 @@ class Groups {
 
   struct Place {
     std::uint32_t group;
-    int sign;  // of the face's choice, against the group's
+    int sign;  // of the face's choice, relative to the group's
   };
   Place find(std::uint32_t face) {
     std::uint32_t root = face;
@@ -110,7 +110,7 @@ class Groups {
       root = parent_[root];
     }
     const Place place{root, sign};
-    while (parent_[face] != face) {  // shortens the way for the next one
+    while (parent_[face] != face) {  // shortens the path for the next call
       const std::uint32_t next = parent_[face];
       const int own = sign_[face];
       parent_[face] = root;
@@ -121,7 +121,7 @@ class Groups {
     return place;
   }
 
-  /// The two choices have this product.
+  /// Requires that the two choices have this product.
   void link(std::uint32_t a, std::uint32_t b, int product) {
     Place one = find(a), other = find(b);
     if (one.group == other.group) {
@@ -136,13 +136,13 @@ class Groups {
     ++links_[one.group];
   }
 
-  /// No choice suits all of its links, as on a Moebius strip.
+  /// Whether no choice satisfies all links of the group, as on a Moebius strip.
   bool is_torn(std::uint32_t group) const { return torn_[group]; }
   std::size_t links(std::uint32_t group) const { return links_[group]; }
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<int> sign_;  // against the parent's
+  std::vector<int> sign_;  // relative to the parent's
   std::vector<bool> torn_;
   std::vector<std::size_t> links_;
 };
@@ -156,7 +156,7 @@ class Choice {
       chosen_.push_back(face.has_both() ? 0 : face.side[0] != kNone ? 1 : -1);
   }
 
-  /// A decision may decide others that it meets at an edge of many faces, so there are rounds.
+  /// Works in rounds: a decision may decide further faces at an edge of many faces.
   void ask_neighbours() {
     constexpr int kMostRounds = 16;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -175,7 +175,7 @@ class Choice {
     }
   }
 
-  /// The closed shells that are left: their outside is where the volume is above zero.
+  /// Decides the closed shells that are left: their outside is where the volume is above zero.
   void turn_shells_outwards() {
     Groups groups(faces_.size());
     count_votes(groups);
@@ -202,12 +202,12 @@ class Choice {
   int of(std::size_t face) const { return chosen_[face]; }
 
  private:
-  /// Links the faces that are undecided, and counts the neighbours for the choice of each group.
+  /// Links the undecided faces, and counts the neighbours' votes for the choice of each group.
   std::vector<long> count_votes(Groups& groups) const {
     std::vector<std::pair<std::uint32_t, long>> own;  // face, vote
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // faces that are undecided; others that go up the edge, less those down
+          up = 0;  // undecided faces; decided faces that go up the edge, less those down
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {
@@ -215,7 +215,7 @@ class Choice {
         open += chosen == 0 ? 1 : 0;
         up += chosen * edges_[end].way;
       }
-      // A face agrees with its neighbour if the two go opposite ways along their edge.
+      // A face agrees with its neighbour if the two go opposite ways along their common edge.
       const EdgeOfFace &one = edges_[begin], &last = edges_[end - 1];
       if (open == 2 && end - begin == 2) groups.link(one.face, last.face, -one.way * last.way);
       if (open != 1 || up == 0) continue;
@@ -245,7 +245,7 @@ Kept keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> 
   std::vector<Corners> all = sorted_corners(triangles, vertices.size());
   if (std::ranges::adjacent_find(all) == all.end()) return kept;
   const std::vector<Face> faces = faces_of(triangles, all);
-  std::vector<Corners>().swap(all);  // a large surface needs the memory
+  std::vector<Corners>().swap(all);  // frees memory that a large surface needs
   Choice choice(vertices, faces);
   choice.ask_neighbours();
   if (solid) choice.turn_shells_outwards();

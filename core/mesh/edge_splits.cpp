@@ -14,17 +14,17 @@ namespace feltwire::edge_splits {
 namespace {
 
 constexpr std::uint32_t kSides = 3;
-constexpr double kPart = 0.25;  // of the height and of the parts: how far an edge may move
-/// A part keeps so much of the relative height of its triangle: well above rounding.
+constexpr double kPart = 0.25;  // largest movement, as a share of height and parts
+/// Least relative height of a part of a triangle: well above rounding.
 constexpr double kLeastHeight = 1e-12;
-constexpr std::size_t kMostLooked = std::size_t{1} << 27;  // some seconds
+constexpr std::size_t kMostLooked = std::size_t{1} << 27;  // takes some seconds
 
 /// A corner on an open edge.
 struct OnEdge {
-  std::uint32_t place;  // of the edge, in the list of open ones
+  std::uint32_t place;  // index of the edge in the list of open edges
   double along;         // 0 to 1
   std::uint32_t vertex;
-  double off;  // [m] from the edge
+  double off;  // [m] distance from the edge
 };
 
 class Search {
@@ -33,7 +33,7 @@ class Search {
          std::span<const std::uint32_t> open, double weld)
       : vertices_(vertices), triangles_(triangles), open_(open), weld_(weld) {}
 
-  /// Edge by edge, and along it. `all`: whether every candidate was looked at.
+  /// Sorted by edge, and along each edge. `all`: whether every candidate was looked at.
   std::vector<OnEdge> run(bool& all) {
     const BoxTree tree(boxes());
     std::vector<std::uint32_t> ends;
@@ -73,8 +73,8 @@ class Search {
   }
 
  private:
-  /// About pieces of the edges, so that a long edge across does not meet everything. At most twice
-  /// as many as edges.
+  /// Boxes about pieces of the edges, so that a long diagonal edge does not meet everything. There
+  /// are at most twice as many boxes as edges.
   std::vector<Bounds> boxes() {
     double whole = 0.0;
     for (const std::uint32_t side : open_) whole += length_of(side);
@@ -82,7 +82,7 @@ class Search {
     for (std::uint32_t place = 0; place < open_.size(); ++place) {
       const auto [a, b] = ends_of(open_[place]);
       const Vec3 &from = vertices_[a], &to = vertices_[b];
-      // Lengths below 1e-154 m have no square: such an edge is one piece.
+      // The square of a length below 1e-154 m is zero: such an edge stays one piece.
       const double share =
           whole > 0.0 ? (to - from).norm() / whole * static_cast<double>(open_.size()) : 1.0;
       const int pieces = static_cast<int>(std::clamp(std::ceil(share), 1.0, 1e6));
@@ -122,10 +122,10 @@ class Search {
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> open_;
   double weld_;
-  std::vector<std::uint32_t> pieces_;  // of each box the edge's place
+  std::vector<std::uint32_t> pieces_;  // the edge's place, for each box
 };
 
-/// The corners of one edge, without those that stand beside each other.
+/// The corners of one edge, without corners that are too close to the one before.
 std::vector<OnEdge> apart(std::span<const OnEdge> corners, double length) {
   std::vector<OnEdge> kept;
   for (const OnEdge& corner : corners) {
@@ -177,7 +177,7 @@ Split split(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
   };
 
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> split_at(triangles.size(), kNone);  // the place of the edge to split
+  std::vector<std::uint32_t> split_at(triangles.size(), kNone);  // place of the edge to split
   for (std::uint32_t place = 0; place < open.size(); ++place) {
     std::uint32_t& here = split_at[open[place] / kSides];
     if (corners[place].empty() || here != kNone) continue;

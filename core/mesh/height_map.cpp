@@ -23,7 +23,7 @@ class Pgm {
   GreyImage read() {
     if (const auto foreign = foreign_content(bytes_)) throw FileError(name_ + ": " + *foreign);
     bytes_ = without_byte_order_mark(bytes_);
-    // Blanks and comments before the first word.
+    // Skip blanks and comments before the first word.
     skip();
     const std::string_view kind = bytes_.substr(at_, 2);
     if (kind != "P5" && kind != "P2")
@@ -33,7 +33,7 @@ class Pgm {
     image.width = number("width", 1, kMostPixels);
     image.height = number("height", 1, kMostPixels);
     const int white = number("largest grey", 1, kMostGrey);
-    // Each pixel takes a byte at least: a header alone takes no memory.
+    // Each pixel takes at least a byte, so a header alone cannot reserve memory.
     image.values.reserve(std::min(bytes_.size() - at_, static_cast<std::size_t>(image.width) *
                                                            static_cast<std::size_t>(image.height)));
     for (int i = 0; i < image.width * image.height; ++i) {
@@ -70,7 +70,7 @@ class Pgm {
     return value;
   }
 
-  /// One blank stands between header and pixels; of two bytes the higher comes first.
+  /// A single blank stands between header and pixels. Two-byte values have the higher byte first.
   int binary(int white) {
     if (!begun_) ++at_;
     begun_ = true;
@@ -92,7 +92,7 @@ class Pgm {
   bool begun_ = false;
 };
 
-/// Weights of a pixel and its neighbours, t in [-1/2, 1/2] from its middle, and their slopes.
+/// Weights of a pixel and its neighbours, and their slopes, at t in [-1/2, 1/2] from its middle.
 struct Spline {
   explicit Spline(double t)
       : weights{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)},
@@ -102,11 +102,11 @@ struct Spline {
 
 struct Pixel {
   int index;    // 0 to count - 1
-  double from;  // of its middle, in pixels
+  double from;  // distance from its middle, in pixels
 };
 Pixel pixel_at(double x, int count) {
   double within = x - count * std::floor(x / count);
-  if (!(within >= 0.0 && within <= count)) within = 0.0;  // so far away that it has no pixel
+  if (!(within >= 0.0 && within <= count)) within = 0.0;  // too far away to have a pixel
   const double nearest = std::floor(within + 0.5);
   return {static_cast<int>(nearest) % count, within - nearest};
 }

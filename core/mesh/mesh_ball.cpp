@@ -1,7 +1,7 @@
-// A ball's proxy: its middle goes down the distance to the goal and stays a radius away from all
-// triangles. Every step is shorter than half a radius and ends where nothing is nearer than the
-// radius, so the middle never comes to the other side of anything. Within a step: sequential
-// quadratic programming, the distances to the triangles that hold the ball linearised where it is.
+// A ball's proxy. The middle of the ball goes down the distance to the goal and stays a radius away
+// from all triangles. Every step is shorter than half a radius and ends where no triangle is nearer
+// than the radius. So the middle never passes through a surface. Within a step it uses sequential
+// quadratic programming, with the distances to the triangles that hold the ball linearised.
 
 #include <algorithm>
 #include <array>
@@ -14,16 +14,16 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostSteps = 256;         // a sample; then the next goes on
+constexpr int kMostSteps = 256;         // per sample; the next sample continues
 constexpr int kMostCorrections = 16;    // within a step
-constexpr std::size_t kMostNear = 512;  // triangles within a step; more make it shorter
+constexpr std::size_t kMostNear = 512;  // triangles near a step; more make it shorter
 constexpr std::size_t kMostHeld = 16;
-constexpr double kExact = 1e-7;                          // of the radius
-constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // of the radius
+constexpr double kExact = 1e-7;                          // share of the radius
+constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // shares of the radius
 constexpr double kLeastReach = 0x1p-16;
-constexpr double kFarther = 1.25;           // than the reach
-constexpr double kTolerance = 0.1;          // of planes, of what is exact
-constexpr std::size_t kTangentsInUnit = 8;  // of work
+constexpr double kFarther = 1.25;           // times the reach
+constexpr double kTolerance = 0.1;          // for planes, as a share of exact_
+constexpr std::size_t kTangentsInUnit = 8;  // tangents per unit of work
 
 class Ball {
  public:
@@ -46,7 +46,7 @@ class Ball {
       reach = std::min(reach, kMostReach * radius_);
       while (!gather(reach))
         if (is_cut(work_) || (reach *= 0.5) < kLeastReach * radius_)
-          return;  // too crowded to move on
+          return;  // too many triangles to move on
       const Vec3 before = stand_.point;
       const bool whole = move(std::min(reach, left));
       const double moved = length(Vec3(stand_.point - before));
@@ -59,7 +59,7 @@ class Ball {
  private:
   void arrive() { stand_ = {.point = goal_, .triangle = 0, .side = 0, .on_face = false}; }
 
-  /// Nothing within a radius of the box round the way.
+  /// Whether no triangle is within a radius of the box round the way.
   bool is_open() const {
     Bounds way;
     way.add(stand_.point);
@@ -76,7 +76,7 @@ class Ball {
     return sides_ * (c[1] - c[0]).cross(c[2] - c[0]).dot(stand_.point - c[0]) > 0.0;
   }
 
-  /// All triangles that could be nearer than the radius anywhere within reach; false: too many.
+  /// Collects all triangles that could be nearer than the radius within reach. False: too many.
   bool gather(double reach) {
     near_count_ = 0;
     held_count_ = 0;
@@ -110,7 +110,7 @@ class Ball {
     if (held_count_ < kMostHeld) held_[held_count_++] = t;
   }
 
-  /// Keeps the distance to each held triangle a radius, as far as it is linear at x.
+  /// Planes that keep each held triangle a radius away, with the distance linearised at x.
   std::size_t linearise(const Vec3& x, std::array<HalfSpace, kMostHeld>& spaces) const {
     std::size_t count = 0;
     if (!may_go_on(work_, held_count_)) return count;
@@ -122,9 +122,9 @@ class Ball {
     return count;
   }
 
-  /// The nearest of all, and how near it is. The distance to a triangle is convex, so it is nowhere
-  /// below its tangent where the step begins: few of them have to be asked, that of the lowest
-  /// tangent first.
+  /// The nearest triangle and its distance. The distance to a triangle is convex, so it is never
+  /// below its tangent at the beginning of the step. So only few triangles need a query; the
+  /// triangle with the lowest tangent is first.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
     if (near_count_ == 0 || !may_go_on(work_, 1 + near_count_ / kTangentsInUnit)) return least;
@@ -150,7 +150,7 @@ class Ball {
     return least;
   }
 
-  /// One step; true when it ended only because it is as long as a step may be.
+  /// Makes a step. Returns true if only the largest length of a step ended it.
   bool move(double reach) {
     const Vec3 from = stand_.point;
     Vec3 x = from;
@@ -164,8 +164,8 @@ class Ball {
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
-      // A shortened step may have left the planes. Go back to them: that is less than the margin of
-      // gather().
+      // A shortened step may have left the planes. Go back to them: this way is shorter than the
+      // margin of gather().
       Vec3 next = aim.point;
       if (cut)
         next = nearest_in(planes, from + reach / far * way, kTolerance * exact_, work_).point;
@@ -186,7 +186,7 @@ class Ball {
     return cut && settled;
   }
 
-  /// The farthest part of the way, halved again and again, that nothing is too near to.
+  /// Halves the way until its end is far enough from everything.
   Vec3 last_clear(const Vec3& from, const Vec3& x, double most) const {
     constexpr int kMostHalvings = 12;
     std::uint32_t nearest = 0;
@@ -218,13 +218,13 @@ class Ball {
   WorkLimit* work_;
   struct Near {
     std::uint32_t triangle;
-    double distance;  // [m] from where the step begins
-    Vec3 away;        // unit, from the triangle's nearest point to there
+    double distance;  // [m] from the beginning of the step
+    Vec3 away;        // unit, from the triangle's nearest point to that place
   };
   std::array<Near, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
-  double least_ = 0.0;  // [m] the radius, or what is left of it where the ball starts
+  double least_ = 0.0;  // [m] clearance at the start, at most the radius
 };
 
 }  // namespace

@@ -33,7 +33,7 @@ struct ProxyState {
 void move_point(const MeshSurface& surface, std::int8_t sides, const Vec3& goal, ProxyState& proxy,
                 WorkLimit* work = nullptr) noexcept;
 
-/// The same for the middle of a ball of `radius` [m], > 0.
+/// As above, for the middle of a ball of `radius` [m], > 0.
 void move_ball(const MeshSurface& surface, double radius, std::int8_t sides, const Vec3& goal,
                ProxyState& proxy, WorkLimit* work = nullptr) noexcept;
 

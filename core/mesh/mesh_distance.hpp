@@ -14,7 +14,7 @@ namespace feltwire {
 /// itself. Where it does, the sign is that of the nearest sheet. Throws std::invalid_argument if
 /// the mesh is open, has edges of more than two triangles, is oriented both ways or inside out.
 Solid solid_of(std::shared_ptr<const MeshSurface> surface);
-/// The same with a tree of its own. Throws std::runtime_error too, if there is no memory for it.
+/// As above, with a tree of its own. Throws std::runtime_error too, if there is no memory for it.
 Solid solid_of(TriangleMesh mesh);
 
 /// [m] The resolution of the grid that a tool with a body touches in place of a mesh: so many steps

@@ -19,7 +19,7 @@ using mesh_text::TokenReader;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// TokenReader of an OBJ file that are no surface: appearance, grouping, names of free-form curves.
+/// Words of an OBJ file that describe no surface: appearance, grouping, names of free-form curves.
 bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
@@ -28,12 +28,13 @@ bool is_no_surface(std::string_view word) {
   return false;
 }
 
-/// The vertices that faces of an OBJ file name. A face may stand before its vertices.
+/// The vertex indices in the faces of an OBJ file. A face may stand before its vertices.
 class ObjIndices {
  public:
   explicit ObjIndices(const TokenReader& words) : words_(words) {}
 
-  /// "7", "7/1", "7//3", "-1": the vertex, counted from 1, or back from the last of `vertices`.
+  /// Reads "7", "7/1", "7//3" or "-1": the vertex, from 1 on, or backwards from the last of
+  /// `vertices`.
   std::uint32_t read(std::string_view word, std::size_t vertices) {
     const long long index = words_.whole(word.substr(0, word.find('/')), "face");
     const auto count = static_cast<long long>(vertices);
@@ -44,7 +45,7 @@ class ObjIndices {
     return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
   }
 
-  /// At the end of the file, which has so many vertices.
+  /// Checks the early indices at the end of the file, which has `vertices` vertices.
   void check(std::size_t vertices) const {
     for (const Early& early : early_)
       if (early.index > static_cast<long long>(vertices))
@@ -63,12 +64,12 @@ class ObjIndices {
   }
 
   const TokenReader& words_;
-  std::vector<Early> early_;  // beyond the vertices so far, each higher than those before
+  std::vector<Early> early_;  // beyond the vertices so far, in rising order
 };
 
 constexpr std::size_t kStlHeader = 84, kStlRecord = 50, kStlCountAt = 80;
 
-/// A comment, or a line of blanks: some programs write them before the first word.
+/// Skips comments and blank lines: some programs write them before the first word.
 std::string_view without_first_lines(std::string_view text) {
   for (text = without_byte_order_mark(text);;) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n\v\f"), text.size()));
@@ -82,8 +83,8 @@ std::string_view first_word(std::string_view text) {
 }
 
 bool is_text_stl(std::string_view bytes) {
-  // A binary file may begin with "solid" too. Its length says more than any word; if it was cut
-  // short, so do bytes that no text has.
+  // A binary file may begin with "solid" too. Its length is the best evidence. If the file was cut
+  // short, look for bytes that no text has.
   if (bytes.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kStlCountAt, sizeof count);
@@ -130,14 +131,14 @@ TriangleSoup parse_binary_stl(std::string_view bytes, const std::string& name, d
   return soup;
 }
 
-/// The next three words as a vertex.
+/// Reads the next three words as a vertex.
 void add_vertex(TokenReader& words, const char* what, double scale, TriangleSoup& soup) {
   soup.vertices.push_back(words.vector(what));
   if (const auto broken = broken_vertex(soup.vertices.size(), soup.vertices.back(), scale))
     words.fail(*broken);
 }
 
-/// The normal of a facet. It is not used: the order of the corners says the outside.
+/// Skips the normal of a facet: the order of the corners defines the outside.
 void skip_normal(TokenReader& words) {
   if (!is_word(words.word(), "normal")) return words.end_line();
   for (int i = 0; i < 3; ++i) words.word();
@@ -182,7 +183,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, dou
   return soup;
 }
 
-/// If a file's first word is that of another format.
+/// Refuses a file whose first word belongs to another format.
 void check_ending(std::string_view bytes, const std::string& name, std::string_view format) {
   const std::string_view text = without_first_lines(bytes);
   const auto refuse = [&](const char* what, const char* end) {
@@ -258,7 +259,7 @@ TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double 
 }
 
 TriangleSoup read_mesh(const std::filesystem::path& file, double scale) {
-  constexpr std::size_t kLargest = std::size_t{2} << 30;  // [bytes] some 40 million faces
+  constexpr std::size_t kLargest = std::size_t{2} << 30;  // [bytes] about 40 million faces
   const std::string bytes =
       read_regular_file(file, kLargest, "check the path, it is relative to the scene's file");
   return parse_mesh(bytes, file.string(), scale);

@@ -17,11 +17,11 @@ namespace feltwire {
 /// silently: a field that is not understood is an error.
 TriangleSoup read_mesh(const std::filesystem::path& file, double scale);
 
-/// The same from bytes. Errors call them `name`; its ending says the format.
+/// Like read_mesh(), from bytes. Errors call them `name`; its ending says the format.
 TriangleSoup parse_mesh(std::string_view bytes, const std::string& name, double scale);
 
-// One function a format. The result is in units of the file; `scale` [m per unit] only serves the
-// check of how far a vertex lies.
+// A function for each format. The result is in units of the file. `scale` [m per unit] only serves
+// to check how far a vertex lies.
 TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double scale = 1.0);
 TriangleSoup parse_stl(std::string_view bytes, const std::string& name, double scale = 1.0);
 TriangleSoup parse_ply(std::string_view bytes, const std::string& name, double scale = 1.0);

@@ -1,7 +1,7 @@
-// A point's proxy. Where the surface is a plain one (every edge has two triangles) it walks from
-// triangle to neighbour, down the distance to the goal: no search, whatever the size of the mesh.
-// Rays and up to three planes handle the rest: another part of the mesh that passes through, open
-// and crowded edges, and the way back into free space.
+// A point's proxy. On a plain surface (every edge has two triangles) it walks from triangle to
+// neighbour, down the distance to the goal: no search, whatever the size of the mesh. Rays and up
+// to three planes handle the rest: another part of the mesh that passes through, open and crowded
+// edges, and the way back into free space.
 
 #include <array>
 #include <cmath>
@@ -14,12 +14,12 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostPieces = 32;  // of a way over triangles, looked over together
-constexpr int kMostLegs = 64;    // so many pieces a sample at most; then the next sample goes on
-constexpr int kMostStill = 16;   // steps that led nowhere: only rounding is left to gain
+constexpr int kMostPieces = 32;  // pieces of a way that are checked together
+constexpr int kMostLegs = 64;    // groups of pieces per sample; the next sample goes on
+constexpr int kMostStill = 16;   // steps without progress: only rounding is left to gain
 constexpr int kMostRounds = 48;  // of rays
-// Units of work beside those of the tree.
-constexpr std::uint64_t kTriangleWork = 4;  // that the walk crosses, or looks at round a corner
+// Units of work, besides those of the tree.
+constexpr std::uint64_t kTriangleWork = 4;  // per triangle that is crossed or looked at
 constexpr std::uint64_t kRoundWork = 8;
 
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
@@ -33,19 +33,19 @@ struct Face {
         normal(side * triangle_normal(corners)) {}
 
   double height(const Vec3& p) const { return normal.dot(p - corners[0]); }
-  /// In the plane, square to edge k and out of the triangle; of any length.
+  /// A vector in the plane, at right angles to edge k, out of the triangle; not normalised.
   Vec3 out_of(std::size_t k) const { return (corners[next(k)] - corners[k]).cross(outward); }
 
   std::array<Vec3, 3> corners;
-  Vec3 outward;  // along the triangle's own normal; of any length
+  Vec3 outward;  // along the triangle's own normal; not normalised
   Vec3 normal;   // unit
 };
 
 enum class Outcome {
-  standing,  // nothing brings it nearer
+  standing,  // no step brings it nearer
   going,     // more pieces than fit
   leaving,   // the goal is in front
-  crowded,   // at an edge that needs more than a neighbour
+  crowded,   // at an edge that the walk cannot cross
 };
 
 /// A straight piece of the way, in one triangle.
@@ -79,7 +79,7 @@ class Walk {
     at_.point = p;
   }
 
-  /// Straight on in the plane, to below the goal or to an edge; nothing when the walk goes on.
+  /// Goes straight on in the plane, to below the goal or to an edge. Empty: the walk goes on.
   std::optional<Outcome> cross_triangle() {
     const Face face(surface_, at_.triangle, at_.side);
     const double height = face.height(goal_);
@@ -103,7 +103,7 @@ class Walk {
       at_.on_face = true;
       return Outcome::standing;
     }
-    // Onto the edge exactly: what rounding leaves beside it would add up.
+    // Go exactly onto the edge: rounding errors beside it would add up.
     go_to(on_edge(face, exit, at_.point + part * way));
     return cross_edge(face, exit);
   }
@@ -112,8 +112,8 @@ class Walk {
     return nearest_on_segment(face.corners[k], face.corners[next(k)], p).point;
   }
 
-  /// The goal is in front of this triangle; of a neighbour that the proxy touches too it may not
-  /// be.
+  /// The goal is in front of this triangle. It may still be behind a neighbour that the proxy also
+  /// touches.
   std::optional<Outcome> leave(const Face& face) {
     for (std::size_t k = 0; k < 3; ++k) {
       const double length = (face.corners[next(k)] - face.corners[k]).norm();
@@ -128,10 +128,10 @@ class Walk {
     return Outcome::leaving;
   }
 
-  /// Would a step into the triangle beyond edge k of `face` bring the proxy nearer?
+  /// Whether a step into the triangle beyond edge k of `face` would bring the proxy nearer.
   bool leads_into(const Face& face, std::size_t k, const Face& beyond) const {
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
-    // The neighbour has the edge the other way round, so this points into it.
+    // The neighbour has the edge in the other direction, so this points into the neighbour.
     return edge.cross(beyond.outward).dot(goal_ - at_.point) > 0.0;
   }
 
@@ -145,7 +145,7 @@ class Walk {
       at_.triangle = other;
       return std::nullopt;
     }
-    // HoldingPlane by both, it slides along the edge.
+    // Both triangles hold the proxy, so it slides along the edge.
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
     const double part = edge.dot(goal_ - face.corners[k]) / edge.squaredNorm();
     if (part > 0.0 && part < 1.0) {
@@ -166,7 +166,7 @@ class Walk {
     return mesh_.vertices()[mine[0]];
   }
 
-  /// Of all triangles round a corner that into which the distance falls fastest.
+  /// Goes into the triangle round a corner into which the distance falls fastest.
   std::optional<Outcome> cross_corner(std::uint32_t vertex) {
     const Vec3 d = goal_ - at_.point;
     double steepest = 0.0;
@@ -191,14 +191,14 @@ class Walk {
       steepest = fall;
       best = t;
     }
-    // A step below the rounding of the goal leads nowhere.
+    // Ignore a step below the rounding of the goal.
     if (!(steepest > kTouching * length(d)))
       return mean.dot(d) < 0.0 ? Outcome::standing : Outcome::leaving;
     at_.triangle = best;
     return std::nullopt;
   }
 
-  static constexpr double kTouching = 1e-12;  // of a length: as good as on the edge
+  static constexpr double kTouching = 1e-12;  // share of a length: as good as on the edge
 
   const MeshSurface& surface_;
   const TriangleMesh& mesh_;
@@ -216,7 +216,7 @@ bool have_common_corner(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-/// Does a way over triangles go through one that is no neighbour?
+/// Whether a way over triangles passes through a triangle that is no neighbour.
 bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces,
                WorkLimit* work) {
   Bounds box;
@@ -239,14 +239,15 @@ bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Pi
   return barred;
 }
 
-/// A plane that holds the proxy, a skin in front of its triangle.
+/// A plane that holds the proxy one skin in front of its triangle.
 struct HoldingPlane {
   Face face;
   std::uint32_t triangle;
   std::int8_t side;
 };
 
-/// Edges without a neighbour reach a skin farther, as they do for ways that cross.
+/// Whether p is over the triangle. Edges without a neighbour reach a skin farther, as for
+/// crossings.
 bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 out = held.face.out_of(k);
@@ -258,7 +259,8 @@ bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p
   return true;
 }
 
-/// In front of the triangle it stands on, and of the neighbours it touches.
+/// Lifts the proxy in front of the triangle that it stands on and of the neighbours that it
+/// touches.
 Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
   const Face face(surface, proxy.triangle, proxy.side);
   Vec3 up = face.normal;
@@ -273,7 +275,7 @@ Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
   return proxy.point + surface.skin() * direction(up);
 }
 
-/// By rays and planes (Zilles & Salisbury), from a point in the open.
+/// Moves by rays and planes (Zilles & Salisbury), from a point in free space.
 void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                   ProxyState& proxy, WorkLimit* work) {
   const double skin = surface.skin();

@@ -32,7 +32,7 @@ std::string open_text(const MeshReport& report) {
 }
 
 std::string mend_text(const MeshReport& report) {
-  constexpr double kNarrow = 1e-3;  // of the longest side
+  constexpr double kNarrow = 1e-3;  // share of the longest side
   if (report.holes == 0 || report.widest_hole > kNarrow * report.size) return "mend it";
   std::array<char, 32> weld{};
   std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.widest_hole);

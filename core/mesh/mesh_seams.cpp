@@ -13,16 +13,16 @@ namespace feltwire::mesh_seams {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Of a triangle's longest side: a shorter one is rounding, as at a pole whose radius is sin(pi).
+/// Share of a triangle's longest side. A shorter side is rounding, as at a pole of radius sin(pi).
 constexpr double kNoSide = 0x1p-40;
 constexpr double kPartOfSide = 0.25;
 
 struct End {
   std::uint32_t vertex;
-  double reach;  // [m] how far it may go
+  double reach;  // [m] largest way of the vertex
 };
 
-/// The ends of open edges, those that reach least first.
+/// The ends of open edges, in rising order of their reach.
 std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                          std::span<const Edge> open, double weld) {
   std::vector<double> reach(vertices.size(), -1.0);
@@ -48,19 +48,19 @@ std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangl
   return ends;
 }
 
-/// Vertices that stand, in cells as large as their reach rounded up to a power of two: those of a
-/// cell stand at least half a cell apart, so few share one.
+/// Vertices that stay. A cell is as large as their reach, rounded up to a power of two. The
+/// vertices in a cell are at least half a cell apart, so few share a cell.
 class Standing {
  public:
   explicit Standing(std::span<const Vec3> vertices) : vertices_(vertices) {}
 
   void add(const End& end) {
     const int level = std::ilogb(end.reach) + 1;
-    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);  // they only grow
+    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);  // levels only rise
     cells_[cell_hash(level, cell_of(level, vertices_[end.vertex]))].push_back(end);
   }
 
-  /// The nearest that both may reach; none: the vertex itself. [m] `distance`
+  /// The nearest vertex that both may reach, else the vertex itself. `distance` is in [m].
   std::uint32_t nearest(const End& end, double& distance) const {
     std::uint32_t best = end.vertex;
     distance = kInfinity;
@@ -100,7 +100,7 @@ class Standing {
   std::unordered_map<std::uint64_t, std::vector<End>> cells_;
 };
 
-/// A ring of open edges, or a piece of one: its places in their order, the first not repeated.
+/// A ring of open edges, or a piece of one: its vertices in order. The first is not repeated.
 struct Ring {
   std::vector<std::uint32_t> vertices;
   bool closed = false;
@@ -134,21 +134,21 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
         if (!ring.closed) ring.vertices.push_back(other);
       }
     }
-    ring.closed = ring.closed || ring.vertices.size() > 2;  // by a straight side
+    ring.closed = ring.closed || ring.vertices.size() > 2;  // a straight side closes it
     rings.push_back(std::move(ring));
   }
   return rings;
 }
 
-/// Places along a ring, and how far along it each is [m].
+/// Places along a ring, and the distance [m] along the ring to each.
 struct Rim {
   std::vector<Vec3> places;
-  std::vector<double> along;  // of places.size() + 1 where it is closed
+  std::vector<double> along;  // has places.size() + 1 numbers if closed
   double whole = 0.0;         // [m]
   bool closed = false;
 };
 
-/// With sides no longer than a part of the whole.
+/// Divides the ring into sides of at most 1 / `parts` of its length.
 Rim rim_of(std::span<const Vec3> vertices, const Ring& ring, double parts) {
   Rim rim{.places = {}, .along = {0.0}, .whole = 0.0, .closed = ring.closed};
   const std::size_t count = ring.vertices.size(), sides = ring.closed ? count : count - 1;
@@ -169,10 +169,10 @@ Rim rim_of(std::span<const Vec3> vertices, const Ring& ring, double parts) {
   return rim;
 }
 
-/// [m] from a place, `at` [m] along, to the nearest side across the rim.
+/// [m] Distance from a place, `at` [m] along the rim, to the nearest side across the rim.
 double across(const Rim& rim, const Vec3& p, double at) {
-  // Round a circle the way along is pi / 2 of the straight one to the other side, at a right corner
-  // the square root of 2.
+  // Round a circle, the way along is pi / 2 times the straight way to the other side. At a right
+  // corner, it is the square root of 2 times that way.
   constexpr double kAlong = 1.49;
   double least = kInfinity;
   for (std::size_t k = 0; k + 1 < rim.along.size(); ++k) {
@@ -186,7 +186,7 @@ double across(const Rim& rim, const Vec3& p, double at) {
   return least;
 }
 
-/// [m] what three of four places of the rim are at most apart from the other side.
+/// [m] Three of four places of the rim are at most this far from the other side.
 double width(std::span<const Vec3> vertices, const Ring& ring) {
   constexpr std::size_t kLeast = 16, kMost = 64, kOfSide = 4;
   const std::size_t samples = std::clamp(kOfSide * ring.vertices.size(), kLeast, kMost);
@@ -204,7 +204,7 @@ double width(std::span<const Vec3> vertices, const Ring& ring) {
     const double found = across(rim, a + part * (b - a), at);
     if (std::isfinite(found)) widths.push_back(found);
   }
-  if (widths.empty()) return 0.5 * rim.whole;  // it has no other side
+  if (widths.empty()) return 0.5 * rim.whole;  // the ring has no other side
   const auto most = widths.begin() + static_cast<std::ptrdiff_t>(3 * (widths.size() - 1) / 4);
   std::nth_element(widths.begin(), most, widths.end());
   return *most;

@@ -9,11 +9,11 @@
 namespace feltwire {
 namespace {
 
-/// Of the size of the surface: between the 24 bits of coordinates from a file in single precision
-/// and what a hand could feel.
+/// Share of the size of the surface. It lies between the 24 bits of single precision coordinates in
+/// a file and the least distance that a hand could feel.
 constexpr double kSkin = 0x1p-22;
 
-constexpr std::uint64_t kCornerWork = 4;  // units of a triangle round a corner: it has an angle
+constexpr std::uint64_t kCornerWork = 4;  // units for a triangle round a corner: it needs an angle
 
 /// Edges without a neighbour reach a skin farther.
 std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
@@ -27,9 +27,9 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   return boxes;
 }
 
-/// Of each triangle: the first of the flat face that it is part of.
+/// For each triangle: the first triangle of its flat face.
 std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-3;  // [rad] more than coordinates in single precision are off by
+  constexpr double kFlat = 1e-3;  // [rad] above the errors of coordinates in single precision
   constexpr std::uint32_t kNone = TriangleMesh::kNone;
   std::vector<std::uint32_t> faces(mesh.triangles().size(), kNone), open;
   for (std::uint32_t first = 0; first < faces.size(); ++first) {
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t next = mesh.neighbour(t, k);
         if (next == kNone || faces[next] != kNone) continue;
-        // By the first one's normal: small turns do not add up.
+        // Compare with the first triangle's normal, so that small turns do not add up.
         if ((triangle_normal(mesh.corners(next)) - normal).squaredNorm() > kFlat * kFlat) continue;
         faces[next] = first;
         open.push_back(next);
@@ -125,8 +125,8 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
   if (sides == 0 && a < 0.0 && b >= 0.0) side = -1;
   if (side == 0) return std::nullopt;
 
-  // On which side the line passes of each edge: the same expression for both triangles of an edge,
-  // so that no rounding leaves a gap between them.
+  // On which side of each edge does the line pass? Both triangles of an edge use the same
+  // expression, so that rounding leaves no gap between them.
   const Vec3 way = to - from;
   const Triangle& index = mesh_.triangles()[t];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -135,7 +135,7 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
     const Vec3 first = c[ascending ? k : l] - from, second = c[ascending ? l : k] - from;
     const double turn = way.dot(first.cross(second));
     if (!(side * (ascending ? turn : -turn) > 0.0)) continue;
-    // Two edges without a neighbour may leave a crack between them.
+    // Allow a skin here: two edges without a neighbour may leave a crack between them.
     if (mesh_.neighbour(t, static_cast<int>(k)) != TriangleMesh::kNone) return std::nullopt;
     const Vec3 out = (c[l] - c[k]).cross(normal);
     const Vec3 hit = from + a / (a - b) * way;

@@ -63,7 +63,7 @@ class MeshSurface {
 
   /// Unit normals at the vertices, weighted by the angles round them. Empty unless smooth.
   const std::vector<Vec3>& normals() const { return normals_; }
-  /// The same at one vertex of any surface.
+  /// The unit normal at a vertex of any surface.
   Vec3 normal_at(std::uint32_t vertex) const noexcept {
     return normals_.empty() ? corner_normal(vertex) : normals_[vertex];
   }

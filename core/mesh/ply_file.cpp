@@ -117,7 +117,7 @@ Header read_header(TokenReader& words) {
   words.fail("the file ends within its header; it was cut short, copy it anew");
 }
 
-/// Values of a text body: each element on its line.
+/// Values of a text body. Each element is on a line of its own.
 class TextValues {
  public:
   explicit TextValues(TokenReader& words) : words_(words) {}
@@ -127,7 +127,7 @@ class TextValues {
       fail(element.name + ": the file ends before all are given; copy it anew");
   }
   double next(Scalar) { return words_.number("value"); }
-  /// No list is longer than what is left of the file.
+  /// No list can be longer than the rest of the file.
   std::size_t bound() const { return words_.rest().size(); }
 
  private:
@@ -186,7 +186,7 @@ class BinaryValues {
 template <class Values>
 void read_body(Values& values, const Header& header, double scale, TriangleSoup& soup) {
   std::vector<double> row;   // the scalars of an element
-  std::vector<double> list;  // of the property that is wanted
+  std::vector<double> list;  // the values of the wanted list property
   std::vector<std::uint32_t> corners;
   std::size_t vertices = 0;  // faces may stand before them
   for (const Element& element : header.elements)

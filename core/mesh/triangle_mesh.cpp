@@ -21,11 +21,11 @@ namespace {
 constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // three sides of each fit 32 bits
 constexpr std::uint32_t kSides = 3;
 
-/// Relative height under which the direction of a triangle is only rounding. Its corners are exact,
-/// their differences have half a unit in the last place.
+/// Below this relative height, the direction of a triangle is only rounding. Its corners are exact;
+/// their differences have an error of half a unit in the last place.
 constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
 
-/// Its height [m] then goes to `height` where that is larger.
+/// If the triangle has no area, its height [m] replaces a smaller `height`.
 bool degenerate(const std::array<Vec3, 3>& c, double& height) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0], o = c[2] - c[1];
   const double longest =
@@ -43,12 +43,12 @@ std::uint64_t place_hash(const Vec3& v) {
   return h;
 }
 
-/// Open addressing over the vertices met so far.
+/// A hash table of the vertices so far, with open addressing.
 class Places {
  public:
   explicit Places(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), kEmpty) {}
 
-  /// The index of a vertex at exactly this place, `next` if there is none yet.
+  /// The index of the vertex at exactly this place. Adds it as `next` if there is none.
   std::uint32_t find_or_add(const Vec3& v, const std::vector<Vec3>& known, std::uint32_t next) {
     std::size_t slot = place_hash(v) & (slots_.size() - 1);
     for (; slots_[slot] != kEmpty; slot = (slot + 1) & (slots_.size() - 1))
@@ -81,8 +81,7 @@ void require_whole(const TriangleSoup& soup) {
 }  // namespace
 
 Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
-  // Across the two sides that meet at the widest angle, the ones opposite the longest: least
-  // cancels there.
+  // Use the two sides that meet at the widest angle, opposite the longest side: they cancel least.
   const std::array<Vec3, 3> side = {c[1] - c[0], c[2] - c[1], c[0] - c[2]};
   const std::array<double, 3> square = {side[0].squaredNorm(), side[1].squaredNorm(),
                                         side[2].squaredNorm()};
@@ -120,8 +119,8 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld,
   report_.volume = volume();
 }
 
-/// Returns the edges that are still open. A triangle that loses its area can open other edges,
-/// which are joined in turn.
+/// Returns the edges that are still open. A triangle that loses its area can open further edges.
+/// These are joined next.
 TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   constexpr int kMostJoinRounds = 8;
   for (int round = 0; round < kMostJoinRounds && !open.edges.empty(); ++round) {
@@ -131,7 +130,7 @@ TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
     const std::vector<Triangle> before = triangles_;
     for (Triangle& t : triangles_)
       for (std::uint32_t& i : t) i = joined.renamed[i];
-    if (!keep_areas()) {  // nothing would be left: it stays as it is
+    if (!keep_areas()) {  // nothing would be left: keep the mesh as it is
       triangles_ = before;
       break;
     }
@@ -144,7 +143,7 @@ TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   return open;
 }
 
-/// Returns the edges that are still open. Of a triangle one side is split at a time.
+/// Returns the edges that are still open. Splits one side of a triangle at a time.
 TriangleMesh::OpenEdges TriangleMesh::split_open_edges(OpenEdges open) {
   constexpr int kMostSplitRounds = 32;
   constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
@@ -177,7 +176,7 @@ std::uint32_t TriangleMesh::reverse_of(std::uint32_t t) const {
   return kNone;
 }
 
-/// Drops triangles without an area, and vertices without a triangle; false: none is left.
+/// Drops triangles without an area and vertices without a triangle. False if no triangle is left.
 bool TriangleMesh::keep_areas() {
   std::vector<Triangle> kept;
   double height = 0.0;
@@ -239,7 +238,7 @@ void TriangleMesh::weld(const TriangleSoup& soup) {
     triangles_.push_back(named);
   }
 
-  // Vertices of no triangle are no part of the surface, nor of its size.
+  // Vertices without a triangle belong neither to the surface nor to its size.
   Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
   std::vector<std::uint32_t> place(known.size(), kNone);
   for (std::size_t i = 0; i < known.size(); ++i) {

@@ -25,8 +25,8 @@ struct PointShell {
   std::vector<ShellNode> nodes;  // the first holds all
   double area = 0.0;             // [m^2] of the whole surface; each point stands for the same share
   double radius = 0.0;           // [m] of the farthest point from the tool's origin
-  /// The same points by the axis of the tool's frame that the surface's normal is nearest to: at
-  /// most six shells, without sides of their own.
+  /// These points, grouped by the axis of the tool's frame that the surface's normal is nearest to:
+  /// at most six shells, without sides of their own.
   std::vector<PointShell> sides;
 };
 

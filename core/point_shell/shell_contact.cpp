@@ -11,8 +11,8 @@
 namespace feltwire {
 namespace {
 
-/// A ball of points is left out where it is farther from the surface than this part of its radius:
-/// a smaller one would leave little that is sure of their distance, for the clearance.
+/// A ball of points is skipped if it is farther from the surface than this share of its radius.
+/// With a smaller share, little would be certain about the clearance.
 constexpr double kFarEnough = 0.5;
 
 constexpr std::uint64_t kGroupWork = 4;  // units of eight points or nodes against one solid
@@ -28,7 +28,7 @@ struct Sums {
   Vec6 wrench = Vec6::Zero();
   Mat6 stiffness = Mat6::Zero();  // the lower half
 
-  /// Of the places whose distance is below zero, the others' being zero with their gradient.
+  /// Adds the places with a distance below zero. All others have zero as distance and gradient.
   void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
     const std::array<Lanes, 6> way = {group.gradient_x,
                                       group.gradient_y,
@@ -46,7 +46,7 @@ struct Sums {
   }
 };
 
-/// The place of a patch: sums over its points, weighted by the load's d |grad d|.
+/// The place of a patch: sums over its points, weighted by the load d |grad d|.
 struct FrictionPatchSums : SlipSums {
   void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
            const std::array<Lanes, 3>& arm_of) {
@@ -62,7 +62,7 @@ struct FrictionPatchSums : SlipSums {
   }
 };
 
-/// By the axis of the object's frame that the normal is nearest to: within 55 degrees of it.
+/// The side is the axis of the object's frame nearest to the normal: within 55 degrees of it.
 constexpr std::size_t kPatchSides = 6;
 std::size_t side_of(const Vec3& way) {
   Eigen::Index axis;
@@ -70,19 +70,19 @@ std::size_t side_of(const Vec3& way) {
   return 2 * static_cast<std::size_t>(axis) + (way[axis] < 0.0 ? 1 : 0);
 }
 
-/// One shell against one object, in the object's frame.
+/// A query of a shell against an object, in the object's frame.
 struct ShellQuery {
   const PointShell& shell;
   const Object& object;
   Mat3 turned;  // the tool's frame into the object's
   Vec3 origin;  // [m] of the tool
   ShellContact& sum;
-  bool slides;  // what slips where is asked for
+  bool slides;  // the sums of slip are wanted
   WorkLimit* work;
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
 
-  /// Whether the ball may come near; notes how far away it is where it does not.
+  /// Whether the ball may be near. If it is not, the clearance takes its distance.
   bool near(const ShellNode& node, double distance) {
     if (!(distance > far_of(node))) return true;
     sum.clearance = std::min(sum.clearance, distance - node.radius);
@@ -155,7 +155,7 @@ struct ShellQuery {
       if (there[side]) patches[side].add(weights[side], normals, arm);
   }
 
-  /// `scale`: [N] of a load's unit.
+  /// `scale` [N]: the force of a unit of load.
   void patch(const Mat3& to_world, double scale, const ObjectInStep& in) {
     const Material& material = object.material;
     double whole = 0.0;
@@ -177,7 +177,7 @@ struct ShellQuery {
   }
 
   void all() {
-    // A node's children stand on the stack only while it is looked into.
+    // The stack holds a node's children only while the node is looked into.
     std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
     std::size_t count = 0;
     if (root_is_near()) waiting[count++] = 0;
@@ -197,7 +197,7 @@ struct ShellQuery {
       }
       distance_at_least(object.shape, object.felt_from, group, far);
       sum.looked_at += node.children;
-      for (std::size_t lane = node.children; lane-- > 0;) {  // the first will be on top
+      for (std::size_t lane = node.children; lane-- > 0;) {  // the first child will be on top
         const auto child = node.child + static_cast<std::uint32_t>(lane);
         if (near(shell.nodes[child], group.distance[static_cast<Eigen::Index>(lane)]))
           waiting[count++] = child;

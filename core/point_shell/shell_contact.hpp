@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// One object in one step.
+/// An object in a step.
 struct ObjectInStep {
   std::uint32_t index = 0;      // in the scene
   double share = 1.0;           // of its force that is felt

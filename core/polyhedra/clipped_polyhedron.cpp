@@ -5,7 +5,7 @@
 
 namespace feltwire {
 
-/// Of corners, a multiple of four, all arrays aligned to 32 bytes.
+/// Heights of corners above a plane: `count` is a multiple of four, all arrays are 32-byte aligned.
 FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3>& corners,
                                                std::size_t count, const LinearFunction& plane,
                                                double* height, ClippedPolyhedron::Extent& reach) {
@@ -41,7 +41,7 @@ void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
   count_ = 0;
   std::array<Vec3, kMostPolyhedronVertices> placed;
   if (solid.graph.size() > kCorners || solid.vertices.size() > placed.size()) [[unlikely]]
-    return;  // never: polyhedron() limits the vertices, and so the corners
+    return;  // cannot happen: polyhedron() limits the vertices, and so the corners
   for (std::size_t v = 0; v < solid.vertices.size(); ++v)
     placed[v] = rotation * solid.vertices[v] + position;
   for (const GraphCorner& corner : solid.graph) {
@@ -102,7 +102,7 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
     corners[i] = {x_[in] + part * (x_[v] - x_[in]), y_[in] + part * (y_[v] - y_[in]),
                   z_[in] + part * (z_[v] - z_[in]), end};
   }
-  // They take the places of those that are gone. A new face lies between their other two edges.
+  // The new corners replace removed ones. A new face lies between their other two edges.
   std::array<std::uint16_t, kCorners> made;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i < above.size() ? above[i] : count_++;

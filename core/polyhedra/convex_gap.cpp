@@ -23,10 +23,10 @@ const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
 /// Up to four points of the difference.
 struct Simplex {
   std::array<Vec3, 4> points;
-  std::array<Vec3, 4> on_b;  // of which each is the difference
+  std::array<Vec3, 4> on_b;  // the point of b for each difference
   std::size_t count = 0;
 
-  /// The point nearest to the origin among those of the faces' interiors. Keeps only the corners of
+  /// The point nearest to the origin over the interiors of all faces. Keeps only the corners of
   /// that face.
   Vec3 reduce() {
     double best = std::numeric_limits<double>::infinity();
@@ -51,7 +51,8 @@ struct Simplex {
     return nearest;
   }
 
-  /// The point of b at which the difference is zero. Precondition: four points hold the origin.
+  /// The point of b where the difference is zero. Precondition: the origin is within the four
+  /// points.
   Vec3 shared() const {
     Mat3 edges;
     edges << points[1] - points[0], points[2] - points[0], points[3] - points[0];
@@ -60,7 +61,7 @@ struct Simplex {
   }
 
  private:
-  /// The origin's projection on the flat through a set of corners, if it lies among them.
+  /// Projects the origin on the flat through a set of corners. False if it is not between them.
   bool project(unsigned set, Vec3& at) const {
     std::array<Vec3, 4> p;
     p.fill(points[0]);
@@ -111,7 +112,7 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
   Simplex simplex;
   for (int round = 0; round < kGapRounds; ++round) {
     const double length = towards.norm();
-    if (!(length > 0.0)) {  // the origin is in the difference
+    if (!(length > 0.0)) {  // the difference contains the origin
       if (simplex.count == simplex.points.size()) gap.shared = simplex.shared();
       break;
     }
@@ -123,7 +124,7 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
       gap.away = away;
       gap.distance = extent;
     }
-    // The least point is no nearer than the extent and no farther than the length.
+    // The distance lies between the extent and the length. Stop if these are close.
     if (round > 0 && length - gap.distance <= kClose * length) break;
     bool known = false;
     for (std::size_t i = 0; i < simplex.count; ++i) known |= simplex.points[i] == point;

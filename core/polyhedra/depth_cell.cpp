@@ -12,8 +12,8 @@ namespace {
 using Tag = NearestCells::Tag;
 using Corner = std::uint16_t;
 
-/// The rule of six points for polynomials of degree four on a triangle (Strang & Fix 1973): weights
-/// of its area, and places by their weights on the corners.
+/// The six-point rule for polynomials of degree four on a triangle (Strang & Fix 1973): weights as
+/// shares of the area, and places as weights of the corners.
 struct TrianglePoint {
   double weight;
   std::array<double, 3> at;
@@ -28,13 +28,13 @@ constexpr std::array<TrianglePoint, 6> kRule = {
      {kOuterWeight, {kOuter, 1.0 - 2.0 * kOuter, kOuter}},
      {kOuterWeight, {1.0 - 2.0 * kOuter, kOuter, kOuter}}}};
 
-/// A corner of a cell, and which of its four faces the cell is.
+/// A corner of a cell, and which of the corner's four faces the cell is.
 struct CellCorner {
   Corner corner;
   std::uint8_t slot;
 };
 
-/// The corners of each of the first cells.
+/// The corners of each of the first `count` cells.
 class CornersByCell {
  public:
   CornersByCell(const NearestCells& cells, std::size_t count) {
@@ -62,8 +62,8 @@ class CornersByCell {
   std::array<CellCorner, 4 * NearestCells::kCorners> all_;
 };
 
-/// The corners as a cell sees them: (u, v), two coordinates from the tool's origin along the face,
-/// and the depth d.
+/// The corners as a cell sees them: (u, v) are coordinates along the face from the tool's origin,
+/// and d is the depth.
 struct SeenCorners {
   static constexpr std::size_t kMost = NearestCells::kCorners;
   std::array<double, kMost> u, v, d;
@@ -81,8 +81,8 @@ struct SeenCorners {
 /// A triangle of the surface.
 using Facet = std::array<Corner, 3>;
 
-/// Integrals over what a cell and the tool's part have in common. By Gauss that of f(u, v) d^n is
-/// that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
+/// Integrals over the intersection of a cell and the tool's part. By Gauss, the integral of
+/// f(u, v) d^n equals that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
 struct Moments {
   double cubes = 0.0;               // of d^3
   std::array<double, 3> squares{};  // of d^2 (1, u, v)
@@ -91,16 +91,16 @@ struct Moments {
 
 }  // namespace
 
-/// The integrals of d^2 f g over the surface, for f and g of (1, u, v, d). For f and g linear on a
-/// triangle with corners i,
-///   integral of d^2 f g = area / 180 sum of f_i H_ij g_j,
-/// H the second derivatives of the complete homogeneous polynomial of degree 4 in the depths of
-/// the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j, with
-/// S and Q the sums of the depths and of their squares.
-/// The sums are of 1, u, v, u u, u v, v v, then d (1, u, v), then d d; each here times 360.
+/// The integrals of d^2 f g over the surface, for f and g of (1, u, v, d). If f and g are linear
+/// on a triangle with corners i,
+///   integral of d^2 f g = area / 180 sum of f_i H_ij g_j.
+/// H holds the second derivatives of the complete homogeneous polynomial of degree 4 in the depths
+/// of the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j.
+/// S and Q are the sums of the depths and of their squares.
+/// The order is 1, u, v, u u, u v, v v, then d (1, u, v), then d d; each is multiplied by 360 here.
 using SurfaceSums = std::array<double, 10>;
 
-/// Adds those of four facets, each apart. One whose corners are the same adds nothing.
+/// Adds the integrals of four facets, each in its own lane. Equal corners add nothing.
 __attribute__((always_inline)) static inline void add_four(const SeenCorners& seen,
                                                            const Facet* facets, Four* of) {
   const double *u = seen.u.data(), *v = seen.v.data(), *d = seen.d.data();
@@ -110,7 +110,7 @@ __attribute__((always_inline)) static inline void add_four(const SeenCorners& se
              bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]}, bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
              cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]}, cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
              cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
-  const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice
+  const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice the area
   const Four sum = ad + bd + cd;
   const Four aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
   const Four sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
@@ -140,7 +140,7 @@ __attribute__((always_inline)) static inline void add_four(const SeenCorners& se
            (h02 * ad + h12 * bd + h22 * cd) * cd;
 }
 
-/// Those of all facets, a multiple of four.
+/// The integrals of all facets; their number is a multiple of four.
 FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<const Facet> facets,
                                            SurfaceSums& sums) {
   Four of[10] = {};
@@ -149,8 +149,8 @@ FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<co
     sums[i] = (of[i][0] + of[i][1]) + (of[i][2] + of[i][3]);
 }
 
-/// Adds those of each facet of a ridge to those of the cell beyond it. `facets`: filled up to a
-/// multiple of four.
+/// Adds the integrals of each facet of a ridge to those of the cell beyond it. `facets` is filled
+/// up to a multiple of four.
 FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<const Facet> facets,
                                           std::span<const Corner> beyond, SurfaceSums* sums) {
   for (std::size_t t = 0; t < beyond.size(); t += 4) {
@@ -197,7 +197,7 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
   const double u = m.squares[1] / weight, v = m.squares[2] / weight;
   const double d = m.cubes / weight - cell.constant - cell.inwards.dot(cell.origin);
   const Vec3 centre = u * cell.across + v * cell.along + d * cell.inwards;
-  // The spread along the face, by the depth.
+  // The spread along the face, weighted by the depth.
   const double mean_u = m.depths[1] / m.depths[0], mean_v = m.depths[2] / m.depths[0];
   const double uu = m.depths[3] / m.depths[0] - mean_u * mean_u;
   const double uv = m.depths[4] / m.depths[0] - mean_u * mean_v;
@@ -210,7 +210,7 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
                 vv * cell.along * cell.along.transpose());
 }
 
-/// Adds what a triangle contributes of a face at which the part ends inside the solid.
+/// Adds the part of one triangle of a face at which the tool's part ends inside the solid.
 void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope) {
   const auto& [a, b, c] = corners;
   const Vec3 area = 0.5 * (b - a).cross(c - a);
@@ -226,7 +226,7 @@ void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope
   slope.tail<3>() -= arm.cross(area);
 }
 
-/// The surface of one cell after the other, in triangles.
+/// The surface of a cell, in triangles. It is used for one cell after the other.
 class CellSurface {
  public:
   CellSurface(const NearestCells& cells, const DepthPlanes& planes)
@@ -235,8 +235,8 @@ class CellSurface {
       for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
   }
 
-  /// Takes the surface of cell k with these corners, but for what lies on the plane to which depth
-  /// is measured. Adds to `ends` what the faces contribute at which the part ends inside the solid.
+  /// Takes the surface of cell k with these corners, without the plane from which the depth is
+  /// measured. Adds to `ends` the parts of faces at which the tool's part ends inside the solid.
   void take(std::size_t k, std::span<const CellCorner> corners, const Cell& cell, Vec6& ends) {
     const std::uint16_t turn = ++turn_;
     for (std::size_t c = 0; c < corners.size(); ++c)
@@ -249,7 +249,7 @@ class CellSurface {
       for (std::size_t i = 0; i < 3; ++i) {
         const Tag tag = cells_.faces(at)[way[i]];
         const Corner next = place_[cells_.beyond(at, way[(i + 2) % 3])];
-        // The triangles of a face have one of its corners in common: that which is seen first.
+        // All triangles of a face share the corner that is seen first.
         Seen& seen = seen_[tag];
         const Corner first = seen.turn == turn ? seen.corner : here;
         seen = {turn, first};
@@ -270,10 +270,10 @@ class CellSurface {
       spans_[ridge] = std::span(facets_[ridge]).first(count[ridge]);
     }
   }
-  /// The triangles but for those of ridges to later cells: a multiple of four. One whose corners
-  /// are the same has no area.
+  /// The triangles without those of ridges to later cells; their number is a multiple of four.
+  /// Equal corners have no area.
   std::span<const Facet> facets() const { return spans_[0]; }
-  /// Those of these ridges, as many, and the cells beyond, without those that fill up.
+  /// The triangles of these ridges, filled up too; and the cells beyond them, not filled up.
   std::span<const Facet> ridge_facets() const { return spans_[1]; }
   std::span<const Corner> beyond() const { return std::span(beyond_).first(ridge_count_); }
 
@@ -284,7 +284,7 @@ class CellSurface {
   };
   const NearestCells& cells_;
   const DepthPlanes& planes_;
-  std::uint16_t turn_ = 0;  // of the cell
+  std::uint16_t turn_ = 0;  // number of the present cell
   std::array<Seen, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
   std::array<Corner, NearestCells::kCorners> place_;
   // Three edges meet at each corner, so that there are fewer than two triangles for each.
@@ -295,8 +295,8 @@ class CellSurface {
   std::size_t ridge_count_ = 0;
 };
 
-/// Adds what a ridge takes off the curvature. With S the integrals of d^2 f g over it, f and g of
-/// (1, u, v, d), projected on the face of a cell beside.
+/// Adds the amount by which a ridge reduces the curvature. S: the integrals of d^2 f g over the
+/// ridge, with f and g of (1, u, v, d), projected on the face of a cell beside it.
 void add_ridge(const Cell& cell, const Cell& beyond, const SurfaceSums& s, Mat6& ridges) {
   constexpr double kPart = 6.0 / 360.0;  // of twice the area
   const Vec3 across = (cell.inwards - beyond.inwards).normalized();
@@ -306,7 +306,7 @@ void add_ridge(const Cell& cell, const Cell& beyond, const SurfaceSums& s, Mat6&
       s[1], s[3], s[4], s[7],      //
       s[2], s[4], s[5], s[8],      //
       s[6], s[7], s[8], s[9];
-  Eigen::Matrix<double, 3, 4> arms;  // of the place 1, u, v, d: arm x across
+  Eigen::Matrix<double, 3, 4> arms;  // arm x across for 1, u, v, d
   const Vec3 turned = cell.inwards.cross(across);
   arms << -depth * turned, cell.across.cross(across), cell.along.cross(across), turned;
   const Eigen::Matrix<double, 3, 4> weighted = kPart * arms * sums;

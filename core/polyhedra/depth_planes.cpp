@@ -3,7 +3,7 @@
 namespace feltwire {
 namespace {
 
-/// A face is a side of the thickened solid if its normal is this nearly at right angles to `away`.
+/// A face is a side of the thickened solid if its normal is at right angles to `away` within this.
 constexpr double kSide = 1e-6;
 
 bool is_left_out(const SolidPart& part, std::size_t face, const Vec3& away) {
@@ -16,7 +16,7 @@ DepthPlanes::DepthPlanes(const SolidPart& part, const Vec3* away) noexcept {
   add_all(part, away);
   bool measured = false;
   for (std::size_t i = 0; i < count_; ++i) measured |= !planes_[i].inner;
-  if (!measured) {  // only inner faces look to the tool
+  if (!measured) {  // only inner faces face the tool
     count_ = 0;
     away = nullptr;
     add_all(part, away);
@@ -45,7 +45,7 @@ void DepthPlanes::add_outline(const SolidPart& part, const Vec3& away) noexcept 
     const bool left = is_left_out(part, edge.left, away);
     if (left == is_left_out(part, edge.right, away)) continue;
     const std::size_t kept = left ? edge.right : edge.left;
-    // A side is the outline itself; an inner face bounds the part in any case.
+    // Skip a side, which is the outline itself, and an inner face, which bounds the part anyway.
     if (part.inner[kept] != 0 || shape.planes[kept].normal.dot(away) <= kSide) continue;
     const Vec3& on_edge = shape.vertices[edge.from];
     HalfSpaceBelow plane;

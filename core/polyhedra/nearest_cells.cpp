@@ -6,8 +6,8 @@
 
 namespace feltwire {
 
-/// How far the corners are above a function, and the largest of these. Of corners, a multiple of
-/// four, all arrays aligned to 32 bytes: x, y, z, t.
+/// Heights of corners above a function, and the largest height. `count` is a multiple of four, and
+/// all arrays are aligned to 32 bytes: x, y, z, t.
 FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4>& corners,
                                                std::size_t count, const LinearFunction& function,
                                                double* height) {
@@ -42,7 +42,7 @@ NearestCells::NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, d
     const auto& face = whole.tags(i);
     Links& links = links_[i];
     links.face = {face[0], face[1], face[2], tag};
-    // An edge lies on the face of its own number and on the one before, and leaves the third.
+    // An edge lies on the face of its own number and on the face before. It leaves the third face.
     for (std::size_t s = 0; s < 3; ++s) {
       const ClippedPolyhedron::Neighbour near = whole.neighbour(i, s);
       links.next[(s + 1) % 3] = end_of(near.corner, (near.slot + 1) % 3);
@@ -78,7 +78,7 @@ void NearestCells::insert(const Vec3& normal, double offset, std::size_t cell) n
   pad_corners();
 }
 
-/// Places a corner on the edge from one that goes to one that stays.
+/// Makes a corner on the edge from a removed corner to a kept one.
 void NearestCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
   const std::size_t v = corner_of(cut), at = count_++;
   const EdgeEnd kept = links_[v].next[slot_of(cut)];
@@ -106,17 +106,17 @@ void NearestCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
   links.face[slot] = tag;
   links.next = {kDown, kDown, kDown, kDown};
   links.next[slot] = kept;
-  links_[v].next[slot_of(cut)] = end_of(at, slot);  // for walks
+  links_[v].next[slot_of(cut)] = end_of(at, slot);  // for the walks of join()
 }
 
-/// Joins a new corner to other new ones, each by a walk along a face of two dimensions over corners
-/// that go. `from`: where it begins. `first`: the first of the new corners.
+/// Connects a new corner to other new corners. Each time it walks along a two-dimensional face over
+/// removed corners. `from`: start of the walk. `first`: the first of the new corners.
 void NearestCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
   Links& links = links_[made];
   const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);
   for (std::size_t r = 0; r < 4; ++r) {
     if (r == own || links.next[r] != kDown) continue;
-    // The new edge is in the new cell and in these two.
+    // The new edge lies in the new cell and in these two.
     const std::size_t s = own != 0 && r != 0 ? 0 : own != 1 && r != 1 ? 1 : 2;
     const Tag p = links.face[s], q = links.face[6 - own - r - s];
     EdgeEnd at = from;

@@ -27,8 +27,8 @@ class NearestCells {
   NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, double offset,
                std::size_t cell) noexcept;
 
-  /// One function more. Without room for more corners it is left out. Where it is nowhere the
-  /// least, all stays the same.
+  /// Adds a function. Leaves it out if there is no room for more corners. Changes nothing if it is
+  /// nowhere the least.
   void insert(const Vec3& normal, double offset, std::size_t cell) noexcept;
 
   std::size_t corner_count() const { return count_; }

@@ -25,7 +25,7 @@ Bound bound(const std::vector<Vec3>& points) {
   return b;
 }
 
-/// One of each plane.
+/// Keeps one of several equal planes.
 std::vector<HalfSpaceBelow> distinct(const std::vector<HalfSpaceBelow>& planes, double size) {
   constexpr double kSameNormal = 1e-7;
   std::vector<HalfSpaceBelow> kept;
@@ -73,8 +73,8 @@ struct Face {
   }
 };
 
-/// The faces on planes. Where a narrow face beside a wide one lies in its plane but for rounding,
-/// both planes have the same corners: one of them remains.
+/// The faces on the planes. A narrow face may lie in the plane of a wide one, except for rounding.
+/// Then both planes have the same corners, and only one of them remains.
 std::vector<Face> faces(const std::vector<Vec3>& vertices,
                         const std::vector<HalfSpaceBelow>& planes, double on) {
   std::vector<Face> found;
@@ -89,8 +89,8 @@ std::vector<Face> faces(const std::vector<Vec3>& vertices,
   return found;
 }
 
-/// The faces as Qhull joined them: triangles that have one plane and hang together. Empty: some of
-/// these are no rings.
+/// The faces as Qhull joined them: connected triangles with one plane. Empty if some of these are
+/// no rings.
 std::vector<Face> joined_faces(const HullTriangles& hull) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> triangle_of;
   for (std::size_t t = 0; t < hull.corners.size(); ++t)
@@ -137,7 +137,7 @@ std::vector<Face> joined_faces(const HullTriangles& hull) {
   return found;
 }
 
-/// False: some edge has not exactly two faces.
+/// Finds the two faces of each edge. False if an edge does not have exactly two.
 bool join_faces(Polyhedron& solid) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> face_of;
   for (std::size_t f = 0; f < solid.planes.size(); ++f) {
@@ -192,7 +192,7 @@ std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error) 
 
 namespace {
 
-/// False: the faces do not close.
+/// Takes these faces. False if they do not close.
 bool take_faces(const std::vector<Face>& faces, Polyhedron& solid) {
   solid.planes.clear();
   solid.first = {0};
@@ -228,7 +228,7 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
   solid.least = box.least;
   solid.most = box.most;
   const double size = (box.most - box.least).maxCoeff();
-  // Qhull joins what rounding bends, so a corner may be this far off its face.
+  // Qhull joins faces that rounding has bent, so a corner may be this far off its face.
   for (const double on : {kCoplanar * size, 1e2 * kCoplanar * size, 1e4 * kCoplanar * size})
     if (take_faces(faces(solid.vertices, distinct(hull->planes, size), on), solid)) return solid;
   if (take_faces(joined_faces(hull_triangles(points)), solid)) return solid;

@@ -28,8 +28,8 @@ bool holds(const Polyhedron& solid, const Vec3& p) {
   });
 }
 
-/// Whether a face lies within the other parts: its middle and places halfway to its corners, a
-/// little outwards.
+/// Whether a face lies within the other parts. Checks its middle and the places halfway to its
+/// corners, moved a little outwards.
 bool is_inner(const std::vector<SolidPart>& parts, std::size_t own, std::size_t face, double out) {
   const Polyhedron& shape = parts[own].shape;
   const auto loop = shape.face(face);
@@ -50,7 +50,7 @@ bool is_inner(const std::vector<SolidPart>& parts, std::size_t own, std::size_t 
   });
 }
 
-/// Leaves out what is nowhere in the part the nearest surface.
+/// Removes planes that are nowhere in the part the nearest surface.
 void keep_nearest(SolidPart& part) {
   const auto depth = [&](const HalfSpaceBelow& plane) {
     return plane.offset - plane.normal.dot(part.shape.centre);
@@ -72,7 +72,7 @@ void keep_nearest(SolidPart& part) {
   });
 }
 
-/// The neighbours' surface behind which a part lies.
+/// Adds the neighbours' surfaces behind which a part lies.
 void look_beyond(std::vector<SolidPart>& parts, std::size_t own, double slack) {
   SolidPart& part = parts[own];
   if (std::ranges::count(part.inner, 1) == 0) return;
@@ -148,14 +148,14 @@ SolidParts solid_parts(const std::vector<std::vector<Vec3>>& corners) {
   for (const SolidPart& part : solid.parts)
     for (const Vec3& v : part.shape.vertices)
       solid.radius = std::max(solid.radius, (v - solid.centre).norm());
-  constexpr double kOut = 1e-7, kSlack = 1e-6;  // of the size
+  constexpr double kOut = 1e-7, kSlack = 1e-6;  // shares of the size
   const double size = (most - least).maxCoeff();
   for (std::size_t i = 0; i < solid.parts.size(); ++i) {
     SolidPart& part = solid.parts[i];
     part.inner.assign(part.shape.planes.size(), 0);
     for (std::size_t f = 0; f < part.inner.size(); ++f)
       part.inner[f] = is_inner(solid.parts, i, f, kOut * size) ? 1 : 0;
-    // Wholly within the others: the depth in it is that below its own faces.
+    // The part is wholly within the others: measure the depth below its own faces.
     if (std::ranges::count(part.inner, 0) == 0) std::ranges::fill(part.inner, 0);
   }
   for (std::size_t i = 0; i < solid.parts.size(); ++i) look_beyond(solid.parts, i, kSlack * size);

@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// One convex part of a solid, in the object's frame.
+/// A convex part of a solid, in the object's frame.
 struct SolidPart {
   Polyhedron shape;                 // of a plane only the one face, without vertices
   std::vector<std::uint8_t> inner;  // for each face: it lies within the solid, on another part

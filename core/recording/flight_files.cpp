@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMillisecond = 1'000'000;  // [ns]
 constexpr std::string_view kBegin = "flight-", kStampLike = "20261123T070259.123Z";
 
-/// Names sort by time.
+/// A time as text, so that file names sort by time.
 std::string stamp(std::uint64_t time) {
   constexpr std::uint64_t kInSecond = 1000;
   const std::uint64_t milliseconds = time / kMillisecond;
@@ -54,7 +54,7 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
   const std::string end = '-' + name + ".mcap";
   std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with their sizes
   std::uintmax_t bytes = 0;
-  std::error_code gone;  // another program removes old files of this folder, too
+  std::error_code gone;  // another program may remove old files here too
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string other = entry.path().filename().string();
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
@@ -73,7 +73,7 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
     fs::remove(files[i].first, gone);
   }
   const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
-  while (fs::exists(named())) time += kMillisecond;  // an earlier one stays
+  while (fs::exists(named())) time += kMillisecond;  // keeps an earlier file
   return named();
 }
 

@@ -9,7 +9,7 @@
 namespace feltwire {
 
 inline constexpr const char* kFlightOption = "--flight-recorder";
-// Of one name; the oldest files are removed.
+// Largest number of files of a name. The oldest files are removed.
 inline constexpr std::size_t kMostFlightFiles = 20;
 inline constexpr std::uintmax_t kMostFlightBytes = std::uintmax_t{256} << 20;  // before a new one
 

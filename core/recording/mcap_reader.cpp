@@ -35,7 +35,7 @@ void Reader::damaged(const std::string& what) const {
       "it with feltwire-lab export --skip-damaged");
 }
 
-/// Reads as much as there is, and takes memory only for that. False where there is less.
+/// Reads up to `size` bytes, and takes memory only for what exists. False if there is less.
 bool Reader::fill(std::string& to, std::uint64_t size) {
   constexpr std::uint64_t kStep = 1 << 20;
   to.clear();
@@ -52,7 +52,7 @@ bool Reader::fill(std::string& to, std::uint64_t size) {
   return to.size() == size;
 }
 
-/// The next record of the file; empty where there is no whole one.
+/// The next record of the file; empty if no whole record is left.
 std::optional<Reader::Record> Reader::read_record() {
   record_at_ = at_;
   crc_before_ = crc_;
@@ -128,7 +128,7 @@ std::optional<Message> Reader::take(const Record& record) {
     case Opcode::footer:
       take_footer(record.content);
       break;
-    default:  // an index, which is not needed here, or newer than this reader
+    default:  // an index, which is not needed here, or a newer record
       break;
   }
   return std::nullopt;
@@ -139,7 +139,7 @@ void Reader::take_schema(Cursor content) {
   Schema schema{std::string(content.text()), std::string(content.text()),
                 std::string(content.text())};
   require(content.ok(), "a schema ends within a field");
-  if (id == 0) return;  // as the specification has it
+  if (id == 0) return;  // the specification says: ignore it
   const auto known = schemas_.try_emplace(id, std::move(schema));
   require(known.second || known.first->second == schema, "two schemas have the same number");
 }
@@ -252,7 +252,7 @@ void Reader::take_data_end(Cursor content) {
 
 void Reader::take_footer(std::string_view bytes) {
   Cursor content(bytes);
-  constexpr std::size_t kStarts = 16;  // [bytes] of it that are in its CRC
+  constexpr std::size_t kStarts = 16;  // [bytes] of the footer that its CRC covers
   content.bytes(kStarts);
   const auto crc = content.number<std::uint32_t>();
   require(content.ok() && content.empty(), "the footer has a wrong length");

@@ -29,10 +29,10 @@ struct Head {
 bool is_known(std::uint8_t opcode) {
   return (opcode >= static_cast<std::uint8_t>(Opcode::header) &&
           opcode <= static_cast<std::uint8_t>(Opcode::data_end)) ||
-         opcode >= 0x80;  // those of other programs
+         opcode >= 0x80;  // opcodes of other programs
 }
 
-/// The records that a chunk may not have, so that none of them is taken out of a damaged chunk.
+/// Records that a chunk may not contain. So none of them is taken out of a damaged chunk.
 bool is_outside_of_chunks(Opcode opcode) {
   return opcode == Opcode::chunk || opcode == Opcode::message_index ||
          opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;
@@ -44,7 +44,7 @@ bool has_known_fields(Opcode opcode) {
          opcode == Opcode::attachment || opcode == Opcode::chunk;
 }
 
-/// Whether the fields of a record fill it: a longer one would hide what stands behind it.
+/// Whether the fields fill the record. A record that is too long would hide what follows it.
 bool is_filled(Opcode opcode, Cursor content) {
   constexpr std::size_t kNumber = sizeof(std::uint64_t), kId = sizeof(std::uint16_t);
   constexpr std::size_t kCrc = sizeof(std::uint32_t);
@@ -93,7 +93,7 @@ std::string record_of(Opcode opcode, std::string_view content) {
   return out;
 }
 
-/// The error of a Reader, without its place and its remedy.
+/// The error of a Reader, without the place and the remedy.
 std::string reason_of(const FileError& error) {
   std::string_view words = error.what();
   constexpr std::string_view kByte = ": byte ";
@@ -105,7 +105,7 @@ std::string reason_of(const FileError& error) {
 
 }  // namespace
 
-/// The head and ranges of the file, one after the other.
+/// The head and some ranges of the file, read as one stream.
 class SalvagedFile::Parts final : public std::streambuf {
  public:
   explicit Parts(std::istream& file) : file_(file) {}
@@ -171,7 +171,7 @@ struct SalvagedFile::Scan {
     return out;
   }
 
-  /// A record's head, if its length can be right.
+  /// A record's head; empty if its length is impossible.
   std::optional<Head> head_at(std::uint64_t at) {
     if (at > size || size - at < kRecordHead) return std::nullopt;
     const std::string raw = bytes(at, at + kRecordHead);
@@ -184,7 +184,7 @@ struct SalvagedFile::Scan {
     return Head{static_cast<Opcode>(opcode), at + kRecordHead + length};
   }
 
-  /// Whether a record stands here: its fields fill it, or another one, which may be cut, follows.
+  /// Whether a record stands here. Its fields fill it, or another record follows, which may be cut.
   bool is_record_at(std::uint64_t at) {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (at == size) return true;
@@ -201,7 +201,7 @@ struct SalvagedFile::Scan {
     return is_known(next.number<std::uint8_t>()) && next.number<std::uint64_t>() <= limits.record;
   }
 
-  /// The next record, from `at` on, that is none of a chunk's.
+  /// The next record from `at` on that does not belong in a chunk.
   std::uint64_t next_after(std::uint64_t at) {
     constexpr std::uint64_t kBlock = 1 << 20;
     for (std::uint64_t block = at; block < size; block += kBlock) {
@@ -209,7 +209,7 @@ struct SalvagedFile::Scan {
       for (std::size_t i = 0; i < here.size(); ++i) {
         const auto opcode = static_cast<Opcode>(static_cast<std::uint8_t>(here[i]));
         if (!is_outside_of_chunks(opcode)) continue;
-        // The upper bytes of a possible length are zero.
+        // The upper bytes of every possible length are zero.
         constexpr std::size_t kUpper = 8;
         if (i + kUpper < here.size() && here[i + kUpper] != '\0') continue;
         if (is_record_at(block + i)) return block + i;
@@ -218,7 +218,7 @@ struct SalvagedFile::Scan {
     return size;
   }
 
-  /// The summary, if it is whole: definitions, the chunks' times, statistics.
+  /// Reads the summary if it is whole: definitions, the chunks' times, statistics.
   void read_summary() {
     constexpr std::uint64_t kFooter = kRecordHead + 20;
     if (size < kFooter + kMagic.size()) return;
@@ -254,7 +254,7 @@ struct SalvagedFile::Scan {
     summary_at = start;
   }
 
-  /// Empty: a Reader accepts the record; else what is wrong.
+  /// Says what is wrong with the record. Empty: a Reader accepts it.
   std::optional<std::string> wrong_with(const std::string& record) {
     std::istringstream alone(definitions + record);
     try {
@@ -277,7 +277,7 @@ struct SalvagedFile::Scan {
       const auto first = content.number<std::uint64_t>(), last = content.number<std::uint64_t>();
       if (content.ok() && first <= last) part.times = {first, last};
     }
-    // A chunk whose own head is damaged: the summary may know it by its place.
+    // If the chunk's own head is damaged, the summary may know its times by its place.
     for (auto it = times.lower_bound(begin); it != times.end() && it->first < end; ++it) {
       const auto& [first, last] = it->second;
       part.times = part.times ? std::pair(std::min(part.times->first, first),
@@ -327,8 +327,8 @@ struct SalvagedFile::Scan {
     parts.head = definitions;
   }
 
-  /// Whether a head is that of a record in the data section. An index of the summary is none: it
-  /// may be a chunk whose opcode is damaged.
+  /// Whether a head can be that of a record in the data section. An index of the summary is
+  /// refused: it may be a chunk with a damaged opcode.
   bool is_possible(std::uint64_t at, const Head& head) const {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (head.end > summary_at.value_or(size)) return false;
@@ -350,7 +350,7 @@ struct SalvagedFile::Scan {
     }
   }
 
-  /// Bytes that no chunk has may be damaged too.
+  /// Checks the CRC of the data: bytes outside of all chunks may be damaged too.
   void check_crc(std::uint64_t data_end) {
     constexpr std::uint64_t kBlock = 1 << 20;
     const std::string record = bytes(data_end, data_end + kRecordHead + sizeof(std::uint32_t));
@@ -364,7 +364,7 @@ struct SalvagedFile::Scan {
            "the CRC of the data is wrong, but every chunk is whole", {});
   }
 
-  /// Returns where to go on.
+  /// Takes a record. Returns the place to go on at.
   std::uint64_t take(Parts& parts, std::uint64_t at, const Head& head) {
     const std::string record = bytes(at, head.end);
     if (!is_filled(head.opcode, Cursor(std::string_view(record).substr(kRecordHead))))
@@ -382,7 +382,7 @@ struct SalvagedFile::Scan {
       case Opcode::header:
       case Opcode::message_index:
         return head.end;
-      default:  // newer than this
+      default:  // a newer record
         return is_record_at(at) ? head.end : lost(at, {}, "the length of a record is damaged");
     }
     const auto wrong = wrong_with(record);
@@ -397,7 +397,7 @@ struct SalvagedFile::Scan {
     return head.end;
   }
 
-  /// A damaged record: behind it, if its length is right.
+  /// Notes a damaged record. Goes on behind it if its length is right, else at the next record.
   std::uint64_t lost(std::uint64_t at, const std::string& record, const std::string& what) {
     const std::uint64_t behind = at + record.size();
     const std::uint64_t end = summary_at.value_or(size);
@@ -426,7 +426,7 @@ SalvagedFile::SalvagedFile(std::istream& in, const std::string& name, ReaderLimi
   if (scan.found == 0 && !scan.missing.empty()) {
     in.clear();
     in.seekg(0);
-    Reader reader(in, name, limits);  // says what is wrong
+    Reader reader(in, name, limits);  // throws the reason
     while (reader.next()) continue;
   }
   missing_ = std::move(scan.missing);

@@ -84,7 +84,7 @@ std::uint64_t Writer::put_record(Opcode opcode, std::string_view content) {
 
 std::uint16_t Writer::add(const Schema& schema) {
   schemas_.push_back(schema);
-  const auto id = static_cast<std::uint16_t>(schemas_.size());  // 0 would be: no schema
+  const auto id = static_cast<std::uint16_t>(schemas_.size());  // 0 would mean: no schema
   put_record(Opcode::schema, content_of(id, schema));
   return id;
 }
@@ -223,7 +223,7 @@ void Writer::finish() {
   crc_ = 0;
   const std::uint64_t summary_start = size_;
   put_summary();
-  // The footer is in its own CRC, up to it.
+  // The CRC of the footer covers the footer up to the CRC.
   constexpr std::uint64_t kFooter = 20;
   const std::size_t before = out_.size();
   put_head(out_, Opcode::footer, kFooter);

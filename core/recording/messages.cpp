@@ -72,7 +72,7 @@ std::optional<RecordedSample> read_sample(std::string_view bytes) {
       case 8:
         sample.age = field->real();
         break;
-      default:  // of a newer version
+      default:  // from a newer version
         break;
     }
   }

@@ -21,7 +21,7 @@ void put_varint(std::string& out, std::uint64_t value) {
 }
 
 void put(std::string& out, std::uint32_t field, double value) {
-  // Only +0 has no bits; -0 is another number.
+  // Leave out only +0, which has no bits set. -0 is a different number.
   if (std::bit_cast<std::uint64_t>(value) != 0) put_optional(out, field, value);
 }
 

@@ -11,9 +11,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestRamp = 10.0;  // [s] beyond it a unit has been mistaken
-// [Hz] of the speed. At 1 kHz a quantum of 55 um then counts as 15 mm/s for a moment, not 55; a
-// device thrown by 10 m/s^2 is seen 3 ms late, at 30 mm/s more than it was.
+constexpr double kLongestRamp = 10.0;  // [s] a longer ramp means a wrong unit
+// [Hz] Cutoff for the speed. At 1 kHz, a quantum of 55 um then counts as 15 mm/s for a moment, not
+// as 55 mm/s. A device that is thrown by 10 m/s^2 is noticed 3 ms late, when it is 30 mm/s faster.
 constexpr double kSpeedCutoff = 50.0;
 
 void require(bool good, const char* channel, const char* name, double value, const char* must) {
@@ -31,10 +31,10 @@ void check(const ChannelLimits& c, const char* channel) {
   require(c.small >= 0.0, channel, "small", c.small, "zero or more; infinity switches it off");
 }
 
-/// Also where its two forces together overflow.
+/// Also checks that the sum of its two forces does not overflow.
 bool usable(const Command& c) { return c.finite() && c.force().allFinite(); }
 
-/// Finite, and as a velocity too.
+/// Whether a movement is finite, and its velocity too.
 bool usable(const Vec3& movement, double time) {
   return movement.allFinite() && (!(time > 0.0) || (movement / time).allFinite());
 }
@@ -44,12 +44,13 @@ double share_at(double speed, double limit) {
   return std::isfinite(limit) ? std::clamp(2.0 - speed / limit, 0.0, 1.0) : 1.0;
 }
 
-/// A magnitude, reduced to the smallest of the limits; `who` gets the flags of those that did.
+/// Reduces a magnitude to the smallest limit. Sets the flag in `who` of each limit that is
+/// exceeded.
 struct Reduction {
   const ChannelLimits& limits;
   double commanded, held;  // magnitudes
-  double floor;            // of the command, that is not given
-  double ramp, speed;      // share of the command that the ramp allows; of the device
+  double floor;            // part of the command that is not given
+  double ramp, speed;      // share of the command that the ramp allows; speed of the device
   double time;             // [s] since the last sample
 
   double factor(double bounded, Safeguarded& who) const noexcept {
@@ -85,7 +86,7 @@ SafetyStage::SafetyStage(const SafetyLimits& limits, bool reduces)
   begin_wait();
 }
 
-/// Of a channel without a wait the floor is zero, of the other not known yet.
+/// The floor of a channel without a wait is zero. The floor of any other is not known yet.
 void SafetyStage::begin_wait() noexcept {
   constexpr double kUnknown = ChannelLimits::kOff;
   const auto floor_of = [](double small) { return std::isfinite(small) ? kUnknown : 0.0; };
@@ -94,8 +95,8 @@ void SafetyStage::begin_wait() noexcept {
   waiting_ = force_floor_ > 0.0 || torque_floor_ > 0.0;
 }
 
-/// The wait goes by what the environment says, not by what is given. The floors sink by `sinks`
-/// times what is small.
+/// The wait depends on the environment's command, not on the given one. The floors sink by `sinks`
+/// times the small limit.
 void SafetyStage::wait(const SafetyStep& step, double force, double torque, double sinks) noexcept {
   const auto follow = [&](double& floor, double magnitude, double small) {
     if (!(floor > 0.0)) return true;
@@ -113,7 +114,7 @@ void SafetyStage::wait(const SafetyStep& step, double force, double torque, doub
   force_floor_ = torque_floor_ = 0.0;
 }
 
-/// Raises the ramp's limits.
+/// Counts the time since the first touch, which raises the ramp's limits.
 void SafetyStage::follow_ramp(double force, double torque, double time) noexcept {
   if (touched_)
     since_touch_ += time;

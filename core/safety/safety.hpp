@@ -87,7 +87,7 @@ class SafetyStage {
   /// Throws std::invalid_argument as validate() does.
   explicit SafetyStage(const SafetyLimits& limits = {}, bool reduces = true);
 
-  /// One servo sample. If its time is not above zero, ramp and slew do not advance.
+  /// Takes a servo sample. If its time is not above zero, ramp and slew do not advance.
   Safeguarded apply(const SafetyStep& step) noexcept;
 
   /// Forgets all state except the limits, for example after a lost connection. Wait and ramp begin

@@ -8,13 +8,13 @@
 namespace feltwire {
 namespace {
 
-/// Of a box in the object's frame, about its middle.
+/// A box in the object's frame, about its middle.
 struct OwnBox {
   Vec3 middle = Vec3::Zero(), half = Vec3::Zero();  // [m]
 };
 
 std::optional<OwnBox> own_box(const Object& object) {
-  // Felt from inside, all that is beyond the walls is solid.
+  // For an object felt from inside, everything beyond the walls is solid.
   if (object.felt_from == Side::inside) return std::nullopt;
   if (const auto* mesh = std::get_if<Mesh>(&object.shape)) {
     const TriangleMesh& triangles = mesh->surface->mesh();
@@ -31,7 +31,7 @@ std::optional<OwnBox> own_box(const Object& object) {
 }
 
 Bounds world_box(const Object& object, const OwnBox& own) {
-  constexpr double kRounding = 1e-12;  // of the coordinates, generously
+  constexpr double kRounding = 1e-12;  // generous share of the coordinates
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
   const Vec3 middle = object.pose.position + to_world * own.middle;
   const Vec3 half = to_world.cwiseAbs() * own.half;
@@ -42,7 +42,7 @@ Bounds world_box(const Object& object, const OwnBox& own) {
 }  // namespace
 
 ReachBall reach_ball(const Object& object) {
-  constexpr double kRounding = 1e-12;  // of the size, generously
+  constexpr double kRounding = 1e-12;  // generous share of the size
   const auto own = own_box(object);
   if (!own) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
   const double radius = on_primitive(

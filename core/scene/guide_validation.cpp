@@ -8,7 +8,7 @@ namespace {
 constexpr double kMaxGuideForce = 1e6;  // [N]
 constexpr const char* kMetres = " [m]";
 
-/// Infinity where the file said nothing.
+/// Allows infinity: the file gave no value.
 MaybeViolation may_be_endless(const char* field, double value) {
   if (value == std::numeric_limits<double>::infinity()) return std::nullopt;
   return positive(field, value, kMaxLength, kMetres);

@@ -90,7 +90,7 @@ MaybeViolation coordinates(const Vec3& position) {
 
 void make_unit(Quaternion& orientation) {
   auto& coefficients = orientation.coeffs();
-  coefficients /= coefficients.cwiseAbs().maxCoeff();  // no square over- or underflows after this
+  coefficients /= coefficients.cwiseAbs().maxCoeff();  // now no square over- or underflows
   coefficients.normalize();
 }
 

@@ -54,7 +54,7 @@ class Scene {
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
 
-  /// One line about the loading of each mesh that was cut into convex parts.
+  /// A line about the loading of each mesh that was cut into convex parts.
   const std::vector<std::string>& notes() const { return notes_; }
   void note(std::vector<std::string> notes) { notes_ = std::move(notes); }
 
@@ -83,7 +83,8 @@ class Scene {
   /// std::invalid_argument that names the object, the field and the remedy; the scene is then
   /// unchanged. Precondition: there is an object of this index (objects()).
   void set_material(std::size_t object, const Material& material);
-  /// One for each tool. Never empty; they live as long as the scene, also if it is moved in memory.
+  /// A view for each tool. Never empty; they live as long as the scene, also if it is moved in
+  /// memory.
   const std::vector<ToolView>& views() const { return views_; }
   /// The view for a hand that asks for this tool. An empty name: the first tool. Null: there is no
   /// such tool.

@@ -24,13 +24,13 @@ std::vector<std::string> names(const std::vector<Part>& parts,
   return names;
 }
 
-/// The options of the mesh that an object is; null: it is none.
+/// The mesh options of an object; null if it is no mesh.
 const MeshOptions* mesh_of(const Object& object) {
   const auto* mesh = std::get_if<Mesh>(&object.shape);
   return mesh != nullptr ? &mesh->surface->options() : nullptr;
 }
 
-/// The objects that move stand behind the others.
+/// Moving objects stand behind the others.
 bool moves(const ToolView& view, const Object& object) {
   return static_cast<std::size_t>(&object - view.objects().data()) >= view.still();
 }
@@ -46,7 +46,7 @@ std::vector<std::string> tools_if(const Scene& scene,
   return names;
 }
 
-/// Of the objects of which that is so for one tool at least.
+/// The objects that are chosen with at least one tool.
 std::vector<std::string> objects_if(
     const Scene& scene, const std::function<bool(const ToolView&, const Object&)>& chosen) {
   std::vector<std::string> names;
@@ -99,7 +99,7 @@ std::string listed_tools(const Scene& scene) {
   return text + "\n";
 }
 
-/// Bodies share them.
+/// The grids that bodies touch. All bodies share them.
 std::vector<ToolView::Sampled> grids_for_bodies(const Scene& scene) {
   for (const ToolView& view : scene.views())
     if (!view.sampled().empty()) return view.sampled();
@@ -117,7 +117,7 @@ std::string length_text(double metres) {
   return text.data();
 }
 
-/// The box about an object, in its own frame: half of it [m]. Empty: it is endless.
+/// [m] Half the sides of the box about an object, in its own frame; empty if it is endless.
 std::optional<Vec3> half_box_of(const Shape& shape) {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) return mesh->surface->mesh().half_extents();
   if (const auto* grid = std::get_if<Grid>(&shape))
@@ -131,7 +131,7 @@ std::optional<Vec3> half_box_of(const Shape& shape) {
       [] { return std::optional<Vec3>(); });
 }
 
-/// A line for each object, to see a wrong unit at once.
+/// A line for each object, which shows a wrong unit at once.
 std::string sizes_text(const Scene& scene) {
   constexpr std::size_t kShown = 32;
   std::string text;
@@ -150,7 +150,7 @@ std::string sizes_text(const Scene& scene) {
   return text;
 }
 
-/// The first few names, and how many more.
+/// The first few names, and the number of the rest.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 5;
   std::string text;
@@ -211,13 +211,13 @@ std::vector<FeatureCost> feature_costs(const Scene& scene) {
 }
 
 std::optional<StartInside> start_inside(const Scene& scene) {
-  constexpr double kLeast = 1e-4;  // [m] what a hand hardly feels; a start lies on a surface
+  constexpr double kLeast = 1e-4;  // [m] hardly felt; a start may lie on a surface
   std::optional<StartInside> deepest;
   for (const Object& object : scene.objects()) {
     FeatureMemory memory;
     const double depth =
         surface_point(object, scene.start().position, scene.tool().radius, memory).depth;
-    // A ball that touches the start with its middle on the surface is meant to.
+    // Accept a ball whose middle starts on the surface: this is meant.
     if (depth > kLeast + scene.tool().radius && (!deepest || depth > deepest->depth))
       deepest = {object.name, depth - scene.tool().radius};
   }

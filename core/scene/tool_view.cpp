@@ -35,7 +35,7 @@ ToolView::ToolView(Objects objects, Guides guides)
 
 void ToolView::set_still(std::size_t count) {
   still_ = count;
-  broad_phase_ = tool_.body ? BroadPhase{}  // it touches by itself
+  broad_phase_ = tool_.body ? BroadPhase{}  // a body finds its own contacts
                             : BroadPhase({objects_->data(), still_}, tool_.radius);
 }
 
@@ -55,21 +55,21 @@ TouchMemory ToolView::memory() const {
   return memory;
 }
 
-/// Of the objects that the tool's way meets or that hold it; in the order of the objects, so that
-/// the sum has the same bits whatever the tree looks like.
+/// Touches the objects that the tool's way meets or that hold it. It sums in the order of the
+/// objects, so that the bits of the sum do not depend on the tree.
 Command ToolView::touch_near(const Tool& tool, TouchMemory& memory) const noexcept {
   const Vec3 from = memory.tracked_ ? memory.position_ : tool.position;
   std::vector<std::uint32_t>& asked = memory.asked_;
   asked.assign(memory.live_.begin(), memory.live_.end());
   const auto ask = [&](std::uint32_t i) {
     if (asked.size() == asked.capacity()) [[unlikely]]
-      return;  // never: each comes twice at most
+      return;  // cannot happen: each object comes at most twice
     asked.push_back(i);
   };
   for (const std::uint32_t i : broad_phase_.everywhere()) ask(i);
   const auto known = static_cast<std::ptrdiff_t>(memory.live_.size());
   broad_phase_.along(from, tool.position, ask);
-  // An object whose memory is older than the last sample gets the tool's last place.
+  // If an object's memory is older than the last sample, give it the tool's last place.
   const auto is_live = [&](std::uint32_t i) {
     return std::find(asked.begin(), asked.begin() + known, i) != asked.begin() + known;
   };
@@ -112,8 +112,8 @@ void ToolView::add_guides(const Tool& tool, Command& sum) const noexcept {
   const Vec3 all = guides.force();
   if (all.isZero(0.0)) return;
   sum.frictional += all;
-  // Guides that pull harder into a surface than it pushes would make a contact pull, which no bound
-  // lets through.
+  // If guides pull harder into a surface than it pushes, the contact would pull. No bound would let
+  // that through.
   if (sum.force().dot(sum.elastic) > 0.0) return;
   sum.frictional += sum.elastic;
   sum.elastic.setZero();

@@ -98,8 +98,8 @@ class ToolView {
     if (!guides_->empty()) add_guides(tool, sum);
     return sum.finite() ? sum : Command{};
   }
-  /// The same for the static objects only. A World (core/dynamics/world.hpp) has the places of the
-  /// others, and adds the guides at the end.
+  /// Like touch(), for the static objects only. A World (core/dynamics/world.hpp) has the places of
+  /// the others, and adds the guides at the end.
   Command touch_still(const Tool& tool, TouchMemory& memory) const noexcept {
     return touch(tool, memory, still_);
   }
@@ -119,9 +119,9 @@ class ToolView {
 
   /// A view for a point tool. Precondition: the objects and guides are checked.
   ToolView(Objects objects, Guides guides);
-  /// The same for another tool. Throws std::invalid_argument if it does not fit the objects.
+  /// This view with another tool. Throws std::invalid_argument if it does not fit the objects.
   ToolView with(HandTool tool) const;
-  /// The same for objects that differ only in their materials.
+  /// This view with objects that differ only in their materials.
   ToolView with(Objects objects) const;
   /// Only the first `count` objects are static.
   void set_still(std::size_t count);

@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-/// A body touches distances; a mesh that was not given as a grid becomes one.
+/// A body needs distances. So a mesh that was not given as a grid becomes a grid.
 ToolView::Sampled sample_for_body(Object& object, std::size_t index) {
   const auto surface = std::get<Mesh>(object.shape).surface;
   try {
@@ -88,7 +88,7 @@ void Scene::set_tools(std::vector<HandTool> tools) {
     if (!names.insert(tool.name).second)
       refuse(whose(tool), {"name", "stands twice in the scene; rename one"});
   }
-  // Bodies share the grids that one of them needed first.
+  // Bodies share the grids that the first of them needed.
   std::vector<ToolView> views;
   views.reserve(tools.size());
   const ToolView* sampled = nullptr;

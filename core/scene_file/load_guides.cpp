@@ -13,7 +13,7 @@ double endless(double value) {
   return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
 }
 
-/// Keeps the one that is given, and says so where there is another.
+/// Keeps the choice that is given. Reports an error if another is given too.
 template <class Value>
 class OneOf {
  public:

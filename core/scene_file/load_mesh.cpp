@@ -66,7 +66,7 @@ MeshOptions options_of(const JsonDocument& document, const std::string& path,
   return options;
 }
 
-/// [m] none: the mesh's own.
+/// [m] Empty: use the mesh's own weld.
 std::optional<double> weld_of(const JsonDocument& document, const std::string& path,
                               const scene_file::Mesh& mesh) {
   if (std::isnan(mesh.weld())) return std::nullopt;
@@ -153,7 +153,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, boo
     known_.emplace(key, made);
     return made;
   } catch (const FileError& error) {
-    // Those of the mesh file name it and its line already.
+    // Errors of the mesh file already name it and its line.
     if (std::string(error.what()).starts_with((folder_ / name).string()))
       document_.fail(path + ".file", error.what());
     throw;

@@ -53,7 +53,7 @@ const Material& find_material(const JsonDocument& document, const std::string& p
                     (known.empty() ? "add it to materials" : "those of this scene are: " + known));
 }
 
-/// Whether a hand may hold a body, to which every mesh is a solid.
+/// Whether a hand may hold a body. A body treats every mesh as a solid.
 bool has_body_tool(const scene_file::Scene& scene) {
   if (scene.tool() != nullptr && scene.tool()->body() != nullptr) return true;
   if (scene.tools() == nullptr) return false;

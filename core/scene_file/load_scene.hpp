@@ -13,7 +13,7 @@ namespace feltwire {
 /// names. Throws FileError that names the file, the line, the field and the remedy.
 Scene load_scene(const std::filesystem::path& file);
 
-/// The same from text. Errors call it `file`; the files that it names are relative to its folder.
+/// Like load_scene(), from text. Errors call it `file`; its file names are relative to that folder.
 Scene parse_scene(std::string_view json, const std::string& file);
 
 /// Like load_scene(), and keeps the files in the scene, so that load_kept_scene() loads it again,

@@ -46,7 +46,7 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
     Body body = read_body(*given);
     bodies.names.add(body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
-    if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // it needs none
+    if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // no mass needed
     require(document, path, check(body));
     make_unit(body.pose.orientation);
     bodies.all.push_back(std::move(body));
@@ -64,8 +64,7 @@ std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   return number;
 }
 
-/// Removes the prefix of a message of compile(). The error that is made of it names the field
-/// already.
+/// Removes the prefix of a message of compile(): the error made from it already names the field.
 std::string without_prefix(const std::string& words) {
   for (const char* prefix : {"bodies: ", "scene: bodies: "})
     if (words.starts_with(prefix)) return words.substr(std::string_view(prefix).size());

@@ -35,7 +35,7 @@ double size_of(const TriangleSoup& surface) {
   return (box.most - box.least).maxCoeff();
 }
 
-/// The only solid of a table that may have several.
+/// Reads the only solid of a table that has a place for several.
 template <class Table>
 Given read_solid(const JsonDocument& document, const std::string& path, const Table& table,
                  const std::filesystem::path& folder) {
@@ -110,7 +110,7 @@ std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const st
   }
 }
 
-/// One that fits the scene.
+/// Reads a tool and checks that it fits the scene.
 template <class Table>
 HandTool read_tool(const JsonDocument& document, const std::string& path, const Table& tool,
                    const std::filesystem::path& folder, const scene_file::Scene& file,

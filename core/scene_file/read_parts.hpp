@@ -54,7 +54,7 @@ std::vector<std::vector<Vec3>> read_tool_parts(const JsonDocument& document,
                                                const ToolMesh& mesh, const MeshSurface& surface,
                                                const DecompositionOptions& options);
 
-/// The same options from the field at `own`; null: the default.
+/// Reads these options from the field at `own`; null: the default.
 DecompositionOptions read_parts_options(const JsonDocument& document, const std::string& own,
                                         const scene_file::ConvexParts* given,
                                         const MeshSurface& surface);

@@ -20,7 +20,7 @@ void require_within(const JsonDocument& document, const std::string& field, doub
                            "; give it in SI units, or leave it out for a tool without mass");
 }
 
-/// [N s/m], [N m s/rad] of the coupling.
+/// Reads the damping of the coupling [N s/m], [N m s/rad].
 void read_damping(const JsonDocument& document, const std::string& path,
                   const scene_file::ToolCoupling& coupling, ToolInertia& inertia) {
   require(document, path,

@@ -26,8 +26,8 @@ constexpr const char* kNotShown =
     ": cannot be used; what stands there is not shown, because the file lies outside of the "
     "scene's folder; copy it there to be told more";
 
-/// Values of an attribute, wherever it stands in a text. A value with a character reference, which
-/// could be any path, is given as an absolute one.
+/// Values of an attribute, anywhere in a text. A value with a character reference could be any
+/// path, so it is given as an absolute path.
 std::vector<std::string> values_of(std::string_view xml, std::string_view attribute) {
   std::vector<std::string> values;
   const auto skip_blanks = [&](std::size_t at) {
@@ -48,12 +48,13 @@ std::vector<std::string> values_of(std::string_view xml, std::string_view attrib
   return values;
 }
 
-/// Files that an MJCF or URDF file names, and those that the files it includes name.
+/// Files that an MJCF or URDF file names, itself or through the files that it includes.
 class NamedFiles {
  public:
   explicit NamedFiles(const fs::path& file) : main_(file.parent_path()) { read(file); }
 
-  /// The first that lies outside of a folder, beside the model or in any folder that it names.
+  /// The first file that lies outside of a folder. Looks beside the model and in the folders it
+  /// names.
   std::optional<fs::path> outside(const fs::path& folder) const {
     if (too_many_) return main_;
     for (const auto& [name, is_plain] : names_)
@@ -64,14 +65,14 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// Whether text of the model itself, or of a file that it includes, lies outside of a folder.
+  /// Whether the model itself, or a text that it includes, lies outside of a folder.
   bool has_text_outside(const fs::path& folder) const {
     return too_many_ || std::ranges::any_of(texts_, [&](const fs::path& text) {
              return lies_outside(text, folder);
            });
   }
 
-  /// The first name of a file that stands nowhere where MuJoCo may look for it.
+  /// The first file name that MuJoCo cannot find anywhere.
   std::optional<std::string> missing() const {
     for (const auto& [name, is_plain] : names_)
       if (is_plain && !is_at(places_of(name)) && !is_at(places_of(name.filename())))
@@ -81,7 +82,7 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// The first name of a file that is found with its folder only.
+  /// The first file name that is found only together with its folder.
   std::optional<fs::path> needs_folder() const {
     for (const auto& [name, is_plain] : names_)
       if (is_plain && name.has_parent_path() && is_at(places_of(name)) &&
@@ -92,12 +93,12 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// The first that holds something else than its name says: its place, and what.
+  /// The first file with another content than its name says: its place, and the content.
   std::optional<std::string> foreign() const {
     for (const auto& [name, is_plain] : names_)
       for (const fs::path& place : places_of(name)) {
         std::error_code error;
-        if (!fs::is_regular_file(place, error)) continue;  // a pipe would be waited for
+        if (!fs::is_regular_file(place, error)) continue;  // opening a pipe would block
         std::ifstream in(place, std::ios::binary);
         std::string begin(kLooked, '\0');
         in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
@@ -147,7 +148,7 @@ class NamedFiles {
         too_many_ =
             too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
-        std::error_code error;  // any of them may be an include, which names others
+        std::error_code error;  // any file may be an include that names others
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
       }
   }
@@ -163,7 +164,7 @@ class NamedFiles {
 }  // namespace
 
 bool lies_outside(const fs::path& file, const fs::path& folder) {
-  // A text that was given was not read from this disk, so an error shows nothing of the disk.
+  // A given text was not read from this disk, so an error reveals nothing about the disk.
   if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(fs::absolute(file, error), error);

@@ -12,7 +12,7 @@ namespace feltwire {
 /// target is equal to the one that the robot has.
 struct Alignment {
   static constexpr double kLargestGate = 3.0;  // [rad]
-  /// Of each angle that an engaged hand turns, this share is used to give back what is left.
+  /// Share of each turn of an engaged hand that reduces the remaining offset.
   static constexpr double kGivenBack = 0.5;
 
   Quaternion offset = Quaternion::Identity();  // unit: of the robot's tool, seen from the hand's

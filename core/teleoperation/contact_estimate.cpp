@@ -9,19 +9,19 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] that are believed
-constexpr double kMostFriction = 1.0;               // mu, likewise
+constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] range of stiffness that is believed
+constexpr double kMostFriction = 1.0;               // largest mu that is believed
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
-constexpr double kLearns = 0.5;                     // [s] in which a touch tells the stiffness
+constexpr double kLearns = 0.5;                     // [s] of a touch to learn the stiffness in
 constexpr double kOther = 0.5;                      // cosine of 60 degrees
-constexpr double kModelled = 0.02;                  // [N s] of a touch that outweighs a model
+constexpr double kModelled = 0.02;                  // [N s] impulse that outweighs a model
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
          prior.velocity.allFinite();
 }
 
-/// The tool moves along the surface, and not into it or out of it.
+/// Whether the tool moves along the surface, and not into it or out of it.
 bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
   constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
   const Vec3 off = along(velocity, normal);
@@ -46,14 +46,14 @@ void ContactEstimate::estimate(const Sample& s) noexcept {
   pressed_ = pressed;
   if (!pressed) {
     apart_ += s.elapsed;
-    // A tool that slides leaves the surface for some samples: it is the same touch.
+    // A sliding tool leaves the surface for some samples. This is still the same touch.
     if (contact_.touching && apart_ < kApart) return;
     contact_.touching = false;
     if (!expect(s)) recede(s);
     return;
   }
-  // A force where no friction leans it is of another surface. Of a load that the tool carries,
-  // which shows no stiffness, it is only after a gap: what pushes the load comes on top of its
+  // A force outside the friction cone belongs to another surface. A carried load shows no
+  // stiffness. For a load this is true only after a gap: the force that pushes the load adds to its
   // weight.
   const bool other = (apart_ > 0.0 || learnt_) && s.force.dot(contact_.normal) < kOther * force;
   if (!contact_.touching || other) begin(s);
@@ -68,7 +68,7 @@ void ContactEstimate::estimate(const Sample& s) noexcept {
     shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
 }
 
-/// No force: the surface is not in front of the tip.
+/// No force: the tip cannot be inside the surface. Moves the surface back to the tip.
 void ContactEstimate::recede(const Sample& s) noexcept {
   contact_.velocity.setZero();
   const double inside = (contact_.point - s.position).dot(contact_.normal);
@@ -78,8 +78,8 @@ void ContactEstimate::recede(const Sample& s) noexcept {
   if (receded_ > kSame) contact_.surface = 0;
 }
 
-/// No force: the surface is where the model has it and its last touch left it, and not in front of
-/// the tip. False: the model says nothing that counts here.
+/// No force: the surface is where the model and the last touch have it, but not in front of the
+/// tip. False: the model has nothing valid to say here.
 bool ContactEstimate::expect(const Sample& s) noexcept {
   const SurfacePrior& prior = s.prior;
   if (!says(prior)) return false;
@@ -112,14 +112,14 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
   return true;
 }
 
-/// The first sample of a touch: the last surface again, or another.
+/// The first sample of a touch of the last surface or of another.
 void ContactEstimate::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
   const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
   const bool last = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
   const bool same = last || change(s, normal);
-  // A touch that bounces is one touch: until the stiffness is known its samples stay.
+  // A bouncing touch is one touch: keep its samples until the stiffness is known.
   if (!same || known_ || touched_ == 0.0) {
     fit_.clear();
     touched_ = 0.0;
@@ -135,7 +135,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
   place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
 }
 
-/// The way from the last touch of the surface lies in it; what pushes along it is friction.
+/// The way from the last touch of the surface lies in it. A force along this way is friction.
 Vec3 ContactEstimate::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
   constexpr double kSteep = 0.35;  // sine of 20 degrees: more is no error of the normal
@@ -146,7 +146,7 @@ Vec3 ContactEstimate::way_within(const Sample& s, double force) const noexcept {
   return usable ? way.direction : Vec3::Zero();
 }
 
-/// The touch is of another surface than the last one. Returns whether that is remembered.
+/// The touch belongs to another surface than the last one. Returns whether the memory knows it.
 bool ContactEstimate::change(const Sample& s, const Vec3& normal) noexcept {
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
   if (found)
@@ -176,24 +176,24 @@ bool ContactEstimate::change(const Sample& s, const Vec3& normal) noexcept {
 }
 
 void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kCone = 0.7;                   // cosine of that of kMostFriction
+  constexpr double kCone = 0.7;                   // cosine of kMostFriction's cone
   constexpr double kSlow = 3.0;                   // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
   const double speed = length(s.velocity);
   Vec3 pressing = s.force - along(s.force, within_);
   if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
-    within_.setZero();  // no friction: the surface has another normal, or there are two
+    within_.setZero();  // too much for friction: another normal, or two surfaces
     pressing = s.force;
   }
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool sliding = slides(s.velocity, contact_.normal);
   Vec3 pushes = pressing;
   bool rubs = false;
-  const double against = -s.force.dot(way);  // below zero: no friction, the surface springs back
+  const double against = -s.force.dot(way);  // below zero: the surface springs back
   if (sliding && against >= 0.0) {
     const Vec3 across = pressing - along(pressing, way);
     const double normal_force = length(across);
-    // More than kMostFriction is no friction: a weight that is carried, or a normal that is wrong.
+    // More than kMostFriction is no friction: the tool carries a weight, or the normal is wrong.
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
       pushes = across;
@@ -203,13 +203,13 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   }
   settled_ = settled_ || touched_ >= kSettled;
   if (!(force > config_.on)) return;
-  // A tool that arrives, bounces or springs back slides by some tenths of a millimetre, too, and
-  // friction answers. Then the force says nothing of the normal, unless it is outside of any cone.
+  // A tool that arrives, bounces or springs back also slides by some tenths of a millimetre, with
+  // friction. Then the force does not show the normal, unless it is outside of every friction cone.
   const bool young = !settled_ && touched_ < kYoung;
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
   const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
-  // A young touch has the direction of its whole impulse. A tool that sticks and springs back
+  // A young touch uses the direction of its whole impulse. A tool that sticks and springs back
   // leans its force to both sides, and the normal must not swing with it.
   const double pushed = force * s.elapsed;
   impulse_ += young ? pushed : 0.0;
@@ -217,7 +217,7 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   const double share = young ? std::max(slow, pushed / impulse_) : slow;
   const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
-  // The place is a height along the normal: it is carried along when that turns.
+  // The place is a height along the normal. Adapt it when the normal turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));
   contact_.normal = turned;
 }
@@ -234,9 +234,9 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
-  // The old place with a stiffer surface is a larger force, so the place changes in the same
-  // sample. With a softer one it may be far away, and the first fit may be false: it goes there
-  // slowly.
+  // On a stiffer surface, the old place would mean a larger force. So the place changes in the same
+  // sample. On a softer surface, the new place may be far away and the first fit may be wrong. So
+  // the place moves there slowly.
   const bool stiffer = line.slope > contact_.stiffness;
   contact_.stiffness = line.slope;
   const double place = height_of(s, force);
@@ -247,7 +247,7 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
   known_ = learnt_ = true;
 }
 
-/// [m] of the surface along the normal, which answers with that force.
+/// [m] Height along the normal of a surface that answers with this force.
 double ContactEstimate::height_of(const Sample& s, double force) const noexcept {
   return s.position.dot(contact_.normal) + force / contact_.stiffness;
 }

@@ -34,7 +34,7 @@ class LinkStates {
   std::span<const Change> changes() const noexcept {
     return {kept_.data(), std::min(count_, kMost)};
   }
-  /// Of these, the ones that were not kept.
+  /// The number of changes that were not kept.
   std::size_t left_out() const noexcept { return count_ - changes().size(); }
 
  private:

@@ -15,7 +15,7 @@ double away(const KnownSurface& surface, const Vec3& tip) noexcept {
   return length(Vec3(tip - surface.contact.point));
 }
 
-/// The tool is where the surface would press, and it does not.
+/// Whether the tool is where the surface would press, but feels too little force.
 bool missing(const RemoteContact& surface, const Vec3& tip, const Vec3& force) noexcept {
   constexpr double kHalf = 0.5;
   const double expected = -surface.stiffness * height(surface, tip);
@@ -36,7 +36,7 @@ void SurfaceMemory::keep(const KnownSurface& surface, const Vec3& tip) noexcept 
   kept.contact.touching = false;
   kept.contact.velocity.setZero();
   kept.absent = 0.0;
-  kept.told = true;  // until now it was told as the contact
+  kept.told = true;  // it was reported as the contact until now
 }
 
 std::optional<KnownSurface> SurfaceMemory::take(const Vec3& tip, const Vec3& direction,

@@ -27,7 +27,7 @@ TargetLimiter::TargetLimiter(const TargetLimits& limits) : limits_(limits) {
   check(limits.unfelt, "unfelt", true);
 }
 
-/// Counts the energy that the hand paid in this contact, less the energy that went into the
+/// Counts the energy that the hand gave in this contact, less the energy that went into the
 /// environment.
 void TargetLimiter::account(const Sample& s) noexcept {
   double paid = 0.0;
@@ -39,9 +39,9 @@ void TargetLimiter::account(const Sample& s) noexcept {
   const Vec3 way = s.robot - robot_;
   robot_ = s.robot;
   if (s.surface == 0 || !touched_) {
-    paid_ = 0.0;  // what was not spent in the contact before is gone
+    paid_ = 0.0;  // the rest of the contact before is lost
   } else {
-    // Of a force only what is above `unfelt` counts, whoever gave the energy.
+    // A force counts only as far as it exceeds `unfelt`, whoever gave the energy.
     const double given = s.force.allFinite() ? s.force.dot(way) : 0.0;
     const double free = limits_.unfelt * length(way);
     paid_ += paid + std::copysign(std::max(0.0, std::abs(given) - free), given);

@@ -31,7 +31,7 @@ Workspace joined(const Workspace& one, const Workspace& other) noexcept {
 
 bool has_room(const Workspace& workspace, double inside) noexcept {
   constexpr int kTries = 200;
-  constexpr int kCuts = 12;       // of the room along each axis, where there are bodies
+  constexpr int kCuts = 12;       // along each axis of the room, if there are bodies
   constexpr double kLeft = 1e-6;  // [m]
   Workspace narrow = workspace;
   for (std::size_t i = 0; i < narrow.count; ++i) narrow.walls[i].distance += inside;
@@ -51,7 +51,7 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
   const Vec3 first = nearest(Vec3::Zero());
   if (!in_room(first)) return false;
   if (outside(first)) return true;
-  // Over the whole room, coarsely: beside the bodies there is room by far, or hardly any.
+  // Search the whole room coarsely: beside the bodies there is much room, or hardly any.
   Vec3 low, high;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Vec3 far = 2.0 * Workspace::kFarthest * Vec3::Unit(axis);
@@ -99,7 +99,7 @@ RemoteContact WorkspaceLimit::free_part(const RemoteContact& contact) const noex
   const Polar<double> normal = polar(free_part(contact.normal));
   if (contact.normal == free_part(contact.normal)) return contact;
   if (!(normal.length >= kHardlyFree)) return {};
-  // The height along the free axes is that of the robot, whose locked axes stand still: h' = h / l.
+  // The robot's locked axes stand still. Along the free axes its height becomes h' = h / l.
   const Vec3 held = begun_.position - free_part(begun_.position);
   const double height = (free_part(contact.point) + held - contact.point).dot(contact.normal);
   RemoteContact seen = contact;
@@ -116,7 +116,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   const Vec3 held = here.position - free_part(here.position);
   for (const WorkspaceWall& wall : workspace_.view()) {
     const Polar<double> normal = polar(free_part(wall.normal));
-    if (!(normal.length >= kHardlyFree)) continue;  // the locked axes decide about it
+    if (!(normal.length >= kHardlyFree)) continue;  // only the locked axes decide about it
     const double meant = (wall.distance - wall.normal.dot(held)) / normal.length;
     meant_[count_] = meant;
     walls_[count_] = {normal.direction, std::min(meant, normal.direction.dot(here.position))};
@@ -126,7 +126,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   face_bodies(here.position);
 }
 
-/// The place, with the value that each locked axis keeps.
+/// The place, with each locked axis at its kept value.
 Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   Vec3 kept = place;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -134,9 +134,9 @@ Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   return kept;
 }
 
-/// The walls of the bodies at an allowed place.
+/// Computes the walls of the bodies at an allowed place.
 void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
-  constexpr double kAcross = 1e-9;  // length of a normal that no movement along the free axes meets
+  constexpr double kAcross = 1e-9;  // length of a normal with no part along the free axes
   const Vec3 held = begun_.position - free_part(begun_.position);
   for (std::size_t i = 0; i < workspace_.body_count; ++i) {
     const WorkspaceWall full = workspace_.bodies[i].wall_at(place);
@@ -149,12 +149,12 @@ void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
   }
 }
 
-/// From one allowed place straight to the place nearest to `wanted` that is in front of all walls.
-/// Stays where sweeps that did not suffice would lead away from it.
+/// Moves straight from an allowed place to the place nearest to `wanted` in front of all walls.
+/// Stays if unfinished sweeps would lead away from `wanted`.
 Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept {
   const Vec3 place = nearest_in_front(wanted, walls());
-  // The walls bound a convex room: between a place in it and one outside there is the last one in
-  // it.
+  // The walls bound a convex room. If `place` is outside, the way has a last point in the room:
+  // stop there.
   double share = 1.0;
   for (const WorkspaceWall& wall : walls()) {
     const double clearance = wall.clearance(place);
@@ -173,7 +173,7 @@ Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {
 }
 
 const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
-  constexpr int kSlides = 16;  // along the bodies; those that are left are made in the next sample
+  constexpr int kSlides = 16;  // along the bodies; the next sample makes the rest
   if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
   const Vec3 aim = unlocked(wanted.position);
   Vec3 place = slide(last_.position, aim);

@@ -11,14 +11,14 @@
 namespace feltwire {
 namespace {
 
-/// The scene's objects for a tool of polygons, near these pairs.
+/// The scene's objects for a tool of polygons: only the pairs in `near`.
 class PolygonSolids final : public ToolSurroundings {
  public:
   PolygonSolids(const BodyTool& tool, std::span<const Object> objects,
                 std::span<const ObjectMotion> motions, PartPairs& near)
       : tool_(tool), objects_(objects), motions_(motions), near_(near) {}
 
-  /// A server's own: it has no limit.
+  /// Only a server calls it: the work has no limit.
   ShellContact contact(const Pose& pose, WorkLimit*) const noexcept override {
     return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose, motions_,
                            &near_.push);
@@ -46,7 +46,7 @@ BodyTool::BodyTool(PointShell shell, const ToolCoupling& coupling, double contac
   if (c.rotational_stiffness == 0.0)
     c.rotational_stiffness = c.stiffness * shell_.radius * shell_.radius;
   if (c.max_torque == 0.0) c.max_torque = c.max_force * shell_.radius;
-  if (contact_area_ == 0.0) contact_area_ = shell_.area / 6.0;  // a cube's face
+  if (contact_area_ == 0.0) contact_area_ = shell_.area / 6.0;  // area of a cube's face
   check(c);
   require_above_zero("contact_area", contact_area_, "[m^2]");
   check(inertia_);
@@ -69,7 +69,7 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
     Pose start = memory.placed ? memory.pose : device;
     start.orientation.normalize();
     look_round(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
-    // The contact at the pose is known; how far it is clear was that of the step before.
+    // The contact at the pose is known, but its clearance is that of the step before.
     if (memory.known) memory.contact.clearance = clearance(memory.near);
     return step_coupled_tool(coupled, PolygonSolids(tool, objects, motions, memory.near), device,
                              elapsed, memory);

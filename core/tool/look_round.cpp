@@ -1,4 +1,4 @@
-// Which pairs of convex parts a tool of polygons remembers.
+// Chooses the pairs of convex parts that a tool of polygons remembers.
 
 #include <algorithm>
 #include <array>
@@ -17,13 +17,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 auto key(const PartPair& pair) { return std::tuple(pair.object, pair.tool_part, pair.solid_part); }
 bool in_order(const PartPair& a, const PartPair& b) { return key(a) < key(b); }
 
-/// [m] From a ball to a box along the axes, zero inside.
+/// [m] Distance from a ball to a box along the axes; -`radius` if its centre is inside.
 double distance_of(const Vec3& centre, double radius, const Polyhedron& box) {
   const Vec3 out = (box.least - centre).cwiseMax(centre - box.most).cwiseMax(Vec3::Zero());
   return out.norm() - radius;
 }
 
-/// One look at all pairs.
+/// Looks at all pairs once.
 struct Look {
   const PolygonBody& body;
   std::span<const Object> objects;
@@ -36,7 +36,7 @@ struct Look {
     return at != end && key(*at) == key(pair) ? &*at : nullptr;
   }
 
-  /// The nearest are kept where there is no room for all; those that touch in any case.
+  /// If there is no room for all pairs, keeps the nearest: pairs that touch come first.
   void keep(const PartPair& pair) {
     if (now.count < PartPairs::kMost) {
       now.pairs[now.count++] = pair;
@@ -93,7 +93,7 @@ struct Look {
     return at == end || at->object != index || at->tool_part != t;
   }
 
-  /// Turns a pair's direction to that between the nearest points, if it is apart; sets the gap.
+  /// For a pair that is apart, sets its direction to that between the nearest points. Sets the gap.
   void turn_away(const PlacedTool& placed, const SolidParts& solid, PartPair& pair,
                  const Vec3& centre) const {
     const Polyhedron &part = body.parts[pair.tool_part],
@@ -114,7 +114,7 @@ struct Look {
     if (pair.overlaps) pair.shared = *found.shared;
     if (!(found.distance > 0.0)) return;
     if (pair.thickened && !(known_gap > 0.0)) {
-      // Apart, but maybe not from what the direction thickens.
+      // The pair is apart, but maybe not from the solid that the direction thickens.
       DepthSums sums;
       placed.add(body, solid, pair, false, sums);
       if (sums.cells > 0) {
@@ -138,7 +138,7 @@ struct Look {
   }
 };
 
-/// The push of a pair, from the contact that was computed last if that was here.
+/// The push of a pair. Uses the last computed contact if its pair and pose are the same.
 PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
                  const Pose& tool, const PartPair& pair, const PairPush& last) {
   constexpr double kRounding = 1e-15;  // of an orientation that is normalized again
@@ -153,7 +153,7 @@ PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedT
   return {true, pair, tool, sums.cubes, sums.slope.head<3>()};
 }
 
-/// A pair that touches: lets its direction follow the force, where nothing else follows from that.
+/// Lets the direction of a touching pair follow the force, if this changes nothing else.
 void follow(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
             const Pose& tool, const PairPush& last, PartPair& pair) {
   constexpr double kAligned = 0.9998;  // one degree

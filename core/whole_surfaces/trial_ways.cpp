@@ -9,14 +9,14 @@
 namespace feltwire {
 namespace {
 
-/// A place of a mesh [m, from the mesh's origin], and how much there is near it.
+/// A place on a mesh [m, from the mesh's origin], and how crowded it is.
 struct Place {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   std::uint64_t crowd = 0;
 };
 
-/// The units that a query of the tree takes at one point.
+/// The units of work of a query of the tree at one point.
 std::uint64_t crowd_at(const MeshSurface& surface, const Vec3& p) {
   WorkLimit work(WorkLimit::kUnlimited);
   Bounds here;
@@ -30,7 +30,7 @@ Place on_triangle(const MeshSurface& surface, std::uint32_t t, const Vec3& p) {
   return {p, triangle_normal(surface.mesh().corners(t)), crowd_at(surface, p)};
 }
 
-/// At the corner of the most triangles. The walk round it looks at all of them.
+/// The corner with the most triangles. A walk round it looks at all of them.
 Place at_fullest_corner(const MeshSurface& surface) {
   const TriangleMesh& mesh = surface.mesh();
   std::uint32_t fullest = 0;
@@ -69,7 +69,7 @@ Vec3 across(const Vec3& normal) {
   return direction(Vec3(normal.cross(Vec3::Unit(axis))));
 }
 
-/// [m] from the middle of the solid to its farthest point; 0: it has no end.
+/// [m] from the middle of the solid to its farthest point; 0: the solid is endless.
 double reach_of(const SolidData& solid) {
   double reach = 0.0;
   for (const Vec3& p : solid.mesh.vertices) reach = std::max(reach, length(p));
@@ -85,7 +85,7 @@ std::vector<TrialWay> mesh_ways(const Object& object, std::uint16_t index) {
   constexpr double kAbove = 2e-3, kBelow = 4e-3, kAlong = 8e-3;  // [m]
   const MeshSurface& surface = *std::get<Mesh>(object.shape).surface;
   std::vector<Place> places = places_of(surface);
-  // The crowded ones, and as many that are spread evenly.
+  // Take the most crowded places, and as many others, evenly spread.
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::crowd);
   const std::size_t crowded = std::min(places.size(), kMostMeshWays / 2);
   std::vector<Place> chosen(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(crowded));

@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-/// With all that it is made of.
+/// Surroundings that own everything that they are made of.
 class OwnSurroundings final : public ToolSurroundings {
  public:
   OwnSurroundings(PointShell shell, double contact_area, std::vector<Object> objects)

@@ -31,7 +31,7 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
-/// A certificate that is made names the address of the page.
+/// A generated certificate names the address of the page.
 Security open_page_security(const GatewayConfig& config) {
   SecurityOptions options = config;
   options.address = web_place(config.web).address;
@@ -45,8 +45,8 @@ std::string names_of(const std::vector<control::SceneEntry>& entries) {
   return names.empty() ? "none" : names;
 }
 
-/// Whether the server has these scenes, as far as can be told. A server that is away now may have
-/// them later.
+/// Checks that the server has these scenes. It only warns if the server cannot be reached now: the
+/// server may have the scenes later.
 void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
   std::vector<control::SceneEntry> entries;
   try {
@@ -73,7 +73,7 @@ void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
 }  // namespace
 
 struct Gateway::Parts {
-  const std::vector<std::filesystem::path> files;  // none where the scenes were at hand
+  const std::vector<std::filesystem::path> files;  // empty if the scenes were passed in
   std::vector<std::unique_ptr<RemoteScene>> scenes;
   std::unique_ptr<web::WebServer> web;
 
@@ -81,7 +81,7 @@ struct Gateway::Parts {
       : files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
-    // A server may lie about the sessions of each.
+    // The scenes share this memory: a server may lie about the sessions of each scene.
     const LookOptions options_of_scene{
         .list_room =
             std::max(kRoomOfServer / std::max<std::size_t>(1, looks.size()), kLeastRoomOfScene)};
@@ -125,7 +125,7 @@ struct Gateway::Parts {
   }
 
   void stop() {
-    web->stop();  // it asks the scenes
+    web->stop();  // first, because it asks the scenes
     for (const auto& scene : scenes) scene->stop();
   }
 };

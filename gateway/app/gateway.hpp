@@ -31,7 +31,7 @@ class Gateway {
   /// each with one clear line, also if the server refuses the gateway or does not have these
   /// scenes.
   explicit Gateway(const GatewayConfig& config);
-  /// The same with given files; those of the configuration are not read.
+  /// Uses the given scenes and identity instead of reading those of the configuration.
   Gateway(const GatewayConfig& config, std::vector<Scene> scenes, Security security);
   /// Stops the gateway.
   ~Gateway();

@@ -26,9 +26,9 @@ namespace {
 
 constexpr const char* kName = "feltwire-view";
 constexpr double kPeriod = 0.01;   // [s] of samples, and so of views
-constexpr int kBetweenLooks = 16;  // [ms] at the views that have come
+constexpr int kBetweenLooks = 16;  // [ms] between checks for new views
 constexpr std::size_t kRoom = 64;  // views: half a second of them
-constexpr int kBetweenAsks = 500;  // [ms] for what views do not have
+constexpr int kBetweenAsks = 500;  // [ms] between requests for data that is not in the views
 
 /// Waits until the event is set, or the time [ms] is over.
 void wait_for(const Event& event, int time) {
@@ -36,7 +36,7 @@ void wait_for(const Event& event, int time) {
   ::poll(&waiting, 1, time);
 }
 
-/// An observer's device: it is held by nobody, and is nowhere but at its place.
+/// The device of an observer: nobody holds it, and it never moves.
 class Eye final : public Device {
  public:
   Eye() : spec_(builtin_device("simulated")) { spec_.name = kName; }
@@ -49,7 +49,7 @@ class Eye final : public Device {
   DeviceSpec spec_;
 };
 
-/// A sample a view. An observer feels nothing, so that nothing needs to come in time.
+/// Sends a sample for each view. An observer feels nothing, so no sample has to be on time.
 SessionParameters observer_parameters() {
   SessionParameters parameters;
   parameters.servo_period = kPeriod;
@@ -57,14 +57,14 @@ SessionParameters observer_parameters() {
   return parameters;
 }
 
-/// The state that the threads share. A thread that hangs is left behind with it.
+/// The state that the threads share. A hanging thread keeps its share of it.
 struct Look : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};
 };
 
-/// Asks the server in a thread of its own, until it is destroyed: a slow answer keeps no picture
-/// waiting.
+/// Asks the server in its own thread until it is destroyed, so that a slow answer does not delay a
+/// picture.
 class Asking {
  public:
   explicit Asking(std::function<void(const Event&)> ask)
@@ -150,7 +150,7 @@ control::SceneTimes RemoteScene::server_times() const {
   return server_times_;
 }
 
-/// What has been seen is as old as the session: viewers are shown no hand where none is known of.
+/// Clears the picture: old views would show hands whose state is no longer known.
 void RemoteScene::hide(std::string why) {
   std::string text = "Scene " + name_ + " is not seen: " + std::move(why);
   const std::lock_guard lock(mutex_);
@@ -176,8 +176,8 @@ void RemoteScene::show(const ObservedScene& seen) {
   hidden_.reset();
 }
 
-/// Asks, while a session looks on, for what its views do not have. A server that is older than
-/// these questions, or whose answers cannot be, is not asked again.
+/// While a session is watched, asks for data that is not in its views. Stops asking if the server
+/// is too old for these questions, or gives impossible answers.
 void RemoteScene::ask_on(const Event& over) {
   std::optional<ControlDialogue> server;
   int wait = kBetweenAsks;
@@ -223,7 +223,7 @@ void RemoteScene::ask_once(ControlDialogue& server) {
   adopt(described.scene, described.materials);
 }
 
-/// Takes over the values that an admin of the server may have changed.
+/// Applies the values that an admin of the server may have changed.
 void RemoteScene::adopt(const control::SceneDescription& told,
                         std::span<const Material> materials) {
   const CurrentScene before = current_scene();
@@ -239,7 +239,7 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   adopted_ = {told.version, told.changes};
 }
 
-/// Until it is stopped. Whatever fails is tried again: a token may be renewed, a server repaired.
+/// Runs until stop(). Retries after every failure: a token may be renewed, a server repaired.
 void RemoteScene::run() {
   auto wait = options_.first_wait;
   std::string said;
@@ -261,8 +261,8 @@ void RemoteScene::run() {
   }
 }
 
-/// Joins, and shows what is to be seen until the session has ended. Returns why it has. Throws what
-/// join() does.
+/// Joins, and shows the views until the session ends. Returns why it ended. Throws the same as
+/// join().
 std::string RemoteScene::look_on() {
   auto eye = std::make_unique<Eye>();
   control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
@@ -283,7 +283,7 @@ std::string RemoteScene::look_on() {
     task = std::make_shared<Look>(std::move(eye), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // it has no force to let go
+    task->let_go_after = parameters.hold_time;  // an observer has no force to release
     task->outputs.views = &task->views;
     thread.emplace(task);
   } catch (...) {

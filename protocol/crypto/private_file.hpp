@@ -12,8 +12,8 @@ namespace feltwire {
 /// readable by a group, as the system's own keys are.
 std::optional<std::string> exposure(const std::filesystem::path& file);
 
-/// The same for a folder that only its owner should write to. Other writers could replace its
-/// files.
+/// Checks a folder in the same way. Only its owner should write to it: other writers could replace
+/// its files.
 std::optional<std::string> open_folder(const std::filesystem::path& folder);
 
 }  // namespace feltwire

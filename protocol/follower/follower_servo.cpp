@@ -27,7 +27,7 @@ const FollowerOptions& checked(const FollowerOptions& options) {
   return options;
 }
 
-/// Above the sensor's noise, and never less than the estimate's own thresholds.
+/// Thresholds above the sensor's noise, and never below the defaults of the estimate.
 ContactEstimateConfig estimate_of(const FollowerSpec& spec) {
   ContactEstimateConfig config{.first_stiffness = spec.stiffness};
   config.on = std::max(config.on, 4.0 * spec.wrench_noise);
@@ -123,7 +123,7 @@ void FollowerServo::lose(const Vec3& tip, Nanoseconds now) noexcept {
   limit_.begin(wanted_.pose);
 }
 
-/// Estimates the contact of the tool and its energy.
+/// Estimates the contact of the tool and the energy at the tool.
 void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexcept {
   const Vec3& tip = reading.pose.position;
   state_.pose = {tip, reading.pose.orientation.normalized()};
@@ -145,7 +145,7 @@ void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexce
     state_.others = estimate_.others();
     energy_.moved(force, tip - tip_, elapsed);
   } else {
-    state_.contact = {};  // not sensed is not zero: nobody knows what there is
+    state_.contact = {};  // no force sensor: the contact is unknown, not zero
     state_.others = {};
   }
   tip_ = tip;
@@ -161,8 +161,8 @@ void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexce
 void FollowerServo::steer(bool follow, double elapsed) noexcept {
   const bool touching = state_.contact.touching;
   if (follow != following_) {
-    // In contact from the target that is held, at rest: what the motion was at is not where the
-    // limits of the contact have left it. In free flight it goes on as it moves, and brakes.
+    // In contact, the motion starts at rest from the held target, because the contact limits may
+    // have moved that target away from the motion. In free flight the motion continues, and brakes.
     if (touching) motion_.begin(wanted_.pose);
     if (follow) {
       gripper_.engage();
@@ -172,9 +172,9 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     following_ = follow;
   }
   if (follow) {
-    // A hand that engages anew in a contact that it knew must not shake the robot: what the robot
-    // holds there was paid for.
-    // A number that this robot has not given yet is of another one.
+    // Keep the known surface in contact: if a hand engages again there, the small first-touch limit
+    // would shake the robot.
+    // A number that this robot has not given yet comes from another robot.
     const bool own = target_.known_surface <= estimate_.newest();
     if (target_.known_surface != 0 || !touching) known_ = own ? target_.known_surface : 0;
     hand_work_ = target_.hand_work;
@@ -184,7 +184,7 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
   const Pose& moved =
       follow ? motion_.follow(limit_.aim(target_.pose), elapsed) : motion_.stop(elapsed);
   const Pose& pose = limit_.keep(moved);
-  // A motion that went on in a body would come out of it somewhere else.
+  // A motion that continued inside a body would leave it at another place.
   if (limit_.workspace().body_count > 0) motion_.held_at(pose.position, elapsed);
   wanted_.pose.position = limiter_.step({.wanted = pose.position,
                                          .robot = tip_,
@@ -220,7 +220,7 @@ FollowerTarget FollowerServo::step(const FollowerReading& reading, Nanoseconds n
     limit_.begin(reading.commanded);
     gripper_.begin(reading.gripper);
   } else if (now > last_) {
-    // A sample that is late by much is no reason for a large step.
+    // A very late sample must not cause a large step.
     elapsed = std::min(seconds(now - last_), 10.0 * spec_.servo_period);
   }
   last_ = now;

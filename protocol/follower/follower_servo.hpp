@@ -1,5 +1,5 @@
 #pragma once
-// One servo sample of a robot that follows: its input is the reading, its output the target until
+// A servo sample of a robot that follows: its input is the reading, its output the target until
 // the next sample. It has no socket, clock or thread.
 
 #include <cstdint>
@@ -77,7 +77,7 @@ class FollowerServo {
   /// A target, received at `now`. One that is not newer changes nothing.
   void take(const RobotTarget& target, Nanoseconds now) noexcept;
 
-  /// One sample: returns the target for write(), from the reading at `now`.
+  /// Takes one sample: returns the target for write(), from the reading at `now`.
   FollowerTarget step(const FollowerReading& reading, Nanoseconds now) noexcept;
   /// Returns the state for the server, after write() returned `held`. Valid until the next call.
   const RobotState& report(const FollowerTarget& held) noexcept;

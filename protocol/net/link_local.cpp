@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-/// "eth0, wlan0": of this machine, without the loopback.
+/// "eth0, wlan0": the interfaces of this machine, without the loopback.
 std::string interfaces() {
   std::string names;
   auto* const all = ::if_nameindex();

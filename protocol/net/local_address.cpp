@@ -12,7 +12,7 @@ int family_of(int descriptor) noexcept {
   return value;
 }
 
-/// The only entry of the message's control data.
+/// Writes the only entry of the message's control data.
 template <class Info>
 void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Info& info) noexcept {
   room.bytes = {};
@@ -29,7 +29,7 @@ void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Inf
 
 bool report_local_address(int descriptor) noexcept {
   const int on = 1;
-  // A socket of IPv6 that takes IPv4, too, tells of both by the one option.
+  // An IPv6 socket that also takes IPv4 reports both addresses through this one option.
   return family_of(descriptor) == AF_INET6
              ? ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_RECVPKTINFO, &on, sizeof on) == 0
              : ::setsockopt(descriptor, IPPROTO_IP, IP_PKTINFO, &on, sizeof on) == 0;
@@ -49,14 +49,14 @@ LocalAddress local_address(const msghdr& message) noexcept {
       in_pktinfo info{};
       std::memcpy(&info, CMSG_DATA(entry), sizeof info);
       local.family = AF_INET;
-      local.four = info.ipi_spec_dst;  // of a datagram to all, that of the interface
+      local.four = info.ipi_spec_dst;  // for a broadcast datagram: the address of the interface
     } else if (entry->cmsg_level == IPPROTO_IPV6 && entry->cmsg_type == IPV6_PKTINFO) {
       in6_pktinfo info{};
       std::memcpy(&info, CMSG_DATA(entry), sizeof info);
       if (IN6_IS_ADDR_MULTICAST(&info.ipi6_addr)) continue;
       local.family = AF_INET6;
       local.six = info.ipi6_addr;
-      // Any other address may have its way back through another interface.
+      // A reply to any other address may leave through another interface.
       if (IN6_IS_ADDR_LINKLOCAL(&info.ipi6_addr)) local.interface = info.ipi6_ifindex;
     }
   }

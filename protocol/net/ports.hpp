@@ -11,7 +11,7 @@ namespace feltwire {
 /// which ROS 2 uses on the machines that haptic devices are attached to.
 inline constexpr std::uint16_t kDefaultPort = 6720;
 
-/// The same for `feltwire-lab link`, which may run beside a server on one machine.
+/// The port of `feltwire-lab link`, which may run beside a server on one machine.
 inline constexpr std::uint16_t kDefaultRelayPort = 6740;
 
 }  // namespace feltwire

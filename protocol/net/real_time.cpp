@@ -16,13 +16,13 @@ RealTime request_real_time(int priority) noexcept {
       priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
   // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
   granted.memory_locked = mlockall(MCL_CURRENT) == 0;
-  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; 50 us else
+  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; the default is 50 us
   return granted;
 }
 
 void give_way() noexcept {
   constexpr int kNice = 10;
-  // On Linux a thread's own: its number stands for a process'.
+  // On Linux each thread has its own nice value, and its thread number is accepted as a process.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
 }
 

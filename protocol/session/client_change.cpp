@@ -23,7 +23,7 @@ std::optional<std::string> out_of_range(const char* field, double value, double 
   return std::string(field) + " must be " + range;
 }
 
-/// For every hand, whatever fails.
+/// Whether the method is passive for every hand, whatever fails.
 bool passive_by_itself(const BoundingMethod& method) {
   return promise(method, kAllFaults) == Promise::port;
 }

@@ -21,7 +21,7 @@ inline constexpr double kUnfeltTorque = 4e-4;  // [N m]
 bool beyond_deadband(const Vec3& value, const Vec3& expected, double fraction,
                      double floor) noexcept;
 
-/// The same for a command: for its whole force, or for its torque. True also if only one of the two
+/// Checks a command: its whole force, or its torque. True also if only one of the two
 /// commands is zero: contact begins or ends.
 bool beyond_deadband(const Command& value, const Command& expected, double fraction) noexcept;
 

@@ -62,7 +62,7 @@ bool keep_alive(const SessionParameters& asked, const SessionParameters& granted
 
 }  // namespace grant
 
-/// One rule for each field of SessionParameters.
+/// The rules: one for each field of SessionParameters.
 inline constexpr auto kParameterRules = [] {
   using P = SessionParameters;
   const auto rule = []<class Value>(const char* field, Value P::*value, ActedOnBy by,

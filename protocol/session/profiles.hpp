@@ -46,8 +46,8 @@ const NetworkProfile& network_profile(std::string_view name);
 /// The names, for a help text: "lan|wan|thin".
 std::string network_profile_names();
 
-/// The same session over such a line. Its servo period stays; the side becomes `client` if a local
-/// model has to be bounded beside the device.
+/// The parameters of the same session over such a line. Its servo period stays; the side becomes
+/// `client` if a local model has to be bounded beside the device.
 SessionParameters over(const NetworkProfile& line, SessionParameters parameters);
 
 /// The parameters that a server behind such a line grants: the requested ones, if the line has room

@@ -10,15 +10,15 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShort = 32767.0;  // the largest of 16 bits
+constexpr double kShort = 32767.0;  // the largest value of 16 bits
 
-/// Nearest; NaN becomes zero.
+/// The nearest integer; zero for NaN.
 std::int16_t wire_short(double value) {
   if (std::isnan(value)) return 0;
   return static_cast<std::int16_t>(std::lround(std::clamp(value, -kShort, kShort)));
 }
 
-/// A lower triangular root of a symmetric matrix that is positive semidefinite to rounding.
+/// A lower triangular root of a symmetric matrix that is positive semidefinite except for rounding.
 Mat3 root_of(const Mat3& m) {
   Mat3 root = Mat3::Zero();
   for (Eigen::Index i = 0; i < 3; ++i) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4, kFlagShortened = 1u << 5;
-constexpr unsigned kReloadsShift = 8;  // of the byte of flags that counts reloads
+constexpr unsigned kReloadsShift = 8;  // the byte of the flags that counts reloads
 
 bool plausible(const Sample& sample, bool rotation) {
   if (!sample.held.finite()) return false;
@@ -27,7 +27,7 @@ bool plausible(const Sample& sample, bool rotation) {
   return !rotation || std::abs(sample.pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
 
-/// False when there are too few or too many.
+/// False if there are too few or too many.
 bool read(const flatbuffers::Vector<const wire::Vec3f*>* from, ContactNormals& to) {
   to = {};
   if (from == nullptr) return true;
@@ -64,7 +64,7 @@ bool plausible(const ContactNormals& normals) {
   return std::all_of(normals.unit.begin(), normals.unit.begin() + normals.count, unit_length);
 }
 
-/// Without those that hardly stand out, and exactly unit.
+/// Exactly unit normals, without a normal that almost depends linearly on the others.
 ContactNormals usable(const ContactNormals& told) {
   ContactNormals normals;
   for (int i = 0; i < told.count; ++i)
@@ -225,7 +225,7 @@ DropReason check(const SampleBatch& batch) noexcept {
 
 namespace {
 
-/// The view is checked also where it is not wanted.
+/// Checks the view even if the caller does not want it.
 DropReason read_view(const wire::SceneView* from, SceneView* view) noexcept {
   if (view != nullptr) view->present = false;
   if (from == nullptr) return DropReason::none;

@@ -43,7 +43,7 @@ inline flatbuffers::Offset<flatbuffers::String> name_if_any(flatbuffers::FlatBuf
                                                             const std::string& text) {
   return text.empty() ? 0 : builder.CreateString(text);
 }
-/// One that may be left out stays what it was where it is not there.
+/// Reads an optional name. An absent name leaves `out` unchanged.
 inline bool read_name(const flatbuffers::String* text, std::string& out,
                       std::size_t longest = kMaxName) {
   if (text == nullptr) return true;

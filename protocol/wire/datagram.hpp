@@ -48,7 +48,7 @@ struct Header {
   std::uint64_t packet_number = 0;  // counted by the sender from 1
 };
 
-/// One servo sample of a device. Forces on the hand, world frame.
+/// A servo sample of a device. Forces on the hand, world frame.
 struct Sample {
   std::uint64_t index = 0;     // counted by the client from 1
   Nanoseconds client_time{0};  // client's monotonic clock when the device was read

@@ -1,4 +1,4 @@
-// Control messages to bytes.
+// Encodes control messages to bytes.
 
 #include <sodium.h>
 
@@ -30,14 +30,14 @@ wire::TimesCounted wire_times(const TimeCounts& times) {
           times.sum()};
 }
 
-/// The union's member of each message.
+/// Builds the union's member for each message.
 struct BodyBuilder {
   FlatBufferBuilder& builder;
 
   Offset<wire::JoinRequest> operator()(const JoinRequest& m) {
     const auto device = build(builder, m.device);
     const auto parameters = build(builder, m.parameters);
-    // By length, here and below: a name may hold a zero byte, and is then no shorter.
+    // CreateString takes the length, here and below: a name may contain a zero byte.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
@@ -211,7 +211,7 @@ struct BodyBuilder {
   }
 };
 
-/// The union counts from 1 in the order of Message.
+/// The union counts from 1, in the order of Message.
 wire::Body body_type(const Message& message) {
   return static_cast<wire::Body>(message.index() + 1);
 }
@@ -230,7 +230,7 @@ std::vector<std::uint8_t> encode(const Message& message) {
   std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
   put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
   std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
-  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());  // a token may have been in it
+  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());  // it may have contained a token
   return frame;
 }
 

@@ -27,7 +27,7 @@ enum class HandReason : std::uint8_t {
   scene_change,  // the scene changed under the hand, and the force comes back gradually
   device_fault,  // the device gave no usable position, or did not hold its command
   law_change,    // an admin gave the session another law; the held force fades first
-  // Those from here on say more of one that is set too, or stand alone.
+  // The reasons from here on detail another one that is set too, or stand alone.
   ramp,                  // of limits: the force still grows after the first contact
   slew,                  // of limits: the force rises no faster
   velocity_limit,        // of limits: the device is too fast

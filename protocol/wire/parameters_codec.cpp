@@ -12,7 +12,7 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-/// Nothing for an isotropic damping, 3 numbers along the axes, 6 for a matrix.
+/// No numbers for an isotropic damping, 3 for one along the axes, 6 for a matrix.
 Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
   if (damping.isotropic()) return 0;
   const Mat3& m = damping.matrix();
@@ -38,7 +38,7 @@ bool read_damping(double isotropic, const flatbuffers::Vector<double>* entries, 
   return true;
 }
 
-/// Absent: there are none.
+/// An absent list means no bodies.
 bool read_bodies(const flatbuffers::Vector<const wire::KeepOutBody*>* from, Workspace& to) {
   if (from == nullptr) return true;
   if (!aligned(*from, alignof(wire::KeepOutBody)) || from->size() > Workspace::kMostBodiesGiven)
@@ -61,7 +61,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
   const auto damping = tensor(builder, d.damping);
   const auto rotational_damping = tensor(builder, d.rotational_damping);
   const auto name = builder.CreateString(d.name);
-  // A peer that does not know the tensor uses the smallest damping of all directions.
+  // A peer that does not know the tensor uses the smallest damping over all directions.
   return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
                                 static_cast<std::uint8_t>(d.rotation_sensed),
                                 static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),

@@ -57,7 +57,7 @@ struct Remote {
   std::optional<Vec3> turn{};
 };
 
-/// One servo sample of a robot, in its own frame.
+/// A servo sample of a robot, in its own frame.
 struct RobotState {
   std::uint64_t index = 0;               // counted by the follower from 1
   Nanoseconds time{0};                   // the follower's monotonic clock

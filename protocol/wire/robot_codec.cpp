@@ -14,10 +14,10 @@ namespace {
 constexpr std::uint32_t kFlagDeadman = 1u << 0;
 constexpr std::uint32_t kRobotTouches = 1u << 0;
 constexpr std::uint32_t kFlagSensed = 1u << 0, kFlagOk = 1u << 1, kFlagStopped = 1u << 2;
-constexpr double kFastest = 100.0;  // [m/s] no surface and no robot is faster
+constexpr double kFastest = 100.0;  // [m/s] upper limit for surfaces and robots
 constexpr double kStiffest = 1e9;   // [N/m]
 constexpr double kMostForce = 1e6;  // [N], [N m]
-constexpr double kDeepest = 0.1f;   // [m] of a felt wall; as float32 has it
+constexpr double kDeepest = 0.1f;   // [m] depth of a felt wall, rounded as float32
 
 // All written so that NaN fails.
 bool within(double value, double most) { return std::abs(value) <= most; }
@@ -29,7 +29,7 @@ bool plausible(const Pose& pose) {
   return within(pose.position, kMaxPosition) && unit(pose.orientation);
 }
 
-/// A contact that is none has no numbers to be wrong.
+/// Without a contact (surface 0) its numbers do not matter.
 bool plausible(const RemoteContact& c) {
   if (c.surface == 0) return !c.touching;
   return within(c.point, kMaxPosition) && within(c.normal.squaredNorm() - 1.0, kUnitTolerance) &&
@@ -69,8 +69,8 @@ RemoteContact contact_of(const wire::RobotContact& from) {
 wire::RobotEnergy wire_energy(const EnergyCounters& e) { return {e.given, e.taken, e.pushed}; }
 EnergyCounters energy_of(const wire::RobotEnergy& e) { return {e.given(), e.taken(), e.pushed()}; }
 
-constexpr std::uint32_t kOtherMeets = 1u << 8;  // of Remote.state
-constexpr int kLeadSeat = 8, kRemoteSeat = 16;  // their first bits
+constexpr std::uint32_t kOtherMeets = 1u << 8;  // bit of Remote.state
+constexpr int kLeadSeat = 8, kRemoteSeat = 16;  // the first bit of each seat
 std::uint8_t seat_in(std::uint32_t word, int first) {
   return static_cast<std::uint8_t>(word >> first & 0xff);
 }

@@ -13,7 +13,7 @@ bool PacketWindow::fresh(std::uint64_t number) const noexcept {
 
 void PacketWindow::mark(std::uint64_t number) noexcept {
   if (number > highest_) {
-    // The places that the window moves over belonged to older numbers.
+    // The window moves over these places, which belonged to older numbers.
     const std::uint64_t moved = number - highest_;
     if (moved >= kWidth) {
       seen_.reset();

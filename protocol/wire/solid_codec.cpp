@@ -30,10 +30,10 @@ const char* name_of(const Shape& shape) {
       shape, [](const auto& primitive) { return primitive.kName; }, [] { return ""; });
 }
 
-/// The shape of this name, with these lengths.
+/// The result of reading a shape by its name and its lengths.
 struct ReadShape {
   bool known = false;  // this program has a shape of this name
-  bool whole = false;  // it has all of its numbers, and no more
+  bool whole = false;  // the number of lengths is right
   Shape shape = {};
 };
 ReadShape shape_of(std::string_view name, const flatbuffers::Vector<double>& lengths) {

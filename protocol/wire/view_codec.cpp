@@ -12,10 +12,10 @@ static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
 static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 
-static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // its place in the table, padding
+static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // less its table entry and padding
 
 constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
-constexpr int kSeat = 8, kSeats = 16;  // their first bits
+constexpr int kSeat = 8, kSeats = 16;  // the first bit of each field
 constexpr std::uint32_t kAllSeats = (1u << kMostSeats) - 1;
 constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
 
@@ -130,7 +130,7 @@ DropReason read(const wire::SeenRobot& from, SeenRobot& to) noexcept {
   return good ? DropReason::none : DropReason::not_finite;
 }
 
-/// One of the two lists: in [begin, end), rising.
+/// Reads a list of hands or bodies. Their numbers must rise within [begin, end).
 template <class Seen, class Wire, std::size_t most>
 DropReason read(const flatbuffers::Vector<const Wire*>* from, std::uint32_t begin,
                 std::uint32_t end, std::array<Seen, most>& out, std::size_t& count) noexcept {
@@ -148,7 +148,7 @@ DropReason read(const flatbuffers::Vector<const Wire*>* from, std::uint32_t begi
   return wrong;
 }
 
-/// Of the hands that have been read.
+/// Reads the figures of the hands that were read before.
 DropReason read_figures(const flatbuffers::Vector<const wire::HandFigures*>& from,
                         SceneView& view) noexcept {
   if (!aligned(from, alignof(wire::HandFigures))) return DropReason::malformed;

@@ -33,7 +33,7 @@ ConnectionTurns::Host& ConnectionTurns::host(Net& net, const HostAddress& key) {
   return found->second;
 }
 
-/// Nobody who waits is forgotten; there is always one who does not.
+/// Forgets a host that does not wait. There is always one.
 void ConnectionTurns::forget_a_host(Hosts& hosts) {
   auto oldest = hosts.end();
   const auto order = [](const Host& h) {
@@ -48,7 +48,7 @@ void ConnectionTurns::forget_a_host(Hosts& hosts) {
   --hosts_;
 }
 
-/// The one without anybody who waits that was heard of the longest time ago.
+/// Forgets a network where nobody waits: without a good host if possible, then the longest unheard.
 bool ConnectionTurns::forget_a_network() {
   auto oldest = networks_.end();
   const auto order = [](const Net& net) {
@@ -102,7 +102,7 @@ ConnectionTurns::Id ConnectionTurns::send_away(Net& net, Host& host, std::size_t
   return take_out(net, host, place);
 }
 
-/// The newest connection of the host whose turn comes last. Precondition: somebody waits.
+/// Sends away the newest connection of the host whose turn is last. Precondition: somebody waits.
 ConnectionTurns::Id ConnectionTurns::send_last_away(Net& net, Nanoseconds now) {
   Host* last = nullptr;
   for (auto& [key, host] : net.hosts)
@@ -110,7 +110,7 @@ ConnectionTurns::Id ConnectionTurns::send_last_away(Net& net, Nanoseconds now) {
   return send_away(net, *last, last->waiting.size() - 1);
 }
 
-/// Returns the connection that has to go so that no more wait than may.
+/// Returns the connection that must leave if too many wait.
 std::optional<ConnectionTurns::Id> ConnectionTurns::make_room(Net& net, Host& newcomer,
                                                               Nanoseconds now) {
   if (newcomer.waiting.size() > limits_.waiting_of_host) return send_away(net, newcomer, 0);

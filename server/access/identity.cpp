@@ -49,7 +49,7 @@ CertificatePtr first_certificate(const Identity& identity) {
       PEM_read_bio_X509(reader(identity.certificate).get(), nullptr, nullptr, nullptr));
 }
 
-/// Never asks at the terminal.
+/// Gives no passphrase, so that OpenSSL never asks at the terminal.
 int no_passphrase(char*, int, int, void*) { return 0; }
 
 std::string alternative_names(const std::vector<std::string>& names) {

@@ -8,7 +8,7 @@
 namespace feltwire::json_text {
 namespace {
 
-/// On lines of their own, each two columns further to the right.
+/// Writes each entry on its own line, two columns further to the right.
 std::string between(char begin, const std::vector<std::string>& entries, char end) {
   std::string result(1, begin);
   for (const std::string& entry : entries) {
@@ -25,7 +25,7 @@ std::string between(char begin, const std::vector<std::string>& entries, char en
 }  // namespace
 
 std::string text(std::string_view text) {
-  using Json = nlohmann::json;  // the destructor of one that is a text allocates nothing
+  using Json = nlohmann::json;  // destroying a text value allocates nothing
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -49,9 +49,9 @@ std::size_t Places::size(const Network& network) const {
   return found == lines_.end() ? 0 : found->second.size();
 }
 
-/// The oldest connection of the member that has the most; of two as large ones, of whose is older.
-/// `newcomer` is about to have one more; null: it is of another network. Precondition: a line that
-/// is not empty.
+/// The oldest connection of the member with the most connections. If two members have equally many,
+/// the older connection. `newcomer` is about to have one more; null: it is in another network.
+/// Precondition: a line that is not empty.
 Places::Id Places::oldest_of_most(const Line& line, const Member* newcomer) {
   std::map<std::string_view, std::size_t> counts;
   if (newcomer != nullptr) ++counts[*newcomer];
@@ -67,7 +67,7 @@ Places::Id Places::oldest_of_most(const Line& line, const Member* newcomer) {
   return oldest->id;
 }
 
-/// The oldest connection of a member that has as many as it may have.
+/// The oldest connection of a member that already has the allowed number.
 std::optional<Places::Id> Places::oldest_of_too_many(const Member& member) const {
   std::size_t count = 0;
   std::optional<std::pair<Turn, Id>> oldest;
@@ -81,8 +81,8 @@ std::optional<Places::Id> Places::oldest_of_too_many(const Member& member) const
   return oldest->second;
 }
 
-/// The connection that must make room for one more of this member of a network; none while there is
-/// room.
+/// The connection that must make room for a new connection of this member and network; none while
+/// there is room.
 std::optional<Places::Id> Places::victim(const Network& newcomer, const Member& member) const {
   if (const auto own = oldest_of_too_many(member)) return own;
   const auto own = lines_.find(newcomer);
@@ -92,7 +92,7 @@ std::optional<Places::Id> Places::victim(const Network& newcomer, const Member& 
   const Line* largest = nullptr;
   std::size_t most = 0;
   for (const auto& [network, line] : lines_) {
-    // The newcomer counts, too: a network as large as the largest gives way to its own.
+    // Count the newcomer too: its network then makes room itself if it is among the largest.
     const std::size_t count = line.size() + (network == newcomer ? 1 : 0);
     if (count < most || (count == most && line.begin()->first > largest->begin()->first)) continue;
     largest = &line;

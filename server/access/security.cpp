@@ -33,7 +33,7 @@ bool needs_state(const SecurityOptions& config) {
   return !config.state.empty() || config.certificate.empty() || config.tokens.empty();
 }
 
-/// For its owner alone from the first moment on. One that others may write to is refused.
+/// Makes a folder that is private from the first moment. Refuses one that others may write to.
 void make_folder(const fs::path& folder) {
   if (const std::error_code failed = make_private_folder(folder))
     throw FileError(folder.string() + ": cannot be made: " + failed.message() +
@@ -58,8 +58,8 @@ std::vector<std::string> own_names(const SecurityOptions& config) {
   return names;
 }
 
-/// The certificate is put in place after its key, and the fingerprint, by which it is known, after
-/// both. So a key without either is what an interrupted first start left, and is replaced.
+/// Writes the key first, then the certificate. The fingerprint, which marks a known identity, is
+/// written after both. A key without either is left from an interrupted first start: replace it.
 Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   const fs::path certificate = folder / kCertificate, key = folder / kKey;
   const bool has_certificate = fs::exists(certificate), has_key = fs::exists(key);
@@ -77,15 +77,15 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   return load_identity(certificate, key);
 }
 
-/// Makes the first token, so that the user who starts a server can join it. Its text is put in
-/// place before tokens.json: where that is missing, both are made anew at the next start.
+/// Makes the first token, so that the user who starts a server can join it. Its text is written
+/// before tokens.json. If tokens.json is missing, the next start makes both again.
 void make_tokens(const SecurityOptions& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
   replace_file(local_token_file(config), local.text.text(), kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
 }
 
-/// Removes the leftovers of a start that was interrupted. The folder's lock is held.
+/// Removes the leftovers of an interrupted start. Precondition: the folder's lock is held.
 void tidy(const SecurityOptions& config, const fs::path& folder) {
   for (const char* name : {kCertificate, kKey, kFingerprint, kLocalToken})
     remove_leftovers(folder / name);

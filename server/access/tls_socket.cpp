@@ -68,8 +68,8 @@ TlsSocket::TlsSocket(asio::ip::tcp::socket socket, ssl_ctx_st& tls) : socket_(st
 
 TlsSocket::~TlsSocket() = default;
 
-/// The functions by which OpenSSL reaches the socket. Its own would end the program by SIGPIPE when
-/// it writes to a client that has gone.
+/// OpenSSL accesses the socket through these functions. Its own functions would end the program by
+/// SIGPIPE when they write to a client that has gone.
 bio_method_st& TlsSocket::transport() {
   static BIO_METHOD* const method = [] {
     BIO_METHOD* const made =
@@ -94,7 +94,7 @@ int TlsSocket::receive(bio_st* bio, char* into, int size) {
     if (self.hello_read_ == self.hello_.size()) self.hello_ = std::vector<std::uint8_t>();
     return static_cast<int>(count);
   }
-  // Asked each time, so that a closed socket is no other one that has its number now.
+  // Get the descriptor each time: after a close, another socket may have its number.
   const ssize_t count =
       ::recv(self.socket_.native_handle(), into, static_cast<std::size_t>(size), MSG_DONTWAIT);
   if (count < 0 && would_block()) BIO_set_retry_read(bio);
@@ -126,7 +126,7 @@ void TlsSocket::make_engine() {
   ssl_ = std::move(made);
 }
 
-/// Takes what has come of the client's first message. Done when that is whole.
+/// Receives the client's first message. Done when it is complete.
 TlsSocket::Step TlsSocket::await_hello() {
   std::array<std::uint8_t, kMostHello> room{};
   for (;;) {
@@ -135,7 +135,7 @@ TlsSocket::Step TlsSocket::await_hello() {
     if (count < 0 && would_block()) return {.waits = Waits::to_read};
     if (count < 0) return {.error = {errno, std::system_category()}};
     if (count == 0) return {.error = asio::error::eof};
-    // No more memory than bytes have come.
+    // Allocate no more memory than bytes have come.
     hello_.reserve(hello_.size() + static_cast<std::size_t>(count));
     hello_.insert(hello_.end(), room.begin(), room.begin() + count);
     switch (first_message(hello_)) {
@@ -165,8 +165,9 @@ TlsSocket::Step TlsSocket::shake_hands() noexcept {
   return step;
 }
 
-/// OpenSSL has sent the reason of a refusal. To close a socket with unread bytes resets the
-/// connection, and the client, which has sent its request by now, would not read that reason.
+/// Discards unread bytes after OpenSSL has sent the reason of a refusal. Closing a socket with
+/// unread bytes resets the connection. The client has already sent its request, and would not read
+/// the reason.
 void TlsSocket::drop_unread() noexcept {
   std::array<std::uint8_t, kMostHello> room{};
   constexpr int kMostReads = 8;
@@ -190,7 +191,7 @@ TlsSocket::Step TlsSocket::say_end() noexcept {
   return result >= 0 ? Step{} : outcome(result);
 }
 
-/// `result` is the one of the last call of OpenSSL.
+/// `result`: of the last OpenSSL call.
 TlsSocket::Step TlsSocket::outcome(int result) noexcept {
   const int number = errno;
   switch (SSL_get_error(ssl_.get(), result)) {

@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// Refuses a file that others may write to, as they could add tokens, or read, as for keys.
+/// Refuses a file that others may write (they could add tokens) or read (as for keys).
 Tokens read_tokens(const std::filesystem::path& file) {
   if (const auto open = exposure(file)) throw FileError(*open);
   return parse_tokens(read_text(file), file.string());
@@ -17,7 +17,7 @@ Tokens read_tokens(const std::filesystem::path& file) {
 }  // namespace
 
 TokenFile::TokenFile(std::filesystem::path file)
-    // The stamp first: what is written after it is noticed.
+    // Take the stamp first, so that every later write is noticed.
     : file_(std::move(file)), read_(stamp()), tokens_(read_tokens(file_)) {}
 
 std::optional<std::string> TokenFile::refresh() {
@@ -34,8 +34,8 @@ std::optional<std::string> TokenFile::refresh() {
     said_.clear();
     return std::nullopt;
   } catch (const FileError& error) {
-    // An error in its text stays until the file is written again. An error of reading (no
-    // descriptor is free, say) may pass at any moment.
+    // A text error stays until the file is written again. A read error (for example without a free
+    // descriptor) may pass at any moment.
     if (whole) read_ = now;
     if (said_ == error.what()) return std::nullopt;
     return said_ = error.what();

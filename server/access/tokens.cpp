@@ -21,12 +21,12 @@ constexpr std::string_view kPrefix = "fw_";
 constexpr std::size_t kIdBytes = 6, kIdDigits = 2 * kIdBytes;
 constexpr std::size_t kSecretBytes = 32;
 constexpr int kBase64 = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
-constexpr std::size_t kSecretDigits = 43;  // of 32 bytes in base64, without padding
+constexpr std::size_t kSecretDigits = 43;  // 32 bytes in base64, without padding
 
 using SecretBytes = std::array<std::uint8_t, kSecretBytes>;
 
-/// One round of a fast hash is enough: the secret is 256 random bits, not a password that could be
-/// guessed; the salt keeps equal secrets of two servers from being seen to be equal.
+/// A single round of a fast hash is enough: the secret is 256 random bits, not a password that
+/// could be guessed. The salt hides that two servers have equal secrets.
 std::array<std::uint8_t, 32> hash_of(const SecretBytes& secret,
                                      const std::array<std::uint8_t, 16>& salt) {
   std::array<std::uint8_t, 32> hash;
@@ -56,7 +56,7 @@ bool read_hex(std::string_view text, std::array<std::uint8_t, N>& bytes) {
          size == N && end == text.data() + text.size();
 }
 
-/// The error of a name; empty: there is none.
+/// Returns the error of a name; empty: none.
 std::string complaint(std::string_view name) {
   const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
@@ -79,7 +79,7 @@ std::string seat_complaint(Role role, std::string_view seat) {
   return complaint(seat);
 }
 
-/// `fw_<id>_<secret>` in its parts.
+/// The parts of `fw_<id>_<secret>`.
 struct Shown {
   std::string_view id;
   SecretBytes secret{};

@@ -24,9 +24,9 @@ namespace {
 
 constexpr int kLastPort = 65535;
 constexpr int kMostSessions = 4096;
-constexpr int kMostWebHands = 64;  // each has threads of its own in the server
+constexpr int kMostWebHands = 64;  // each has its own threads in the server
 constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // times the servo rate
-constexpr double kNeverSleeps = -1.0;                               // of busy_poll, in a file
+constexpr double kNeverSleeps = -1.0;                               // value of busy_poll in a file
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
@@ -209,7 +209,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->web_names() != nullptr)
     for (const auto* name : *root->web_names()) config.web_names.push_back(name->str());
   config.record = path(root->record());
-  // As busy_poll: no limit.
+  // As for busy_poll, the file has a number for "no limit": 0 or less.
   if (root->record_max_mib() > 0.0) config.record_max_mib = root->record_max_mib();
   if (root->record_max_seconds() > 0.0) config.record_max_seconds = root->record_max_seconds();
   config.flight_recorder = path(root->flight_recorder());

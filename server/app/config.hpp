@@ -46,7 +46,7 @@ struct ServerConfig : SecurityOptions {
 /// Throws FileError "file:line: field: what is wrong".
 ServerConfig load_config(const std::filesystem::path& file);
 
-/// The same from text; scene paths are taken relative to the folder of `file`.
+/// Reads it from text; scene paths are relative to the folder of `file`.
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
 
 /// The port of the live page in examples. No other service uses it, as with kDefaultPort.

@@ -21,15 +21,15 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// TLS without a check of the certificate: the question is only whether a server answers.
+/// TLS without a check of the certificate: it only matters whether a server answers.
 asio::ssl::context any_server() {
   asio::ssl::context tls(asio::ssl::context::tls_client);
   require_tls_13(*tls.native_handle());
   return tls;
 }
 
-/// One question, one answer; each step starts the next. The question is an empty frame: every
-/// server says that it is malformed, before it asks for a token, and counts it as nothing.
+/// Sends a question and reads the answer; each step starts the next. The question is an empty
+/// frame: every server calls it malformed before it asks for a token, and does not count it.
 struct Question {
   asio::io_context io{1};
   asio::ssl::context tls = any_server();
@@ -45,7 +45,7 @@ struct Question {
   auto then(Next next) {
     return [this, next](const Error& error, std::size_t = 0) {
       failed = error;
-      // A server that wants a certificate of its clients says so, and so is there.
+      // A server that demands a client certificate has answered, so it is up.
       answered = error.category() == asio::error::get_ssl_category() &&
                  ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
                      SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED;

@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-/// Beside the token of this machine's user; empty: there is no state folder.
+/// The file beside the local user's token; empty: there is no state folder.
 std::filesystem::path file_of(const ServerConfig& config) {
   const std::filesystem::path local = local_token_file(config);
   return local.empty() ? local : local.parent_path() / "scenes.txt";

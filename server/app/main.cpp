@@ -42,7 +42,7 @@ int fail(int status, const char* what) {
   return status;
 }
 
-/// As a shell reads it back.
+/// Quotes a word for a shell.
 std::string shell_word(const std::string& word) {
   constexpr const char* kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
@@ -52,8 +52,8 @@ std::string shell_word(const std::string& word) {
   return text + "'";
 }
 
-/// The client as a shell finds it: by its name where that is this installation's, else beside this
-/// program.
+/// The client's command for a shell: its plain name if the shell finds this installation, else its
+/// path beside this program.
 std::string client_program() {
   namespace fs = std::filesystem;
   constexpr const char* kName = "feltwire-client";
@@ -67,7 +67,7 @@ std::string client_program() {
     const fs::path found = fs::path(folder) / kName;
     if (folder.empty() || ::access(found.c_str(), X_OK) != 0) continue;
     if (fs::equivalent(found, beside, failed)) return kName;
-    break;  // another one is found first
+    break;  // the shell finds another one first
   }
   return shell_word(beside.string());
 }
@@ -101,8 +101,8 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
   std::fflush(stdout);
 }
 
-/// Until SIGINT or SIGTERM, which are blocked in every thread, as are SIGUSR1 and SIGHUP. False
-/// where a thread was left behind that reads a file and gets no answer.
+/// Serves until SIGINT or SIGTERM. Every thread blocks these, SIGUSR1 and SIGHUP. Returns false if
+/// a thread was left behind that hangs reading a file.
 bool serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
   const auto count = [&] {
     if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
@@ -131,7 +131,7 @@ bool serve(feltwire::Server& server, const sigset_t& signals, const std::string&
   return ended;
 }
 
-/// Without the end of other threads, which may never come.
+/// Leaves without waiting for other threads, which may never end.
 [[noreturn]] void leave_now() {
   spdlog::warn("a scene's file gives no answer: leaving without it");
   std::fflush(stdout);
@@ -163,7 +163,7 @@ int main(int argc, char** argv) {
     }
     validate(config);
     feltwire::open_log("feltwire-server", config.log_level);
-    // Before any thread starts, so that only this one takes them.
+    // Block signals before any thread starts, so that only this thread takes them.
     const sigset_t signals = feltwire::block_signals();
 
     feltwire::StartEnded start_ended;
@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
       if (start_ended.left_behind) leave_now();
       return 0;
     }
-    // A file that cannot be written is said at once, not at the end of a long day.
+    // Report an unwritable file at once, not at the end of a long day.
     if (!asked.summary.empty()) {
       feltwire::remove_leftovers(asked.summary);
       write_summary(asked.summary, server->summary(), server->control_summary());

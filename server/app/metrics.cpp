@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// A label's value, as the format wants it.
+/// Escapes a label's value as the format requires.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -128,8 +128,8 @@ std::string in_seconds(Nanoseconds time) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), seconds(time)).ptr};
 }
 
-/// A histogram: each class has those below it, too. `limits` [ns] are those of all classes but the
-/// last. `sum` of the times, where it is known.
+/// Adds a histogram: each class includes the classes below it. `limits` [ns]: the limits of all
+/// classes but the last. `sum`: of the times, if it is known.
 void add_classes(std::string& text, const std::string& name, const std::string& labels,
                  std::span<const std::uint64_t> counts, const auto& limits,
                  std::optional<Nanoseconds> sum = {}) {

@@ -59,7 +59,7 @@ void check_names(const std::vector<Scene>& scenes) {
   }
 }
 
-/// Threads that never sleep and have no core each keep one another, and all else, waiting.
+/// Threads that never sleep need a core each; otherwise they delay each other and everything else.
 void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
   const unsigned cores = std::thread::hardware_concurrency();
   if (busy_poll == kForever && scenes + 1 > cores)
@@ -100,7 +100,7 @@ std::string own_host(const std::string& listens_on) {
   return address.is_v6() ? "::1" : "127.0.0.1";
 }
 
-/// With a token for the link by which an admin opens the page on this machine.
+/// Adds a token for the link that opens the page as admin on this machine.
 Security security_of(const ServerConfig& config) {
   Security security = open_security(config);
   if (config.web.empty() || !config.tokens.empty()) return security;
@@ -136,11 +136,11 @@ struct Server::Parts {
   std::vector<std::unique_ptr<SceneHost>> hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
-  std::unique_ptr<web::PageHands> page_hands;  // null: viewers hold none
+  std::unique_ptr<web::PageHands> page_hands;  // null: viewers hold no hands
   std::unique_ptr<web::WebServer> web;         // null: there is no live page
   asio::steady_timer look{io};
   bool looking = false;                            // the timer runs
-  const std::vector<std::filesystem::path> files;  // of the scenes; none where they were at hand
+  const std::vector<std::filesystem::path> files;  // of the scenes; empty if they were passed in
   SceneLoader loader;
   std::thread thread;
 
@@ -182,8 +182,8 @@ struct Server::Parts {
 
   ~Parts() { stop(); }
 
-  /// Opens the live page. If clients must show a certificate, no page holds a hand: it has none to
-  /// show.
+  /// Opens the live page. If clients must show a certificate, viewers hold no hands: the page has
+  /// no certificate.
   void open_page(const ServerConfig& config, Security security, const web::MakePageHands& hands) {
     web::WebOptions page = page_place(config.web, config.web_names);
     if (hands && config.web_hands > 0 && security.client_authorities.empty())
@@ -195,7 +195,7 @@ struct Server::Parts {
     };
     page.reload = [this](std::size_t host) {
       asio::post(io, [this, host] {
-        reload(host, [](const std::optional<Refused>&) {});  // the page is told by itself
+        reload(host, [](const std::optional<Refused>&) {});  // reload() tells the page
       });
     };
     page.write_flight = flight_writer(config);
@@ -209,7 +209,7 @@ struct Server::Parts {
   ControlService::WriteFlight flight_writer(const ServerConfig& config) {
     if (config.flight_recorder.empty()) return {};
     return [this](std::size_t scene, ControlService::FlightWritten done) {
-      // It may hold a connection, which has to end on the control thread.
+      // It may own a connection, which must end on the control thread.
       auto asked = std::make_shared<ControlService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
           scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
@@ -232,13 +232,13 @@ struct Server::Parts {
   ControlSummary control_summary() {
     const auto count = [this] { return ControlSummary{control->counters(), service.counters()}; };
     if (!thread.joinable()) return count();
-    std::promise<ControlSummary> counted;  // the counters are the control thread's
+    std::promise<ControlSummary> counted;  // the control thread owns the counters
     asio::post(io, [&] { counted.set_value(count()); });
     return counted.get_future().get();
   }
 
-  /// The control port, and the scenes' ports behind it one by one, so that a firewall can open them
-  /// and a relay can stand in between.
+  /// Binds the control port, and the scenes' ports directly after it, so that a firewall can open
+  /// them and a relay can forward them.
   std::vector<asio::ip::udp::socket> listen(const ServerConfig& config, const Security& security,
                                             std::size_t scenes) {
     ControlOptions options = control_options(config);
@@ -253,10 +253,10 @@ struct Server::Parts {
     });
   }
 
-  /// The control thread. A connection's handlers catch for themselves; what escapes another handler
-  /// is logged, and all of them go on.
+  /// Runs the control thread. A connection's handlers catch their own exceptions. An exception of
+  /// another handler is logged, and all connections continue.
   void run() {
-    constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
+    constexpr std::chrono::milliseconds kPause{100};  // no busy loop if it fails again at once
     for (bool ended = false; !ended;) {
       try {
         control->end_lost();
@@ -284,8 +284,8 @@ struct Server::Parts {
     looking = true;
   }
 
-  /// Its file anew, read in another thread. On the control thread, as `done` is. The live page is
-  /// told how it ended.
+  /// Reads a scene's file again in another thread. Call it on the control thread, where it also
+  /// calls `asked`. Tells the live page the result.
   void reload(std::size_t host, ControlService::Reloaded asked) {
     const auto done = [this, host, asked = std::move(asked)](std::optional<Refused> refused) {
       if (web != nullptr) web->tell(host, refused ? std::optional(refused->reason) : std::nullopt);
@@ -325,7 +325,7 @@ struct Server::Parts {
     return std::nullopt;
   }
 
-  /// All files anew; `done` when each has ended.
+  /// Reads all files again. Calls `done` when each has ended.
   void reload(std::function<void(std::vector<std::string>)> done) {
     struct All {
       std::size_t left;
@@ -341,13 +341,13 @@ struct Server::Parts {
   }
 
   bool stop() {
-    if (web != nullptr) web->stop();  // it asks the hosts
-    page_hands.reset();               // their clients take leave
+    if (web != nullptr) web->stop();  // first, because it asks the hosts
+    page_hands.reset();               // their clients say goodbye
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
       for (auto& host : hosts) host->stop();
       if (recorder != nullptr) recorder->stop();
-      // Behind what the scenes have said: which sessions ended with the server.
+      // Stop after the scenes' messages about the sessions that ended with the server.
       asio::post(io, [this] { io.stop(); });
       thread.join();
     }

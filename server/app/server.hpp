@@ -29,7 +29,7 @@ class Server {
   /// one clear line. `hands` makes the hands for viewers of the live page
   /// (server/app/page_hands.hpp); empty: none.
   explicit Server(const ServerConfig& config, const web::MakePageHands& hands = {});
-  /// The same with given scenes and identity; those of the configuration are not read. `load` reads
+  /// Uses the given scenes and identity; those of the configuration are not read. `load` reads
   /// a scene's file again at a reload.
   Server(const ServerConfig& config, std::vector<Scene> scenes, Security security,
          SceneLoader::Load load = load_scene_and_warn, const web::MakePageHands& hands = {});
@@ -66,7 +66,8 @@ class Server {
   /// should end with std::_Exit. May be called again.
   bool stop();
 
-  /// One entry for each scene, up to now. Do not call it while another thread stops the server.
+  /// The summaries up to now, one for each scene. Do not call it while another thread stops the
+  /// server.
   std::vector<SceneSummary> summary() const;
   /// The control service's totals. Precondition: as for summary().
   ControlSummary control_summary() const;

@@ -17,7 +17,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{1000};  // with a cancelled load
+constexpr std::chrono::milliseconds kPatience{1000};  // for a cancelled load
 constexpr std::chrono::milliseconds kBetweenLines{5000};
 
 class EventFile {
@@ -42,7 +42,7 @@ EventFile signal_file() {
   return EventFile(::signalfd(-1, &ending, SFD_CLOEXEC));
 }
 
-/// The thread keeps it, so that it may outlive the caller.
+/// The thread shares ownership, so that this may outlive the caller.
 struct Launch {
   Launch(const ServerConfig& with, const web::MakePageHands& lent) : config(with), hands(lent) {}
   ServerConfig config;
@@ -57,7 +57,7 @@ struct Launch {
       const DoingWork doing(&work);
       server.emplace(config, hands);
     } catch (const Cancelled&) {
-      // There is no server, as was asked for.
+      // There is no server, as the user asked.
     } catch (...) {
       failure = std::current_exception();
     }
@@ -65,7 +65,7 @@ struct Launch {
   }
 };
 
-/// Whether it is done by then.
+/// Whether the start has ended within that time.
 bool wait_for(const Launch& start, std::chrono::milliseconds time) {
   pollfd done{start.done.get(), POLLIN, 0};
   return ::poll(&done, 1, static_cast<int>(time.count())) == 1;
@@ -107,7 +107,7 @@ std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended
     thread.detach();
     return std::nullopt;
   }
-  // Ended itself, so that nothing of it is left when this program ends.
+  // The thread has ended. Join it, so that nothing of it is left when this program ends.
   thread.join();
   if (ended.signal != 0) return std::nullopt;
   if (start->failure) std::rethrow_exception(start->failure);

@@ -1,5 +1,5 @@
-// Answers to admins: evictions, reloads, live changes and counters. And to observers: the state of
-// a scene and of its sessions.
+// Answers to admins (evictions, reloads, live changes, counters) and to observers (the state of a
+// scene and of its sessions).
 
 #include <spdlog/spdlog.h>
 
@@ -14,8 +14,8 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
-/// Describes a scene to an observer, whose views lack its materials: those of the objects from
-/// `from` on. `times`: of the scene's thread.
+/// Describes a scene to an observer, whose views have no materials: the materials of the objects
+/// from `from` on. `times`: of the scene's thread.
 control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from,
                                     const control::SceneTimes& times) {
   const std::vector<Object>& objects = current.scene->objects();
@@ -39,7 +39,7 @@ Refused no_flight_recorder() {
 
 }  // namespace
 
-/// Answers what is for observers; false where it is no such request.
+/// Answers an observer's request; false if it is another request.
 bool ControlService::serve_observer(PendingRequest& asked, const control::Message& request) {
   const auto* sessions = std::get_if<control::DescribeSessions>(&request);
   const auto* wanted = std::get_if<control::DescribeScene>(&request);
@@ -65,7 +65,7 @@ bool ControlService::serve_observer(PendingRequest& asked, const control::Messag
   return true;
 }
 
-/// Answers what is for admins; false where it is no such request.
+/// Answers an admin's request; false if it is another request.
 bool ControlService::serve_admin(PendingRequest& asked, const control::Message& request) {
   if (const auto* eviction = std::get_if<control::Evict>(&request)) {
     asked.answer(evict(asked, *eviction));
@@ -126,7 +126,7 @@ std::variant<std::size_t, Refused> ControlService::scene_for(const PendingReques
 control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
   if (auto refused = refuse_below(Role::admin, asked)) return *std::move(refused);
   const auto found = seated_.find(request.session);
-  // What goes on in scenes that its token does not open is not for this admin to know.
+  // Hide scenes that this admin's token does not open.
   if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
     return unknown_session(request.session);
   hosts_[found->second.scene]->evict(request.session);
@@ -167,7 +167,7 @@ void ControlService::reload(PendingRequest asked, const control::ReloadScene& re
           });
 }
 
-/// A change of what hands feel in a scene.
+/// Changes what hands feel in a scene.
 void ControlService::change(PendingRequest asked, const std::string& name, LiveChange change) {
   const auto scene = scene_for(asked, name, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
@@ -194,7 +194,7 @@ void ControlService::change_session(PendingRequest asked, std::uint64_t session,
   change(std::move(asked), scene_name(found->second), std::move(wanted));
 }
 
-/// What a scene's thread alone can say.
+/// Asks the scene's thread, which alone knows the answer.
 void ControlService::ask_scene(PendingRequest asked, const std::string& name,
                                control::Message request) {
   const auto scene = scene_for(asked, name, Role::admin);

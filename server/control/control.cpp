@@ -32,7 +32,7 @@ asio::ssl::context server_context(const Identity& identity, const std::string& c
   return tls;
 }
 
-/// Half as many again as may be open, within each network too.
+/// Half as many connections may wait as may be open, also within each network.
 TurnLimits turn_limits(const ControlOptions& options) {
   TurnLimits limits;
   limits.rate = options.handshake_rate;
@@ -52,11 +52,11 @@ bool has_left(tcp::socket& socket) {
 
 }  // namespace
 
-/// TLS, then one request, one answer, in turn.
+/// A control connection: TLS, then requests and answers in turn.
 class ControlEndpoint::Connection : public std::enable_shared_from_this<Connection> {
  private:
-  /// A handler that keeps this connection, does nothing once it is closed, and ends it, and nothing
-  /// else, when `work` throws.
+  /// Returns a handler that keeps this connection alive and does nothing once it is closed. If
+  /// `work` throws, only this connection ends.
   template <class Work>
   auto safely(Work work) {
     return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
@@ -68,8 +68,8 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       }
     };
   }
-  /// The same for what the connection goes on with: one such handler is under way at a time, or
-  /// none ever comes again.
+  /// Like safely(), for the next step of the connection. At most one such handler is pending. If it
+  /// is lost, no other follows (see lost()).
   template <class Work>
   auto then(Work work) {
     return [going_on = going_on_, handler = safely(std::move(work))](const auto&... results) {
@@ -101,21 +101,21 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     }));
   }
 
-  /// Whether its next handler was lost: an exception came between two steps of an operation, or an
-  /// answer was dropped. Not to be asked in a handler.
+  /// Whether its next handler was lost: by an exception between two steps of an operation, or with
+  /// a dropped answer. Do not call it in a handler.
   bool lost() const { return going_on_.use_count() == 1; }
 
   Places::Id id() const { return id_; }
   const ControlPeer& peer() const { return peer_; }
 
-  /// Says its fate, for the turns of others; only the first word counts.
+  /// Reports the outcome for the turns of other connections; only the first report counts.
   void judge(ConnectionTurns::Outcome outcome) {
     if (judged_) return;
     endpoint_.turns_.judge(peer_.address, outcome, monotonic_now());
     judged_ = true;
   }
 
-  /// Every way out: the endpoint forgets the connection, and with the last handler it is gone.
+  /// Ends in every case: the endpoint forgets the connection, and its last handler destroys it.
   void end() {
     close();
     judge(ConnectionTurns::Outcome::none);
@@ -133,13 +133,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     deadline_.cancel();
   }
 
-  /// After an exception: this connection ends, the others go on.
+  /// After an exception this connection ends; the others continue.
   void fail(const std::exception& error) noexcept {
     try {
       spdlog::error("a control connection from {} ends, the server failed at it: {}",
                     peer_.address.to_string(), error.what());
     } catch (const std::exception&) {
-      // No memory for a line in the log; the connection ends all the same.
+      // No memory for a line in the log; the connection still ends.
     }
     end();
   }
@@ -158,7 +158,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   }
 
   void read_length() {
-    // A stranger's time began when it came.
+    // The deadline of a stranger runs since its arrival.
     if (!stranger()) {
       set_deadline(endpoint_.options_.idle_timeout);
       endpoint_.known_.renew(id_);
@@ -185,7 +185,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
     if (stranger()) wipe(body_);
-    // A connection that waits stores nothing of its last request, nor of its answer.
+    // A waiting connection must not keep its last request or answer in memory.
     body_ = std::vector<std::uint8_t>();
     if (!request) return refuse_malformed("the frame holds no control message of this version");
     endpoint_.handler_(peer_, std::move(*request), then([this](const control::Message& answer) {
@@ -215,9 +215,9 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
                       }));
   }
 
-  /// Says that nothing more comes (TLS, then TCP) and reads on until the other side closes too, or
-  /// sends more than any request has, or the deadline ends it: closing over unread bytes would
-  /// reset the connection and lose the refusal.
+  /// Signals the end (TLS, then TCP). Then reads until the other side closes, sends more than any
+  /// request has, or reaches the deadline. Closing with unread bytes would reset the connection and
+  /// lose the refusal.
   void say_end() {
     stream_.async_shutdown(then([this](const Error&) {
       Error ignored;
@@ -245,7 +245,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   std::array<std::uint8_t, control::kFrameLengthSize> length_{};
   std::vector<std::uint8_t> body_, frame_;
   std::size_t discarded_ = 0;                                                  // [bytes]
-  std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);  // in its handlers
+  std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);  // in handlers
   bool ends_after_answer_ = false;
   bool closed_ = false;
   bool judged_ = false;
@@ -273,8 +273,8 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
-/// Waits for a connection, and takes it in a handler of ours: where Asio takes it itself and has no
-/// memory for it, no handler is called, and none would be taken any more.
+/// Waits for a connection, and accepts it in our own handler. If Asio accepted it without memory
+/// for it, Asio would call no handler, and no further connection would be accepted.
 void ControlEndpoint::accept() {
   acceptor_.async_wait(tcp::acceptor::wait_read, [this](const Error& error) {
     accepting_ = false;
@@ -285,7 +285,7 @@ void ControlEndpoint::accept() {
   accepting_ = true;
 }
 
-/// False where the system has no connection to give, though one waits.
+/// False if a connection waits but the system cannot give it.
 bool ControlEndpoint::take() {
   try {
     Error error;
@@ -300,7 +300,7 @@ bool ControlEndpoint::take() {
   }
 }
 
-/// Out of descriptors, say: what is open goes on, and a moment later there may be one.
+/// For example no descriptor is free: open connections continue, and one may be free later.
 void ControlEndpoint::accept_later() {
   retry_.expires_after(std::chrono::milliseconds(100));
   retry_.async_wait([this](const Error& cancelled) {
@@ -348,9 +348,9 @@ void ControlEndpoint::open(Places::Id id) {
   }
 }
 
-/// It has shown a good token. No stranger can take its place from now on; if places for such
-/// connections are short, one loses its place that has asked nothing for the longest time: of the
-/// network that has the most, and there of the client's name that has the most.
+/// The connection has shown a good token, so no stranger can take its place. If the places for such
+/// connections are short, the one idle for the longest time loses its place: in the network with
+/// the most connections, and there of the client's name with the most.
 void ControlEndpoint::make_known(Connection& connection) {
   if (!strangers_.leave(connection.id())) return;
   connection.judge(ConnectionTurns::Outcome::good);
@@ -363,7 +363,7 @@ void ControlEndpoint::end(std::optional<Places::Id> crowded_out) {
   ++counters_.crowded_out;
   const auto found = connections_.find(*crowded_out);
   if (found == connections_.end()) return;
-  // A handle of its own: end() takes the connection out of the map.
+  // Keep it alive: end() removes the connection from the map.
   const std::shared_ptr<Connection> connection = found->second;
   connection->end();
 }

@@ -18,7 +18,7 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// One for all that can be wrong with a token, so that nobody learns which tokens there are.
+/// All bad tokens get this answer, so that nobody learns which tokens exist.
 constexpr const char* kNoGoodToken =
     "this needs a token that the server knows and that is still good; feltwire-server token add "
     "makes one";
@@ -86,7 +86,7 @@ control::Message ControlService::authenticate(ControlPeer& peer,
     peer.client = token->client;
     return control::Authenticated{token->client, token->scene, token->role};
   }
-  // Only wrong tokens count, so that nobody's guesses keep a neighbour with a good one out.
+  // Only wrong tokens count: guesses must not lock out a neighbour with a good token.
   if (!wrong_tokens_.take(peer.address, monotonic_now()))
     return refuse(RefusalCode::too_many,
                   "too many wrong tokens from this address or its network; correct the token, or "
@@ -102,7 +102,7 @@ std::optional<Refused> ControlService::refuse_join(const PendingRequest& asked,
     return refuse(RefusalCode::forbidden, "this token is for " + holder(token.role) +
                                               ", it does not join as " +
                                               std::string(name(request.role)));
-  // Whether there is such a scene is not for this token to know.
+  // Do not tell this token whether the scene exists.
   if (!opens(token, request.scene))
     return refuse(RefusalCode::forbidden, "this token does not open scene '" + request.scene + "'");
   if (!token.seat.empty() && !request.seat.empty() && request.seat != token.seat)
@@ -146,7 +146,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   const std::string who = visible(request.client + " (" + request.device.name + ", client " +
                                   asked.token.client + ", token " + asked.token.id + ")");
   if (const auto refused = refuse_join(asked, request)) {
-    // Whoever asks a thousand times a second is refused as often, and not logged so.
+    // Limit these log lines: a client may be refused a thousand times a second.
     if (refused_lines_.take(asked.token.client, monotonic_now()))
       spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
                    visible(refused->reason));
@@ -201,7 +201,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   }
 }
 
-/// To the scene of a session that is the asker's own, or an admin asks.
+/// Passes it on to the scene if the session is the asker's own, or the asker is an admin.
 void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
                              control::Message request) {
   const ListedSession* seated = own_session(asked, session);
@@ -213,7 +213,7 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
                        answer = std::move(asked.answer)](control::Message said) {
     if (std::holds_alternative<control::Left>(said)) {
       spdlog::info("{}: ended by {}", who, visible(by));
-      // Its scene says so, too, but perhaps only after this answer, and its place is free from now.
+      // The scene reports this too, perhaps after this answer. Its place is free from now on.
       forget({{session, SessionEnd::asked}});
     }
     if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, wanted, by);
@@ -233,14 +233,14 @@ ControlService::ListedSession* ControlService::own_session(const PendingRequest&
   return may ? &found->second : nullptr;
 }
 
-/// Which parameters of a session were changed, and by whom.
+/// Logs which parameters of a session were changed, and by whom.
 void ControlService::tell_of(const control::ParametersSet& set, const SessionParameters& wanted,
                              const std::string& by) {
   const auto found = seated_.find(set.session);
   if (found == seated_.end()) return;
   ListedSession& seated = found->second;
   const bool of_client = set.parameters.side == BoundingSide::client;
-  // A client's law is never set here. The scene has logged that the client took another one.
+  // A client's law is never set here. The scene has logged the law that the client took.
   const SessionParameters before =
       of_client ? with_law(seated.parameters, law_of(set.parameters)) : seated.parameters;
   const bool asks = of_client && law_of(wanted) != law_of(set.parameters);
@@ -254,7 +254,7 @@ void ControlService::tell_of(const control::ParametersSet& set, const SessionPar
   seated.parameters = set.parameters;
 }
 
-/// Each of these is work for a scene's thread, or for the machine.
+/// Limits requests that cost work of a scene's thread or of the machine.
 std::optional<Refused> ControlService::refuse_hasty(const PendingRequest& asked) {
   if (changes_.take(asked.token.client, monotonic_now())) return std::nullopt;
   return refuse(
@@ -262,7 +262,7 @@ std::optional<Refused> ControlService::refuse_hasty(const PendingRequest& asked)
       "client '" + asked.token.client + "' changes parameters or reloads too often; wait a moment");
 }
 
-/// An observer's questions are work for a scene's thread, or for this one.
+/// Limits an observer's questions: they cost work of a scene's thread or of this one.
 std::optional<Refused> ControlService::refuse_curious(const PendingRequest& asked) {
   if (covers(asked.token.role, Role::admin) || looks_.take(asked.token.client, monotonic_now()))
     return std::nullopt;
@@ -271,7 +271,7 @@ std::optional<Refused> ControlService::refuse_curious(const PendingRequest& aske
                     "' asks for descriptions and lists too often; ask twice a second at most");
 }
 
-/// No client keeps this thread busy, whatever it asks for.
+/// Limits all requests, so that no client keeps this thread busy.
 std::optional<Refused> ControlService::refuse_endless(const std::string& client) {
   if (requests_.take(client, monotonic_now())) return std::nullopt;
   return refuse(RefusalCode::too_many,
@@ -313,7 +313,7 @@ void ControlService::forget(const std::vector<EndedSession>& sessions) {
         disturbers_[{seated.client, seated.scene}] =
             monotonic_now() + ServiceLimits::kDisturberPause;
     } catch (const std::bad_alloc&) {
-      // No memory for a line in the log, or to keep its client out; it has left all the same.
+      // No memory to log it or to keep its client out; the client has left anyway.
     }
     seated_.erase(found);
   }
@@ -346,7 +346,7 @@ std::size_t ControlService::scene_of(std::string_view name) const {
   return static_cast<std::size_t>(found - hosts_.begin());
 }
 
-/// 56 random bits; the low byte says which scene the session is in.
+/// Returns 56 random bits; the low byte is the number of the scene.
 std::uint64_t ControlService::new_session_id(std::size_t scene) {
   std::uint64_t bits = 0;
   while (bits == 0) bits = (std::uint64_t{random_()} << 32 | random_()) << 8;

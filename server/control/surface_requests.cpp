@@ -18,7 +18,7 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// The scene for a tool that is a point or a ball; null: the tool has a body, or is gone.
+/// The scene for a tool that is a point or a ball; null: the tool has a body, or does not exist.
 const ToolView* view_of(const Scene& scene, const std::string& tool) {
   const ToolView* view = scene.view(tool);
   return view != nullptr && view->tool().body == nullptr ? view : nullptr;
@@ -41,7 +41,7 @@ control::SurfaceList list_of(const SceneInView::CurrentScene& current, const std
   return list;
 }
 
-/// The entries from the `known`-th on, as many as fit.
+/// The entries from number `known` on, as many as fit.
 template <class Entry>
 std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   const std::size_t first = std::min<std::size_t>(known, all.size());
@@ -50,7 +50,7 @@ std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// The scene for a tool with a body that can be had in full; null: the tool has none, or is gone.
+/// The scene for a tool with a body that a client may have in full; null: none, or no such tool.
 const ToolView* body_view_of(const Scene& scene, const std::string& tool) {
   const ToolView* view = scene.view(tool);
   return view != nullptr && view->tool().body != nullptr && can_travel(*view->tool().body)
@@ -106,7 +106,7 @@ control::Message part_of(const SceneInView::CurrentScene& current, const std::st
   if (surface == nullptr) return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
   control::SurfacePart next{part(surface->mesh().vertices(), request.vertices),
                             part(surface->mesh().triangles(), request.triangles)};
-  // The list of solids has no origin of the vertices.
+  // The list of solids does not carry the origin of the vertices.
   if (view->tool().body != nullptr)
     for (Vec3& vertex : next.vertices) vertex += surface->mesh().origin();
   return next;
@@ -134,7 +134,7 @@ control::Message answer_to(const control::Message& request,
 
 }  // namespace
 
-/// Answers what is about surfaces and solids; false where it is no such request.
+/// Answers a request about surfaces and solids; false if it is another request.
 bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& request) {
   if (const auto* take = std::get_if<control::TakeSurfaces>(&request)) {
     if (auto refused = refuse_hasty(asked))
@@ -149,8 +149,8 @@ bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& req
   return true;
 }
 
-/// A session's client fetches a scene within the session's limit; who asks for a session that is
-/// not there, within that of all requests.
+/// Fetches a scene for a session's client within the session's limit. A request for an unknown
+/// session counts in the limit of all requests.
 control::Message ControlService::fetch(const PendingRequest& asked, std::uint64_t session,
                                        const control::Message& request) {
   ListedSession* seated = own_session(asked, session);

@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kBetweenLooks{10};
 
 }  // namespace
 
-/// It waits without a word, as a word would take a handshake: that is what is limited.
+/// The connection waits without an answer: an answer would need a handshake, which is limited.
 void ControlEndpoint::greet(tcp::socket socket) {
   Error gone;
   const asio::ip::address address = socket.remote_endpoint(gone).address();
@@ -33,9 +33,9 @@ void ControlEndpoint::greet(tcp::socket socket) {
   let_in();
 }
 
-/// Lets in who may come in now, and sends away who has waited for too long.
+/// Lets in the connections whose turn it is, and sends away those that waited too long.
 void ControlEndpoint::let_in() {
-  if (!waiting_.empty()) look_again();  // first, as what follows may throw
+  if (!waiting_.empty()) look_again();  // first, because the rest may throw
   const Nanoseconds now = monotonic_now();
   while (const auto id = turns_.admit(now)) open(*id);
   while (const auto id = turns_.give_up(now)) send_away(id);

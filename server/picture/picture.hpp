@@ -41,7 +41,7 @@ bool takes_off(HandState state) noexcept;
 /// Hands of one picture with surfaces. Further hands have none.
 inline constexpr std::size_t kMostPictureSurfaces = 16;
 
-/// One hand. World frame; forces act on the hand.
+/// A hand. World frame; forces act on the hand.
 struct PictureHand {
   std::uint32_t number = 0;          // from 1 in the order they joined, never used again
   std::uint32_t states = 0;          // bits of HandState

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kLatest = std::uint64_t{1} << 62;  // [ns] differences do not overflow
 
-/// Whether the numbers are possible, so that they may be converted.
+/// Whether the numbers are in range, so that they may be converted.
 bool is_possible(const RecordedEvent& read) {
   return read.kind > 0 && read.kind < static_cast<std::uint64_t>(EventKind::count_of_kinds) &&
          read.outcome < static_cast<std::uint64_t>(EventOutcome::count_of_outcomes) &&

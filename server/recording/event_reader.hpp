@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// What to do about a file that has no events, or impossible ones.
+/// The remedy for a file that has no events, or impossible ones.
 inline constexpr const char* kEventRemedy = "give what feltwire-server --record wrote";
 
 class EventReader {

@@ -99,7 +99,7 @@ void FlightRecorder::add(const SceneEvent& event) {
   if (is_fault(static_cast<SessionEnd>(event.payload[0]))) want(event, reason_of(event));
 }
 
-/// A debt that lasts is one, and those within the time of a file are in it or in the next.
+/// Counts a lasting debt once. A hand's debts within kKept after it are in its file or the next.
 void FlightRecorder::note_debt(const SceneEvent& event) {
   if (decode(event.payload, batch_) != DropReason::none || !batch_.report) return;
   const bool owes = batch_.report->has_account && is_debt(batch_.report->balance);
@@ -155,7 +155,7 @@ fs::path FlightRecorder::write(const std::string& reason) {
   return path;
 }
 
-/// All events stay: each goes from the front to the back.
+/// Writes all events, and keeps them: each moves from the front to the back of the queue.
 void FlightRecorder::write_events(mcap::Writer& writer) {
   const std::uint16_t events = writer.add(
       mcap::Channel{writer.add(event_schema()), "/scene/events", std::string(kProtobuf)});

@@ -13,7 +13,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks{10};
-// [bytes] Three seconds of 16 hands at 1 kHz.
+// [bytes] for three seconds of 16 hands at 1 kHz.
 constexpr std::size_t kLogRoom = std::size_t{8} << 20;
 
 bool is_plain(char c) {
@@ -91,7 +91,7 @@ void Recorder::run() {
   }
 }
 
-/// A file that fails is not written any more.
+/// Stops writing a file after it has failed.
 template <class Action>
 void Recorder::write(OneScene& scene, Action action) {
   if (scene.recording == nullptr) return;

@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-/// Any other number than 0, and always the same.
+/// A session's id: never 0, and always the same for a hand.
 std::uint64_t id_of(std::uint32_t hand) { return std::uint64_t{hand} << 8; }
 
 std::string value(const mcap::Metadata& metadata, const std::string& key) {
@@ -23,7 +23,7 @@ std::string value(const mcap::Metadata& metadata, const std::string& key) {
   return at == metadata.values.end() ? std::string() : at->second;
 }
 
-/// One event after the other, into sessions that have a log of their own, which must say the same.
+/// Replays events one by one into sessions with their own log, and compares the two logs.
 class Replayer {
  public:
   Replayer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Scene> given)
@@ -33,7 +33,7 @@ class Replayer {
     sessions_.log_to(&log_);
   }
 
-  /// What is different, or nothing. `mcap` has the attachments so far.
+  /// Returns the difference, or nothing. `mcap` has the attachments so far.
   std::optional<std::string> take(const SceneEvent& recorded, const mcap::Reader& mcap,
                                   const std::string& file) {
     reply_ = {};
@@ -184,7 +184,7 @@ std::optional<std::string> Replayer::reload(const SceneEvent& event, const mcap:
   return std::nullopt;
 }
 
-/// The files of a recording, one after the other.
+/// Reads the files of a recording one after the other.
 class Reading {
  public:
   Reading(const std::vector<std::filesystem::path>& files, std::shared_ptr<const Scene> given,

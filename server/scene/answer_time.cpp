@@ -16,10 +16,10 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kProbes = 64, kFewestProbes = 3;  // hands
-constexpr std::uint64_t kProbeSamples = 3;              // of each; the first only places it
+constexpr std::uint64_t kProbeSamples = 3;              // of each probe; the first only places it
 constexpr double kProbeWay = 1e-3;                      // [m] a sample
-constexpr double kProbeAround = 0.05;                   // [m] of an object without a size, a plane
-constexpr Nanoseconds kProbeTime{200'000'000};          // with all of them
+constexpr double kProbeAround = 0.05;                   // [m] around an object without size: plane
+constexpr Nanoseconds kProbeTime{200'000'000};          // for all probes together
 
 double probe_draw(std::uint64_t i) {  // -1 to 1
   constexpr std::uint64_t kSeed = 20;
@@ -54,7 +54,7 @@ AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()
   const Nanoseconds begin = clock();
   for (std::size_t i = 0; i < kProbes; ++i) {
     if (i >= kFewestProbes && clock() - begin > kProbeTime) break;
-    // In another order than the objects', so that a few hands are near different ones.
+    // Use another order than the objects', so that a few hands are near different objects.
     constexpr std::size_t kStride = 23;
     const std::size_t at = i * kStride % kProbes;
     Session session(probe_request(scene), view, world.get());

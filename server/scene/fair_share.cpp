@@ -50,7 +50,7 @@ void FairShare::balance_now(Nanoseconds now) noexcept {
   look_for_slow(now);
 }
 
-/// The level rises by what those below it leave to the others, until nobody more is below it.
+/// Raises the level by the time that sessions below it leave to the others, until it stays.
 void FairShare::find_level() noexcept {
   level_ = std::numeric_limits<double>::infinity();
   const double room = std::max(kMost * kWindow - other_.spent, kLeast * kWindow);
@@ -85,7 +85,7 @@ void FairShare::look_for_slow(Nanoseconds now) noexcept {
   second_began_ = now;
   for (std::size_t i = 0; i < end_; ++i) {
     Use& use = uses_[i];
-    // One that is not answered takes next to no time.
+    // A shed datagram gets no answer and takes almost no time.
     const auto answers = static_cast<double>(use.datagrams - std::min(use.shed, use.datagrams));
     const double answer = answers > 0.0 ? use.time / answers : 0.0;
     if (use.here && answer > use.interval) slow_ = {slow_.seconds + 1, answer, use.interval};

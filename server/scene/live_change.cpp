@@ -1,4 +1,4 @@
-// Live changes of a scene and its sessions. Where a scene's thread has its turn: scene_host.cpp.
+// Live changes of a scene and its sessions. scene_host.cpp calls them in the scene's thread.
 
 #include "server/scene/live_change.hpp"
 
@@ -61,12 +61,12 @@ Changed changed(const Scene& scene, const MaterialChange& change) {
           std::make_shared<const Scene>(std::move(next))};
 }
 
-/// Tries a change of a kind.
+/// Tries a change, with an operator for each kind.
 struct SceneSessions::Change {
   SceneSessions& sessions;
   Nanoseconds now;
 
-  /// For the log; empty where there is none. Made before the change: it may throw.
+  /// The message for the log; empty without a log. Made before the change, because it may throw.
   std::vector<std::uint8_t> logged(const control::Message& message) const {
     return sessions.log_ == nullptr ? std::vector<std::uint8_t>{} : body(message);
   }
@@ -180,8 +180,8 @@ struct SceneSessions::Change {
     return made;
   }
 
-  /// The next change for the client. It includes each part of a change without an answer that the
-  /// new change does not replace.
+  /// The next change for the client. If the client has not answered the previous change, it
+  /// includes each part of that change that the new change does not replace.
   static AskedChange next_for(const SessionSlot& slot, ClientChange change) {
     AskedChange next{.change = change, .parameters = slot.session.parameters(), .what = {}};
     const LawChoice before = law_of(next.parameters);

@@ -6,14 +6,14 @@
 namespace feltwire {
 namespace {
 
-/// [s] between two times of a clock that may be hostile: the difference of any two wraps round.
+/// [s] between two times of a possibly hostile clock. The difference wraps around, never overflows.
 double time_between(Nanoseconds earlier, Nanoseconds later) {
   const auto difference =
       static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
-/// A robot may say what, in the measure of the hand, no reply can carry: then there is no contact.
+/// If a robot's contact, in the hand's measure, does not fit into a reply, it counts as none.
 RemoteContact tellable(const RemoteContact& contact) {
   constexpr double kSoftest = 1e-3, kStiffest = 1e9;  // [N/m]
   constexpr double kFastest = 100.0;                  // [m/s]
@@ -59,7 +59,7 @@ RemoteLink::Leader* RemoteLink::seat_of(std::uint32_t hand) noexcept {
   return found != leaders_.end() ? &*found : nullptr;
 }
 
-/// By the hand's clock, and no time shorter than its samples say.
+/// Uses the hand's clock, but at least the nominal time of its samples.
 bool RemoteLink::jumped(const Leader& leader, const Sample& sample, double period) const noexcept {
   if (leader.sample.index == 0) return false;
   const double nominal = period * static_cast<double>(sample.index - leader.sample.index);
@@ -69,7 +69,7 @@ bool RemoteLink::jumped(const Leader& leader, const Sample& sample, double perio
   return !(way <= kJump * seat_.speed / seat_.scale * elapsed);
 }
 
-/// Whether a hand that waits presses its switch now. A switch that is only held down asks nothing.
+/// Whether a waiting hand presses its switch now. A switch that is held down is no request.
 bool RemoteLink::asks(std::uint32_t hand, bool pressed) noexcept {
   auto waiting = std::ranges::find(waiting_, hand, &Waiting::hand);
   if (waiting == waiting_.end()) waiting = std::ranges::find(waiting_, 0u, &Waiting::hand);
@@ -84,7 +84,7 @@ void RemoteLink::stop_waiting(std::uint32_t hand) noexcept {
       waiting_, [&](const Waiting& w) { return w.hand == hand; }, Waiting{});
 }
 
-/// To a hand that showed a released switch: it is armed.
+/// Hands the lead to a hand that has shown a released switch, so its switch is armed.
 RemoteLink::Leader* RemoteLink::hand_over(std::uint32_t hand, double share, const Sample& newest,
                                           Nanoseconds now) noexcept {
   stop_waiting(hand);
@@ -95,7 +95,7 @@ RemoteLink::Leader* RemoteLink::hand_over(std::uint32_t hand, double share, cons
   leader.sample = newest;
   leader.heard = now;
   step(leader, false, now);
-  leader.sample.index = 0;  // nothing that it said before counts
+  leader.sample.index = 0;  // ignore everything that it sent before
   return &leader;
 }
 
@@ -104,7 +104,7 @@ bool RemoteLink::others_sit(const Leader& leader) const noexcept {
                              [&](const Leader& l) { return l.hand != 0 && &l != &leader; });
 }
 
-/// A hand without a seat that would lead; null: not now.
+/// Seats a hand that wants to lead; null: it cannot now.
 RemoteLink::Leader* RemoteLink::let_in(std::uint32_t hand, double share, const Sample& newest,
                                        bool pressed, Nanoseconds now) noexcept {
   const auto sits = [](const Leader& l) { return l.hand != 0; };
@@ -142,7 +142,7 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   const bool refused = jumped(*leader, newest, period);
   const double paid =
       leader->sample.index != 0 ? batch.lead->hand_work - leader->lead.hand_work : 0.0;
-  // No hand pays as much from sample to sample.
+  // No hand can do more work between two samples.
   if (std::abs(paid) < kMostWork) work_ += index_.index(which).at_robot(paid);
   const double turning =
       seat_.aligned && leader->engaged()
@@ -160,7 +160,7 @@ void RemoteLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   fresh_ = true;
 }
 
-/// Those that are engaged lead together, from where all of them and the target are.
+/// The engaged hands lead together, starting from their present poses and the target.
 void RemoteLink::regroup() noexcept {
   std::array<double, kMostLeaders> weights{};
   SharedIndex::Parts parts;
@@ -180,7 +180,7 @@ void RemoteLink::regroup() noexcept {
   index_.begin(parts, wanted_);
 }
 
-/// The target goes where a hand that leads asks for.
+/// Moves the target to the pose that a leading hand asks for.
 void RemoteLink::move(std::size_t leader) noexcept {
   const Pose before = wanted_;
   const Pose asked = index_.asked(leader, leaders_[leader].meant(), before);
@@ -221,7 +221,7 @@ LinkState RemoteLink::state() const noexcept {
   return disabled;
 }
 
-/// The leader that turns the robot. If nobody is engaged, the first that has a seat.
+/// The leader that turns the robot. If nobody is engaged, the first leader with a seat.
 std::size_t RemoteLink::first() const noexcept {
   if (index_.turns() < kMostLeaders && leaders_[index_.turns()].engaged()) return index_.turns();
   for (std::size_t i = 0; i < kMostLeaders; ++i)
@@ -237,7 +237,7 @@ bool RemoteLink::engages(std::uint32_t hand) const noexcept {
 Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
   const auto leader = std::ranges::find(leaders_, hand, &Leader::hand);
   if (hand == 0 || leader == leaders_.end() || said_.index == 0) return {};
-  // Of the environment's energy each hand gets its share: over its own scale that is the same.
+  // Each hand gets its share of the environment's energy. Its own scale cancels the share.
   Remote remote{
       .state = leader->authority.state(),
       .pose = said_.pose,
@@ -267,7 +267,7 @@ Remote RemoteLink::told(std::uint32_t hand, Nanoseconds now) const noexcept {
   return remote;
 }
 
-/// Those that are nearest to the target, by rising distance.
+/// Adds the walls nearest to the target, by rising distance.
 void RemoteLink::tell_walls(Remote& remote, const EngageIndex& index) const noexcept {
   std::array<double, kMostRemoteWalls> nearest{};
   const auto walls = limit_.walls();
@@ -306,7 +306,7 @@ std::optional<SeenRobot> RemoteLink::seen(Nanoseconds now) const noexcept {
                    .age = std::max(0.0, seconds(now - robot_heard_))};
 }
 
-/// The greatest number of the surfaces that all hands know that lead; 0: there is none.
+/// The greatest surface number that all leading hands know; 0: none.
 std::uint32_t RemoteLink::known_surface() const noexcept {
   std::uint32_t known = leaders_[first()].lead.known_surface;
   for (const Leader& l : leaders_)
@@ -314,7 +314,7 @@ std::uint32_t RemoteLink::known_surface() const noexcept {
   return known;
 }
 
-/// [m] that the hand with the largest share means, of those that have a lever; < 0: none has.
+/// [m] opening that the engaged hand with a lever and the largest share asks for; < 0: no lever.
 double RemoteLink::gripper() const noexcept {
   double opening = -1.0, largest = 0.0;
   for (std::size_t i = 0; i < kMostLeaders; ++i) {

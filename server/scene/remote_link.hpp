@@ -81,7 +81,7 @@ class RemoteLink {
   /// Returns the target, and counts it as sent.
   RobotTarget target(Nanoseconds now) noexcept;
 
-  /// Of all that lead, the state that comes first among: engaged, clutched, hold, ready, aligning,
+  /// The first of these states that any leader has: engaged, clutched, hold, ready, aligning,
   /// fault, disabled.
   LinkState state() const noexcept;
 

@@ -9,19 +9,19 @@
 namespace feltwire {
 namespace {
 
-constexpr double kKnown = 0.5;  // share of a reach or radius that a model is trusted for unrenewed
+constexpr double kKnown = 0.5;  // share of a reach or radius where an old model is still trusted
 
 }  // namespace
 
 bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept {
-  // Written so that NaN, and a model that says nothing, describe nothing.
+  // Written so that NaN and an empty model (reach 0) describe nothing.
   if (!(length(now.center - sent.center) < kKnown * sent.reach)) return false;
   for (const SurfacePatch& patch : now.view()) {
     const auto known = std::ranges::find_if(sent.view(), [&](const SurfacePatch& s) {
       return s.object == patch.object && s.feature == patch.feature;
     });
     if (known == sent.view().end()) {
-      // Farther than `sent` looked; else it is news.
+      // Inside the reach of `sent` this patch is new. Outside, `sent` did not look.
       if (length(patch.point - sent.center) < sent.reach) return false;
       continue;
     }
@@ -56,19 +56,19 @@ bool ReplyDeadband::withhold(Reply& reply) noexcept {
 
 bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   const SessionParameters& p = parameters_;
-  // The next datagram comes an interval later, which would be too late. Half a tick: a servo does
-  // not wake up to the nanosecond.
+  // The next datagram comes an interval later: reply now if that would be too late. Half a tick
+  // allows for the servo's jitter.
   const double next = (p.packet_interval - 0.5) * p.servo_period;
   if (!(since_ + next < p.keep_alive)) return true;
   if (reply.gap || reply.refused != refused_ || reply.saturated != saturated_) return true;
   if (reply.recovering || recovering_) return true;
   if (acts(reply.command) != acts(command_)) return true;
-  // A contact goes on by friction, which no comparison of two models tells.
+  // Friction continues a contact, and a comparison of two models does not show that.
   if (reply.body_modelled && (reply.body.count > 0 || reply.body.solids != 0)) return true;
   if (reply.modelled && reply.model.reach > 0.0) {
     const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;
     if (!describes(model_, reply.model, since_, unfelt)) return true;
-    // A texture comes with the forces.
+    // Only the forces carry a texture, so compare them if a patch is rough.
     const auto rough = [](const SurfacePatch& patch) { return patch.rough; };
     if (std::ranges::none_of(reply.model.view(), rough)) return false;
   }

@@ -1,4 +1,4 @@
-// From the payload of an accepted datagram to its answer.
+// Answers the payload of an accepted datagram.
 
 #include "server/scene/session_slot.hpp"
 
@@ -10,7 +10,7 @@ Bytes SceneSessions::receive_samples(SessionSlot& slot, Bytes payload, const Ori
   return answer.empty() ? answer : slot.sealer.seal(DatagramKind::reply, slot.id, answer, out);
 }
 
-/// The payload of the reply; empty: there is none.
+/// Returns the payload of the reply; empty: there is none.
 Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
                                     const Origin& origin) noexcept {
   if (const DropReason wrong = decode(payload, batch_); wrong != DropReason::none)
@@ -25,7 +25,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
     if (slot.waits_for_client()) taken.reply.change = slot.asked->change;
   }
   slot.last_heard = origin.now;
-  // A datagram that somebody holds back and sends on from elsewhere draws no goodbye there.
+  // If somebody delays a datagram and sends it from elsewhere, no goodbye goes to that address.
   if (origin.newest) slot.peer = origin.from;
   if (!seats_.empty() && batch_.lead && covers(slot.role, Role::operator_))
     taken.reply.remote = lead(slot, origin.now);
@@ -42,7 +42,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
   return answer;
 }
 
-/// An observer's reply, with what there is to see.
+/// An observer's reply, with the view of the scene.
 Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();
   const double between = parameters.packet_interval * parameters.servo_period;
@@ -50,7 +50,7 @@ Bytes SceneSessions::show(SessionSlot& slot, const Reply& reply, Nanoseconds now
   const bool is_short = room < view_room(between);
   const std::size_t hand_size =
       SceneView::kHandSize + (slot.figures ? SceneView::kFiguresSize + kFiguresOverhead : 0);
-  // On a path without room for a robot and a hand together, they take turns.
+  // If the path has no room for a robot and a hand together, they take turns.
   const bool both = room >= kSeenRobotRoom + hand_size;
   view_.robot.reset();
   if (both || slot.session.counters().replies % 2 == 0) view_.robot = next_robot(slot, now);
@@ -74,7 +74,7 @@ Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds
   return {};
 }
 
-/// Takes the client's answer to the change that it was asked for, if the datagram at hand has one.
+/// Takes the client's answer to the change that was asked of it, if this datagram has one.
 void SceneSessions::hear_answer(SessionSlot& slot) noexcept {
   AskedChange& asked = *slot.asked;
   if (!batch_.report || batch_.report->change != asked.change.number) return;
@@ -82,8 +82,8 @@ void SceneSessions::hear_answer(SessionSlot& slot) noexcept {
   has_answers_ = true;
   const bool refused = batch_.report->change_refused;
   if (refused && asked.unheard_law) {
-    // It may have the law that was asked for before this one, or not. It had the session's law, so
-    // it takes that again.
+    // The client may or may not have taken the law that was asked for before this one. It had the
+    // session's law, so ask it to take that law again.
     asked.change = {.number = number_after(asked.change.number),
                     .law = law_of(slot.session.parameters()),
                     .link = {}};

@@ -1,4 +1,4 @@
-// The events of a scene's log beside the datagrams of its sessions, and their replay.
+// The events of a scene's log other than the datagrams of its sessions, and their replay.
 
 #include "core/base/splitmix.hpp"
 #include "server/scene/session_slot.hpp"

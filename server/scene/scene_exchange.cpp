@@ -14,26 +14,26 @@
 namespace feltwire {
 namespace {
 
-// Then timers have a turn. Who has posted waits for one answer at most.
+// After this time timers have a turn. A posted handler waits for at most one answer.
 constexpr std::chrono::milliseconds kTurn{2};
-// [ns] of an answer: from here on a reading of the clock for each is no more than a thousandth
+// [ns] of an answer. For slower answers a clock reading for each costs at most a thousandth
 // (20 to 50 ns where the kernel answers without a system call).
 constexpr Nanoseconds kSlowAnswer{100'000};
-constexpr std::chrono::milliseconds kBetweenMeasures{10};  // of paths that take too little
+constexpr std::chrono::milliseconds kBetweenMeasures{10};  // of paths that are too small
 
 }  // namespace
 
 bool SceneHost::has_datagrams() const noexcept { return batch_->next < batch_->count; }
 
-/// Takes what is waiting, for a while: then others have their turn, and what is left wakes the
-/// socket again.
+/// Takes waiting datagrams for a while. Then other handlers have their turn, and the remaining
+/// datagrams wake the socket again.
 void SceneHost::serve() {
   std::optional<Nanoseconds> until;
   while (exchange(until) == Batch::kMost && !posts_wait() && served_at_ < *until) {
   }
 }
 
-/// Takes a batch of datagrams; false where there are none.
+/// Takes a batch of datagrams; false if there are none.
 bool SceneHost::receive() {
   Batch& batch = *batch_;
   batch.rearm(batch.count);
@@ -45,9 +45,9 @@ bool SceneHost::receive() {
   return true;
 }
 
-/// Answers what there is of a batch in one go, and takes another one before where there is none
-/// left. It stops before its end where somebody has posted, and where answers are slow and it is
-/// `until`, which it sets where it is not set. Says how many datagrams it took up.
+/// Answers the rest of a batch in one go; takes a new batch if nothing is left. Stops early if a
+/// handler was posted, or if answers are slow and the time is `until` (set here if it is empty).
+/// Returns the number of datagrams that it took.
 std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   if (!has_datagrams() && !receive()) return 0;
   Batch& batch = *batch_;
@@ -68,7 +68,7 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
     if (!answer.empty()) batch.put(answers++, answer.size(), peer);
     if (slow_) now = account(now);
   } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
-  // Of all that came the newest targets only: the robots have no use for those before.
+  // Send only the newest target to each robot: older ones are useless.
   for (std::size_t seat = 0; seat < sessions_.seats(); ++seat)
     if (const Bytes target = sessions_.forward(seat, now, batch.robots[seat], batch.sent[answers]);
         !target.empty())
@@ -121,21 +121,21 @@ Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
   return after;
 }
 
-/// Says how long what was received since then took. The time now.
+/// Charges the time since then to the sessions that sent datagrams. Returns the present time.
 Nanoseconds SceneHost::account(Nanoseconds since) {
   const Nanoseconds now = clock_();
   sessions_.spent(now - since, now);
   return now;
 }
 
-/// Has the session of a reply that was too long for its path get shorter ones.
+/// Shortens the replies of a session if this reply was too long for its path.
 void SceneHost::learn_path(std::size_t sent) noexcept {
   const std::size_t size = batch_->sent_parts[sent].iov_len;
   const Guarded guarded = guard({batch_->sent[sent].bytes.data(), size},
                                 set_of({DatagramKind::reply, DatagramKind::follower_target}));
   if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::reply) return;
   const std::uint64_t session = guarded.header.session;
-  // A path that takes not even a reply without a model is measured now and then only.
+  // If a path takes not even a reply without a model, measure it only now and then.
   if (sessions_.is_limited(session, size - kOverhead) && served_at_ < measured_until_) return;
   measured_until_ = served_at_ + kBetweenMeasures;
   const msghdr& message = batch_->outgoing[sent].msg_hdr;
@@ -155,12 +155,12 @@ void SceneHost::send(std::size_t count) noexcept {
     if (sent > 0) {
       done += static_cast<std::size_t>(sent);
     } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
-      // No room: the replies are lost like any datagram may be. The next samples are newer anyway.
+      // No room: the replies are lost, as any datagram may be. The next samples are newer anyway.
       unsent_ += count - done;
       return;
     } else if (errno == EMSGSIZE) {
       learn_path(done);
-      ++unsent_;  // lost; what follows fits
+      ++unsent_;  // lost; the following ones fit
       ++done;
     } else if (errno != EINTR) {
       ++unsent_;  // this one cannot be sent (no route, say); the others can
@@ -171,7 +171,7 @@ void SceneHost::send(std::size_t count) noexcept {
 
 void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept {
   for (const auto& goodbye : goodbyes) {
-    if (goodbye.to.length == 0) continue;  // never sent a sample: nobody knows where it is
+    if (goodbye.to.length == 0) continue;  // it never sent a sample, so its address is unknown
     if (!send_datagram(socket_.native_handle(), goodbye.datagram,
                        reinterpret_cast<const sockaddr*>(&goodbye.to.address), goodbye.to.length,
                        goodbye.to.local))

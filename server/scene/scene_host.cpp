@@ -19,12 +19,12 @@
 namespace feltwire {
 namespace {
 
-// Empty receives while polling busily before whoever posted has a turn: some 10 us.
+// Turns of busy polling between two looks at the timers: some 10 us if no datagram comes.
 constexpr unsigned kTurnsBetweenLooks = 32;
-// Between looks for sessions that must end.
+// Between checks for sessions that must end.
 constexpr std::chrono::milliseconds kSoonest{10}, kLatest{100};
 constexpr int kSocketBuffer =
-    1 << 20;  // [bytes] a burst of some 5000 samples waits rather than is lost
+    1 << 20;  // [bytes] so that a burst of some 5000 samples waits and is not lost
 
 }  // namespace
 
@@ -67,7 +67,7 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
 
 SceneHost::~SceneHost() { stop(); }
 
-/// For the scene's thread, which sees between two answers that somebody waits.
+/// Posts to the scene's thread, which sees between two answers that a handler waits.
 template <class Handler>
 void SceneHost::post(Handler handler) {
   asio::post(io_, [this, handler = std::move(handler)]() mutable {
@@ -85,15 +85,15 @@ void SceneHost::start() {
 void SceneHost::stop() {
   if (!thread_.joinable()) return;
   post([this] {
-    closing_ = true;  // whatever fails from here on, the thread ends
+    closing_ = true;  // the thread ends even if the rest fails
     say(sessions_.shut_down());
     publish();
   });
   thread_.join();
 }
 
-/// An answer on its way to whoever asked. Made where the question is, so that the scene's thread
-/// needs no memory for it.
+/// An answer that is still pending. The asking thread makes it, so that the scene's thread needs no
+/// memory for it.
 struct SceneHost::PendingAnswer {
   control::Message request;
   Completion completion;
@@ -227,7 +227,7 @@ void SceneHost::draw(PictureExchange& pictures, Nanoseconds now) noexcept {
   }
 }
 
-/// Once a second, for a replay to compare.
+/// Writes a check once a second, for a replay to compare.
 void SceneHost::check(Nanoseconds now) noexcept {
   constexpr std::chrono::seconds kBetween{1};
   if (!recorded_ || now - checked_at_ < kBetween) return;
@@ -246,7 +246,7 @@ void SceneHost::ask_for_real_time() {
     spdlog::warn("scene {}: answers may be late now and then: {}", name_, less);
 }
 
-/// The thread.
+/// Runs the scene's thread.
 void SceneHost::run() {
   if (real_time_) ask_for_real_time();
   while (!closing_) {
@@ -264,7 +264,7 @@ void SceneHost::turn() {
   await_tick();
   if (busy_poll_.count() > 0) spin();
   if (closing_) return;
-  if (has_datagrams()) {  // taken already, so that the socket wakes nobody for them
+  if (has_datagrams()) {  // already taken, so the socket will not wake for them
     io_.poll();
     if (!closing_) serve();
     return;
@@ -273,10 +273,10 @@ void SceneHost::turn() {
   io_.run_one();
 }
 
-/// After an exception nobody knows what a handler has left undone: the scene's sessions end, and
-/// the scene is there for the next ones. No other scene is touched.
+/// After an exception the state of the scene is unknown, so its sessions end. The scene then takes
+/// new sessions. Other scenes are not affected.
 void SceneHost::recover(const std::exception& failure) noexcept {
-  constexpr std::chrono::milliseconds kPause{10};  // no busy loop where it fails again at once
+  constexpr std::chrono::milliseconds kPause{10};  // no busy loop if it fails again at once
   try {
     if (const auto times = failures_.count(1, clock_()))
       spdlog::error(
@@ -286,13 +286,13 @@ void SceneHost::recover(const std::exception& failure) noexcept {
     say(sessions_.fail());
     publish();
   } catch (const std::exception&) {
-    // The sessions ended without a goodbye, or the next turn says that they did.
+    // The sessions ended without a goodbye, or the next turn reports their end.
   }
   std::this_thread::sleep_for(kPause);
 }
 
-/// Exchanges until nothing has come for the time of busy polling. What others post, and the timer,
-/// has its turn in between.
+/// Exchanges datagrams until none has come for the time of busy polling. Posted handlers and the
+/// timer have their turn in between.
 void SceneHost::spin() {
   Nanoseconds quiet_since = clock_();
   for (unsigned turn = 1; !closing_; ++turn) {
@@ -320,7 +320,7 @@ void SceneHost::await_datagrams() {
 }
 
 void SceneHost::await_silence() {
-  // A session that floods ends as soon, however long it may be silent.
+  // A flooding session must end soon even if the silence timeout is long.
   silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
   silence_timer_.async_wait(in(silence_wait_, [this](const std::error_code& error) {
     watching_ = false;
@@ -336,14 +336,14 @@ void SceneHost::await_silence() {
   watching_ = true;
 }
 
-/// Steps what moves when it is due, whether or not datagrams come; waits while somebody is here.
+/// Steps the moving bodies when due, with or without datagrams, as long as there is a session.
 void SceneHost::await_tick() {
   const auto due = sessions_.next_tick();
   if (!due || ticking_) return;
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
   tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
     ticking_ = false;
-    if (error || sessions_.world() == nullptr) return;  // nothing moves in a scene reloaded since
+    if (error || sessions_.world() == nullptr) return;  // the reloaded scene has no moving objects
     const Nanoseconds now = clock_();
     sessions_.tick(now);
     sessions_.spent_otherwise(clock_() - now);

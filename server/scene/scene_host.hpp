@@ -1,5 +1,5 @@
 #pragma once
-// One scene, one thread, one UDP port: it shares nothing, so it locks nothing.
+// A scene host has one scene, one thread and one UDP port. It shares nothing, so it locks nothing.
 
 #include <array>
 #include <asio/io_context.hpp>

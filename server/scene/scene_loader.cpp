@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kFirstWord{5};  // on a load that goes on
+constexpr std::chrono::seconds kFirstWord{5};  // until the first log line about a running load
 
 }  // namespace
 
@@ -39,21 +39,21 @@ Scene load_scene_keep_and_warn(const std::filesystem::path& file) {
   return warned(load_scene_and_keep(file), file);
 }
 
-/// One load. Its thread keeps it, so that it may outlive the loader.
+/// A load. Its thread shares ownership, so that it may outlive the loader.
 struct SceneLoader::Job {
   std::filesystem::path file;
   Load load;
   LongWork work;
   Clock::time_point since = Clock::now();
-  Clock::duration next_word = kFirstWord;  // since then
+  Clock::duration next_word = kFirstWord;  // after `since`
 
   std::mutex mutex;
   std::condition_variable ended;
-  Done done;  // empty: nobody wants to know
+  Done done;  // empty: nobody waits for it
   bool running = true;
 
-  /// The scene, or what is wrong with it. May throw std::bad_alloc where there is no memory for the
-  /// words.
+  /// Returns the scene, or the error. Throws std::bad_alloc if there is no memory for the error's
+  /// text.
   LoadedScene outcome() {
     try {
       const DoingWork doing(&work);
@@ -72,7 +72,7 @@ struct SceneLoader::Job {
     try {
       loaded = outcome();
     } catch (const std::exception&) {
-      // As it says already.
+      // `loaded` already says so.
     }
     const std::lock_guard lock(mutex);
     try {

@@ -19,7 +19,7 @@ using LoadedScene = std::variant<Scene, std::string>;
 
 /// Loads a scene from its file and logs its warnings. Throws FileError.
 Scene load_scene_and_warn(const std::filesystem::path& file);
-/// The same, and keeps the files in the scene for a recording.
+/// Loads it in the same way, and keeps the files in the scene for a recording.
 Scene load_scene_keep_and_warn(const std::filesystem::path& file);
 
 class SceneLoader {

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallForce = 0.01;  // [N] less is no force
+constexpr double kSmallForce = 0.01;  // [N] smaller forces count as none
 constexpr double kMuchLess = 0.9;     // share of the force asked for
 
 std::uint32_t states_of(const Session& session, bool recovering, bool silent,
@@ -36,7 +36,7 @@ std::uint32_t states_of(const Session& session, bool recovering, bool silent,
   return states;
 }
 
-/// Numbers that float32 has, whatever a hand brings about.
+/// Clamps to numbers that fit into float32, whatever a hand causes.
 double shown(double value) noexcept {
   constexpr double kMost = 1e12;
   return std::isfinite(value) ? std::clamp(value, -kMost, kMost) : 0.0;
@@ -45,7 +45,7 @@ Vec3 shown(const Vec3& v) noexcept { return {shown(v.x()), shown(v.y()), shown(v
 
 }  // namespace
 
-/// Without the surfaces near it.
+/// The picture of a hand without the surfaces near it.
 PictureHand SceneSessions::picture_of(const SessionSlot& slot, Nanoseconds now) const noexcept {
   const Session& session = slot.session;
   const bool recovering = world_ != nullptr && world_->recovering();
@@ -70,7 +70,7 @@ PictureHand SceneSessions::picture_of(const SessionSlot& slot, Nanoseconds now) 
   return hand;
 }
 
-/// Of the hands that are in the view.
+/// Adds the figures of the hands in the view.
 void SceneSessions::add_figures(SceneView& view, Nanoseconds now) const noexcept {
   for (std::size_t i = 0; i < view.hand_count; ++i) {
     const auto slot = std::ranges::find(slots_, view.hand[i].number,

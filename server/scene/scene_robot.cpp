@@ -1,4 +1,4 @@
-// The robots of a scene: who sits on their seats, what they say, where they shall be, who leads
+// The robots of a scene: their seats, their reported states, their targets and the hands that lead
 // them.
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// Arms of the world are numbered behind this; sessions never are.
+/// The numbers of arms of the world begin after this; sessions never reach it.
 constexpr std::uint32_t kFirstArm = 0xFFFF0000;
 
 /// "left, right"
@@ -43,7 +43,7 @@ std::string SceneSessions::seat_name(std::size_t seat) const {
   return seat < scene_->seats().size() ? scene_->seats()[seat].name : std::string();
 }
 
-/// By number and name, and by who sits there: a robot or an arm of the world.
+/// Compares number, names, and who sits there: a robot or an arm of the world.
 bool SceneSessions::has_same_seats(const Scene& scene) const noexcept {
   return seats_.size() == scene.seats().size() &&
          std::ranges::equal(scene_->seats(), scene.seats(),
@@ -52,7 +52,7 @@ bool SceneSessions::has_same_seats(const Scene& scene) const noexcept {
                             });
 }
 
-/// Null: there is none. Without a name only the seat of a scene that has no other.
+/// Null: there is none. An empty name means the seat of a scene with only one.
 const RemoteSeat* SceneSessions::seat_named(const std::string& name) const noexcept {
   const std::vector<RemoteSeat>& seats = scene_->seats();
   if (name.empty()) return seats.size() == 1 ? &seats.front() : nullptr;
@@ -60,7 +60,7 @@ const RemoteSeat* SceneSessions::seat_named(const std::string& name) const noexc
   return found == seats.end() ? nullptr : &*found;
 }
 
-/// Why this one cannot sit on the seat that it asks for; nothing: it is no robot, or it can.
+/// Why this client cannot sit on the seat that it asks for; nothing: it is no robot, or it can.
 std::optional<control::Refused> SceneSessions::refuse_robot(
     const control::JoinRequest& request) const {
   if (request.role != Role::follower) return std::nullopt;
@@ -96,7 +96,7 @@ std::optional<control::Refused> SceneSessions::refuse_robot(
   return std::nullopt;
 }
 
-/// The payload of a robot's state. The answer is the target that forward() sends.
+/// Takes the payload of a robot's state. The answer is the target that forward() sends.
 void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin& origin) noexcept {
   if (const DropReason wrong = decode(payload, robot_state_); wrong != DropReason::none) {
     drop(wrong);
@@ -127,8 +127,8 @@ bool SceneSessions::leads_arm(const SessionSlot& slot) const noexcept {
   return seat < seats_.size() && seats_[seat].arm;
 }
 
-/// The hand leads the robot that it wants to lead. It does not leave another one while it moves it.
-/// For a seat that there is not, the state is `disabled`.
+/// The hand leads the robot that it asks for. It keeps its present robot while it moves that robot.
+/// For a seat that does not exist, the state is `disabled`.
 Remote SceneSessions::lead(SessionSlot& slot, Nanoseconds now) noexcept {
   slot.leads = true;
   const std::uint8_t wanted = batch_.lead->seat;
@@ -160,7 +160,7 @@ std::optional<SeenRobot> SceneSessions::seen_robot(std::size_t seat,
   return robot;
 }
 
-/// Of each robot in turn.
+/// Returns the next visible robot, in turn.
 std::optional<SeenRobot> SceneSessions::next_robot(SessionSlot& observer,
                                                    Nanoseconds now) const noexcept {
   for (std::size_t i = 1; i <= seats_.size(); ++i) {

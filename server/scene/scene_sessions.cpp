@@ -36,7 +36,7 @@ void add(WorldCounters& sum, const WorldCounters& more) {
   sum.warnings += more.warnings;
 }
 
-/// Which of the two a client must mend.
+/// Tells whether the client must correct the device or the parameters.
 control::RefusalCode refusal_code(const control::JoinRequest& request) {
   try {
     validate(request.device);
@@ -59,7 +59,7 @@ control::Refused unknown_session(std::uint64_t id) {
           "there is no session " + std::to_string(id) + " here; it may have ended by silence"};
 }
 
-/// Why a session ends that nobody ended, and where that is counted.
+/// Why a session ends without a request, and the counter for it.
 struct SceneSessions::Ending {
   GoodbyeReason reason;
   std::uint64_t SceneCounters::*counter;
@@ -84,7 +84,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
   take_over(scene, std::move(world), std::move(seats));
 }
 
-/// Null where nothing moves in the scene.
+/// Null if nothing moves in the scene.
 std::unique_ptr<World> SceneSessions::world_of(const Scene& scene) const {
   return scene.mechanism() == nullptr ? nullptr : std::make_unique<World>(scene);
 }
@@ -99,7 +99,7 @@ void SceneSessions::take_over(const Scene& scene, std::unique_ptr<World> world,
 
 std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& scene,
                                                                  Nanoseconds now) {
-  // Everything that may throw comes first. Nothing has changed by then.
+  // Everything that may throw comes first, before any change.
   std::unique_ptr<World> world = world_of(scene);
   std::vector<Seat> seats = seats_of(scene, world.get());
   const bool same_seats = has_same_seats(scene);
@@ -114,7 +114,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   if (log_ != nullptr) log_->announce(scene.files());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
-  const std::unique_ptr<World> before = std::move(world_);  // until no session is in it any more
+  const std::unique_ptr<World> before = std::move(world_);  // kept until no session uses it
   take_over(scene, std::move(world), std::move(seats));
   last_tick_ = now;
   ++version_;
@@ -122,7 +122,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(places[i]));
-      if (!same_seats) slots_[i]->seat = 0;  // it leads none
+      if (!same_seats) slots_[i]->seat = 0;  // it leads no robot
     } else {
       ++counters_.evicted;
       end(*slots_[i], SessionEnd::tool_gone);
@@ -164,7 +164,7 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
                           "of its sessions and counters only"};
 }
 
-/// Throws std::invalid_argument when they are not possible.
+/// Throws std::invalid_argument if they are not possible.
 SessionParameters SceneSessions::granted(const SessionParameters& asked) const {
   if (line_ == nullptr) return asked;
   validate(asked);
@@ -184,7 +184,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   if (auto refused = refuse_robot(request)) return *std::move(refused);
   if (const auto wrong = wrong_lead_share(request.lead_share))
     return control::Refused{control::RefusalCode::bad_parameters, "lead_share: " + *wrong};
-  // With the text first: once the session is there nothing may throw.
+  // Make the text first: once the session exists nothing may throw.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
   accepted.lists_surfaces = true;
@@ -248,7 +248,7 @@ Bytes SceneSessions::drop(DropReason reason) noexcept {
   return {};
 }
 
-/// A client says goodbye more than once, as one may be lost: what comes after the first is no
+/// A client sends its goodbye more than once, because one may be lost: a repeated goodbye is no
 /// fault.
 Bytes SceneSessions::miss(const Header& header) noexcept {
   if (header.kind != DatagramKind::goodbye ||
@@ -258,7 +258,7 @@ Bytes SceneSessions::miss(const Header& header) noexcept {
   return {};
 }
 
-// The checks stand in the order of PROTOCOL.md.
+// The checks follow the order of PROTOCOL.md.
 Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
                              DatagramBuffer& out) noexcept {
   ++counters_.datagrams;
@@ -301,7 +301,7 @@ void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
   const auto said = static_cast<std::uint8_t>(how);
   log({.kind = EventKind::end, .hand = slot.number, .time = logged_at_, .payload = {&said, 1}});
   add(counters_, slot.session);
-  // Nobody may ask for them; then they are forgotten before they would take memory.
+  // Nobody may ask for them. Then forget them before they take more memory.
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back({slot.id, how});
   by_id_.erase(slot.id);
@@ -358,7 +358,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::evict(std::uint64_t i
   return {take_away(**slot, SessionEnd::evicted)};
 }
 
-/// Ends a session, and says so to its client.
+/// Ends a session, and tells its client.
 SceneSessions::GoodbyeDatagram SceneSessions::take_away(SessionSlot& slot, SessionEnd how) {
   GoodbyeDatagram datagram = goodbye(slot, GoodbyeReason::evicted);
   ++counters_.evicted;
@@ -373,7 +373,7 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::end_all(GoodbyeReason
     try {
       goodbyes.push_back(goodbye(slot, reason));
     } catch (const std::exception&) {
-      // It hears nothing, and is lost by silence.
+      // The client gets no goodbye, and notices the silence.
     }
     if (reason == GoodbyeReason::failed) ++counters_.failed;
     end(slot, reason == GoodbyeReason::failed ? SessionEnd::failed : SessionEnd::shut_down);

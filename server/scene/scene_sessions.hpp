@@ -67,7 +67,7 @@ struct SceneCounters {
       0;  // of the drops by rate, those of sessions above their share of the thread
   std::array<std::uint64_t, kDropReasons> drops{};
   TimeCounts world_late;  // delay of each waking for the world after its time
-  // Of all clients that report them, by the classes of HandTimes.
+  // Sums over all clients that report them, by the classes of HandTimes.
   HandTimesHeard::Totals client_wakeups{}, client_round_trips{};
 };
 

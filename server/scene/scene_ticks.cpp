@@ -1,4 +1,4 @@
-// Steps of what moves in a scene, with what all hands do to it, and whose hand broke it.
+// Steps the moving objects of a scene with the forces of all hands, and finds who broke it.
 
 #include <algorithm>
 

@@ -20,12 +20,12 @@ const control::JoinRequest& checked(const control::JoinRequest& request) {
   return request;
 }
 
-/// Whether a bound may go on with its memory under the other parameters: they differ in nothing
-/// that it was made from.
+/// Whether a bound may keep its memory under the other parameters: none of those that it was made
+/// from differs.
 bool same_bound(SessionParameters a, const SessionParameters& b) {
   a.velocity_cutoff = b.velocity_cutoff;
   a.hold_time = b.hold_time;
-  // The kinds of messages, and how often each is sent.
+  // These set the kinds and rates of messages.
   a.redundancy = b.redundancy;
   a.packet_interval = b.packet_interval;
   a.batch = b.batch;
@@ -37,14 +37,14 @@ bool same_bound(SessionParameters a, const SessionParameters& b) {
   return a == b;
 }
 
-/// [s] between two times of a clock that may be hostile: the difference of any two wraps round.
+/// [s] between two times of a possibly hostile clock. The difference wraps around, never overflows.
 double seconds_between(Nanoseconds earlier, Nanoseconds later) {
   const auto difference =
       static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
-/// Whether what comes late is shaped at the client, wall by wall.
+/// Whether the client shapes late forces, wall by wall.
 bool shapes_at_client(const SessionParameters& parameters) {
   return parameters.side == BoundingSide::client && bounding_method(parameters.mode).shapes;
 }
@@ -57,7 +57,7 @@ double force_ratio(const Command& rendered, const Command& commanded) {
 
 }  // namespace
 
-/// From the last sample taken to a newer one.
+/// The movement from the last sample taken to a newer one.
 struct Session::Movement {
   Vec3 displacement = Vec3::Zero();  // [m]
   Vec3 rotation = Vec3::Zero();      // [rad]
@@ -91,7 +91,7 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   }
 
   count_gap(batch, taken.reply);
-  // The newest comes first on the wire; the earlier ones close gaps and are else known already.
+  // The newest sample is first on the wire. The earlier ones matter only after a gap.
   for (int i = batch.count - 1; i >= 0; --i) {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
     if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
@@ -118,14 +118,13 @@ Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = world_ != nullptr && world_->recovering();
-  taken.withheld = deadband_.withhold(reply) && !batch.lead;  // what a robot meets is news
+  taken.withheld = deadband_.withhold(reply) && !batch.lead;  // what a robot meets must be told
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;
   return taken;
 }
 
-/// A report that the client left out is no gap. A report that was sent before this datagram and
-/// never arrived is one.
+/// The report has running totals, so a lost report loses nothing.
 void Session::hear(const HandReport& report) noexcept {
   // A client that joined again has counted before, so its first report is the start.
   if (report_)
@@ -134,6 +133,8 @@ void Session::hear(const HandReport& report) noexcept {
   if (report.times) times_.take(*report.times);
 }
 
+/// A sample that the client left out is no gap. A sample that was sent before this datagram and
+/// never arrived is one.
 void Session::count_gap(const SampleBatch& batch, Reply& reply) noexcept {
   if (last_.index == 0 || batch.previous <= last_.index) return;
   ++counters_.gaps;
@@ -148,11 +149,11 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
   if (last_.index == 0) return movement;
 
   movement.displacement = sample.pose.position - last_.pose.position;
-  // A rotation is known only where both samples carry an orientation.
+  // A rotation is known only if both samples have an orientation.
   if (rotation && last_rotation_)
     movement.rotation = rotation_between(last_.pose.orientation, sample.pose.orientation);
   movement.nominal_time = static_cast<double>(sample.index - last_.index) * period;
-  // A clock that stands still or runs back is not believed.
+  // Ignore a clock that stands still or runs back.
   const double elapsed = seconds_between(last_.client_time, sample.client_time);
   movement.elapsed = elapsed > 0.0 ? elapsed : movement.nominal_time;
   return movement;
@@ -161,15 +162,15 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
 void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement movement = movement_to(sample, rotation);
 
-  // The real port: what the client held since the last sample it told of. Before the first nothing
-  // was held.
+  // The real port: the command that the client held since the last received sample. Before the
+  // first sample nothing was held.
   observer_.step(last_.held, movement.displacement, movement.rotation, movement.elapsed);
 
   // The virtual port, in servo periods. A hold that really lasted longer earns the damping credit
-  // of its real time, never the nominal one.
+  // of its real time instead of the nominal time.
   const double hold_time = std::max(movement.nominal_time, movement.elapsed);
-  // A new bound begins at this sample: what the one before it stored has paid for the movement up
-  // to here, which must not be credited twice.
+  // A new bound begins at this sample. The previous bound already credited the movement up to here,
+  // so it must not be credited again.
   const Movement credited = new_bound_ ? Movement{} : movement;
   new_bound_ = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
@@ -222,7 +223,7 @@ void Session::enter(Place place) noexcept {
   body_ = {};
   forget_surfaces();
   ++scenes_;
-  deadband_ = ReplyDeadband(parameters_);  // what was said of the old one is no more
+  deadband_ = ReplyDeadband(parameters_);  // replies about the old scene are obsolete
 }
 
 void Session::reach_through_arm(bool through) noexcept {
@@ -231,8 +232,8 @@ void Session::reach_through_arm(bool through) noexcept {
   for (auto& contact : contacts_) contact = {};
   body_ = {};
   body_contacts_.fresh = body_contacts_.placed = false;
-  body_contacts_.resets = ~std::uint64_t{0};  // no world counts so far: the next touch forgets
-  ++scenes_;                                  // nor does a local model keep one
+  body_contacts_.resets = ~std::uint64_t{0};  // no world counts so far, so the next touch forgets
+  ++scenes_;                                  // the local model forgets its contacts too
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -241,12 +242,12 @@ void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   const double rubbed = view_->objects()[object].material.static_friction;
   if (rubbed == 0.0 && view.objects()[object].material.static_friction > 0.0) {
     contacts_[object].touching = contacts_[object].slipping = false;
-    ++scenes_;  // nor does a local model keep one
+    ++scenes_;  // the local model forgets its contact too
   }
   if (!view_->requirements().velocity) velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
   view_ = &view;
-  body_.known = false;                                 // it holds forces
-  if (view.tool().body != nullptr) forget_surfaces();  // its client has the materials, too
+  body_.known = false;                                 // it holds forces of the old material
+  if (view.tool().body != nullptr) forget_surfaces();  // its client also has the materials
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -265,14 +266,14 @@ std::optional<std::string> Session::take_surfaces(std::uint32_t version,
   known_ = std::move(known);
   const BodyTool* body = view_->tool().body.get();
   surfaces_ = (body != nullptr ? can_travel(*body) : !objects.empty()) ? version : 0;
-  deadband_ = ReplyDeadband(parameters_);  // the next model is another one
+  deadband_ = ReplyDeadband(parameters_);  // the next model is different
   return std::nullopt;
 }
 
 void Session::weigh_anew() noexcept {
   if (view_->tool().body == nullptr) return;
   ++reloads_;
-  forget_surfaces();  // what its client has is of another version now
+  forget_surfaces();  // its client has data of an older version
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -334,7 +335,7 @@ ProxyPlace Session::proxy() const noexcept {
 }
 
 void Session::push(double age) noexcept {
-  if (last_.index == 0 || !touches()) return;  // nobody knows where the hand is, or there is none
+  if (last_.index == 0 || !touches()) return;  // the hand's place is unknown, or it touches nothing
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
   if (view_->tool().body)

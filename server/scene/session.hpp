@@ -1,5 +1,6 @@
 #pragma once
-// One device in one scene: from its samples to the commands that answer them. No socket, no clock.
+// A session: a device in a scene, from its samples to the commands that answer them. It has no
+// socket and no clock.
 
 #include <optional>
 
@@ -98,7 +99,7 @@ class Session {
   /// The hand is in another scene from its next sample on; its force comes from the same bound.
   /// Precondition: the place has a view.
   void enter(Place place) noexcept;
-  /// The same scene with another material of one object, from the next sample on: contacts
+  /// Takes another material of one object of the scene, from the next sample on: contacts
   /// continue, and the force comes from the same bound. The client gets the same message as for a
   /// reload, because the surface under its hand has changed. A stick point begins anew if a surface
   /// without friction gets friction. Precondition: the view is of the same tool.

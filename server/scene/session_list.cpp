@@ -1,4 +1,4 @@
-// Sessions of a scene, as observers are told of them, and its counters, as admins are.
+// Describes a scene's sessions to observers, and its counters to admins.
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// A reply leaves out parts where the path takes no longer ones: those of the model first.
+// Leaves out parts of a reply that is too long for its path, first those of the model.
 
 #include <algorithm>
 #include <array>
@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::size_t kPatchBytes = 96, kBodyPointBytes = 36;  // of a patch and a point on the wire
 constexpr std::size_t kReplyBytes = 288;  // of an observer's reply without the parts of its view
-constexpr std::chrono::minutes kTriedAgain{1};  // whether the path takes longer ones by then
+constexpr std::chrono::minutes kTriedAgain{1};  // until longer replies are tried again
 
-/// [m] from the model's center to where the surface of a patch pushes; 0: it does.
+/// [m] from the model's center to the place where a patch's surface begins to push; 0: it pushes.
 double way_to(const SurfacePatch& patch, const Vec3& center) {
   return patch.touching ? 0.0 : std::max(0.0, (center - patch.point).norm() - patch.offset);
 }
 
-/// Without its farthest patches. The model says nothing of where they are.
+/// Drops the farthest patches, and shortens the reach so that it does not cover them.
 void drop_farthest(LocalModel& model, int count) {
   for (; count > 0 && model.count > 0; --count) {
     --model.count;
@@ -75,7 +75,7 @@ bool SceneSessions::is_limited(std::uint64_t id, std::size_t payload) noexcept {
   return slot == nullptr || (*slot)->room < payload;
 }
 
-/// The reply as bytes, no longer than the session's path takes, as far as its model goes.
+/// The reply as bytes, shortened to the session's path as far as its model allows.
 Bytes SceneSessions::fitted(SessionSlot& slot, Reply& reply, Nanoseconds now) noexcept {
   Bytes bytes = encoder_.reply(reply);
   if (slot.room == kMaxPayload) [[likely]]

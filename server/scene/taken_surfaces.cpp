@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-/// The data of a body has the materials and the gravity, which the patches of a point have.
+/// The data of a body includes materials and gravity. For a point the patches have them.
 std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes) {
   return view.tool().body != nullptr ? version + changes : version;
 }

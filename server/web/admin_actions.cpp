@@ -1,5 +1,5 @@
-// The actions of an admin on the page: changes, evictions, reloads. Each takes the way of the same
-// request at the control port.
+// The actions of an admin on the page: changes, evictions, reloads. Each is handled like the
+// same request at the control port.
 
 #include <spdlog/spdlog.h>
 
@@ -20,7 +20,7 @@ std::string who(const Token& token) {
   return visible("client " + token.client + " (token " + token.id + ", live page)");
 }
 
-/// The id of a session, from its digits; 0 where they are none.
+/// The id of a session, from its digits; 0 if they are no number.
 std::uint64_t session_id(std::string_view digits) {
   std::uint64_t id = 0;
   const char* end = digits.data() + digits.size();
@@ -30,7 +30,7 @@ std::uint64_t session_id(std::string_view digits) {
 
 }  // namespace
 
-/// The token by which the viewer is an admin of the scene that it watches; null: it is none.
+/// The token by which the viewer is an admin of the scene that it watches; null: no admin.
 const Token* Audience::admin_of(const ViewerSlot& slot) const {
   for (const std::string* id : {&slot.token, &slot.admin}) {
     const Token* token = find_token(tokens_.tokens(), *id);
@@ -41,7 +41,7 @@ const Token* Audience::admin_of(const ViewerSlot& slot) const {
   return nullptr;
 }
 
-/// Does what is an admin's to ask; false where the message asks nothing of that kind.
+/// Does what an admin asks; false if the message asks for nothing of that kind.
 bool Audience::act(ViewerSlot& slot, const ViewerMessage& message) {
   if (!message.admin && !message.set && !message.evict && !message.reload && !message.record)
     return false;
@@ -84,7 +84,7 @@ void Audience::become_admin(ViewerSlot& slot, std::string_view text) {
   slot.viewer->send(admin_text());
 }
 
-/// The same for all who ask: whoever they are, nothing can be done here.
+/// Refuses every viewer's request on a page that only shows a remote server. True: refused.
 bool Audience::only_shown(const ViewerSlot& slot) {
   if (slot.stage == nullptr || slot.stage->scene->controls() != nullptr) return false;
   slot.viewer->send(
@@ -112,11 +112,11 @@ void Audience::set(ViewerSlot& slot, const ViewerSet& wanted) {
   }
 }
 
-/// In the scene's thread. A viewer that has left meanwhile hears nothing of it.
+/// Makes the change in the scene's thread. A viewer that has left meanwhile gets no answer.
 void Audience::change(ViewerSlot& slot, LiveChange change) {
   const std::string by = who(*admin_of(slot)), scene = slot.stage->scene->name();
   const auto* law = std::get_if<ParameterChange>(&change);
-  // The next change begins from this one, also before the scene's thread describes the session.
+  // The next change builds on this one even before the scene's thread describes the session.
   std::optional<ParameterChange> made;
   if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
   slot.stage->scene->controls()->change(
@@ -160,7 +160,7 @@ void Audience::reload(ViewerSlot& slot) {
   reload_(static_cast<std::size_t>(stage - stages_.begin()));
 }
 
-/// A viewer that has left meanwhile hears nothing of it.
+/// Asks for a flight record. A viewer that has left meanwhile gets no answer.
 void Audience::write_flight(ViewerSlot& slot) {
   if (!write_flight_)
     return slot.viewer->send(

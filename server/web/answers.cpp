@@ -20,7 +20,7 @@ constexpr Status kOk{200, "OK"}, kNotModified{304, "Not Modified"}, kBad{400, "B
     kNotAllowed{405, "Method Not Allowed"}, kUpgrade{426, "Upgrade Required"},
     kTooMany{429, "Too Many Requests"}, kUnavailable{503, "Service Unavailable"};
 
-// No script, style, picture or connection but this server's own, and no frame around the page.
+// Allows only this server's own scripts, styles, pictures and connections, and no frame around it.
 constexpr std::string_view kPolicy =
     "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -30,7 +30,7 @@ constexpr std::string_view kPolicy =
     "Cross-Origin-Opener-Policy: same-origin\r\n"
     "Cross-Origin-Resource-Policy: same-origin\r\n";
 
-// The same bytes by two names: Foxglove of today asks for the first, older viewers for the second.
+// Two names for equal bytes: Foxglove today asks for the first, older viewers for the second.
 constexpr std::array<std::string_view, 2> kFoxgloveProtocols = {"foxglove.sdk.v1",
                                                                 "foxglove.websocket.v1"};
 
@@ -57,15 +57,15 @@ Answer plain(const Status& status, const std::string& text, std::string_view mor
   return {bytes_of(head(status, "text/plain; charset=utf-8", text.size(), more), text), false};
 }
 
-/// The answer to a wrong token or ticket where there were too many before; empty: this one is
-/// answered as what it is.
+/// Refuses a wrong token or ticket after too many wrong ones; empty: answer this one as what it
+/// is.
 std::optional<Answer> too_many(const Site& site) {
   if (!site.may_try_again || site.may_try_again()) return std::nullopt;
   return plain(kTooMany, "too many wrong tokens from this address or its network; wait a minute\n",
                "Retry-After: 60\r\n");
 }
 
-/// Whether it is a name that the owner gave this server.
+/// Whether the owner gave this server that name.
 bool is_named(const Authority& asked, std::span<const std::string> names) {
   return std::ranges::any_of(names, [&](const std::string& name) {
     const auto known = parse_authority(name);
@@ -82,15 +82,15 @@ bool is_ours(std::string_view authority, std::span<const std::string> names) {
   return asked && (asked->is_address || asked->host == "localhost" || is_named(*asked, names));
 }
 
-/// An authority as browsers write it: without the port that its scheme has anyway.
+/// An authority as browsers write it: without the default port of its scheme.
 std::string_view without_port(std::string_view authority, std::string_view port) {
   if (authority.ends_with(port)) authority.remove_suffix(port.size());
   return authority;
 }
 
-/// Whether the page that opens the WebSocket was served by this server. A page by a name of this
-/// server may have come over HTTPS although this server speaks HTTP: through a proxy on this
-/// machine, which speaks TLS. A page of another machine cannot have that name.
+/// Whether the page that opens the WebSocket was served by this server. A page under a name of this
+/// server may use HTTPS although this server speaks HTTP: then a proxy on this machine speaks TLS.
+/// A page of another machine cannot have that name.
 bool same_origin(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string* header = request.header("origin");
   if (header == nullptr) return false;
@@ -103,8 +103,8 @@ bool same_origin(const HttpRequest& request, const std::string& authority, const
   return !site.secure && is("http://", ":80");
 }
 
-/// Whether the client's own connection is by TLS: to this server, or to a proxy before it, which
-/// says so.
+/// Whether the client's own connection uses TLS: to this server, or to a proxy before it that says
+/// so.
 bool by_tls(const HttpRequest& request, const Site& site) {
   const std::string* forwarded = request.header("x-forwarded-proto");
   return site.secure || (forwarded != nullptr && *forwarded == "https");
@@ -124,7 +124,7 @@ std::optional<Answer> refuse_upgrade(const HttpRequest& request) {
   return std::nullopt;
 }
 
-/// The WebSocket with the first of these subprotocols that is asked for.
+/// Opens the WebSocket with the first of these subprotocols that the client asks for.
 Answer switch_protocols(const HttpRequest& request, std::span<const std::string_view> protocols) {
   const std::string* asked = request.header("sec-websocket-protocol");
   const auto chosen = std::ranges::find_if(protocols, [&](std::string_view protocol) {
@@ -148,7 +148,7 @@ Answer live(const HttpRequest& request, const std::string& authority, const Site
   return switch_protocols(request, {&kLiveProtocol, 1});
 }
 
-/// The ticket comes last: what fails before leaves it good.
+/// Redeems the ticket last: an earlier failure must not use it up.
 Answer foxglove(const HttpRequest& request, const Site& site) {
   if (auto refused = refuse_upgrade(request)) return *refused;
   Answer accepted = switch_protocols(request, kFoxgloveProtocols);
@@ -162,7 +162,7 @@ Answer foxglove(const HttpRequest& request, const Site& site) {
                "one\n");
 }
 
-/// The token of `Authorization: Bearer fw_...`; empty where none was shown.
+/// The token of `Authorization: Bearer fw_...`; empty if none was shown.
 std::string_view bearer(const HttpRequest& request) {
   constexpr std::string_view kScheme = "Bearer ";
   const std::string* shown = request.header("authorization");
@@ -170,7 +170,7 @@ std::string_view bearer(const HttpRequest& request) {
   return std::string_view(*shown).substr(kScheme.size());
 }
 
-/// A request without a token is no guess.
+/// Refuses a request. A request without a token does not count as a guess.
 Answer unauthorized(const HttpRequest& request, const Site& site) {
   if (!bearer(request).empty())
     if (auto refused = too_many(site)) return *std::move(refused);
@@ -178,7 +178,7 @@ Answer unauthorized(const HttpRequest& request, const Site& site) {
                "WWW-Authenticate: Bearer\r\n");
 }
 
-/// Also on this machine for those with a token only: a ticket opens a scene.
+/// Needs a token even on this machine, because a ticket opens a scene.
 Answer ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string_view token = bearer(request);
   if (!site.opens || !site.mint || !site.opens(token)) return unauthorized(request, site);
@@ -205,12 +205,12 @@ Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
   Answer answer;
   answer.bytes =
       bytes_of(head(kOk, found->type, found->gzip.size(), "Content-Encoding: gzip\r\n" + caching));
-  // Not a copy: the slowest of readers costs the server no more than its socket.
+  // Do not copy it: even the slowest reader costs the server only its socket.
   if (request.method == "GET") answer.body = SharedBytes::of_program(found->gzip);
   return answer;
 }
 
-/// Counters tell who is here: on a network they are for those who have a token.
+/// Counters show who is connected, so on a network they need a token.
 Answer metrics(const HttpRequest& request, const Site& site) {
   if (site.secure && (!site.opens || !site.opens(bearer(request))))
     return unauthorized(request, site);
@@ -220,8 +220,8 @@ Answer metrics(const HttpRequest& request, const Site& site) {
       false};
 }
 
-/// Anyone may ask whether. Which scene is for those who have a token for it, and the reason, which
-/// may name other machines, for the page's viewers.
+/// Anyone may ask whether the scenes are seen. The scene's name needs a token for it. The reason,
+/// which may name other machines, is only for the page's viewers.
 Answer ready(const HttpRequest& request, const Site& site) {
   const auto hidden = site.hidden_scene ? site.hidden_scene(bearer(request)) : std::nullopt;
   if (!hidden) return plain(kOk, "ok\n", kNoStore);

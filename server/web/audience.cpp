@@ -19,7 +19,7 @@ constexpr const char* kFull = "this server has as many viewers as it may have; c
 constexpr const char* kFullButForAdmins =
     "this server has as many viewers as it may have, and keeps its last places for admins; close "
     "another page";
-constexpr double kPointRate = 120.0;  // [1/s] besides, and at once, of one that may hold a hand
+constexpr double kPointRate = 120.0;  // [1/s] more, and at once, for a viewer that may hold a hand
 
 }  // namespace
 
@@ -77,7 +77,7 @@ void Audience::receive(Id id, std::string_view message) {
   }
 }
 
-/// Of a viewer that was admitted. It may have left when this returns.
+/// Handles a message of an admitted viewer. The viewer may have left when this returns.
 void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.point) ++(slot.hand.point(*said.point) ? counters_.points : counters_.points_refused);
   if (said.hand == "release") slot.hand.release();
@@ -89,8 +89,8 @@ void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.ticket) give_ticket(slot, *said.ticket);
 }
 
-/// The reason why one more viewer with this token has no place; empty: there is one. One client
-/// does not keep the others out, and all others together do not keep an admin out.
+/// The reason why another viewer with this token has no place; empty: there is one. A client must
+/// not keep the others out, and all others together must not keep an admin out.
 std::optional<std::string> Audience::no_place_for(const Token& token) const {
   std::size_t all = 0, of_client = 0, of_others = 0;
   for (const auto& [id, slot] : slots_) {
@@ -183,7 +183,7 @@ void Audience::admit(Id id, const ViewTicket& ticket) {
   }
   ViewerSlot& slot = found->second;
   enter(slot, *token);
-  watch(slot, ticket.scene);  // which refuses where the token opens that scene no more
+  watch(slot, ticket.scene);  // refuses if the token no longer opens that scene
   if (const auto still = slots_.find(id); still != slots_.end())
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
 }
@@ -236,7 +236,7 @@ bool Audience::watched(const Stage& stage) const {
                              [&](const auto& entry) { return entry.second.stage == &stage; });
 }
 
-/// Revoked and expired tokens end what they opened.
+/// Ends the access that revoked and expired tokens opened.
 void Audience::look_after_tokens(Nanoseconds now) {
   if (now - looked_at_tokens_ < kBetweenTokenLooks) return;
   looked_at_tokens_ = now;
@@ -274,7 +274,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
     stage.changes = current.changes;
   }
   tell_of_sight(stage);
-  // A viewer that has not taken what it was sent before is sent nothing now.
+  // Skip a viewer that has not yet taken the previous message.
   std::vector<ViewerSlot*> ready;
   for (auto& [id, slot] : slots_) {
     if (slot.stage != &stage || slot.foxglove) continue;
@@ -327,7 +327,7 @@ std::optional<std::string> Audience::hidden_scene(std::string_view text) {
   return opened != hidden.end() ? *opened : std::string();
 }
 
-/// A line for those who watch, when the scene is lost from sight and when it is there again.
+/// Tells the viewers when the scene is lost from view and when it is back.
 void Audience::tell_of_sight(Stage& stage) {
   std::optional<std::string> hidden = stage.scene->out_of_sight();
   if (hidden == stage.hidden) return;
@@ -338,7 +338,7 @@ void Audience::tell_of_sight(Stage& stage) {
     if (slot.stage == &stage && !slot.foxglove && slot.version != 0) slot.viewer->send(line);
 }
 
-/// To those who speak the Foxglove protocol.
+/// Shows the scene to viewers that use the Foxglove protocol.
 void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
   bool encoded = false;
   for (auto& [id, slot] : slots_) {
@@ -365,7 +365,7 @@ void Audience::show_scene(Stage& stage, ViewerSlot& slot) {
   if (stage.hidden) slot.viewer->send(log_text("error", *stage.hidden));
 }
 
-/// From the counters of the newest picture and of the one half a second before.
+/// Computes the rates from the newest picture's counters and those of half a second before.
 void Audience::count_rates(Stage& stage) {
   const double elapsed = seconds(stage.picture.time - stage.counted.time);
   stage.rates.clear();

@@ -26,7 +26,7 @@ std::string in_lower_case(std::string_view text) {
   return result;
 }
 
-/// Empty: it is no IPv6 address. A zone is of one machine, and no browser sends it.
+/// Empty: it is no IPv6 address. A zone is valid on one machine only, and no browser sends it.
 std::optional<Authority> host_in_brackets(std::string_view text) {
   const bool plain = std::ranges::all_of(text, [](char c) {
     return is_decimal(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || c == ':' ||

@@ -8,7 +8,7 @@
 namespace feltwire::web {
 namespace {
 
-constexpr std::chrono::seconds kWriteTime{10};  // for what a viewer is sent at once
+constexpr std::chrono::seconds kWriteTime{10};  // for a write to a viewer
 constexpr std::chrono::seconds kCloseTime{2};   // for its answer to a close
 
 }  // namespace
@@ -17,8 +17,8 @@ Connection::Connection(ConnectionHost& host, Places::Id id, std::unique_ptr<Stre
                        const asio::ip::address& address)
     : host_(host), id_(id), address_(address), stream_(std::move(stream)), deadline_(host.io()) {}
 
-/// A handler that keeps this connection, does nothing once it has ended, and ends it, and nothing
-/// else, when `work` throws.
+/// Returns a handler that keeps this connection alive and does nothing once it has ended. If
+/// `work` throws, only this connection ends.
 template <class Work>
 auto Connection::safely(Work work) {
   return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
@@ -96,8 +96,8 @@ void Connection::become_viewer(Answer accepted) {
       }));
 }
 
-/// Nothing more is read before all that was said to the viewer is on its way. So a viewer that does
-/// not read is answered no more than what one read holds.
+/// Reads only after all output to the viewer is on its way. So a viewer that does not read gets at
+/// most the answers to a single read.
 void Connection::read_on() {
   if (reading_ || taking_ || writing_ || ended_ || socket_->has_output()) return;
   reading_ = true;
@@ -117,7 +117,7 @@ void Connection::take_messages(std::span<const std::uint8_t> bytes) {
   pump();
 }
 
-/// It says nothing more that counts. It has a moment to take the close and to answer it.
+/// Ignores further messages of the viewer, and gives it time to take and answer the close.
 void Connection::part() {
   if (closing_ || ended_) return;
   closing_ = true;
@@ -126,7 +126,7 @@ void Connection::part() {
   set_deadline(kCloseTime);
 }
 
-/// Its time to show a token is over; from here on only writing has a limit.
+/// The viewer has shown its token in time; from here on only writing has a limit.
 void Connection::admitted() {
   stays_ = true;
   deadline_.cancel();
@@ -138,7 +138,7 @@ void Connection::send(const std::string& text) {
   socket_->send_text(text);
   pump();
   if (socket_->waiting() <= kMostWaiting) return;
-  // Not at once: the audience may be going through its viewers.
+  // Not at once: the audience may be iterating over its viewers.
   overfull_ = true;
   asio::post(host_.io(), safely([this] { end(); }));
 }
@@ -158,13 +158,13 @@ bool Connection::ready() const {
 }
 
 void Connection::close(WebSocketClose code, std::string_view reason) {
-  seat_.reset();  // the audience has taken it away
+  seat_.reset();  // the audience has already removed it
   socket_->close(code, reason);
   part();
   pump();
 }
 
-/// Writes what the WebSocket has to say, one piece after the other; then it reads on.
+/// Writes the WebSocket's output piece by piece, then reads on.
 void Connection::pump() {
   if (writing_ || ended_) return;
   Output output = socket_->take_output();
@@ -182,9 +182,9 @@ void Connection::pump() {
                  }));
 }
 
-/// The answer to a request; then the connection ends. Closing over unread bytes would reset it, and
-/// the answer would be lost: so it is read until the other end closes too, or the deadline ends it,
-/// or it sends more than any request has.
+/// Writes the answer to a request, then ends. Closing with unread bytes would reset the connection
+/// and lose the answer. So it reads until the other end closes, sends more than any request has, or
+/// reaches the deadline.
 void Connection::write_last(Answer last) {
   stream_->write({std::move(last.bytes), last.body}, safely([this](const std::error_code& error) {
                    if (error) return end();
@@ -200,7 +200,7 @@ void Connection::discard() {
   }));
 }
 
-/// Whether so many more bytes may be thrown away.
+/// Whether that many more bytes may be discarded.
 bool Connection::discards(std::size_t count) {
   discarded_ += count;
   return discarded_ <= kMostDiscarded;

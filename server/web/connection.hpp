@@ -1,5 +1,5 @@
 #pragma once
-// One connection to the live page's port: a request and its answer, or a viewer.
+// A connection to the live page's port: a request and its answer, or a viewer.
 
 #include <asio/steady_timer.hpp>
 #include <memory>

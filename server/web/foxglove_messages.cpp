@@ -22,7 +22,7 @@ struct Channel {
   std::string_view topic;
   mcap::Schema (*schema)();
 };
-// By FoxgloveChannel.
+// Indexed by FoxgloveChannel.
 constexpr std::array<Channel, kFoxgloveChannels> kChannels = {
     {{"/scene/geometry", picture_schema},
      {"/scene/transforms", transforms_schema},
@@ -31,7 +31,7 @@ constexpr std::array<Channel, kFoxgloveChannels> kChannels = {
 
 std::string base64(std::string_view bytes) {
   constexpr std::size_t kGroup = 3, kLetters = 4;
-  // EVP_EncodeBlock writes a zero behind the text.
+  // EVP_EncodeBlock writes a zero after the text.
   std::string encoded((bytes.size() + kGroup - 1) / kGroup * kLetters + 1, '\0');
   const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(encoded.data()),
                                      reinterpret_cast<const unsigned char*>(bytes.data()),
@@ -40,7 +40,7 @@ std::string base64(std::string_view bytes) {
   return encoded;
 }
 
-/// Keeps the operation and the ids. No tree is made (server/web/viewer_message.cpp says why).
+/// Keeps the operation and the ids. It builds no tree (server/web/viewer_message.cpp says why).
 class Request : public nlohmann::json_sax<nlohmann::json> {
  public:
   FoxgloveRequest request;

@@ -1,5 +1,5 @@
 #pragma once
-// One viewer of the Foxglove protocol: its subscriptions, and the messages that it has got.
+// A viewer of the Foxglove protocol: its subscriptions, and the messages that it has got.
 
 #include <array>
 #include <cstdint>

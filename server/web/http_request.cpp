@@ -77,7 +77,7 @@ bool read_header(std::string_view line, HttpRequest& request) {
   return true;
 }
 
-/// A body would be read as the next request.
+/// Whether there is a body, which would be read as the next request.
 bool has_body(const HttpRequest& request) {
   return std::any_of(request.headers.begin(), request.headers.end(), [](const HttpHeader& header) {
     return header.name == "transfer-encoding" ||

@@ -88,7 +88,7 @@ void put(Writer& writer, const SeenRobot& robot) {
   for (const double value : {robot.gripper, robot.age}) writer.put(value);
 }
 
-/// Whether it keeps something of the force from the hand.
+/// Whether the reason reduces the force on the hand.
 bool takes_off(HandReason reason) {
   return reason != HandReason::near && reason != HandReason::late;
 }
@@ -256,7 +256,7 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
     const double period = parameters ? parameters->servo_period : kUnknown;
     std::vector<json_text::Member> members = {
         {"number", number(std::uint64_t{hand.number})},
-        {"session", text(std::to_string(hand.session))},  // JavaScript's numbers are too short
+        {"session", text(std::to_string(hand.session))},  // too long for JavaScript's numbers
         {"client", text_or_null(hand.client)},
         {"device", text_or_null(hand.device)},
         {"tool", text(hand.tool)},

@@ -15,8 +15,8 @@ Pose square_pose(const Pose& plane, const Vec3& start);
 /// The triangles of a shape in its own frame; empty if it is unbounded. Allocates, and may take
 /// some 10 ms.
 TriangleSoup triangles_of(const Shape& shape);
-/// Those of a guide whose place is a shape, in the place's frame, with fewer steps; of a plane its
-/// square. Empty for other places.
+/// The triangles of a guide whose place is a shape, in the place's frame, with fewer steps; of a
+/// plane its square. Empty for other places.
 TriangleSoup triangles_of_place(const GuidePlace& place);
 
 }  // namespace feltwire::web

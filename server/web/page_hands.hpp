@@ -13,7 +13,7 @@
 
 namespace feltwire::web {
 
-/// One hand, of one viewer. Called on the page's thread; no call waits, and a call throws only if
+/// A hand of a viewer. Called on the page's thread; no call waits, and a call throws only if
 /// there is no memory.
 class PageHand {
  public:

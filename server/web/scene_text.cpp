@@ -18,7 +18,7 @@ namespace {
 using json_text::number;
 using json_text::text;
 
-/// Grows with the points that it is given.
+/// The bounding box of the points added to it.
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   void add(const Vec3& point) {
@@ -63,7 +63,7 @@ TriangleSoup solid_of(const Guide& guide, const Vec3& start) {
   return soup;
 }
 
-/// A guide without a place is only named.
+/// A guide without a place has only a name.
 std::string guide_text(const Guide& guide, const TriangleSoup& solid) {
   std::vector<Vec3> points;
   bool closed = false;
@@ -93,7 +93,7 @@ std::string guide_text(const Guide& guide, const TriangleSoup& solid) {
                             {"triangles", json_text::list(triangles)}});
 }
 
-/// A tool with a body has points all over it; a part of them is enough to draw it.
+/// A tool with a body has points all over its surface; a part of them is enough to draw it.
 std::string tool_text(const HandTool& tool) {
   constexpr std::size_t kMostPoints = 400;
   std::vector<std::string> points;

@@ -73,7 +73,7 @@ class Tls : public Layered<TlsSocket> {
   Tls(tcp::socket socket, asio::ssl::context& tls)
       : Layered(std::move(socket), *tls.native_handle()) {}
   void handshake(Done done) override { layer_.async_handshake(std::move(done)); }
-  /// The answer has its length, so that no end of TLS is needed to see that it is whole.
+  /// The answer states its length, so the client needs no end of TLS to see that it is complete.
   void end_writing() override {
     std::error_code ignored;
     socket().shutdown(tcp::socket::shutdown_send, ignored);

@@ -14,8 +14,8 @@
 
 namespace feltwire::web {
 
-/// One read and one write may be under way at a time; handlers are called on the thread of the
-/// socket's io_context.
+/// At most one read and one write may be under way at a time; handlers are called on the thread of
+/// the socket's io_context.
 class Stream {
  public:
   using Done = std::function<void(const std::error_code&)>;

@@ -16,8 +16,8 @@ constexpr std::array<std::pair<std::string_view, double LinkQuality::*>, 3> kLin
      {"link_jitter", &LinkQuality::jitter},
      {"link_loss", &LinkQuality::loss}}};
 
-/// Keeps the members of the outermost object, and those of its member `set`. No tree is made: the
-/// destructor of one allocates, and ends the program where there is no memory.
+/// Keeps the members of the outermost object, and of its member `set`. It builds no tree: a tree's
+/// destructor allocates, and ends the program if there is no memory.
 class Members : public nlohmann::json_sax<nlohmann::json> {
  public:
   ViewerMessage message;

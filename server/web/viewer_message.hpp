@@ -23,7 +23,7 @@ struct ViewerSet {
   std::optional<double> lead_share;  // of its hand
 };
 
-/// One JSON object. Missing members are empty, unknown ones are ignored.
+/// A JSON object. Missing members are empty, unknown ones are ignored.
 struct ViewerMessage {
   std::optional<std::string> token;   // the first message: identifies the viewer
   std::optional<std::string> watch;   // the name of the scene that it wants to watch

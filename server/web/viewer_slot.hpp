@@ -12,10 +12,10 @@ inline constexpr const char* kNoGoodToken =
     "the token is not good: it is unknown, revoked or expired";
 inline constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, at once
 
-/// One scene for viewers.
+/// A scene for viewers.
 struct Audience::Stage {
   SceneInView* scene;
-  // Of the shown version, made once for all viewers.
+  // Made once for all viewers from the shown version.
   std::uint32_t version = 0, changes = 0;
   SharedBytes text, materials;
   std::vector<SharedBytes> geometry;

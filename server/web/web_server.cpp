@@ -54,7 +54,7 @@ void WebServer::stop() {
     acceptor_.close(ignored);
     retry_.cancel();
     audience_.close_all();
-    // Viewers have a moment to hear why.
+    // Give viewers a moment to receive the reason.
     frame_.expires_after(kLastWords);
     frame_.async_wait([this](const std::error_code&) { end_all(); });
     leave_if_empty();
@@ -68,7 +68,7 @@ void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {
 
 void WebServer::end_all() {
   while (!connections_.empty()) {
-    // A handle of its own: end() takes the connection out of the map.
+    // Keep it alive: end() removes the connection from the map.
     const std::shared_ptr<Connection> connection = connections_.begin()->second;
     connection->end();
   }
@@ -89,10 +89,10 @@ std::string WebServer::url() const {
   return (secure() ? "https://" : "http://") + host() + ":" + std::to_string(port_) + "/";
 }
 
-/// A connection's handlers catch for themselves; what escapes another handler is logged, and all
-/// goes on.
+/// A connection's handlers catch their own exceptions. An exception of another handler is logged,
+/// and the server continues.
 void WebServer::run() {
-  constexpr std::chrono::milliseconds kPause{100};  // no busy loop where it fails again at once
+  constexpr std::chrono::milliseconds kPause{100};  // no busy loop if it fails again at once
   give_way();                                       // to the scenes' threads
   for (bool ended = false; !ended;) {
     try {
@@ -116,7 +116,7 @@ void WebServer::accept() {
   });
 }
 
-/// Out of descriptors, say: what is open goes on, and a moment later there may be one.
+/// For example no descriptor is free: open connections continue, and one may be free later.
 void WebServer::accept_later() {
   retry_.expires_after(std::chrono::milliseconds(100));
   retry_.async_wait([this](const std::error_code& cancelled) {
@@ -156,7 +156,7 @@ void WebServer::crowd_out(std::optional<Places::Id> id) {
   if (!id) return;
   const auto found = connections_.find(*id);
   if (found == connections_.end()) return;
-  // A handle of its own: end() takes the connection out of the map.
+  // Keep it alive: end() removes the connection from the map.
   const std::shared_ptr<Connection> connection = found->second;
   connection->end();
 }
@@ -166,7 +166,7 @@ void WebServer::admitted(Places::Id id) {
   if (strangers_.leave(id)) take_place(known_, id);
 }
 
-/// A viewer that leaves slowly keeps no other out.
+/// A viewer that leaves slowly must not keep another out.
 void WebServer::parting(Places::Id id) {
   if (known_.leave(id)) take_place(strangers_, id);
 }
@@ -191,7 +191,7 @@ Site WebServer::site(const asio::ip::address& asked_from) {
   return site;
 }
 
-/// Pictures while somebody is there.
+/// Draws pictures while a viewer is connected.
 void WebServer::show() {
   if (showing_ || !acceptor_.is_open()) return;
   showing_ = true;

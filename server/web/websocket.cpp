@@ -12,7 +12,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kAtOnce = 16384;  // [bytes] of short messages that are written together
-constexpr std::size_t kShort = 4096;    // [bytes] that are copied sooner than written on their own
+constexpr std::size_t kShort = 4096;    // [bytes] up to this size shared messages are copied
 
 /// The head of a whole message in one frame (RFC 6455, 5.2), not masked, as a server's are.
 void append_head(std::vector<std::uint8_t>& bytes, std::uint8_t opcode, std::size_t size) {
@@ -39,7 +39,7 @@ void append(std::vector<std::uint8_t>& bytes, std::span<const std::uint8_t> more
 
 }  // namespace
 
-/// Called by wslay, which is C: nothing may be thrown through it.
+/// wslay, a C library, calls these: nothing may be thrown through it.
 struct WebSocket::Callbacks {
   static ssize_t receive(wslay_event_context* context, std::uint8_t* to, std::size_t most, int,
                          void* user) {
@@ -159,7 +159,7 @@ void WebSocket::close(WebSocketClose code, std::string_view reason) {
                               bytes_of(reason).data(), reason.size()) == WSLAY_ERR_NOMEM)
     throw std::bad_alloc();
   closing_ = true;
-  wslay_event_config_set_no_buffering(context_.get(), 1);  // no part of a message counts any more
+  wslay_event_config_set_no_buffering(context_.get(), 1);  // an unfinished message no longer counts
   drop_messages();
 }
 
@@ -181,7 +181,7 @@ web::Output WebSocket::take_output() {
   if (failure_ != nullptr) std::rethrow_exception(std::exchange(failure_, nullptr));
   if (failed == WSLAY_ERR_NOMEM) throw std::bad_alloc();
   web::Output output{std::exchange(control_, {}), {}};
-  // Nothing may follow a close, which wslay sends by itself, too.
+  // Nothing may follow a close. wslay also sends a close by itself.
   if (wslay_event_get_write_enabled(context_.get()) == 0) drop_messages();
   while (!messages_.empty() && output.own.size() < kAtOnce && output.shared.empty()) {
     Message& next = messages_.front();

@@ -1,5 +1,5 @@
 #pragma once
-// One end of a WebSocket, the server's (RFC 6455): bytes to messages and back. It has no socket.
+// The server's end of a WebSocket (RFC 6455): bytes to messages and back. It has no socket.
 // wslay handles the frames.
 
 #include <cstddef>

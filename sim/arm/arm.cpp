@@ -23,10 +23,10 @@ const ArmConfig& checked(const ArmConfig& config) {
 }
 
 mujoco::Model loaded(const std::string& file) {
-  read_text(file);  // MuJoCo's own words for a file that cannot be read say less
+  read_text(file);  // MuJoCo's own message about an unreadable file says less
   mujoco::Loaded loaded = mujoco::load_file(file);
   if (loaded.model == nullptr) throw FileError(file + ": " + loaded.error);
-  // mj_step1 and mj_step2 take a step between them; Runge and Kutta would need more.
+  // mj_step1 and mj_step2 together make one step of Euler; Runge-Kutta would need more.
   if (loaded.model->opt.integrator != mjINT_EULER)
     throw FileError(file +
                     ": its integrator is not Euler; remove integrator=\"...\" from <option>");
@@ -105,7 +105,7 @@ void Arm::push(const Vec3& force) noexcept {
   if (force.allFinite()) sim_->pushed = force;
 }
 
-/// One step of physics with its control; the force that acted in it.
+/// Makes a step of physics with its control. Stores the force that acted in it.
 void Arm::step() noexcept {
   const mjModel& model = *sim_->model;
   mjData& data = *sim_->data;
@@ -128,7 +128,7 @@ Vec3 Arm::contact_force() const noexcept {
   const mjModel& model = *sim_->model;
   Vec3 sum = Vec3::Zero();
   for (int body = sim_->parts().hand; body < model.nbody; ++body) {
-    int above = body;  // up to the hand, which has a lower number than all that it carries
+    int above = body;  // up to the hand; its number is lower than all that it carries
     while (above > sim_->parts().hand) above = model.body_parentid[above];
     if (above == sim_->parts().hand)
       sum += mujoco::vector(mujoco::entry<6>(sim_->data->cfrc_ext, body) + 3);
@@ -139,7 +139,7 @@ Vec3 Arm::contact_force() const noexcept {
 double Arm::energy() const noexcept {
   const mjModel& model = *sim_->model;
   const mjData& data = *sim_->data;
-  // The last rows of the mass matrix may be of other bodies; they move by themselves.
+  // The last rows of the mass matrix may belong to other bodies, which move by themselves.
   double sum = sim_->arm.inside().impedance.energy(data);
   for (int body = 1; body < model.nbody; ++body) {
     if (model.body_rootid[body] != model.body_rootid[sim_->parts().hand]) continue;

@@ -1,5 +1,5 @@
 #pragma once
-// One control connection through the relay: two TCP connections, and bytes between them. They are
+// A control connection through the relay: two TCP connections, and bytes between them. They are
 // sealed from end to end (TLS), so the relay can neither read nor change them.
 
 #include <array>

@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxClients = 256;    // each has a socket and its links
 constexpr std::size_t kLinkRoom = 1 << 12;  // datagrams on their way in one direction
-constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // without a word of the client
+constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // without any datagram
 
 tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   Error error;
@@ -36,7 +36,7 @@ tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   return found.begin()->endpoint();
 }
 
-/// The way of a datagram: its client, and the address of this machine that the client spoke to.
+/// Addresses of a datagram: its client, and this machine's address that the client used.
 struct Way {
   udp::endpoint client;
   LocalAddress local;
@@ -74,8 +74,8 @@ struct LinkRelay::Parts {
   struct Known {
     udp::endpoint address;
     std::uint16_t scene_port = 0;
-    std::shared_ptr<RelayClient> client;  // null once forgotten
-    Json account;                         // of one forgotten
+    std::shared_ptr<RelayClient> client;  // null: the client was forgotten
+    Json account;                         // of a forgotten client
   };
 
   LinkRelayOptions options;
@@ -84,7 +84,7 @@ struct LinkRelay::Parts {
   tcp::acceptor acceptor{io};
   asio::ip::address address;
   std::vector<std::unique_ptr<ScenePort>> ports;
-  std::vector<Known> known;  // all clients there ever were
+  std::vector<Known> known;  // all clients so far
   std::size_t alive = 0;
   std::uint64_t refused = 0;  // datagrams of clients beyond kMaxClients
 
@@ -100,7 +100,8 @@ struct LinkRelay::Parts {
     accept();
   }
 
-  /// The server's own ports, one by one: clients go by the distance from the control port.
+  /// Opens a port for each of the server's, in order: clients use its distance from the control
+  /// port.
   void open_ports() {
     auto sockets = listen_with_room(options.port, [this](std::uint16_t port) {
       listen(port);
@@ -163,7 +164,7 @@ struct LinkRelay::Parts {
   RelayClient* client_at(ScenePort& port, const Way& from, Nanoseconds now) {
     const auto found = port.clients.find(from.client);
     if (found != port.clients.end()) {
-      *found->second.back = from;  // it may speak to another address of this machine now
+      *found->second.back = from;  // it may use another address of this machine now
       return found->second.relayed.get();
     }
     if (alive >= kMaxClients) forget_silent(now);

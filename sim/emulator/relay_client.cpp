@@ -35,7 +35,7 @@ void RelayClient::await_server() {
           Error error;
           const std::size_t size = self->server_.receive(asio::buffer(self->buffer_), 0, error);
           if (error == asio::error::would_block) break;
-          // Each datagram that the server refused comes back here once.
+          // An error reports a datagram that the server refused, once for each.
           if (!error) self->link_->down.enter({self->buffer_.data(), size}, now);
         }
         self->pump();
@@ -43,7 +43,7 @@ void RelayClient::await_server() {
       });
 }
 
-/// Sends what is due, and waits for the next.
+/// Sends the datagrams that are due and waits for the next.
 void RelayClient::pump() {
   const Nanoseconds now = relay_now();
   while (const auto datagram = link_->up.leave(now)) {

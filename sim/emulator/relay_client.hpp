@@ -1,5 +1,5 @@
 #pragma once
-// One client of the relay: its socket to the server, and its link.
+// A client of the relay: its socket to the server, and its link.
 
 #include <array>
 #include <asio/ip/udp.hpp>

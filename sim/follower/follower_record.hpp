@@ -31,7 +31,7 @@ class FollowerRecord {
   FollowerRecord(const FollowerRecord&) = delete;
   FollowerRecord& operator=(const FollowerRecord&) = delete;
 
-  /// One sample; the robot's loop calls it. It never waits: a row without room is counted.
+  /// Adds a sample; the robot's loop calls it. It never waits: a row without room is counted.
   void add(const RobotState& said, const RobotTarget& target) noexcept;
 
   /// Writes the rest. Throws std::runtime_error if the file is incomplete.

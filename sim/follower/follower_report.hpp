@@ -10,7 +10,7 @@ namespace feltwire {
 /// The report's text (docs/teleoperation.md has its keys).
 std::string report_json(const FollowerSpec& robot, const FollowerRun& run,
                         const FollowerResult& result);
-/// The same in one line for people.
+/// The report in a single line for people.
 std::string report_line(const FollowerResult& result);
 
 }  // namespace feltwire

@@ -21,7 +21,7 @@ std::string text(const Vec3& v) {
   return out.str();
 }
 
-/// At home, or brought to where it begins by a time of its own: nobody waits for that.
+/// Puts the arm at home, or brings it to its start with a clock of its own: nobody waits for that.
 std::unique_ptr<Follower> make_arm(const std::string& file, const std::optional<Vec3>& at) {
   constexpr double kNear = 2e-3;  // [m]
   ArmConfig config;

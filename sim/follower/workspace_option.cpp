@@ -19,7 +19,7 @@ void lock(Workspace& workspace, const std::string& axis) {
                                 "'; give some of x, y, z, rotation, with commas between them");
 }
 
-/// "X,Y,Z,HX,HY,HZ,R"; none where `text` is anything else.
+/// Reads "X,Y,Z,HX,HY,HZ,R"; empty for any other text.
 std::optional<KeepOutBody> body_of(std::string_view text) {
   std::array<double, 7> b{};
   if (!numbers_of(text, b, Workspace::kFarthest)) return std::nullopt;

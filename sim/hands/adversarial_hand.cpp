@@ -3,11 +3,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kGone = 1e-6;  // [N] a force that is not worth following
+constexpr double kGone = 1e-6;  // [N] a smaller force is not worth following
 
 }  // namespace
 
-/// A step of at most `step` [m]; true when it is there.
+/// Makes a step of at most `step` [m]. Returns true at the goal.
 bool AdversarialHand::go_to(const Vec3& goal, double step) noexcept {
   const Vec3 way = goal - position_;
   const double length = way.norm();
@@ -38,7 +38,7 @@ DeviceReading AdversarialHand::read(Nanoseconds now) noexcept {
   }
   DeviceReading reading;
   reading.pose.position = position_;
-  reading.jumped = false;  // it judges an account, so it may be faster than any hand
+  reading.jumped = false;  // it tests an account, so it may be faster than any hand
   return reading;
 }
 

@@ -23,7 +23,7 @@ std::string reasons_text(double value) {
   return text;
 }
 
-/// The columns that a client's recording also has come first, under the same names.
+/// The columns that a client's recording has too come first, with the same names.
 std::vector<RecordingTable::Column> datagram_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -78,7 +78,7 @@ bool EventTables::add(const SceneEvent& event, std::uint64_t log_time) {
   if (event.kind == EventKind::join) hand.feels = feels(event.payload);
   if (event.kind != EventKind::samples || !hand.feels) return true;
   if (decode(event.payload, batch_) != DropReason::none) {
-    // A flight record may begin after the join of a robot.
+    // A flight record may begin after a robot joined.
     RobotState state;
     hand.feels = false;
     return decode(event.payload, state) == DropReason::none;

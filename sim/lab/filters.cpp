@@ -24,7 +24,7 @@ namespace {
 /// The shortest text that reads back to the same double.
 void append(std::string& line, double value) {
   std::array<char, 32> text;
-  value += 0.0;  // people read -0 as a sign
+  value += 0.0;  // turns -0 into 0: people read -0 as a sign
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   if (!line.empty()) line += ',';
   line.append(text.data(), end);
@@ -34,8 +34,8 @@ void append(std::string& line, const Vec3& v) {
   for (int i = 0; i < 3; ++i) append(line, v[i]);
 }
 
-/// Writes a line, and flushes when no more input is waiting: whole speed in a batch, an answer a
-/// line on a pipe.
+/// Writes a line. Flushes if no more input is waiting: a batch keeps its full speed, and a pipe
+/// gets an answer for each line.
 void emit(std::istream& in, std::ostream& out, std::string& line) {
   line += '\n';
   out << line;
@@ -43,16 +43,16 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
   if (in.rdbuf()->in_avail() <= 0) out.flush();
 }
 
-/// A scene as one tool meets it at growing times; what moves is stepped from the first on.
+/// A scene that a tool touches at rising times. Bodies move from the first time on.
 class Touched {
  public:
-  /// `view`: that of the tool, in the scene.
+  /// `view`: the tool's view of the scene.
   Touched(const Scene& scene, const ToolView& view) : view_(view), memory_(view.memory()) {
     if (scene.mechanism() == nullptr) return;
     world_ = std::make_unique<World>(scene);
     body_contacts_ = world_->contact_state(view);
   }
-  /// `elapsed` [s] since the answer before.
+  /// `elapsed` [s]: time since the last answer.
   Command answer(const Pose& device, const Vec3& velocity, double elapsed) {
     if (view_.tool().body != nullptr) {
       if (world_ == nullptr) return view_.touch(device, velocity, elapsed, body_memory_);
@@ -66,7 +66,7 @@ class Touched {
   }
 
  private:
-  static constexpr double kRounding = 1e-9;  // [s] of times written in decimals
+  static constexpr double kRounding = 1e-9;  // [s] of times in decimal notation
 
   template <class Memory>
   void advance(double elapsed, Memory& memory) {
@@ -98,12 +98,12 @@ const ToolView& view_of(const Scene& scene, const std::string& tool) {
 
 namespace {
 
-// The optional columns of a row: the hold, local, and three normals.
+// The optional columns of a row: the hold, the local force and three normals.
 constexpr std::size_t kMostColumns = 15, kOptional = 11;
 const std::vector<std::string> kRowColumns = {"hold", "local", "n1x", "n1y", "n1z", "n2x",
                                               "n2y",  "n2z",   "n3x", "n3y", "n3z"};
 
-/// Precondition: `row` has the optional columns, with their defaults where they are missing.
+/// Precondition: `row` has the optional columns; missing ones have their defaults.
 ContactNormals normals_of(const CsvReader& reader, std::span<const double> row) {
   ContactNormals normals;
   for (std::size_t n = 0; n < ContactNormals::kMost; ++n) {

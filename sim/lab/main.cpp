@@ -48,7 +48,7 @@ Damping damping_of(const std::vector<double>& n) {
   }
 }
 
-/// Takes from the device what a session takes. A limit that was given stays.
+/// Takes the values of the device that a session takes too. Keeps a limit that was given.
 void take_device(const DeviceSpec& device, BoundingConfig& config) {
   config.damping = device.damping;
   config.quantum = device.position_resolution;
@@ -248,7 +248,7 @@ void relay(const LinkRelayOptions& options, const std::string& report) {
   sigemptyset(&endings);
   sigaddset(&endings, SIGINT);
   sigaddset(&endings, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // in the thread below, too
+  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // the thread below inherits it
 
   LinkRelay link(options);
   std::cout << "relaying: control tcp " << link.control_port() << ", scenes udp "

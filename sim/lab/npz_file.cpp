@@ -21,7 +21,7 @@ void put(std::string& out, Unsigned value) {
   out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-/// Version 1.0 of numpy's format.
+/// The head of an array in version 1.0 of numpy's format.
 std::string npy_head(std::string_view type, std::size_t rows, std::size_t width) {
   constexpr std::size_t kAlignment = 64, kBeforeText = 10;
   std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
@@ -53,7 +53,7 @@ void NpzFile::add(const std::string& name, std::span<const std::int64_t> values)
   add(name, "<i8", bytes_of(values), values.size(), 1);
 }
 
-/// An entry that is stored as it is; its head stands before it and again in the directory.
+/// Adds an uncompressed entry. Its head stands before it and again in the directory.
 void NpzFile::add(const std::string& name, std::string_view type, std::string_view bytes,
                   std::size_t rows, std::size_t width) {
   const std::string head = npy_head(type, rows, width);
@@ -71,7 +71,7 @@ void NpzFile::add(const std::string& name, std::string_view type, std::string_vi
   put(common, std::uint16_t{0});
   put(common, std::uint16_t{0});       // stored
   put(common, std::uint16_t{0});       // 00:00
-  put(common, std::uint16_t{0x0021});  // on 1980-01-01, so that the same arrays give the same bytes
+  put(common, std::uint16_t{0x0021});  // 1980-01-01: the same arrays give the same bytes
   put(common, mcap::crc32(bytes, mcap::crc32(head)));
   put(common, static_cast<std::uint32_t>(size));
   put(common, static_cast<std::uint32_t>(size));

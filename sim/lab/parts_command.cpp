@@ -1,4 +1,4 @@
-// feltwire-lab parts: a mesh as the convex parts that bodies run into.
+// feltwire-lab parts: splits a mesh into the convex parts that bodies collide with.
 
 #include <iostream>
 #include <memory>
@@ -23,7 +23,7 @@ struct PartsOptions {
   int refine = 0;
 };
 
-/// Of each tolerance, behind one hull of the whole.
+/// A row for a single hull of the whole, then a row for each tolerance.
 std::vector<DecompositionOptions> rows_of(const PartsOptions& given, double size) {
   std::vector<DecompositionOptions> rows{{.most = 1}};
   for (const double tolerance : given.tolerances) {

@@ -33,7 +33,7 @@ std::string reason_text(double value) {
              : std::to_string(static_cast<std::uint32_t>(value));
 }
 
-/// The columns of --record FILE.csv first, under its names.
+/// The columns of --record FILE.csv come first, with its names.
 std::vector<RecordingTable::Column> sample_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -62,7 +62,7 @@ std::vector<RecordingTable::Column> hand_columns() {
   return columns;
 }
 
-/// "/hand/sample" is hand_sample. No topic leads out of the folder.
+/// Turns "/hand/sample" into hand_sample. No topic can lead out of the folder.
 std::string file_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -91,7 +91,7 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
   lines += std::to_string(table.log_time[row]) + '\n';
 }
 
-/// One table for each topic of a client, each hand and body of a picture, and each hand of a
+/// Fills a table for each topic of a client, each hand and body of a picture, and each hand of a
 /// server.
 class Reading {
  public:
@@ -163,7 +163,7 @@ class Reading {
                       std::to_string(message.sequence) + " is no " + schema + "; " + kRemedy);
   }
 
-  /// False: the message is not of this schema.
+  /// Returns false if the message does not fit the schema.
   bool add(const std::string& topic, const std::string& schema, const mcap::Message& message) {
     if (schema == "feltwire.Sample")
       return add_sample(table_of(result_.tables, topic, &sample_columns), message);
@@ -187,7 +187,7 @@ class Reading {
     return true;
   }
 
-  /// The balance is not a number where there is no account.
+  /// Without an account, the balance is NaN.
   static bool add_account(RecordingTable& table, const mcap::Message& message) {
     const auto a = read_account(message.data);
     if (!a) return false;
@@ -201,7 +201,7 @@ class Reading {
     const auto entities = read_picture(message.data);
     if (!entities) return false;
     if (!first_picture_) first_picture_ = message.log_time;
-    // Signed: the clock may have been set back.
+    // Use a signed difference: the clock may have been set back.
     const double time =
         1e-9 * static_cast<double>(static_cast<std::int64_t>(message.log_time - *first_picture_));
     for (const PictureEntity& entity : *entities) {

@@ -57,7 +57,7 @@ ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& fi
 /// hand_sample.csv. Numbers have enough digits to read back the same bits. Returns the files.
 std::vector<std::filesystem::path> write_csv_files(const RecordingTables& tables,
                                                    const std::filesystem::path& folder);
-/// One array for each column: hand_sample_position.
+/// Writes an array for each column: hand_sample_position.
 void write_npz(const RecordingTables& tables, const std::filesystem::path& file);
 
 }  // namespace feltwire

@@ -1,4 +1,4 @@
-// The trade studies of feltwire-lab: each measures the costs of a setting.
+// The trade studies of feltwire-lab. Each measures the cost of a setting.
 
 #include <memory>
 

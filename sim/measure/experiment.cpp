@@ -18,7 +18,7 @@ Bounding bounding_of(const ExperimentSetup& setup) {
 }
 
 int delay_samples(double delay, double period) {
-  // Less than rounding: 20 ms at 1 kHz are 20 samples, however the quotient rounds.
+  // Subtract less than a sample's rounding: 20 ms at 1 kHz must be exactly 20 samples.
   return static_cast<int>(std::ceil(delay / period - 1e-9));
 }
 
@@ -28,7 +28,7 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
 
 std::vector<ExperimentSample> run_experiment(const Environment& environment,
                                              const ExperimentSetup& setup) {
-  const Environment touch = environment;  // its memory is this run's own
+  const Environment touch = environment;  // the copy's memory belongs to this run
   const double period = setup.bounding.period;
   Bounding bounding = bounding_of(setup);
   std::optional<PortAccount> account;
@@ -44,7 +44,7 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
   std::vector<ExperimentSample> samples;
   samples.reserve(count);
 
-  // Commands under way: the one asked for now is answered `delay` samples later.
+  // Commands under way: the present question is answered `delay` samples later.
   struct Answer {
     Command command;
     ContactNormals walls;
@@ -64,7 +64,7 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
     s.held = held.force();
     last_position = measured;
 
-    // The environment is asked where the method wants it asked.
+    // The method decides where the environment is asked.
     const Vec3 offset = bounding.probe(s.displacement, Vec3::Zero()).offset;
     const Tool tool{measured + offset,
                     velocity.update(s.displacement + offset - last_offset, period)};

@@ -1,5 +1,5 @@
 #pragma once
-// One simulated hand in one scene behind one bounding method, in process and deterministic.
+// A simulated hand in a scene behind a bounding method, in process and deterministic.
 
 #include <functional>
 #include <optional>
@@ -27,7 +27,7 @@ struct ExperimentSetup {
   WallsTouched walls = {};  // empty: the bound does not know the walls
 };
 
-/// One servo sample. Forces on the hand.
+/// A servo sample. Forces on the hand.
 struct ExperimentSample {
   double time = 0.0;                 // [s]
   Vec3 position = Vec3::Zero();      // [m] true, of the handle

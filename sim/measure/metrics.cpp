@@ -10,9 +10,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFelt = 1e-6;  // [N] below this a force has no direction worth measuring
+constexpr double kFelt = 1e-6;  // [N] no direction is measured below it
 
-/// Whether any axis' force lies outside what Eq. (2) allows it, beyond rounding of the whole force.
+/// Whether the force on any axis is outside of Eq. (2), beyond the rounding of the whole force.
 bool outside(const ExperimentSample& s, const Vec3& rendered, EbaConstants constants) {
   const double tolerance = 1e-9 * std::max(rendered.norm(), s.held.norm());
   for (int i = 0; i < 3; ++i) {

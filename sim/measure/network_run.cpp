@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kOnTheWay = 8192;  // datagrams in each direction, as in a client
 constexpr std::uint64_t kSessionId = 0x51de5;
 
-/// Both ends are in one process: nobody listens. What is measured is the same with any.
+/// Any keys do: both ends are in one process, nobody listens, and the results are the same.
 SessionKeys keys() { return {.suite = preferred_suite(), .up = {1}, .down = {2}}; }
 constexpr std::size_t kSessions = 1;
 
@@ -34,7 +34,7 @@ class TruePort {
   Device& device() {
     return std::visit([](auto& device) -> Device& { return device; }, device_);
   }
-  /// Looks at the device after a tick, at which the encoders said `measured`.
+  /// Looks at the device after a tick in which the encoders reported `measured`.
   void look(const Vec3& measured) {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     const Vec3 position = hand != nullptr ? hand->true_position() : measured;
@@ -53,13 +53,13 @@ class TruePort {
   const Vec3& position() const { return position_; }
   const Vec3& velocity() const { return velocity_; }
   const Quaternion& orientation() const { return orientation_; }
-  const Vec3& moved() const { return moved_; }          // [m] of the motor since the tick before
-  const Vec3& turned_since() const { return turned_; }  // [rad] likewise
+  const Vec3& moved() const { return moved_; }          // [m] of the motor in the last tick
+  const Vec3& turned_since() const { return turned_; }  // [rad] in the last tick
   TrueEnergy energy() const {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     return hand != nullptr ? hand->true_energy() : TrueEnergy{};
   }
-  /// [J] that Coulomb friction burned at least meanwhile: it acts axis by axis.
+  /// [J] Least energy that Coulomb friction burned in the last tick: it acts axis by axis.
   double friction_work() const {
     return friction_ * moved_.lpNorm<1>() + rotational_friction_ * turned_.lpNorm<1>();
   }
@@ -113,7 +113,7 @@ PortEnergy port_of(const NetworkRunOptions& options) {
           options.parameters.servo_period};
 }
 
-/// Adds the time until its end to a sum, where there is one.
+/// If a sum is given, adds to it the time until the end of this object.
 class Stopwatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -135,7 +135,7 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
   return options;
 }
 
-/// Gives both ends what a client fetches. Null: there is nothing to fetch.
+/// Gives both ends the data that a client fetches. Null: there is nothing to fetch.
 std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& sessions) {
   const ToolView& view = scene;
   const BodyTool* body = view.tool().body.get();
@@ -208,7 +208,7 @@ class NetworkRun {
   }
 
  private:
-  /// Everything that is due by then, each at its own time.
+  /// Delivers everything that is due by `until`, each datagram at its own time.
   void deliver(Nanoseconds until) {
     while (const auto due = link_.next_due()) {
       if (*due > until) break;
@@ -228,7 +228,7 @@ class NetworkRun {
   }
 
   static void send(OneWayLink& link, DatagramCount& count, Bytes datagram, Nanoseconds now) {
-    if (datagram.empty()) return;  // nothing to say
+    if (datagram.empty()) return;  // nothing to send
     ++count.datagrams;
     count.bytes += datagram.size() + kHeadersOnTheWire;
     link.enter(datagram, now);

@@ -35,7 +35,7 @@ struct NetworkRunOptions {
   bool timed = false;  // computing times are measured, by this machine's clock
 };
 
-/// One servo tick. Forces on the hand, world frame.
+/// A servo tick. Forces on the hand, world frame.
 struct NetworkSample {
   double time = 0.0;                 // [s] since the first tick
   Vec3 position = Vec3::Zero();      // [m] true, not rounded by encoders
@@ -76,7 +76,7 @@ struct NetworkRunResult {
   /// The energy of the held forces at the port with the damping that the device really has: over
   /// the displacements that the encoders measured, which a bound knows; and over the true ones.
   PortEnergy measured_port, true_port;
-  /// The same from the client's own observer: as `measured_port`, with the dry friction that the
+  /// The energy by the client's own observer: as `measured_port`, with the dry friction that the
   /// account uses.
   PortEnergy observed_port;
   /// [J] least value over time of the energy that the device burned, with its Coulomb friction,

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-/// The knowledge of the account of one of the two ports. It knows nothing of the other, whose force
+/// The account's knowledge of one port. The account gets nothing about the other port, whose force
 /// it does not render.
 AccountConfig only(AccountConfig config, PortKnowledge AccountConfig::*other) {
   config.*other = {};
@@ -60,7 +60,7 @@ bool PortAccounts::in_debt() const noexcept {
 
 std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
                                       const SixDofSetup& setup) {
-  const PoseEnvironment touch = environment;  // its memory is this run's own
+  const PoseEnvironment touch = environment;  // the copy's memory belongs to this run
   const double period = setup.bounding.period;
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
     throw std::invalid_argument("the duration must be finite and longer than one period [s]");
@@ -76,7 +76,7 @@ std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
   const auto count = static_cast<std::size_t>(std::floor(setup.duration / period + 0.5)) + 1;
   std::vector<SixDofSample> samples;
   samples.reserve(count);
-  // Commands under way: the one asked for now is answered `delay` samples later.
+  // Commands under way: the present question is answered `delay` samples later.
   std::vector<Command> under_way(static_cast<std::size_t>(setup.delay) + 1);
   Pose before = device.read(Nanoseconds{0}).pose;
   Vec3 last_offset = Vec3::Zero();
@@ -91,7 +91,7 @@ std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
     s.held = held;
     before = measured;
 
-    // The environment is asked where the method wants it asked.
+    // The method decides where the environment is asked.
     const Probe probe = bounding.probe(s.displacement, s.rotation);
     const Vec3 velocity = (s.displacement + probe.offset - last_offset) / period;
     last_offset = probe.offset;

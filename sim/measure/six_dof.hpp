@@ -1,5 +1,5 @@
 #pragma once
-// One simulated hand that moves and turns, in process and deterministic: the loop of
+// A simulated hand that moves and turns, in process and deterministic: the loop of
 // sim/measure/experiment.hpp in six degrees of freedom.
 
 #include <functional>
@@ -34,7 +34,7 @@ struct SixDofSetup {
   double duration = 4.0;                 // [s]
 };
 
-/// One servo sample. Forces and torques on the hand.
+/// A servo sample. Forces and torques on the hand.
 struct SixDofSample {
   double time = 0.0;                 // [s]
   Pose pose;                         // true

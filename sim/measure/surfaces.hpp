@@ -50,7 +50,7 @@ SurfaceDistance torus_distance(const BumpyTorus& torus, const Vec3& point);
 /// stiffness * depth along the normal, in the solid.
 Command penalty(const SurfaceDistance& surface, double stiffness);
 
-/// One object as one tool's environment, in a fresh state.
+/// An object as the environment of a tool, in a fresh state.
 Environment environment(const Object& object);
 
 }  // namespace feltwire

@@ -16,7 +16,7 @@ namespace {
 constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr const char* kName = "page hand";
 
-/// A device that keeps what it reads from alive.
+/// A device that keeps the ring alive from which it reads.
 class OwnPointings final : public Device {
  public:
   OwnPointings(const PointedHandOptions& options, std::shared_ptr<Ring<Pointing>> pointings)
@@ -52,7 +52,7 @@ std::string why(const LoopResult& result, bool neglected) {
   }
 }
 
-/// The usual ones with this law (empty: with the usual law), on the side where it can stand.
+/// The usual parameters with this law (empty: the usual law), on a side where the law can stand.
 SessionParameters parameters_with(const std::string& mode) {
   SessionParameters parameters = usual_parameters();
   if (mode.empty()) return parameters;
@@ -71,7 +71,7 @@ control::JoinRequest request_of(const std::string& client, const std::string& sc
   return request;
 }
 
-/// Until the loop is over, whoever ends it.
+/// Waits until the loop is over, whoever ends it.
 void wait_for_end_of(const ServoThread& thread) {
   pollfd over{thread.over_descriptor(), POLLIN, 0};
   while (!thread.over())
@@ -111,12 +111,12 @@ web::PageHand::Status ClientPageHand::status() const {
 }
 
 void ClientPageHand::point(const Vec3& target) noexcept {
-  // A pointing that does not fit is not missed: the next has the new place of the hand.
+  // Drop a pointing that does not fit: the next one has the new place of the hand.
   pointings_->push({.kind = Pointing::Kind::to, .target = target});
 }
 
 void ClientPageHand::release() noexcept {
-  // If the ring is full, no servo reads it, or a pause of a second ends the hand.
+  // A full ring means that no servo reads it, or that a pause of a second ends the hand.
   pointings_->push({.kind = Pointing::Kind::let_go});
 }
 
@@ -128,7 +128,7 @@ void ClientPageHand::become(Status status) noexcept {
 void ClientPageHand::end(const char* reason) noexcept {
   try {
     become({.state = State::released, .reason = reason});
-  } catch (const std::exception&) {  // no memory for the reason
+  } catch (const std::exception&) {  // no memory to copy the reason
     become({.state = State::released});
   }
   over_.store(true);
@@ -142,15 +142,15 @@ void ClientPageHand::run() noexcept {
   }
 }
 
-/// Until the session has ended. Returns why it has.
+/// Waits until the session has ended. Returns the reason.
 std::string ClientPageHand::hold() {
   const PointedHandOptions options = page_hand_options();
   auto device = std::make_unique<OwnPointings>(options, pointings_);
   const PointedDevice& hand = device->device();
-  // Nobody's hand is at this device, so the server may choose how long a command holds.
+  // No human hand is at this device, so the server may choose how long a command holds.
   const Joined joined = join(server_, request_of(client_, scene_, device->spec(), mode_), kJoinTime,
                              {.hold_time = kLongestGrantedHold});
-  server_.credentials.token = {};  // needed no more
+  server_.credentials.token = {};  // not needed any more
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,

@@ -43,7 +43,7 @@ class ClientPageHand final : public web::PageHand {
   static constexpr std::size_t kRoom = 256;  // pointings: more than come while a thread is late
   ServerAccess server_;
   const std::string scene_, client_, mode_;
-  /// Of its own life, for a servo thread that hangs in its device is left behind with it.
+  /// Shared, because a servo thread that hangs in its device is left behind with it.
   std::shared_ptr<Ring<Pointing>> pointings_ = std::make_shared<Ring<Pointing>>(kRoom);
   mutable std::mutex mutex_;
   Status status_;  // with the mutex

@@ -10,8 +10,8 @@
 namespace feltwire {
 namespace {
 
-/// Hands are asked for by the page's thread, which gives way to others, and what it starts would do
-/// so, too; a servo must not. So another thread starts them.
+/// The page's thread asks for hands. It has a low priority, and the threads that it starts inherit
+/// that. A servo must not have it. So another thread starts the hands.
 class ClientPageHands final : public web::PageHands {
  public:
   explicit ClientPageHands(const web::PageHandsSetup& setup)
@@ -26,7 +26,7 @@ class ClientPageHands final : public web::PageHands {
     }
     changed_.notify_all();
     starter_.join();
-    // All at once, then one after the other is waited for.
+    // First release all hands at once. Their destructors then wait, one after the other.
     for (const auto& hand : hands_) hand->release();
   }
 
@@ -34,7 +34,7 @@ class ClientPageHands final : public web::PageHands {
     const auto hand = std::make_shared<ClientPageHand>(server_, request);
     {
       const std::lock_guard lock(mutex_);
-      // A viewer may have left while its hand still lets go: the hand is kept until it has.
+      // A viewer may have left while its hand still lets go. The hand is kept until it is over.
       std::erase_if(hands_, [](const auto& held) { return held->over(); });
       if (hands_.size() + asked_.size() >= most_) return nullptr;
       asked_.push_back(hand);
@@ -59,8 +59,8 @@ class ClientPageHands final : public web::PageHands {
   const std::size_t most_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool ended_ = false;   // with the mutex, as are these
-  Hands asked_, hands_;  // not started yet; the others that are not over
+  bool ended_ = false;   // guarded by the mutex, like the next line
+  Hands asked_, hands_;  // not started yet; started, and not over
   std::thread starter_;
 };
 

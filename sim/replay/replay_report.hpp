@@ -11,7 +11,7 @@ namespace feltwire {
 std::string verdict(const Replay& replay);
 /// Whole lines. `took` [s]: the time of the replay.
 std::string replay_text(const Replay& replay, double took);
-/// One JSON object; docs/recording.md explains its fields.
+/// A JSON object; docs/recording.md explains its fields.
 std::string replay_json(const Replay& replay, double took);
 
 }  // namespace feltwire

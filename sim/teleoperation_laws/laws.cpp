@@ -18,7 +18,7 @@ namespace {
 
 using Law = std::unique_ptr<TeleoperationLaw>;
 using InSpace = std::unique_ptr<SpatialLaw>;
-/// A law by its name, in one degree of freedom and in three.
+/// A law with its name, in one degree of freedom and in three.
 struct Entry {
   std::string_view name;
   Law (*make)(const Plant&);
@@ -26,7 +26,7 @@ struct Entry {
 };
 constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] of the wave variables
 
-/// The wall of the bench, 2 mm deeper and a quarter softer than it is. It says nothing of a motion.
+/// The bench's wall, 2 mm deeper and a quarter softer than it is. It does not describe a motion.
 SurfacePrior wrong_prior() {
   constexpr double kDeeper = 2e-3, kSofter = 1500.0;  // [m], [N/m]
   return {.key = 1,

@@ -16,7 +16,7 @@ DeviceSpec device(const Plant& plant) {
   return spec;
 }
 
-/// The springs of controller and surface, one behind the other.
+/// Stiffness of the controller and the surface in series.
 double series(double a, double b) { return a * b / (a + b); }
 
 }  // namespace
@@ -33,7 +33,7 @@ RemoteLeader::RemoteLeader(const Plant& plant)
       account_(account_config(device(plant), plant.period)),
       remote_(RemoteTrust{}) {}
 
-/// Each surface as a plane where the hand is to meet it.
+/// Shows each surface as a plane at the place where the hand will meet it.
 void RemoteLeader::show(const RemoteContact& contact, const OtherSurfaces& others,
                         const Vec3& hand) {
   constexpr double kReach = 1.0;  // [m]

@@ -53,7 +53,7 @@ struct SpatialFollowerForce {
   Vec3 reference = Vec3::Zero();  // [m/s]
 };
 
-/// One law, both ends, called as TeleoperationLaw is.
+/// A law, both ends, called as TeleoperationLaw is.
 class SpatialLaw {
  public:
   SpatialLaw() = default;

@@ -54,7 +54,7 @@ struct FollowerForce {
   double reference = 0.0;  // [m/s]
 };
 
-/// One law, both ends. The bench calls lead() and follow() once a sample each, with the datagrams
+/// A law, both ends. The bench calls lead() and follow() once a sample each, with the datagrams
 /// that arrived since the last one in the order of arrival, and `out` filled with index and time.
 class TeleoperationLaw {
  public:

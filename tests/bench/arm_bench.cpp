@@ -1,6 +1,6 @@
 // arm_tick/SCENE: a servo period of the simulated arm with its controller (two steps of physics):
-// `arm` in free space, `table` pressing on it, `box` with a box in its gripper.
-// world_arm: a step of the server's world of scenes/arm/workcell.json, with its arm at home.
+// `arm` in free space, `table` pressed on a table, `box` with a box in the gripper.
+// world_arm: a step of the server's world in scenes/arm/workcell.json, with its arm at home.
 
 #include <benchmark/benchmark.h>
 

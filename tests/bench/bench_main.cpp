@@ -1,4 +1,4 @@
-// The benchmarks' program: Google Benchmark's own options, and --version as every program has it.
+// The benchmarks' program: Google Benchmark's own options, and --version as in every program.
 
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
-// bound/METHOD/DOF: one step of a bounding method on a hand that slides over a stiff wall.
-// account/METHOD/DOF: the method with the account of a session behind it, on the same hand.
-// account/METHOD/DOF/cut: the same, and the account takes something off at every step.
+// bound/METHOD/DOF: one step of a bounding method; the hand slides over a stiff wall.
+// account/METHOD/DOF: the method followed by a session's account, with that hand.
+// account/METHOD/DOF/cut: as before, but the account reduces every force.
 
 #include <benchmark/benchmark.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kSteps = 1024;  // a power of two: a lap of the recorded hand
 
-/// Movements and commands as a session has them, made before the clock runs.
+/// Movements and commands as in a session, made before the clock runs.
 std::array<BoundingStep, kSteps> recorded_hand(int dof) {
   std::array<BoundingStep, kSteps> steps;
   for (std::size_t n = 0; n < kSteps; ++n) {
@@ -56,7 +56,7 @@ void step(benchmark::State& state, const BoundingConfig& incomplete, int dof) {
   }
 }
 
-/// All that an account counts on is known: damping, dry friction, encoder, mass, the hand's force.
+/// All that an account uses is known: damping, dry friction, encoder, mass, the hand's force.
 DeviceSpec known_device(int dof) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 0.5;
@@ -75,7 +75,7 @@ DeviceSpec known_device(int dof) {
   return spec;
 }
 
-/// With `cut` the commands pull with the hand, so that the account never has enough and cuts each.
+/// With `cut` the commands pull along with the hand, so the account lacks energy and cuts each one.
 void step_with_account(benchmark::State& state, const BoundingConfig& incomplete, int dof,
                        bool cut) {
   const BoundingConfig config = complete(incomplete, dof);

@@ -1,6 +1,6 @@
-// field/SHAPE: the distance and its gradient, at places near the surface in no order.
-// tool/CASE/POINTS: one step of a tool with a body that a hand moves: far from everything, grazing
-// (its points within a millimetre of a plate), lying on it, in a hole (docs/fields.md).
+// field/SHAPE: the distance and its gradient, at places near the surface in random order.
+// tool/CASE/POINTS: one step of a tool with a body, moved by a hand: far from everything, grazing
+// (points within a millimetre of a plate), lying on the plate, in a hole (docs/fields.md).
 
 #include <benchmark/benchmark.h>
 

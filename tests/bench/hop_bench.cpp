@@ -1,7 +1,7 @@
-// hop/WHAT: what the server does between a hand and its robot, system calls aside: with a sample
-// that leads (opened, state, target sealed for the robot, answer sealed for the hand) and with a
-// robot's state (opened, state). The clock runs from the datagram's arrival until all that it
-// causes is ready.
+// hop/CASE: the server's work between a hand and its robot, without system calls. hop/lead: a
+// leading sample (open it, take the state, seal the robot's target and the hand's answer).
+// hop/state: a robot's state (open it, take the state). The clock runs from the datagram's arrival
+// until all resulting datagrams are ready.
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +37,7 @@ Scene seat() {
   return scene;
 }
 
-/// A hand and a robot that touches something, each in its session.
+/// A hand, and a robot in contact, each in its session.
 struct Link {
   Scene scene = seat();
   SceneSessions server{scene, std::chrono::hours(1), 8, nullptr, {.sample_rate = 1e6}};
@@ -79,7 +79,7 @@ struct Link {
     state.time = now;
     return robot.pack(state);
   }
-  /// [s]
+  /// [s] the time that `work` takes.
   template <typename Work>
   static double timed(const Work& work) {
     const auto begun = std::chrono::steady_clock::now();

@@ -1,14 +1,14 @@
-// mesh/CASE/TRIANGLES: what a sample costs on a sphere of facets, r = 90 mm, 5 kN/m, the probe 2 mm
-// inside, gliding at 0.1 m/s, sampled at 1 kHz.
-//   glide, smooth     a point; its force's direction interpolated
+// mesh/CASE/TRIANGLES: the cost of a sample on a faceted sphere, r = 90 mm, 5 kN/m. The probe is 2
+// mm inside, glides at 0.1 m/s and is sampled at 1 kHz.
+//   glide, smooth     a point; smooth: the direction of its force is interpolated
 //   ball              a ball of 1 mm
-//   local_model,      a sample, and the surfaces near the tool beside it (less glide, or ball)
+//   local_model,      a sample plus the surfaces near the tool (subtract glide or ball)
 //   ball_model
 //   build             the tree (and neighbours) from vertices and triangles
-//   objects           one of that many meshes touched
-// Beside the mean: the time of single samples, p50 and p99.9, the clock's own reading included;
-// largest and mean error of the direction [deg], largest change of the force from sample to sample
-// [N], and what of it is beyond the force's turning from facet to facet; memory [MB].
+//   objects           that many meshes, one of them touched
+// Besides the mean: the time of single samples, p50 and p99.9, including the clock's reading; the
+// largest and mean error of the direction [deg]; the largest change of the force between samples
+// [N], and its part beyond the force's turn from facet to facet; memory [MB].
 
 #include <benchmark/benchmark.h>
 
@@ -142,7 +142,7 @@ void objects(benchmark::State& state, int count) {
   state.counters["N"] = command.elastic.norm();
 }
 
-/// The query of a session with a local model at every reply, on the same way.
+/// The query of a session that sends a local model with every reply, on that path.
 void model(benchmark::State& state, int level, const MeshOptions& options) {
   const Scene scene("sphere", {object_of(sphere(level), options)});
   TouchMemory memory = scene.memory();

@@ -1,7 +1,7 @@
-// answer/SCENE: what a session answers a sample of a hand that presses and wanders, without a local
-// model.
-// answer_normals/SCENE: the same for a client that shapes late forces wall by wall, so that the
-// reply names the walls that push. Over answer/SCENE, this is what the normals cost a server.
+// answer/SCENE: the cost of a session's answer to a sample of a hand that presses and wanders,
+// without a local model.
+// answer_normals/SCENE: for a client that shapes late forces wall by wall, so the reply names the
+// pushing walls. The difference to answer/SCENE is the server's cost of the normals.
 
 #include <benchmark/benchmark.h>
 

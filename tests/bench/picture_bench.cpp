@@ -1,6 +1,6 @@
-// picture/N: what the scene's thread spends on one picture for the live page, of N hands that press
-// the room's table. picture/modelled/N: the same with the surfaces near them, for clients with a
-// local model. picture/not_wanted: what it spends where nobody looks.
+// picture/N: the time of the scene's thread for one picture of the live page, with N hands that
+// press the room's table. picture/modelled/N: plus the surfaces near the hands, for clients with a
+// local model. picture/not_wanted: the time when nobody looks.
 
 #include <benchmark/benchmark.h>
 

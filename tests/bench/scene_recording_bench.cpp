@@ -1,7 +1,7 @@
 // scene_answer/LOG/SCENE: a second of 16 hands at 1 kHz in one scene, opened, computed and sealed,
 // with an input log (1) or without (0). scene_record/SCENE: the recorder's part of that second.
-// scene_replay/SCENE: ten recorded seconds computed again; `times_real_time` is the speed. CPU time
-// over the recorded time is the share of a core.
+// scene_replay/SCENE: ten recorded seconds, computed again; `times_real_time` is the speed. CPU
+// time over recorded time is the share of a core.
 
 #include <benchmark/benchmark.h>
 
@@ -22,13 +22,13 @@ namespace feltwire::scene_recording_bench {
 namespace {
 
 constexpr std::uint64_t kHands = 16;
-constexpr int kTicks = 1000, kBetweenLooks = 10;  // of a second
+constexpr int kTicks = 1000, kBetweenLooks = 10;  // ticks of a second
 
 std::filesystem::path scene_file(const char* name) {
   return std::filesystem::path(FELTWIRE_SOURCE_DIR) / "scenes" / name;
 }
 
-/// A scene with hands that slide and press about its start.
+/// A scene with hands that slide and press near its start.
 class Hands {
  public:
   Hands(const char* scene_name, EventLog* log)
@@ -39,7 +39,7 @@ class Hands {
       sessions_.answer(test::join_request(usual_parameters()), id(i), test::keys(id(i)), now_);
   }
 
-  /// Sealed datagrams of so many ticks, for answer().
+  /// Sealed datagrams of `ticks` ticks, for answer().
   void prepare(int ticks) {
     datagrams_.clear();
     for (int n = 0; n < ticks; ++n) {
@@ -56,7 +56,7 @@ class Hands {
       }
     }
   }
-  /// Calls `look` ten milliseconds apart.
+  /// Calls `look` every ten milliseconds.
   template <class Look>
   void answer(Look look) {
     DatagramBuffer out;

@@ -1,6 +1,6 @@
-// seal/SUITE, open/SUITE: a datagram's seal with 128 bytes in it.
-// receive/WHAT: what the server does with a datagram, system calls aside: `answered`, contact and
-// bound and both seals inside; and with one that is dropped, by the reason.
+// seal/SUITE, open/SUITE: the seal of a datagram with a payload of 128 bytes.
+// receive/CASE: the server's work on a datagram, without system calls. `answered` includes contact,
+// bound and both seals; the other cases are dropped datagrams, named by the reason.
 
 #include <benchmark/benchmark.h>
 
@@ -32,7 +32,7 @@ void seal(benchmark::State& state, CipherSuite suite) {
     benchmark::DoNotOptimize(sealer.seal(DatagramKind::samples, kSession, payload, out));
 }
 
-/// The replay window's check and mark inside; the datagrams are made before the clock runs.
+/// Includes the replay window's check and mark; the datagrams are made before the clock runs.
 void open(benchmark::State& state, CipherSuite suite) {
   constexpr std::size_t kDatagrams = 1024;
   Sealer sealer(suite, kUp);
@@ -84,7 +84,7 @@ struct Server {
   }
 };
 
-/// Making the sample and sealing it at the client, which `answered` has inside, too.
+/// Makes a sample and seals it at the client: `answered` includes this time too.
 void sample(benchmark::State& state) {
   Server server;
   for (auto _ : state) benchmark::DoNotOptimize(server.sample());

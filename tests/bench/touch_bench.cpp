@@ -1,7 +1,7 @@
-// touch/SCENE: what a scene answers a tool that wanders through it.
-// local_model/SCENE: the same, and the surfaces near the tool beside it (less touch/SCENE, that is
-// what they cost a reply).
-// local_contact/SCENE: what a client makes of them, a model every 20 ticks.
+// touch/SCENE: a scene's answer to a wandering tool.
+// local_model/SCENE: the answer plus the surfaces near the tool. The difference to touch/SCENE is
+// their cost in a reply.
+// local_contact/SCENE: a client's contact with these surfaces, with a model every 20 ticks.
 
 #include <benchmark/benchmark.h>
 
@@ -35,7 +35,7 @@ std::array<Tool, kPlaces> hand_in(const Scene& scene) {
   return hand;
 }
 
-/// Calls call(scene, tool, memory) for one place of the hand after the other.
+/// Calls call(scene, tool, memory) for each place of the hand in turn.
 template <class Call>
 void lap(benchmark::State& state, const std::string& file, const Call& call) {
   const Scene scene = scene_of(file);

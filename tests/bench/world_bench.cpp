@@ -1,9 +1,9 @@
-// world_step/CASE/N: a tick of N free boxes of 4 cm and 100 g: `apart` in the air, weightless;
+// world_step/CASE/N: a tick of N free boxes of 4 cm and 100 g: `apart` in the air without gravity;
 // `table` at rest on a table; `piles` in piles of five on it.
-// world_touch/N: what a scene of N moving boxes answers a tool that wanders over them.
-// world_push/N: what a hand that says nothing new costs a tick more.
-// moving/LAYOUT/SHAPE/N: a sample of a hand that strokes one of N moving things; `crowd` side by
-// side, `far` a metre apart; boxes, or the same as meshes of 1200 triangles. No tick in it.
+// world_touch/N: the answer of a scene of N moving boxes to a tool that wanders over them.
+// world_push/N: the extra cost of a tick for a hand without a new sample.
+// moving/LAYOUT/SHAPE/N: a sample of a hand that strokes one of N moving objects; `crowd` side by
+// side, `far` a metre apart; boxes, or such boxes as meshes of 1200 triangles. Includes no tick.
 // moving/load/N: from objects and bodies to a world.
 
 #include <benchmark/benchmark.h>

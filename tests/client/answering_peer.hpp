@@ -1,5 +1,5 @@
 #pragma once
-// A control port that answers every question as a test says, true or not.
+// A control port that gives the answers of a test, true or false.
 
 #include <netinet/tcp.h>
 
@@ -11,8 +11,8 @@
 
 namespace feltwire::testing {
 
-/// It takes one client after the other, and answers no more than kMost questions in all, so that a
-/// client that would ask for ever is seen and ends.
+/// It serves one client after another and answers at most kMost questions in all. A client that
+/// would ask for ever is then noticed and ended.
 class AnsweringPeer {
  public:
   static constexpr std::size_t kMost = 3000;
@@ -35,7 +35,7 @@ class AnsweringPeer {
   AnsweringPeer& operator=(const AnsweringPeer&) = delete;
 
   ServerAccess access() const { return test::access(socket_.port()); }
-  /// The questions so far, without tokens.
+  /// The questions so far, except the tokens.
   std::vector<control::Message> questions() const {
     const std::lock_guard lock(mutex_);
     return questions_;

@@ -33,18 +33,18 @@ inline ServerConfig any_ports() {
   return config;
 }
 
-/// Comes down, slides along below the surface, and goes up again, in 0.4 s.
+/// Moves down, slides below the surface and moves up again, in 0.4 s.
 inline const char* const kStroke =
     "t,x,y,z\n0,0,0,0.005\n0.1,0,0,-0.004\n0.3,0.02,0,-0.004\n0.4,0.02,0,0.005\n";
 
-/// A port with an emulated link before it; null without a link.
+/// A port with an emulated link in front; null without a link.
 inline std::unique_ptr<DatagramPort> linked(const Address& server,
                                             std::unique_ptr<TwoWayLink> link) {
   if (link == nullptr) return nullptr;
   return std::make_unique<EmulatedPort>(open_udp_port(server), std::move(*link));
 }
 
-/// One client with a device that replays rows.
+/// A client with a device that replays rows.
 struct Client {
   ReplayDevice device;
   Joined joined;
@@ -53,7 +53,7 @@ struct Client {
   Event stop;
   std::unique_ptr<LoopResult> result = std::make_unique<LoopResult>();
   Ring<TickRecord> records{1 << 14};
-  Ring<TimedView> views{16};  // of an observer
+  Ring<TimedView> views{16};  // for an observer
   std::thread thread;
 
   Client(const ServerAccess& server, const char* rows, const SessionParameters& parameters,
@@ -67,7 +67,7 @@ struct Client {
                   linked(by_way_of != nullptr ? *by_way_of : joined.datagrams, std::move(link))),
         servo(device.spec(), joined.accepted.parameters) {}
   ~Client() {
-    stop.set();  // a test that failed half-way must not wait for the end of the recording
+    stop.set();  // a failed test must not wait for the end of the recording
     finish();
   }
 
@@ -84,7 +84,7 @@ struct Client {
   void finish() {
     if (thread.joinable()) thread.join();
   }
-  /// The next tick recorded of which it holds; older ones are dropped.
+  /// The next recorded tick that meets the condition; older ticks are dropped.
   template <class Condition>
   TickRecord next_tick(const std::string& what, Condition condition) {
     TickRecord row;

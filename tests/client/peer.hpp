@@ -1,6 +1,6 @@
 #pragma once
-// The other end of a client's sockets, small enough to be looked through: one scene's UDP port, one
-// control port.
+// The server side of a client's sockets, small enough to read in full: a UDP port of one scene and
+// a control port.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -25,9 +25,8 @@
 
 namespace feltwire::testing {
 
-/// A socket on a port of 127.0.0.1 that the system chose, or on one that a server has left.
-/// Receiving gives up after ten seconds, so that a broken client fails a test instead of hanging
-/// it.
+/// A socket on a port of 127.0.0.1: a free port, or one that a server has left. A receive gives up
+/// after ten seconds, so a broken client fails a test and does not block it.
 class LocalSocket {
  public:
   explicit LocalSocket(int type, std::uint16_t left = 0)
@@ -65,7 +64,7 @@ class LocalSocket {
   Address address_;
 };
 
-/// A scene's port: takes what a client sends and answers what the test says.
+/// A scene's port: receives the client's datagrams and sends the test's replies.
 class ScenePeer {
  public:
   static constexpr std::uint64_t kSession = 0xfe17;
@@ -73,7 +72,7 @@ class ScenePeer {
   const Address& address() const { return socket_.address(); }
   SessionAddress session() const { return {address(), kSession, test::keys(kSession)}; }
 
-  /// The next datagram, whatever it is; empty when none came.
+  /// The next datagram of any kind; empty if none came.
   std::vector<std::uint8_t> receive_bytes() {
     std::vector<std::uint8_t> bytes(2 * kMaxDatagram);
     client_.size = sizeof client_.storage;
@@ -83,7 +82,7 @@ class ScenePeer {
     return bytes;
   }
 
-  /// A datagram waits, or came within some milliseconds.
+  /// A datagram waits or comes within 10 ms.
   bool has_datagram() const {
     constexpr int kMilliseconds = 10;
     pollfd waiting{socket_.descriptor(), POLLIN, 0};
@@ -91,7 +90,7 @@ class ScenePeer {
   }
 
   struct Received {
-    DatagramKind kind = DatagramKind::reply;  // none that a client sends
+    DatagramKind kind = DatagramKind::reply;  // a kind that no client sends
     Header header;
     SampleBatch batch;
     GoodbyeReason reason = GoodbyeReason::evicted;
@@ -122,7 +121,7 @@ class ScenePeer {
   void send(GoodbyeReason reason) {
     send_bytes(encoder_.goodbye(kSession, ++packet_number_, reason));
   }
-  /// Any command to the newest sample of a batch.
+  /// A reply to this sample with this command.
   static Reply reply_to(const Sample& sample, const Command& command = {}) {
     Reply reply;
     reply.sample_index = sample.index;
@@ -139,8 +138,8 @@ class ScenePeer {
   std::uint64_t packet_number_ = 0;
 };
 
-/// A control port that lets any token in, answers the first request with given bytes (none: it
-/// closes without a word), and is gone.
+/// A control port that accepts any token, answers the first request with the given bytes and
+/// closes. With no bytes it closes without an answer.
 class ControlPeer {
  public:
   explicit ControlPeer(std::vector<std::uint8_t> answer) {
@@ -161,7 +160,7 @@ class ControlPeer {
     thread_.join();
     return request_;
   }
-  /// The next message of a client; empty: it has closed, or sent none.
+  /// The next message of a client; empty if it closed or sent none.
   static std::optional<control::Message> read(test::TlsConnection& tls) {
     const auto prefix = tls.read(control::kFrameLengthSize);
     if (prefix.size() < control::kFrameLengthSize) return std::nullopt;
@@ -185,7 +184,7 @@ class ControlPeer {
       }
     }
     ::close(connection);
-    ::shutdown(socket_.descriptor(), SHUT_RDWR);  // whoever comes again is sent away at once
+    ::shutdown(socket_.descriptor(), SHUT_RDWR);  // refuse later connections at once
   }
 
   LocalSocket socket_{SOCK_STREAM};

@@ -1,5 +1,5 @@
 #pragma once
-// A servo in a test's hands: its parameters, its replies, its readings.
+// A servo for tests: parameters, replies and readings.
 
 #include <cmath>
 #include <limits>
@@ -33,21 +33,21 @@ inline Command elastic(double x, double y, double z) { return {.elastic = Vec3(x
 inline DeviceReading at(double x, double y, double z) {
   return {.pose = {.position = Vec3(x, y, z)}};
 }
-/// As at(), from a driver that vouches for the reading, where a test moves farther than a hand can.
+/// As at(), but the driver vouches for the reading: the test moves farther than a hand can.
 inline DeviceReading surely_at(double x, double y, double z) {
   DeviceReading reading = at(x, y, z);
   reading.jumped = false;
   return reading;
 }
 
-/// The usual device, of which the account is told no mass: then it counts on none.
+/// The usual device without a known mass; the account then counts on none.
 inline DeviceSpec without_known_mass(const std::string& device = "simulated") {
   DeviceSpec spec = builtin_device(device);
   spec.least_mass = spec.least_inertia = spec.hand_torque = 0.0;
   return spec;
 }
 
-/// A servo with a device that holds what it is given, ticked every period.
+/// A servo whose device holds each given force, ticked every period.
 struct Bench {
   DeviceSpec spec = builtin_device("simulated");
   Servo servo;

@@ -12,7 +12,7 @@ namespace feltwire::testing {
 using test::TemporaryFolder;
 using test::text_of;
 
-/// The text of the Error that `action` throws. If it throws nothing: empty, and the test fails.
+/// The text of the Error that `action` throws. Empty, and the test fails, if it throws nothing.
 template <class Error, class Action>
 std::string error_of(Action action) {
   try {

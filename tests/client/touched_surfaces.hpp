@@ -1,5 +1,5 @@
 #pragma once
-// Replies that say that the tool touches a whole surface.
+// Replies that report contact with a whole surface.
 
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire::testing {
 
-/// The model of the reply is one surface of the version `surfaces`, touched at `hand` [m].
+/// Makes the reply's model a surface of version `surfaces`, touched at `hand` [m].
 inline void mark_as_touched(Reply& reply, std::uint32_t surfaces, const Vec3& hand) {
   reply.modelled = true;
   reply.model.surfaces = surfaces;

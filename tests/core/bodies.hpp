@@ -1,5 +1,5 @@
 #pragma once
-// The tools of the tests of tools with a body, and the things that they touch.
+// Tools with a body, and the objects that they touch, for tests.
 
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/tessellation.hpp"
@@ -8,8 +8,8 @@
 namespace feltwire::test {
 
 inline const Vec3 kHalf(0.03, 0.02, 0.01);             // [m] of the box that most tests hold
-inline constexpr double kFace = 4.0 * 0.03 * 0.02;     // [m^2] that it stands on
-inline constexpr double kRound = 4.0 * (0.03 + 0.02);  // [m] the way round it
+inline constexpr double kFace = 4.0 * 0.03 * 0.02;     // [m^2] its lower face
+inline constexpr double kRound = 4.0 * (0.03 + 0.02);  // [m] its circumference
 inline constexpr double kStiffness = 1000.0;           // [N/m]
 
 /// [N] The face and the sides below the plane, pressed in by d: k / A_c (A d + P d^2 / 2).
@@ -39,7 +39,7 @@ inline BodyTool tool(std::size_t points = 2000, const ToolCoupling& coupling = {
   return {box_shell(points), coupling, kFace};
 }
 
-/// A millisecond on, nothing moving.
+/// A step of 1 ms, with nothing moving.
 inline BodyStep step(const BodyTool& tool, std::span<const Object> objects, const Pose& device,
                      BodyMemory& memory) {
   return step_body(tool, objects, device, 1e-3, memory);

@@ -1,6 +1,6 @@
 #pragma once
-// A handle in continuous time, pushed by a held force and by a hand that means harm: the physics
-// that the account claims to bound, integrated exactly between the hand's changes.
+// A handle in continuous time, under a held force and a malicious hand: the physics that the
+// account claims to bound, integrated exactly between the hand's changes.
 
 #include <algorithm>
 #include <cmath>
@@ -28,15 +28,15 @@ struct Handle {
   }
 };
 
-/// A point as an encoder shows it, each axis rounded to a multiple of q.
+/// A point as an encoder shows it: each axis rounded to a multiple of q.
 inline Vec3 encoded(const Vec3& x, double q) {
   return q > 0.0 ? Vec3((x / q).array().round() * q) : x;
 }
 
-/// The action of a hand during one sample, in `parts` equal pieces.
+/// How a hand acts during a sample.
 enum class Grip { pull, push, throw_then_pull, noise, swing, none };
 
-/// The force of a hand of at most `strength`, at `now` of 0 to 1 of the sample, while `held` acts.
+/// A hand's force, at most `strength`, at `now` (0 to 1) of the sample while `held` acts.
 inline Vec3 hand_force(Grip grip, Random& random, const Vec3& held, double strength, double now) {
   const Vec3 u = held.norm() > 0.0 ? Vec3(held.normalized()) : Vec3::UnitX();
   switch (grip) {

@@ -1,6 +1,6 @@
 #pragma once
-// Geometry that costs much to touch: as a server could send it to harm, and as a heavy scene has
-// it.
+// Geometry that is expensive to touch: what a malicious server could send, and what a heavy scene
+// contains.
 
 #include <cmath>
 #include <numbers>
@@ -10,7 +10,7 @@
 
 namespace feltwire::test {
 
-/// A direction of `count` that are spread evenly over a sphere.
+/// Direction `i` of `count` directions, spread evenly over a sphere.
 inline Vec3 spread_direction(std::size_t i, std::size_t count) {
   constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
   const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
@@ -18,7 +18,7 @@ inline Vec3 spread_direction(std::size_t i, std::size_t count) {
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-/// Long thin triangles in all directions. An edge of each leads through the origin.
+/// Long thin triangles in all directions. Each has an edge through the origin.
 inline SurfaceData through_a_point(std::size_t count) {
   constexpr double kReach = 0.1, kThin = 1e-3;  // [m]
   SurfaceData data;
@@ -59,8 +59,8 @@ inline BodyData ball_of_points(std::size_t count) {
   return body;
 }
 
-/// Thin plates across z, each 10 um above the one before, from the origin on: a tool that lies on
-/// them is near them all.
+/// Thin plates across z, each 10 um above the previous one, from the origin up: a tool that lies
+/// on them is near them all.
 inline std::vector<SolidData> thin_boxes(std::size_t count) {
   std::vector<SolidData> solids;
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// The tools of hands in tests, and the things that they touch.
+// Tools of hands, and the objects that they touch, for tests.
 
 #include "core/base/numeric.hpp"
 #include "core/contact/contact.hpp"
@@ -18,7 +18,7 @@ inline Object placed(Object object, const char* name, const Vec3& at) {
   return object;
 }
 
-/// A hand that wanders about the origin, drawn to a distance of `in` and less from it.
+/// A hand that wanders about the origin, drawn to a distance of at most `in`.
 class Wanderer {
  public:
   Wanderer(std::uint64_t seed, double from, double in)

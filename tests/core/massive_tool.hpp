@@ -17,7 +17,7 @@ inline Mat3 box_inertia(double mass) {
   return mass / 3.0 * (Vec3::Constant(squares.sum()) - squares).asDiagonal().toDenseMatrix();
 }
 
-/// A box of this mass; `inertia` says the rest.
+/// A box of this mass, with the rest from `inertia`.
 inline BodyTool massive(double mass, const ToolCoupling& coupling, ToolInertia inertia,
                         std::size_t points = 100) {
   inertia.mass = mass;
@@ -25,7 +25,7 @@ inline BodyTool massive(double mass, const ToolCoupling& coupling, ToolInertia i
   return {box_shell(points), coupling, kFace, inertia};
 }
 
-/// A tool in a hand among objects that stand.
+/// A tool in a hand among fixed objects.
 struct Massive {
   explicit Massive(BodyTool of, std::vector<Object> among = {})
       : tool(std::move(of)), objects(std::move(among)) {}
@@ -34,7 +34,7 @@ struct Massive {
   std::vector<Object> objects;
   BodyMemory memory = {};
 
-  /// At rest at a pose.
+  /// Puts the tool at rest at a pose.
   void place(const Pose& pose) {
     memory = {};
     memory.placed = true;
@@ -43,7 +43,7 @@ struct Massive {
   BodyStep step(const Pose& device, double elapsed = kStep) {
     return step_body(tool, objects, device, elapsed, memory);
   }
-  /// [J] in the spring, with the device elsewhere.
+  /// [J] in the spring, with the device at another pose.
   double coupling_at(const Pose& device) const {
     return coupling_energy(tool, memory.pose, device);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// A local model holds a hand on the side that it came in by, as the scene does.
+// A local model holds a hand on the side from which it came, as the scene does.
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 namespace feltwire::test {
 
 /// A point goes from height to height [m] above `base`, along the unit vector `out`, over a surface
-/// of 1000 N/m at the height `surface`. The model made at the first height is felt as the scene is
-/// at all of them; a model made while the hand is held at `deep`, where the scene has followed it
-/// from outside, too.
+/// of 1000 N/m at the height `surface`. At all heights the model made at the first one gives the
+/// scene's force. So does a model made while the hand is held at `deep`, for a memory in which
+/// the hand came from outside.
 inline void expect_side_kept(const Scene& scene, const Vec3& base, const Vec3& out, double surface,
                              std::span<const double> heights, double deep) {
   TouchMemory memory = scene.memory();
@@ -23,7 +23,7 @@ inline void expect_side_kept(const Scene& scene, const Vec3& base, const Vec3& o
   for (const double height : heights) {
     const Tool tool = tool_at(height);
     const Command truth = scene.touch(tool, memory);
-    if (height == heights.front()) {  // the later heights do without a new model
+    if (height == heights.front()) {  // the later heights use the first model
       LocalModel model = local_model(scene, tool.position, memory);
       ASSERT_GE(model.count, 1);
       model.reach = 1.0;

@@ -38,14 +38,14 @@ inline Scene moving(std::vector<Object> objects, const std::vector<int>& body_of
 
 inline const MechanismOptions kWeightless{.gravity = Vec3::Zero()};
 
-/// A ball so light that the spring of the hand throws it farther each tick than it was deep.
+/// A ball so light that each tick the hand's spring throws it farther than it was deep.
 inline Scene explosive(double mass = 1e-4) {
   return moving({object("table", Plane{}, {.stiffness = 1000}),
                  object("ball", Sphere{0.03}, {.stiffness = 1e7}, {0, 0, 0.2})},
                 {-1, 0}, {body("ball", mass, {0, 0, 0.2})}, kWeightless);
 }
 
-/// A tool in a world: each step a sample of it, its push, and a tick.
+/// A hand in a world: each step touches, pushes and runs a tick.
 struct Hand {
   explicit Hand(World& in) : world(in), memory(in.view().memory()), contacts(in.contact_state()) {}
   Command touch(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
@@ -62,8 +62,8 @@ struct Hand {
   BodyContactState contacts;
 };
 
-/// [N m s] about the world's origin, of a ball that is the only object: its orbit and its spin,
-/// neither of which has a gyroscopic part.
+/// [N m s] about the world's origin, of a ball that is the only object: orbit and spin. A ball has
+/// no gyroscopic part.
 inline Vec3 angular_momentum_of_ball(const World& world, double mass, double radius) {
   const Vec3 centre = world.objects()[0].pose.position;
   const Vec3 velocity = world.velocity_at(0, centre);

@@ -1,5 +1,5 @@
 #pragma once
-// Plays a script against a bound, and what the tests sum up while it plays.
+// Plays a script against a bound, and sums energies for the tests meanwhile.
 
 #include <algorithm>
 #include <limits>
@@ -10,13 +10,13 @@
 
 namespace feltwire::test {
 
-/// The device as it really is; the bound may have been told otherwise.
+/// The real device; the bound may have been told otherwise.
 struct Port {
   Damping damping = 0.5;              // [N s/m]
   Damping rotational_damping = 1e-3;  // [N m s/rad]
 };
 
-/// One sample of a script being played. The values are those that the bound's arithmetic sees.
+/// A sample of a script while it is played, with the values that the bound's arithmetic sees.
 template <class Real>
 struct Played {
   const Tick* tick = nullptr;
@@ -25,7 +25,7 @@ struct Played {
   double hold_time = 0.0;  // [s]
   BasicBoundingStep<Real> told;
   BasicBounded<Real> out;
-  Command held;  // from now on
+  Command held;  // from this sample on
   bool new_law = false;
 };
 
@@ -34,7 +34,7 @@ inline Vec3 greediest(const Vec3& f, double time, const Damping& damping) {
   return 0.5 * time * damping.matrix().inverse() * f;
 }
 
-/// The answer of the wall z < 0; friction against the last movement, orthogonal to the normal.
+/// The answer of the wall z < 0: an elastic force, and friction against the last movement.
 inline Command wall(const Script& script, const Vec3& position, const Vec3& displacement) {
   Command c;
   c.elastic.z() = script.stiffness * std::max(0.0, -position.z());
@@ -43,8 +43,8 @@ inline Command wall(const Script& script, const Vec3& position, const Vec3& disp
   return c;
 }
 
-/// Calls judge(Played, BasicBounding) after every tick. A new law starts with nothing held and
-/// without the movement that led to its first sample, as in server/scene/session.cpp: what the old
+/// Calls judge(Played, BasicBounding) after every tick. As in server/scene/session.cpp, a new law
+/// starts with no held force and without the movement that led to its first sample: what the old
 /// law stored pays for that.
 template <class Real = double, class Judge>
 void play(const Script& script, const std::vector<BoundingConfig>& laws, const Port& port,
@@ -109,8 +109,8 @@ void play(const Script& script, const std::vector<BoundingConfig>& laws, const P
   }
 }
 
-/// A sum of energies, and the rounding that it may have: n terms, each wrong by some ulps of its
-/// own, added up one by one, are wrong by at most about n ulps of the sum of their magnitudes.
+/// A sum of energies and its possible rounding error. The sum of n terms, each wrong by some ulps,
+/// is wrong by at most about n ulps of the sum of their magnitudes.
 struct Sum {
   double value = 0.0, magnitudes = 0.0;
   int terms = 0;
@@ -141,7 +141,7 @@ struct Margin {
     rotation.add(port.rotational_damping.quadratic(p.rotation) / time);
     rotation.add(-p.before.torque, p.rotation);
   }
-  /// Whether the hand has not taken more than was burned, to the rounding of `Real`.
+  /// Whether the hand took no more than was burned, within the rounding of `Real`.
   template <class Real>
   bool kept(double condition = 1.0) const {
     return translation.value >= -translation.rounding<Real>(condition) &&

@@ -9,7 +9,7 @@
 
 namespace feltwire::test {
 
-/// The error of the loader for this scene.
+/// The loader's error for this scene.
 inline std::string error_of(const std::string& scene, const std::string& file = "s.json") {
   try {
     parse_scene(scene, file);

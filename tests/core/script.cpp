@@ -7,10 +7,10 @@
 namespace feltwire::test {
 namespace {
 
-/// The temper of the hand of a script. A hand that moves much by itself makes the device burn so
-/// much that a loss would not show.
+/// The temper of a script's hand. If the hand moves much by itself, the device burns so much that
+/// a loss would not show.
 struct Temper {
-  double greed, farthest;  // probability; decades of its own movements, 10^-8 to 10^farthest [m]
+  double greed, farthest;  // probability; its own movements range over 10^-8 to 10^farthest [m]
 };
 
 Tick random_tick(Random& random, const ScriptOptions& o, const Temper& temper) {
@@ -43,7 +43,7 @@ Tick random_tick(Random& random, const ScriptOptions& o, const Temper& temper) {
   return t;
 }
 
-/// v with one digit a component.
+/// v with each component rounded to one digit.
 Vec3 rounded(Vec3 v) {
   for (double& x : v) {
     if (x == 0.0) continue;
@@ -53,7 +53,7 @@ Vec3 rounded(Vec3 v) {
   return v;
 }
 
-/// The same tick with one thing less in it.
+/// Copies of the tick, each with one element simplified.
 rc::Seq<Tick> simpler(const Tick& tick) {
   std::vector<Tick> all;
   const auto with = [&](auto change) {

@@ -1,6 +1,5 @@
 #pragma once
-// Shared by the tests of the core: seeded random values over many decades, and hands that mean
-// harm.
+// Shared by the core tests: seeded random values over many decades, and malicious hands.
 
 #include <cmath>
 #include <random>
@@ -37,7 +36,7 @@ class Random {
 
 inline constexpr double kModePeriod = 1e-3;  // [s]
 
-/// A bound of a mode with both damped, rotation rendered.
+/// A configuration of a mode with damping in translation and rotation; torque is rendered.
 inline BoundingConfig config(std::string_view mode, double damping = 0.5) {
   BoundingConfig c;
   c.mode = mode;
@@ -48,8 +47,8 @@ inline BoundingConfig config(std::string_view mode, double damping = 0.5) {
   return c;
 }
 
-/// A command as no scene would give it: every channel over six decades, now and then without
-/// contact or without one of its parts, friction anywhere between orthogonal and along the normal.
+/// An unphysical command: every channel over six decades, sometimes without contact or without a
+/// part, with friction anywhere between orthogonal to the normal and along it.
 inline Command random_command(Random& random) {
   Command c;
   if (random.chance(0.1)) return c;
@@ -65,7 +64,7 @@ inline Vec3 greediest(const Vec3& f, double time, double damping) {
   return f * (time / (2.0 * damping));
 }
 
-/// angle between two vectors [rad], exact for small angles too.
+/// The angle between two vectors [rad], exact for small angles too.
 inline double angle(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }

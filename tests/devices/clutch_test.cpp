@@ -1,4 +1,4 @@
-// The clutch of a device behind a mapping: the hand moves without the tool.
+// The clutch of a mapped device: the hand moves without the tool.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> ticks(2, 400);
   for (int n = 0; n < 20; ++n) {
-    // A device that did not say how late it is would soon owe more than ends the force.
+    // A device that hides its lateness would soon owe enough to end the force.
     Mapped mapped(any_mapping(random), kSessionMethod, false, static_cast<std::size_t>(n % 3));
     Handle& handle = *mapped.handle;
     for (int turn = 0; turn < 8; ++turn) {
@@ -28,7 +28,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
       handle.orientation = turned(handle.orientation, Vec3(0.1, 0.2, -0.3));
       mapped.tick();
       handle.clutch = true;
-      mapped.run(0.008);  // a late device may hold a force for some ticks more
+      mapped.run(0.008);  // a late device may hold its force for some ticks
       const Pose stands = mapped.tool;
       const Vec3 hand = vec(handle.mass.position);
       for (int left = 100 + ticks(random); left > 0; --left) {
@@ -50,8 +50,8 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   }
 }
 
-/// Pressed against the wall: what is felt again is no more than what the hand presses deeper, until
-/// it has left the wall once.
+/// Released while pressed against the wall: the force then only grows with further depth, until the
+/// hand has left the wall once.
 TEST(Clutch, IsLetGoWithoutAKick) {
   Mapped mapped({.scale = 2.0});
   Handle& handle = *mapped.handle;
@@ -75,8 +75,8 @@ TEST(Clutch, IsLetGoWithoutAKick) {
   mapped.feel(0.5);
 }
 
-/// As fast as a finger can, at every phase of the taps, with a device that takes forces up late
-/// too.
+/// The clutch toggles as fast as a finger can, at every phase of the taps, also with a device that
+/// applies forces late.
 TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   std::mt19937 random(13);
   std::uniform_int_distribution<int> ticks(1, 60);
@@ -86,7 +86,7 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
     handle.lag = static_cast<std::size_t>(n % 2);
     double felt = 0.0;
     for (int turn = 0; turn < 400; ++turn) {
-      // Long enough for the wall to be left and felt now and then.
+      // Sometimes long enough to leave the wall and touch it again.
       for (int left = ticks(random) * (turn % 8 == 0 ? 20 : 1); left > 0; --left) mapped.tick();
       felt = std::max(felt, handle.mass.largest_force);
       handle.clutch = !handle.clutch;
@@ -96,7 +96,7 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   }
 }
 
-/// After the clutch was opened. `lag` [ticks] with which the device lets go.
+/// Checks a session whose clutch was just pressed. `lag` [ticks]: the device's delay to release.
 void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
   int pulled = 0;
   for (int n = 0; n < 20; ++n) {
@@ -110,7 +110,7 @@ void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
   EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
 }
 
-/// However long the device takes to let go: until then its movement counts.
+/// The movement counts until the device has released its force, however long that takes.
 TEST(Clutch, WhatMovesUnderAForceIsTold) {
   for (const std::size_t lag : {0U, 1U, 2U, 5U}) {
     Mapped mapped({});
@@ -121,7 +121,7 @@ TEST(Clutch, WhatMovesUnderAForceIsTold) {
   }
 }
 
-/// A device that says how late it is, and not what it holds.
+/// A device that reports how late it is, but not the force that it holds.
 TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
   for (const std::size_t lag : {1U, 2U, 4U}) {
     Mapped mapped({}, kSessionMethod, false, lag);
@@ -132,7 +132,7 @@ TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
   }
 }
 
-/// A press of one tick is a press.
+/// A press of a single tick counts.
 TEST(Clutch, APressThatIsShorterThanTheDeviceTakesToLetGoIsWhole) {
   Mapped mapped({});
   mapped.handle->lag = 1;

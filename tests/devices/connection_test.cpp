@@ -1,4 +1,4 @@
-// The lag that is assumed of a device whose specification tells none.
+// The assumed lag of a device whose specification has none.
 
 #include "client/devices/connection.hpp"
 
@@ -19,7 +19,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A file of a device with these fields beside those that it must have.
+/// A device file with these fields and the required ones.
 SourcedSpec file_with(const std::string& fields) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "mine.json")
@@ -43,7 +43,7 @@ TEST(AssumedLag, IsThatOfTheConnectionAndSaysSo) {
     EXPECT_NO_THROW(validate(described.spec));
     EXPECT_NO_THROW(PortAccount(account_config(described.spec, 1e-3)));
   }
-  // The bus can only add to the amplifier.
+  // A bus can only add to the amplifier's lag.
   EXPECT_LT(kMappedConnection.lag, kUsbConnection.lag);
   EXPECT_LT(kUsbConnection.lag, kFullSpeedUsbConnection.lag);
   EXPECT_GE(kUnknownConnection.lag, kUsbConnection.lag);
@@ -65,14 +65,14 @@ TEST(AssumedLag, ASpecificationThatTellsItStaysAsItIs) {
   EXPECT_EQ(late.late_ticks, 1);
 }
 
-/// A file of identify says late_ticks 0, and a force may still be late within its tick.
+/// identify writes late_ticks 0, but a force may still be late within its tick.
 TEST(AssumedLag, NoLateTicksSayNothingOfIt) {
   SourcedSpec described = file_with(R"(, "late_ticks": 0)");
   assume_lag(described, kUsbConnection);
   EXPECT_EQ(described.spec.actuation_lag, kUsbConnection.lag);
 }
 
-/// A simulated device is as its specification says, and the person at a gamepad holds no motor.
+/// A simulated device has exactly its specification, and a gamepad has no motor.
 TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
   for (const char* spec : {"simulated", "omega.7", "phantom_premium_1.5"}) {
     DeviceRequest request;
@@ -83,7 +83,7 @@ TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
   }
 }
 
-/// At a rate at which it cannot be reckoned with, the account says which rate is possible.
+/// At a rate that the lag makes impossible, the account names a possible rate.
 TEST(AssumedLag, ARateThatItMakesImpossibleIsNamed) {
   SourcedSpec described = file_with(R"(, "least_mass": 0.1)");
   assume_lag(described, kUsbConnection);

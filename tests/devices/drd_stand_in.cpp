@@ -1,5 +1,5 @@
-// A libdrd with a simulated mass behind it: the names, types and codes that Force Dimension's users
-// have published. Written from those, not from the driver.
+// A libdrd with a simulated mass. Written from the names, types and codes that Force Dimension's
+// users have published, not from the driver.
 
 #include "tests/devices/drd_stand_in.hpp"
 
@@ -38,8 +38,7 @@ bool forces_on() {
          !between(device->readings, device->off_from, device->off_until);
 }
 
-/// Sets the force and torque that the motors can give. Each is shortened to its limit and keeps
-/// its direction.
+/// Sets force and torque. Each is limited to what the motors can give and keeps its direction.
 int set(double x, double y, double z, double about_x, double about_y, double about_z) {
   const double size = std::hypot(x, y, z), turns = std::hypot(about_x, about_y, about_z);
   const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
@@ -50,7 +49,7 @@ int set(double x, double y, double z, double about_x, double about_y, double abo
   if (size == 0.0 && turns == 0.0) ++device->zeros;
   if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
   device->edge.command(size > 0.0 || turns > 0.0);
-  device->pulls.store(size > 0.0 || turns > 0.0);  // last: a test that sees it may look at the rest
+  device->pulls.store(size > 0.0 || turns > 0.0);  // last: a test that sees it may read the rest
   return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
 }
 
@@ -61,7 +60,7 @@ void let_go() {
   if (stand_in::page() != nullptr) stand_in::page()->force.store(0.0);
 }
 
-/// A period of the real motion, and what the encoders say then.
+/// Advances the motion by a period and reads the encoders.
 int sensed(double* x, double* y, double* z, char id) {
   while (device->blocks.load()) device->blocked.store(true);
   ++device->readings;
@@ -153,8 +152,7 @@ int dhdGetStatus(int* status, char id) {
 int dhdGetPosition(double* x, double* y, double* z, char id) { return sensed(x, y, z, id); }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char id) {
   const int answer = sensed(x, y, z, id);
-  // A quarter of a turn about z, from where the wrist turns: the tool's x points along the world's
-  // y.
+  // The wrist is turned by a quarter about z: the tool's x axis points along the world's y axis.
   static double turn = 0.0;
   if (answer == 0) turn = device->active_wrist ? device->wrist_mass.sensed()[2] : 0.0;
   const double s = std::sin(turn), c = std::cos(turn);

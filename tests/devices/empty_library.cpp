@@ -1,2 +1,2 @@
-// A shared library of somebody else.
+// A shared library without the maker's functions.
 extern "C" int answer() { return 42; }

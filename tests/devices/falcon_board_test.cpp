@@ -1,4 +1,4 @@
-// The packets and the geometry of a Falcon.
+// Packets and geometry of a Falcon.
 
 #include "client/devices/falcon_board.hpp"
 
@@ -26,7 +26,7 @@ Vec3 any_place(std::mt19937& random) {
   return {aside(random), aside(random), ahead(random)};
 }
 
-/// Nibbles, low ones first, each from 'A'.
+/// Numbers are nibbles, low ones first, each a letter from 'A'.
 TEST(FalconBoard, RequestsAreAsPublished) {
   EXPECT_EQ(request({}, Light::none, false), packet("<AAAAAAAAAAAAAA>"));
   EXPECT_EQ(request({1, -1, 0x1234}, Light::green, true), packet("<BAAAPPPPEDCBFA>"));
@@ -50,7 +50,7 @@ TEST(FalconBoard, AnswersAreReadBack) {
   }
 }
 
-/// Any byte that is no digit, or no frame, in any place.
+/// A byte at any place that is no digit or no frame byte makes the answer invalid.
 TEST(FalconBoard, WhatIsNoAnswerIsNone) {
   const Packet good = packet("<ABCDABCDABCDAA>");
   ASSERT_TRUE(told(good));
@@ -80,8 +80,8 @@ TEST(FalconBoard, AnAnswerMayComeInPiecesButNotWithMore) {
   EXPECT_TRUE(answer.garbled());
 }
 
-/// On the axis all three legs stand alike. Then the wrist is at (u, z) with u = -r + c, and the
-/// shin has the length that the law of cosines closes the triangle with.
+/// On the axis the three legs are equal. The wrist is at (u, z) with u = -r + c, and the law of
+/// cosines gives the shin's length.
 TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
   for (const double z : {0.09, 0.10, 0.12, 0.15}) {
     const auto angles = arm_angles({0, 0, z});
@@ -93,7 +93,7 @@ TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
       EXPECT_NEAR(std::hypot(u - arm * std::cos((*angles)[i]), z - arm * std::sin((*angles)[i])),
                   shin, 1e-12);
     }
-    // All three by one angle: the tool goes along its axis, and the triangle tells how far.
+    // Three equal angles move the tool along its axis; the triangle gives the distance.
     const auto tool = tool_point(*angles, {0.001, -0.002, z + 0.01});
     ASSERT_TRUE(tool);
     EXPECT_NEAR((tool->position - Vec3(0, 0, z)).norm(), 0.0, 1e-12);
@@ -104,7 +104,7 @@ TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
   }
 }
 
-/// There and back, from a start that is some way off.
+/// Forward and inverse kinematics agree, from a start some way off.
 TEST(FalconBoard, PlacesAreFoundAgain) {
   std::mt19937 random(2);
   for (int n = 0; n < 2000; ++n) {
@@ -136,7 +136,7 @@ TEST(FalconBoard, TheJacobianIsTheSlopeOfThePlaces) {
   }
 }
 
-/// Motors' torque times turning is force times movement, whatever both are.
+/// Motor torque times rotation equals force times movement for all values.
 TEST(FalconBoard, MotorsAndToolHaveTheSamePower) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> part(-5.0, 5.0);
@@ -148,12 +148,12 @@ TEST(FalconBoard, MotorsAndToolHaveTheSamePower) {
     const Counts motors = motors_of(*tool, force, 1 << 15);
     const Vec3 torque = Vec3(motors[0], motors[1], motors[2]) / -10000.0;
     EXPECT_NEAR(torque.dot(turning), force_of(*tool, motors).dot(tool->jacobian * turning), 1e-9);
-    // Rounding to whole counts takes less than one off each.
+    // Rounding to whole counts changes each by less than one count.
     EXPECT_NEAR((tool->jacobian.transpose() * force - torque).cwiseAbs().maxCoeff(), 0.0, 1e-4);
   }
 }
 
-/// The figures that others have worked out for the middle of the workspace.
+/// Others have published these figures for the middle of the workspace.
 TEST(FalconBoard, TheFiguresAreThePublishedOnes) {
   const auto tool = tool_point(*arm_angles(kMiddle), kMiddle);
   EXPECT_NEAR(kCount / kDegree, 0.03643, 1e-5);
@@ -179,8 +179,8 @@ TEST(FalconBoard, TooMuchForceIsCutInItsDirection) {
   EXPECT_NEAR(real.normalized().dot(force.normalized()), 1.0, 1e-6);
 }
 
-/// The legs' equations have places that no Falcon has. Where a leg is nearly straight, one count of
-/// its motor would be newtons, or one count of an encoder millimetres.
+/// The legs' equations have solutions outside of a Falcon. Near a straight leg a motor count would
+/// mean newtons, or an encoder count millimetres.
 TEST(FalconBoard, PlacesThatNoFalconHasAreNone) {
   const Vec3 motor(-0.01242, -0.05088, 0.05878), encoder(0.0812, -0.0322, 0.1305);
   const Vec3 far(0.0549, 0.0628, 0.0337);
@@ -191,7 +191,7 @@ TEST(FalconBoard, PlacesThatNoFalconHasAreNone) {
   }
 }
 
-/// The maker's cube of 100 mm, but for the corners that no leg reaches.
+/// The maker's cube of 100 mm, except the corners that no leg reaches.
 TEST(FalconBoard, EveryPlaceOfItsCubeIsOne) {
   constexpr int kSteps = 5;
   int places = 0;
@@ -214,7 +214,7 @@ TEST(FalconBoard, AForceThatIsNotFiniteIsNotGiven) {
   EXPECT_EQ(motors_of(*tool, {0, 1e308, 1e308}), Counts{});
 }
 
-/// Time is an argument: arms turn by at most 60 rad/s.
+/// The time is an argument: arms turn at most at 60 rad/s.
 TEST(FalconBoard, AnArmThatCannotHaveMovedSoIsRefused) {
   TrackedTool tool;
   const Nanoseconds start(0);

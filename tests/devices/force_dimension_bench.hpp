@@ -1,6 +1,5 @@
 #pragma once
-// The bench of the tests of Force Dimension's driver: a new stand-in of the maker's library for
-// each.
+// A bench for Force Dimension's driver, with a new stand-in of the maker's library for each test.
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -32,7 +31,7 @@ struct ForceDimension : ::testing::Test {
     request.name = name;
     return open_force_dimension(request);
   }
-  /// One whose physics are known: the stand-in's.
+  /// A device whose physical numbers are known: the stand-in's.
   OpenedDevice known() const {
     DeviceRequest request;
     request.spec.damping = stand_in->mass.damping;
@@ -48,7 +47,7 @@ struct ForceDimension : ::testing::Test {
     }
     return "none";
   }
-  /// [J] that the true motion made more than the device burned, in a minute at a late wall.
+  /// [J] that the true motion made beyond the burned energy, in a minute at a late wall.
   double made(std::string_view mode = kSessionMethod, double twist = 0.0) {
     const OpenedDevice opened = known();
     SessionParameters parameters = testing::session_of(*opened.device);

@@ -1,4 +1,4 @@
-// The driver of Force Dimension's devices and the faults of its library.
+// Force Dimension's driver and the faults of its library.
 
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::WallSession;
 
-/// The account does not count a force that the motors cannot give.
+/// The account does not count force beyond the motors' limit.
 TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   const OpenedDevice opened = open();
   stand_in->saturates_at = 2.0;
@@ -28,7 +28,7 @@ TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   EXPECT_NEAR((held.elastic - 0.4 * Vec3(0, 3, 0)).norm(), 0.0, 1e-12);
   stand_in->tells_force = false;
   EXPECT_EQ(opened.device->write(pull(0, 3, 0)), Command{});
-  EXPECT_FALSE(opened.device->read({}).ok);  // until a zero has gone through
+  EXPECT_FALSE(opened.device->read({}).ok);  // until a zero has been sent
   opened.device->write({});
   EXPECT_TRUE(opened.device->read({}).ok);
 }
@@ -44,8 +44,8 @@ TEST_F(ForceDimension, ForcesThatAreSwitchedOffAreNotHeld) {
   EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
 }
 
-/// A pause of the program lets the device's watchdog switch its force off; then it is switched on
-/// again. A person's switch stays as it is, and what it is is told.
+/// A pause of the program makes the watchdog switch the force off; the driver switches it on again.
+/// A person's switch stays off, and the driver names it.
 TEST_F(ForceDimension, WhatSwitchedTheForceOffIsTold) {
   const OpenedDevice opened = open();
   EXPECT_TRUE(opened.device->prepare().empty());
@@ -64,7 +64,7 @@ TEST_F(ForceDimension, WhatSwitchedTheForceOffIsTold) {
   EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("cable"));
 }
 
-/// The weight of the handle that comes or goes does work: the movement meanwhile is not accounted.
+/// A change of the gravity compensation does work, so that movement is not accounted.
 TEST_F(ForceDimension, AGravityCompensationThatChangesIsAFault) {
   const OpenedDevice opened = open();
   opened.device->write({});
@@ -102,7 +102,7 @@ TEST_F(ForceDimension, ALibraryWithoutAFunctionIsRefused) {
   }
 }
 
-/// A reading in time guard tells nothing new; meanwhile the firmware's watchdog is kept quiet.
+/// A reading in the time guard is not new; the driver still feeds the firmware's watchdog.
 TEST_F(ForceDimension, AnOldReadingIsSeenAsSuch) {
   const OpenedDevice opened = open();
   opened.device->read({});
@@ -123,7 +123,7 @@ TEST_F(ForceDimension, ReleaseTakesTheForceOffForGood) {
   EXPECT_FALSE(stand_in->pulls);
 }
 
-/// Before it begins a fault is waited for, and then given up.
+/// identify waits for a while for an initial fault to end, then gives up.
 TEST_F(ForceDimension, IdentifyGivesUpOnAFaultThatStays) {
   const OpenedDevice opened = open();
   stand_in->fails_from = 0;
@@ -149,7 +149,7 @@ TEST_F(ForceDimension, MakesNoneWithEveryFaultAtOnce) {
   EXPECT_GT(statistics.stale_readings, 1900u);
 }
 
-/// No zero goes through any more. The firmware's watchdog sees to it.
+/// No zero gets through any more, so the firmware's watchdog must end the force.
 TEST_F(ForceDimension, CallsThatFailLetTheForceGo) {
   const OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -165,7 +165,7 @@ TEST_F(ForceDimension, CallsThatFailLetTheForceGo) {
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
 }
 
-/// A transfer over USB that does not come back.
+/// A USB transfer does not return.
 TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
   testing::ScenePeer peer;
   SessionParameters parameters;
@@ -174,7 +174,7 @@ TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
       open().device, std::make_shared<Transport>(peer.session(), SessionParameters{}, true),
       parameters, ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
-  task->let_go_after = parameters.hold_time;  // a busy machine must not be it
+  task->let_go_after = parameters.hold_time;  // a busy machine must not trigger it
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

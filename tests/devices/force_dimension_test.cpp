@@ -1,4 +1,4 @@
-// The driver of Force Dimension's devices, against a library that answers as theirs does.
+// Force Dimension's driver against a library that answers like the maker's.
 
 #include <gmock/gmock.h>
 
@@ -49,7 +49,7 @@ TEST_F(ForceDimension, AWristWithMotorsIsGivenTorque) {
   EXPECT_FALSE(stand_in->grips);
   opened.device->release();
   test::eventually("it is let go", [&] { return !stand_in->pulls.load(); });
-  // Of another model nothing more is known than that it has these motors.
+  // An unknown model: only its motors are known.
   stand_in->system = "lambda.9";
   const OpenedDevice other = open();
   EXPECT_EQ(other.device->spec().rotation_actuated, 3);
@@ -85,7 +85,7 @@ TEST_F(ForceDimension, TheLagOfItsBusIsAssumed) {
   EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
   EXPECT_THAT(open().notes,
               Contains(HasSubstr("actuation_lag 0.0005 s is an assumption for USB; ")));
-  // With the maker's library a Falcon takes no tick to take a force up, but its bus is slow.
+  // A Falcon under the maker's library has no late ticks, but a slow bus.
   stand_in->system = "Falcon";
   const OpenedDevice falcon = open();
   EXPECT_EQ(falcon.device->spec().late_ticks, 0);
@@ -155,15 +155,15 @@ TEST_F(ForceDimension, IdentifyMeasuresAFreeHandle) {
 }
 
 TEST_F(ForceDimension, MakesNoEnergy) {
-  EXPECT_GT(made(kUnbounded), 0.01);  // what this is measured with can tell
+  EXPECT_GT(made(kUnbounded), 0.01);  // the measure can fail
   stand_in->mass = {};
   EXPECT_LE(made(), 1e-12);
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
   EXPECT_EQ(statistics.device_faults, 0u);
-  EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // none was missed
+  EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // no tick is missing
 }
 
-/// A late stop of the wrist beside the late wall, one port.
+/// A late stop of the wrist and the late wall act together, at a single port.
 TEST_F(ForceDimension, MakesNoEnergyByTorqueEither) {
   stand_in->system = "sigma.7";
   stand_in->active_wrist = true;

@@ -16,8 +16,8 @@ namespace stand_in {
 namespace {
 
 constexpr double kInner = 0.05, kOuter = 0.07, kGap = 0.02;  // [m] links and shafts
-constexpr double kMiddleX = 0.01, kMiddleY = 0.08;           // [m] where the mass has its origin
-constexpr double kTorqueGain = 0.1;                          // of lever in inner links
+constexpr double kMiddleX = 0.01, kMiddleY = 0.08;           // [m] the mass's origin
+constexpr double kTorqueGain = 0.1;                          // of the lever, in inner links
 constexpr double kToDegrees = 57.29577951308232, kCounts = 13824.0;
 constexpr double kFrameTick = 1e-3;  // [s]
 
@@ -25,7 +25,7 @@ struct Point {
   double x, y;
 };
 
-/// Where circles about both elbows meet, away from the shafts.
+/// The intersection of the circles about both elbows, away from the shafts.
 Point forward(double th1, double th2) {
   const Point a{kInner * std::cos(th1), kInner * std::sin(th1)};
   const Point b{kGap + kInner * std::cos(th2), kInner * std::sin(th2)};
@@ -34,7 +34,7 @@ Point forward(double th1, double th2) {
   return {(a.x + b.x) / 2.0 - up * (b.y - a.y) / d, (a.y + b.y) / 2.0 + up * (b.x - a.x) / d};
 }
 
-/// The first elbow bends to the left, the second to the right.
+/// The first elbow bends left, the second bends right.
 std::array<double, 2> inverse(Point p) {
   const auto bend = [](double d) {
     return std::acos((kInner * kInner + d * d - kOuter * kOuter) / (2.0 * kInner * d));
@@ -62,7 +62,7 @@ HapiBoard::HapiBoard() : board_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
   if (board_ < 0 || ::grantpt(board_) != 0 || ::unlockpt(board_) != 0)
     throw std::runtime_error("no pseudo terminal");
   port_ = ::ptsname(board_);
-  // Held open, so that the board sees no hang-up before the driver comes; and without an echo.
+  // Kept open, so the board sees no hang-up before the driver comes; echo is off.
   host_ = ::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   termios settings{};
   ::tcgetattr(host_, &settings);
@@ -134,7 +134,7 @@ void HapiBoard::answer_setup() {
 
 void HapiBoard::answer_torques() {
   const double t1 = number_at(heard_, 2), t2 = number_at(heard_, 6);
-  // The old torque was there until now; work is done on the mass by the new one.
+  // The old torque acted until now; the new one then works on the mass.
   constexpr double kStep = 1e-6;
   const auto angles = arms();
   const double th1 = std::get<0>(angles), th2 = std::get<1>(angles);
@@ -167,7 +167,7 @@ void HapiBoard::answer_torques() {
   const double size = std::hypot(f.x, f.y);
   edge.tick();
   edge.command(size > 0.0);
-  force.store(size);  // last: a test that sees it may look at the rest
+  force.store(size);  // last: a test that sees it may read the rest
   if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
   if (!takes_one(drops)) reply(bytes);
   mass.advance(kFrameTick, {f.x, 0.0, f.y});

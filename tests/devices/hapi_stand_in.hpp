@@ -1,6 +1,6 @@
 #pragma once
-// A 2-dof open board at a pseudo terminal, with a simulated mass at its pantograph and the faults
-// that a test asks for. Written from the published frames and geometry, not from the driver.
+// A 2-dof open board at a pseudo terminal, with a simulated mass and scripted faults. Written from
+// the published frames and geometry, not from the driver.
 
 #include <array>
 #include <atomic>
@@ -14,8 +14,8 @@
 
 namespace stand_in {
 
-/// In virtual time: each frame of torques is a tick of a millisecond. The mass taps (its z) in the
-/// pantograph's y, 80 mm from the shafts, and slides (its x) along them.
+/// In virtual time: each frame of torques is a tick of 1 ms. The mass taps (its z) along the
+/// pantograph's y, 80 mm from the shafts, and slides (its x) along the pantograph's x.
 class HapiBoard {
  public:
   enum class Firmware { hapi, silent, talkative, other_device };
@@ -25,27 +25,27 @@ class HapiBoard {
   HapiBoard(const HapiBoard&) = delete;
   HapiBoard& operator=(const HapiBoard&) = delete;
 
-  /// From the first call on the board runs: set its mass and its firmware before.
+  /// The first call starts the board: set its mass and firmware before.
   const std::string& port();
   void unplug() { unplug_.store(true); }
-  /// No more frames: the mass can be looked at.
+  /// Stops the frames, so that the mass can be read.
   void stop();
 
   SimulatedMass mass;
   ForceEdge edge;
   Firmware firmware = Firmware::hapi;
-  std::atomic<bool> blocks{false};        // it does not read
+  std::atomic<bool> blocks{false};        // the board does not read
   std::atomic<int> late{0};               // replies that come 30 ms late
-  std::atomic<int> drops{0};              // replies that it will not give
-  std::atomic<int> loses{0};              // frames that it will not see
-  std::atomic<int> garbles{0};            // replies that it will give some of, with other bytes
-  std::atomic<int> repeats{0};            // replies that it will give twice
-  std::atomic<int> not_numbers{0};        // replies of angles that are none
-  std::atomic<int> jumps{0};              // replies of an arm that is elsewhere
+  std::atomic<int> drops{0};              // replies that it omits
+  std::atomic<int> loses{0};              // frames that it ignores
+  std::atomic<int> garbles{0};            // replies with some changed bytes
+  std::atomic<int> repeats{0};            // replies that it sends twice
+  std::atomic<int> not_numbers{0};        // replies with angles that are NaN
+  std::atomic<int> jumps{0};              // replies with an arm at another place
   std::atomic<double> force{0.0};         // [N] on the mass
-  std::atomic<int> frames{0}, setups{0};  // that it understood
+  std::atomic<int> frames{0}, setups{0};  // those that it understood
   std::atomic<bool> unplugged{false};
-  std::atomic<double> offset{0.0};  // [deg] that the first setup asked for
+  std::atomic<double> offset{0.0};  // [deg] from the first setup
 
  private:
   void run();

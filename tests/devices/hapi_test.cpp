@@ -1,5 +1,4 @@
-// The driver of the 2-dof open board, against a board at a pseudo terminal whose true motion is
-// known.
+// The 2-dof open board's driver against a board at a pseudo terminal, with a known true motion.
 
 #include "client/devices/hapi.hpp"
 
@@ -50,15 +49,15 @@ struct Hapi : ::testing::Test {
     parameters.mode = mode;
     return Servo(opened.device->spec(), parameters, {});
   }
-  /// Until the board pulls at the hand.
+  /// Runs until the board pulls the hand.
   void feel(Device& device, Servo& servo) {
     session.run(device, servo, [&] { return board.force > 0.5; });
   }
-  /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
+  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
   double made(std::string_view mode) {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
-      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the board's
+      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the board
     OpenedDevice opened = open();
     Servo servo = servo_of(opened, mode);
     session.run(*opened.device, servo, [&] { return board.frames >= kFrames; });
@@ -66,7 +65,7 @@ struct Hapi : ::testing::Test {
     opened.device.reset();
     board.stop();
     session.tell("hapi", servo, board.mass.largest_force, board.mass.most_made);
-    EXPECT_GT(board.mass.largest_force, 0.5);  // the wall was felt
+    EXPECT_GT(board.mass.largest_force, 0.5);  // the hand touched the wall
     return board.mass.most_made;
   }
 
@@ -100,7 +99,7 @@ TEST_F(Hapi, WhatIsWrongIsSaid) {
 TEST_F(Hapi, OtherFirmwareIsRefused) {
   board.firmware = HapiBoard::Firmware::silent;
   EXPECT_THAT(refusal(board.port()), HasSubstr("no answer"));
-  EXPECT_GT(board.setups, 1);  // it was asked again
+  EXPECT_GT(board.setups, 1);  // the driver asked again
 }
 TEST_F(Hapi, AnotherDeviceIsRefused) {
   board.firmware = HapiBoard::Firmware::other_device;
@@ -121,7 +120,7 @@ TEST_F(Hapi, AxesAreOurs) {
   EXPECT_NEAR((reading.pose.position - Vec3(-0.02, 0.01, 0.0)).norm(), 0.0, 5e-5);
 }
 
-/// A force along each axis moves the free mass that way, and it is that many newtons.
+/// A force along an axis moves the free mass that way and has that size in newtons.
 TEST_F(Hapi, ForcesAreOurs) {
   board.mass.stiffness = board.mass.hand_damping = board.mass.friction = 0.0;
   const OpenedDevice opened = open();
@@ -135,7 +134,7 @@ TEST_F(Hapi, ForcesAreOurs) {
   tick();
   EXPECT_NEAR(board.force, std::hypot(0.2, 0.1), 1e-3);
   device.read({});
-  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.0));  // it is held until the next reading
+  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.0));  // held until the next reading
   tick();
   device.read({});
   EXPECT_EQ(device.write({}).force(), Vec3::Zero());
@@ -154,7 +153,7 @@ TEST_F(Hapi, IdentifyMeasuresAFreeHandle) {
   identified.expect_below(board.mass);
 }
 
-/// A force beyond the board's torque is scaled, and the account counts the scaled force.
+/// A force beyond the board's torque is scaled down, and the account counts the scaled force.
 TEST_F(Hapi, AForceBeyondTheMotorsKeepsItsDirection) {
   const OpenedDevice opened = open();
   Device& device = *opened.device;
@@ -179,7 +178,7 @@ TEST_F(Hapi, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 3900u);
   EXPECT_EQ(statistics.device_faults, 0u);
 }
-/// What that is measured with can tell.
+/// Without a bound the wall must make energy: the measure above can fail.
 TEST_F(Hapi, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
 TEST_F(Hapi, ATickDoesNotTouchTheHeap) {
@@ -220,7 +219,7 @@ TEST_F(Hapi, TheEndTakesTheForceOff) {
   test::eventually("it is let go", [&] { return board.force == 0.0; });
 }
 
-/// Whatever becomes of a reply, the hand is let go, and felt again afterwards.
+/// After any fault of a reply the force ends, and later it comes back.
 struct Fault {
   const char* name;
   std::atomic<int> HapiBoard::*count;
@@ -240,12 +239,12 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   strike();
   session.run(*opened.device, servo, [&] {
     const bool seen = servo.statistics().device_faults > faults;
-    // After a late tick an arm may have moved that far: it jumps again.
+    // After a late tick the arm may have moved that far: make it jump again.
     if (!seen && wanted == 0 && &wanted == &board.jumps) strike();
     return seen;
   });
   EXPECT_EQ(servo.given(), Command{});
-  // By that one tick, without another.
+  // A single faulty tick suffices.
   test::eventually("it is let go", [&] { return board.force == 0.0; });
   session.expect_let_go("hapi", GetParam().name, board.edge);
   feel(*opened.device, servo);
@@ -274,8 +273,8 @@ TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
 }
 
-/// The servo never waits for a port that takes nothing, and a force that stood in it is followed by
-/// none at once.
+/// The servo does not wait for a blocked port. A force that waited in the port is at once followed
+/// by a zero force.
 TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   const OpenedDevice opened = open();
   Servo servo = servo_of(opened);
@@ -290,7 +289,7 @@ TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   test::eventually("it is let go", [&] { return board.force == 0.0; });
 }
 
-/// The tool where two other ways of computing it have it, and the jacobian as differences do.
+/// Two other computations confirm the tool's place, and differences confirm the jacobian.
 TEST(HapiPantograph, IsWhereItsLinksMeet) {
   std::mt19937 random(19);
   std::uniform_real_distribution<double> left(1.8, 3.4), right(-0.3, 1.3);

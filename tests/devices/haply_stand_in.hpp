@@ -1,7 +1,7 @@
 #pragma once
-// A service as Haply's, on a port of this machine: a WebSocket of its own making, in each dialect
-// of its JSON, with a simulated mass and the faults that a test asks for. Written from the
-// published messages, not from the driver.
+// A service like Haply's on a port of this machine, with its own WebSocket code, each dialect of
+// the JSON, a simulated mass and scripted faults. Written from the published messages, not from the
+// driver.
 
 #include <array>
 #include <atomic>
@@ -15,8 +15,9 @@
 
 namespace stand_in {
 
-/// In virtual time: each command is a tick of a millisecond. Its axes are x right, y away, z up,
-/// from 0.12 m behind and 0.15 m below the mass's origin; the mass's are x near, y right, z up.
+/// In virtual time: each command is a tick of 1 ms. The service's axes are x right, y away, z up;
+/// its origin is 0.12 m behind and 0.15 m below the mass's. The mass's axes are x near, y right, z
+/// up.
 class HaplyService {
  public:
   enum class Json { v3_0, v3_1, v3_5 };
@@ -27,39 +28,39 @@ class HaplyService {
   HaplyService& operator=(const HaplyService&) = delete;
 
   std::uint16_t port() const { return port_; }
-  /// No more commands: the mass can be looked at.
+  /// Stops the commands, so that the mass can be read.
   void stop();
 
   SimulatedMass mass;
   ForceEdge edge;
   std::atomic<bool> plugged{true}, second{false}, speaks{true};
-  // Set before the driver comes.
+  // Set these before the driver connects.
   const char* permutation = "XYZ";
   double scale = 1.0, damping = 0.0;
   const char* handedness = "right";
-  bool old_json = false;  // of 2.x, of which only is known that it is another
+  bool old_json = false;  // JSON of 2.x, known only as another dialect
   std::atomic<bool> ready{true}, power_supply{true}, in_use{false};
   std::atomic<bool> calibrated{true}, button{false}, second_button{false};
-  std::atomic<bool> grip_turns{false};    // the grip tells its orientation
-  std::atomic<double> away_turn{0.0};     // [rad] about its y, which points away from the user
-  std::atomic<bool> wrong_length{false};  // of that quaternion
-  std::atomic<bool> blocks{false};        // it does not read
-  std::atomic<bool> hangs_up{false};      // it closes the connection
-  std::atomic<double> gate{1.0};          // of the force that it applies, and tells
-  std::atomic<double> pushes{0.0};        // [N] along z of another program
+  std::atomic<bool> grip_turns{false};    // the grip reports its orientation
+  std::atomic<double> away_turn{0.0};     // [rad] about the service's y, away from the user
+  std::atomic<bool> wrong_length{false};  // the quaternion has a wrong length
+  std::atomic<bool> blocks{false};        // the service does not read
+  std::atomic<bool> hangs_up{false};      // the service closes the connection
+  std::atomic<double> gate{1.0};          // share of the force that it applies and reports
+  std::atomic<double> pushes{0.0};        // [N] along z from another program
   std::atomic<int> late{0};               // answers that come 30 ms late
-  std::atomic<int> drops{0};              // answers that it will not give
-  std::atomic<int> breaks{0};             // answers that are no JSON
+  std::atomic<int> drops{0};              // answers that it omits
+  std::atomic<int> breaks{0};             // answers that are not JSON
   std::atomic<int> huge{0};               // answers of 200 kB
-  std::atomic<int> repeats{0};            // answers that it will give twice
+  std::atomic<int> repeats{0};            // answers that it sends twice
   std::atomic<int> homeless{0};           // answers without a position
-  std::atomic<bool> masks{false};         // its frames, which only a client may
-  std::atomic<unsigned> odd_bits{0};      // set in the first byte of its frames
+  std::atomic<bool> masks{false};         // it masks frames, which only clients may do
+  std::atomic<unsigned> odd_bits{0};      // set in the first byte of each frame
   std::atomic<int> fragments{0};          // answers in three frames, with a ping between them
   std::atomic<int> pongs{0};
   std::atomic<double> force{0.0};  // [N] on the mass
   std::atomic<int> commands{0}, sessions{0}, misunderstood{0};
-  std::atomic<int> for_second{0};  // commands to the second device, which has the same mass
+  std::atomic<int> for_second{0};  // commands to the second device, which shares the mass
 
  private:
   void run();

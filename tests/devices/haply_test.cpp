@@ -1,4 +1,4 @@
-// The driver of Haply's devices, against a service that answers as theirs does.
+// The driver of Haply's devices against a service that answers like theirs.
 
 #include "client/devices/haply.hpp"
 
@@ -51,16 +51,16 @@ Servo servo_of(const OpenedDevice& opened, std::string_view mode = kUnbounded) {
   return Servo(opened.device->spec(), parameters, {});
 }
 
-/// In each dialect whose commands are known.
+/// Runs each test in each dialect with known commands.
 struct HaplyDialect : ::testing::TestWithParam<Json> {
   void feel(Device& device, Servo& servo) {
     session.run(device, servo, [&] { return service.force > 0.5; });
   }
-  /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
+  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
   double made(std::string_view mode) {
     const double kTicks = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
-      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the service's
+      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the service
     OpenedDevice opened = open(service);
     Servo servo = servo_of(opened, mode);
     session.run(*opened.device, servo, [&] { return service.commands >= kTicks; });
@@ -68,7 +68,7 @@ struct HaplyDialect : ::testing::TestWithParam<Json> {
     opened.device.reset();
     service.stop();
     session.tell("haply", servo, service.mass.largest_force, service.mass.most_made);
-    EXPECT_GT(service.mass.largest_force, 0.3);  // the wall was felt
+    EXPECT_GT(service.mass.largest_force, 0.3);  // the hand touched the wall
     EXPECT_EQ(service.misunderstood, 0);
     return service.mass.most_made;
   }
@@ -105,7 +105,7 @@ TEST_P(HaplyDialect, WhatIsWrongIsSaid) {
   service.scale = 2.0;
   EXPECT_THAT(refusal(service), HasSubstr("reset basis and mount"));
   service.scale = 1.0;
-  service.damping = 3.0;  // only a session's configuration tells of it
+  service.damping = 3.0;  // only a session's configuration reports it
   EXPECT_THAT(refusal(service),
               HasSubstr(GetParam() == Json::v3_5 ? "set its damping to 0" : "none"));
   service.damping = 0.0;
@@ -154,7 +154,7 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   tick();
   EXPECT_TRUE(device.read({}).deadman);
   EXPECT_TRUE(device.read({}).clutch);
-  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.3));  // it is held until the next answer
+  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.3));  // held until the next answer
   tick();
   EXPECT_FALSE(device.read({}).held);
   service.stop();
@@ -163,7 +163,7 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   EXPECT_NEAR((moved - Vec3(0.2, -0.1, 0.3).normalized()).norm(), 0.0, 1e-6);
 }
 
-/// A turn about the service's y, away from the user, is one about our -x.
+/// A turn about the service's y, away from the user, is a turn about our -x.
 TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
   EXPECT_EQ(open(service).device->spec().rotation_sensed, 0);
   service.grip_turns = true;
@@ -179,7 +179,7 @@ TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
     return Vec3(turned.angle() * turned.axis());
   };
   EXPECT_NEAR((turn() - Vec3(-0.3, 0.0, 0.0)).norm(), 0.0, 1e-5);
-  // A grip that sleeps, or what is no orientation, leaves the last one.
+  // A sleeping grip or an invalid orientation keeps the last orientation.
   service.wrong_length = true;
   service.away_turn = 0.5;
   turn();
@@ -191,17 +191,17 @@ TEST_P(HaplyDialect, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 3900u);
   EXPECT_EQ(statistics.device_faults, 0u);
 }
-/// What that is measured with can tell.
+/// Without a bound the wall must make energy: the measure above can fail.
 TEST_P(HaplyDialect, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
-/// The service cuts the force: what it says that it applies is accounted.
+/// The service cuts the force: the account uses the force that the service reports.
 TEST_P(HaplyDialect, MakesNoneWhereTheForceIsCut) {
   service.gate = 0.6;
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(statistics.forces_corrected, 100u);
 }
 
-/// In fragments, with pings between them.
+/// Answers come in fragments, with pings between them.
 TEST_P(HaplyDialect, MakesNoneWhereAnswersComeInPieces) {
   service.fragments = 1000;
   EXPECT_LE(made(kSessionMethod), 1e-12);
@@ -242,7 +242,7 @@ TEST_P(HaplyDialect, AnotherThreadMayLetItGo) {
   session.run_released(*opened.device, servo, [&] { return service.force == 0.0; });
 }
 
-/// Whatever becomes of an answer, the hand is let go, and felt again afterwards.
+/// After any fault of an answer the force ends, and later it comes back.
 struct Fault {
   const char* name;
   std::atomic<int> HaplyService::*count;
@@ -260,7 +260,7 @@ TEST_P(HaplyFault, LetsTheForceGoAndIsOver) {
   service.*GetParam().count = 1;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
   EXPECT_EQ(servo.given(), Command{});
-  // By that one tick, without another.
+  // A single faulty tick suffices.
   test::eventually("it is let go", [&] { return service.force == 0.0; });
   session.expect_let_go("haply", GetParam().name, service.edge);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(Of, HaplyFault,
                          [](const auto& fault) { return std::string(fault.param.name); });
 
 struct HaplyLoss : ::testing::Test {
-  /// Felt, and then `lost`: a fault that stays.
+  /// Sets `lost`, a lasting fault, while a force is on, and expects the force to end.
   template <class Value>
   void expect_let_go(std::atomic<Value>& lost, Value value) {
     const OpenedDevice opened = open(service);
@@ -303,7 +303,7 @@ struct HaplyLoss : ::testing::Test {
 TEST_F(HaplyLoss, AServiceThatHangsUpIsAFaultForGood) { expect_let_go(service.hangs_up, true); }
 TEST_F(HaplyLoss, AServiceThatHangsNeverHoldsTheServoUp) { expect_let_go(service.blocks, true); }
 TEST_F(HaplyLoss, AServiceThatMasksItsFramesIsNoService) { expect_let_go(service.masks, true); }
-/// As a service that compresses, which nobody asked for.
+/// Such a bit means compression, for example, which the client did not request.
 TEST_F(HaplyLoss, AServiceThatSetsReservedBitsIsNoService) {
   expect_let_go(service.odd_bits, 0x40U);
 }
@@ -312,10 +312,10 @@ TEST_F(HaplyLoss, ADeviceThatLosesItsCalibrationIsAFault) {
 }
 
 TEST_F(HaplyLoss, ADeviceThatIsNotReadyAnyMoreIsAFault) { expect_let_go(service.ready, false); }
-/// The service goes on, and its messages do not have the device any more.
+/// The service continues, but its messages no longer have the device.
 TEST_F(HaplyLoss, ADeviceThatIsPulledOutIsAFault) { expect_let_go(service.plugged, false); }
 
-/// Another program adds a force of its own: what is on the hand is not ours to account.
+/// Another program adds a force, so the force on the hand is unknown to the account.
 TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
   session.patience = std::chrono::seconds(10);  // no other fault
   const OpenedDevice opened = open(service);
@@ -340,7 +340,7 @@ TEST(Haply, AnOlderServiceIsRefused) {
   service.old_json = true;
   EXPECT_THAT(refusal(service), AllOf(HasSubstr("2.x"), HasSubstr("install")));
 }
-/// For the doctor; no command is sent.
+/// The doctor asks the service and sends no command.
 TEST(Haply, TheServiceSaysWhatItHas) {
   HaplyService service(Json::v3_5);
   service.second = true;
@@ -380,7 +380,7 @@ TEST(HaplyMessages, TellOneDeviceFromAnother) {
         R"({"inverse3": [{"device_id": "A", "state": {"cursor_position": {"x": 1e999}}}]})"})
     EXPECT_FALSE(haply::read_message(broken, "")) << broken;
   EXPECT_FALSE(haply::read_message(std::string(1000, '['), ""));
-  // A position of which a part is missing is none.
+  // A position with a missing coordinate is no position.
   const auto part = haply::read_message(
       R"({"inverse3": [{"device_id": "A", "state": {"cursor_position": {"x": 1, "y": 2}}}]})", "");
   ASSERT_TRUE(part);

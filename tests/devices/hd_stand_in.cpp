@@ -1,5 +1,5 @@
-// A libHD with a simulated mass behind it and a scheduler of its own: the names, types, units and
-// codes that users of OpenHaptics have published. Written from those, not from the driver.
+// A libHD with a simulated mass and its own scheduler. Written from the names, types, units and
+// codes that users of OpenHaptics have published, not from the driver.
 
 #include "tests/devices/hd_stand_in.hpp"
 
@@ -30,12 +30,12 @@ constexpr int kRamp = 500;                           // ticks
 std::unique_ptr<stand_in::Hd> device = std::make_unique<stand_in::Hd>();
 std::array<unsigned, 16> errors;
 std::size_t error_count = 0;
-Three force{}, wanted{};         // [N] on the mass, in our axes; of this frame
-Three before{};                  // [N] on it until the last frame ended
+Three force{}, wanted{};         // [N] on the mass, in our axes; requested in this frame
+Three before{};                  // [N] on the mass until the last frame ended
 Three twist{};                   // [N m] of this frame
 Clock::time_point began, ended;  // the last frame
-bool framed = false;             // there was one
-int ramp = 0;                    // ticks that are left of it
+bool framed = false;             // a frame has occurred
+int ramp = 0;                    // ticks left
 bool in_frame = false;
 
 std::thread scheduler;
@@ -47,8 +47,8 @@ void* user = nullptr;
 void raise(unsigned code) {
   if (error_count < errors.size()) errors[error_count++] = code;
 }
-/// The motion of the tick that ends: by the force of the frame before until that frame ended, and
-/// then by the new one.
+/// Moves the mass for the tick that ends: under the former force until the last frame ended, then
+/// under the new one.
 void move() {
   const auto now = Clock::now();
   if (framed) {
@@ -143,7 +143,7 @@ void hdEndFrame(unsigned) {
     stand_in::page()->force.store(share * size);
     device->buttons.store(static_cast<int>(stand_in::page()->buttons.load()));
   }
-  device->force.store(share * size);  // last: a test that sees it may look at the rest
+  device->force.store(share * size);  // last: a test that sees it may read the rest
 }
 ErrorInfo hdGetError() {
   if (error_count == 0) return {0, 0, 0};
@@ -167,7 +167,7 @@ void hdGetDoublev(unsigned what, double* values) {
   check(allowed());
   if (what == 0x2603) *values = 3.3;
   if (what != 0x2052) return;
-  // The pen's own axes are the device's.
+  // The pen's axes equal the device's.
   for (int i = 0; i < 16; ++i) values[i] = i % 5 == 0 ? 1.0 : 0.0;
   const Three p = device->mass.sensed();
   device->told_near.store(p[0]);
@@ -187,7 +187,7 @@ const char* hdGetString(unsigned) { return device->model; }
 void hdSetDoublev(unsigned what, const double* values) {
   const bool turns = what == 0x2701 && device->output_dof == 6;
   check((what == 0x2700 || turns) && in_frame);
-  if (turns)  // given in mN m
+  if (turns)  // in mN m
     twist = {1e-3 * values[2], 1e-3 * values[0], 1e-3 * values[1]};
   else
     wanted = {values[2], values[0], values[1]};

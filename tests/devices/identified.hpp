@@ -1,5 +1,5 @@
 #pragma once
-// Measures a driver's device as `identify` does, by the time of its stand-in: the handle is free.
+// Measures a free handle of a driver's device as `identify` does, on the stand-in's clock.
 
 #include <gtest/gtest.h>
 
@@ -13,14 +13,14 @@ namespace feltwire::testing {
 
 inline void let_free(stand_in::SimulatedMass& mass) { mass.stiffness = mass.hand_damping = 0.0; }
 
-/// A short way: it takes a third of the usual time.
+/// A short travel, which takes a third of the usual time.
 inline IdentifyLimits short_way(const DeviceSpec& spec) {
   IdentifyLimits limits = identify_limits(spec);
   limits.amplitude = 0.006;
   limits.travel = 1.6 * limits.amplitude;
   limits.top_speed = 0.12;
   limits.speed = 2.0 * limits.top_speed;
-  limits.late = 1e3;  // a busy machine's pause is no time of the stand-in's
+  limits.late = 1e3;  // a busy machine's pause is not the stand-in's time
   return limits;
 }
 
@@ -28,7 +28,7 @@ struct Identified {
   explicit Identified(Device& device)
       : spec(device.spec()), identification(spec, short_way(spec), 1e-3) {}
 
-  /// Ticks until `until`, or until it is over. `time` [s] of the stand-in when a tick has come.
+  /// Ticks until `until` or the end. `time` [s] is the stand-in's clock after a tick.
   template <class Time, class Until>
   void run(Device& device, Time time, Until until) {
     Measurement measurement(device, identification, status);
@@ -43,7 +43,7 @@ struct Identified {
     run(device, time, [] { return false; });
   }
 
-  /// The reported numbers are above zero, and at most the true ones.
+  /// The reported numbers must be above zero and at most the true ones.
   void expect_below(const stand_in::SimulatedMass& truth) const {
     ASSERT_EQ(identification.state(), Identification::State::done) << identification.why();
     const DeviceEstimate found = identification.estimate();

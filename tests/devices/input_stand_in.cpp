@@ -18,7 +18,7 @@ int fail(int error) {
   return -1;
 }
 
-/// As the kernel copies a bitmap: words of the machine, cut to the size that was asked for.
+/// A bitmap as the kernel copies it: machine words, cut to the requested size.
 class Bitmap {
  public:
   Bitmap(void* room, std::size_t size) : bytes_(static_cast<unsigned char*>(room)), size_(size) {
@@ -118,14 +118,14 @@ void InputDevice::push(std::uint16_t type, unsigned code, int value) {
   if (type == EV_SYN && code == SYN_REPORT) whole_ = buffer_.size();
 }
 
-/// An axis that is where it was is no event.
+/// An axis that did not move makes no event.
 void InputDevice::axis(unsigned code, int value) {
   if (std::exchange(axes.at(code).value, value) == value) return;
   anything_ = true;
   push(EV_ABS, code, value);
 }
 
-/// A relative movement of zero is no event.
+/// A relative movement of zero makes no event.
 void InputDevice::relative(unsigned code, int value) {
   if (value == 0 || !relative_axes.contains(code)) return;
   anything_ = true;
@@ -142,7 +142,7 @@ void InputDevice::key(unsigned code, bool down) {
   push(EV_KEY, code, down ? 1 : 0);
 }
 
-/// An empty packet is none.
+/// An empty packet makes no event.
 void InputDevice::report() {
   if (anything_) push(EV_SYN, SYN_REPORT, 0);
   anything_ = false;

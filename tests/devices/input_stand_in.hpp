@@ -1,7 +1,7 @@
 #pragma once
-// An input device at an event node, as the kernel's documentation describes it (input/event-codes,
-// input/gamepad, and drivers/input/evdev.c for the buffer of a client). Its events come through a
-// socket, its ioctls are answered here. It knows nothing of feltwire.
+// An input device at an event node, from the kernel's documentation (input/event-codes,
+// input/gamepad, and drivers/input/evdev.c for a client's buffer). A socket carries its events, and
+// this class answers its ioctls. It knows nothing of feltwire.
 
 #include <linux/input.h>
 
@@ -24,17 +24,17 @@ class InputDevice {
   InputDevice(const InputDevice&) = delete;
   InputDevice& operator=(const InputDevice&) = delete;
 
-  /// The descriptor that open(2) of the node gives. Whoever takes it closes it.
+  /// The descriptor that open(2) of the node returns. Its receiver closes it.
   int open();
-  /// What ioctl(2) does with it.
+  /// The answer to ioctl(2) on it.
   int control(unsigned long request, void* room);
 
-  // What the person does; a packet is what happens until report().
+  // Actions of the user; a packet has all actions up to report().
   void axis(unsigned code, int value);
   void relative(unsigned code, int value);
   void key(unsigned code, bool pressed);
   void report();
-  /// Lets the client read what its buffer has, up to the end of the last packet.
+  /// Makes the client's buffer readable up to the end of the last packet.
   void deliver();
   void unplug();
 
@@ -48,21 +48,21 @@ class InputDevice {
  private:
   void push(std::uint16_t type, unsigned code, int value);
 
-  static constexpr std::size_t kBuffer = 64;  // events of a client
+  static constexpr std::size_t kBuffer = 64;  // events in a client's buffer
   std::deque<input_event> buffer_;
   std::size_t whole_ = 0;  // events up to the end of the last packet
-  bool anything_ = false;  // in the packet that is being made
+  bool anything_ = false;  // in the present packet
   bool gone_ = false;
   int device_ = -1;
 };
 
 /// A pad as the driver xpad shows it.
 void be_xpad(InputDevice& device);
-/// A pad of the generic HID driver: the right stick at Z and RZ, a trigger at GAS.
+/// A pad under the generic HID driver: the right stick is Z and RZ, a trigger is GAS.
 void be_generic_pad(InputDevice& device);
 /// A 3D mouse whose axes have a range.
 void be_spacemouse(InputDevice& device);
-/// A 3D mouse whose axes the kernel takes for relative ones.
+/// A 3D mouse with axes that the kernel regards as relative.
 void be_relative_spacemouse(InputDevice& device);
 
 }  // namespace stand_in

@@ -1,5 +1,5 @@
-// A gamepad that the kernel makes up (uinput): its event node, ioctls and events are true ones. The
-// test is skipped, and says why, where this machine has no uinput.
+// A gamepad that the kernel creates (uinput): its event node, ioctls and events are real. Without
+// uinput the test is skipped with a message.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFull = 32767;
-constexpr std::uint16_t kVendor = 0x1209, kProduct = 0xFE17;  // of no product
+constexpr std::uint16_t kVendor = 0x1209, kProduct = 0xFE17;  // an unused product id
 
 struct KernelPad : ::testing::Test {
   void SetUp() override {
@@ -51,7 +51,7 @@ struct KernelPad : ::testing::Test {
                    << "': " << std::generic_category().message(errno);
   }
   ~KernelPad() override {
-    if (uinput >= 0) ::close(uinput);  // the kernel takes the pad away
+    if (uinput >= 0) ::close(uinput);  // the kernel then removes the pad
   }
   void tell(std::uint16_t type, std::uint16_t code, int value) const {
     input_event event{};
@@ -65,7 +65,7 @@ struct KernelPad : ::testing::Test {
   fs::path node;
 };
 
-/// When write() returns the kernel has put the events into the node's buffer, so nothing waits.
+/// After write() the kernel has put the events into the node's buffer, so nothing has to wait.
 TEST_F(KernelPad, IsFoundTakenReadAndUnplugged) {
   const auto found = input_nodes(Machine{});
   const auto pad = std::ranges::find(found, node, &InputNode::node);
@@ -77,7 +77,7 @@ TEST_F(KernelPad, IsFoundTakenReadAndUnplugged) {
   DeviceRequest request;
   request.name = node.string();
   const OpenedDevice opened = open_gamepad(request);
-  EXPECT_THROW(open_gamepad(request), std::runtime_error);  // it is taken for one program alone
+  EXPECT_THROW(open_gamepad(request), std::runtime_error);  // only one program may open it
   opened.device->begin(Vec3::Zero(), Vec3::UnitZ());
   Nanoseconds now = std::chrono::seconds(7);
   const auto move = [&](int ticks) {

@@ -1,4 +1,4 @@
-// Devices that answer each command: what is known of a force that could not be replaced.
+// Devices that answer each command: the known facts about a force that could not be replaced.
 
 #include "client/devices/lock_step.hpp"
 
@@ -10,13 +10,13 @@
 namespace feltwire::lock_step_test {
 namespace {
 
-/// Answers at once, and holds what it was sent last.
+/// Answers at once and holds the last command.
 class Obedient final : public LockStepDevice {
  public:
   explicit Obedient(const char* spec = "simulated") : Obedient(builtin_device(spec)) {}
   explicit Obedient(const DeviceSpec& spec) : LockStepDevice({.spec = spec, .sources = {}}, {}) {}
   Command held;
-  bool blocked = false;  // nothing can be sent
+  bool blocked = false;  // sends fail
 
  private:
   std::optional<Command> send(const Command& command) noexcept override {
@@ -42,7 +42,7 @@ TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
   EXPECT_EQ(device.spec().max_force, all.max_force);
 }
 
-/// Its account pays for a force one tick late. It cannot do both.
+/// The account covers a force that is a tick late, but not a lag as well.
 TEST(LockStep, ALagBesideItsLateTickIsRefused) {
   DeviceSpec spec = builtin_device("falcon");
   EXPECT_EQ(Obedient(spec).spec().actuation_lag, 0.0);
@@ -66,9 +66,9 @@ TEST(LockStep, ZeroIsSentAgainUntilItGoesOut) {
   ASSERT_TRUE(tick());
   EXPECT_EQ(device.held, pull);
   device.blocked = true;
-  device.write({.elastic = Vec3(0, 0, 1)});  // it holds the pull before
+  device.write({.elastic = Vec3(0, 0, 1)});  // it holds the earlier pull
   EXPECT_FALSE(tick());
-  EXPECT_EQ(device.write({}), Command{});  // the zero is lost, too
+  EXPECT_EQ(device.write({}), Command{});  // the zero is lost as well
   EXPECT_EQ(device.held, pull);
   device.blocked = false;
   device.write({});

@@ -1,5 +1,5 @@
 #pragma once
-// A handle whose true motion is known, in its own axes, behind a mapping at a wall of the scene.
+// A handle with known true motion, behind a mapping, at a wall of the scene.
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ namespace feltwire::testing {
 
 inline Vec3 vec(const stand_in::Three& v) { return {v[0], v[1], v[2]}; }
 
-/// A handle with a simulated mass in a hand that taps. It takes a force up at once, or ticks late,
-/// and tells how many unless `tells` is false.
+/// A handle with a simulated mass in a tapping hand. It applies a force at once or some ticks late,
+/// and reports that number unless `tells` is false.
 class Handle final : public Device {
  public:
   explicit Handle(std::size_t lag_ticks = 0, bool tells = true) : lag(lag_ticks) {
@@ -50,7 +50,7 @@ class Handle final : public Device {
     reading.buttons = buttons;
     reading.withheld = withheld;
     reading.ok = ok;
-    reading.jumped = false;  // a test turns the handle faster than a hand can
+    reading.jumped = false;  // tests turn the handle faster than a hand
     return reading;
   }
   Command write(const Command& command) noexcept override {
@@ -67,7 +67,7 @@ class Handle final : public Device {
   stand_in::SimulatedMass mass;
   Quaternion orientation = Quaternion::Identity();
   std::size_t lag;         // ticks
-  bool tells_held = true;  // write() returns what is on the hand; else what it was given
+  bool tells_held = true;  // write() returns the force on the hand, else its argument
   bool clutch = false, deadman = false, ok = true, released = false;
   std::uint32_t buttons = 0;
   Withheld withheld = Withheld::nothing;
@@ -78,7 +78,7 @@ class Handle final : public Device {
   std::deque<Command> coming_;
 };
 
-/// A handle behind a mapping, in a session at the wall that its taps reach.
+/// A mapped handle in a session at a wall that its taps reach.
 struct Mapped {
   explicit Mapped(const WorkspaceMapping& mapping, std::string_view mode = kSessionMethod,
                   bool told_wrong = false, std::size_t lag = 0, bool tells_lag = true,
@@ -91,7 +91,7 @@ struct Mapped {
               protect_hand(in_mode(mode))),
         normal(mapping.axes().col(2)),
         base(mapping.translation),
-        // As stiff for the handle, whatever the scale.
+        // The handle feels an equal stiffness at any scale.
         stiffness(2000.0 / (mapping.scale * mapping.scale)) {}
 
   static SessionParameters in_mode(std::string_view mode) {
@@ -118,7 +118,7 @@ struct Mapped {
   void run(double time) {
     for (long left = std::lround(time / kTick); left > 0; --left) tick();
   }
-  /// Until the handle is pushed by this force [N].
+  /// Ticks until the handle gets this force [N].
   void feel(double force) {
     for (int n = 0; n < 5000 && handle->on_hand.force().norm() < force; ++n) tick();
     ASSERT_GE(handle->on_hand.force().norm(), force);

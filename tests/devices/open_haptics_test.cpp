@@ -1,4 +1,4 @@
-// The driver of OpenHaptics, against a library that answers and calls back as the maker's does.
+// The driver of OpenHaptics against a library that answers and calls back like the maker's.
 
 #include "client/devices/open_haptics.hpp"
 
@@ -55,13 +55,13 @@ struct OpenHaptics : ::testing::Test {
     testing::PacedSession().run(device, servo, until);
   }
 
-  /// A fault more than `faults`, and nothing is held since: a zero that comes too late for its
-  /// tick goes out with the next one.
+  /// True after more than `faults` faults and with no held force. A zero that comes too late for
+  /// its tick is sent in the next one.
   static bool let_go(const Servo& servo, std::uint64_t faults) {
     return servo.statistics().device_faults > faults && servo.held() == Command{};
   }
 
-  /// [J] that the true motion made more than the device burned, in four seconds at a late wall.
+  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
   double made(std::string_view mode) {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
     OpenedDevice opened = open(
@@ -75,7 +75,7 @@ struct OpenHaptics : ::testing::Test {
     testing::PacedSession session;
     session.run(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
     statistics = servo.statistics();
-    opened.device.reset();  // the scheduler does not run any more
+    opened.device.reset();  // the scheduler has stopped
     session.tell("openhaptics", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     EXPECT_EQ(stand_in->misuses, 0);
     return stand_in->mass.most_made;
@@ -125,7 +125,7 @@ TEST_F(OpenHaptics, WhatIsMissingIsSaid) {
   stand_in->calibration = 0x5002;
   EXPECT_THAT(refusal(), HasSubstr("inkwell"));
   EXPECT_EQ(stand_in->closed, 1);
-  stand_in->calibration = 0x5001;  // an inkwell's is for the user to do
+  stand_in->calibration = 0x5001;  // the user must calibrate in the inkwell
   EXPECT_THAT(refusal(), HasSubstr("inkwell"));
   stand_in->style = 2;
   EXPECT_EQ(refusal(), "none");
@@ -144,7 +144,7 @@ TEST_F(OpenHaptics, AxesAndUnitsAreOurs) {
   EXPECT_NEAR(reading.pose.orientation.w(), 1.0, 1e-12);
 }
 
-/// Torque goes out in thousandths, along the maker's axes.
+/// Torque is sent in thousandths, along the maker's axes.
 TEST_F(OpenHaptics, APremiumWithMotorsAtTheWristIsGivenTorque) {
   stand_in->model = "PHANTOM Premium 1.5 6DOF";
   stand_in->output_dof = 6;
@@ -152,7 +152,7 @@ TEST_F(OpenHaptics, APremiumWithMotorsAtTheWristIsGivenTorque) {
   EXPECT_EQ(opened.device->spec().name, "phantom_premium_1.5_6dof");
   EXPECT_EQ(opened.device->spec().rotation_actuated, 3);
   const Command turn{.elastic = Vec3(0.1, 0.2, 0.3), .torque = Vec3(0.01, 0.02, 0.03)};
-  constexpr int kFrames = 1700;  // beyond the driver's second without force, and the ramp
+  constexpr int kFrames = 1700;  // beyond the driver's start without force (1 s) and the ramp
   while (stand_in->frames < kFrames) {
     opened.device->await_tick(monotonic_now() + std::chrono::milliseconds(25));
     opened.device->read({});
@@ -184,19 +184,19 @@ TEST_F(OpenHaptics, ButtonsAreTheEnablingSwitchAndTheClutch) {
   EXPECT_EQ(pressed(2), std::pair(false, true));
 }
 
-/// It waits for the end of the maker's ramp, and does not take it for a fault.
+/// identify waits for the end of the maker's ramp, which is no fault.
 TEST_F(OpenHaptics, IdentifyMeasuresAFreeHandle) {
   testing::let_free(stand_in->mass);
   stand_in->virtual_time = true;
   OpenedDevice opened = open();
   testing::Identified identified(*opened.device);
   identified.run(*opened.device, [&] { return stand_in->told_at.load(); });
-  opened.device.reset();  // the scheduler does not run any more
+  opened.device.reset();  // the scheduler has stopped
   identified.expect_below(stand_in->mass);
   EXPECT_EQ(stand_in->asked_ramping, 0.0);
 }
 
-/// In its inkwell it is not moved; put back while it is measured, it ends that.
+/// A stylus in the inkwell is not moved. Putting it back during the measurement ends it.
 TEST_F(OpenHaptics, IdentifyWaitsForTheStylus) {
   testing::let_free(stand_in->mass);
   stand_in->inkwell.store(true);
@@ -209,12 +209,12 @@ TEST_F(OpenHaptics, IdentifyWaitsForTheStylus) {
   stand_in->inkwell.store(false);
   identified.run(*opened.device, now, [&] { return stand_in->force > 0.01; });
   stand_in->inkwell.store(true);
-  // A person has a minute, which goes by thirty times as fast here.
+  // A user gets a minute; here the time runs thirty times as fast.
   identified.run(*opened.device, [&, begin = now()] { return begin + 30.0 * (now() - begin); });
   EXPECT_THAT(std::string(identified.identification.why()), HasSubstr("in its inkwell"));
 }
 
-/// The ramp is no fault of the device.
+/// The ramp is no fault.
 TEST_F(OpenHaptics, ItsRateIsMeasuredFromTheStart) {
   const OpenedDevice opened = open();
   const DeviceTicks ticks = watch_ticks(*opened.device, 0.5, 1000.0);
@@ -222,7 +222,7 @@ TEST_F(OpenHaptics, ItsRateIsMeasuredFromTheStart) {
   EXPECT_EQ(ticks.faults, 0u);
 }
 
-/// The stand-in was pulled by its wall, its force ramped at the start, and gave nothing away.
+/// The wall pulled the stand-in, its force ramped at the start, and it made no energy.
 TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
@@ -230,10 +230,10 @@ TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 2000u);
 }
 
-/// What that is measured with can tell.
+/// Without a bound the wall must make energy: the measure above can fail.
 TEST_F(OpenHaptics, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
-/// At the start, and in the middle of a contact: no force until it is out again, and no fault.
+/// The stylus is in the inkwell at the start, and later during contact: no force and no fault.
 TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   stand_in->inkwell.store(true);
   OpenedDevice opened = open();
@@ -241,7 +241,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   SessionParameters parameters = testing::session_of(*opened.device);
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
-  // The pose is shown. The frame after the sample's may have begun: then look again.
+  // The pose is still sent. The next frame may have begun; then look again.
   felt(*opened.device, servo, [&] {
     return servo.no_force() == NoForce::in_inkwell &&
            servo.sample().pose.position.x() == stand_in->told_near;
@@ -256,7 +256,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   session.run(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "the inkwell", stand_in->edge);
-  stand_in->asked_in_inkwell = 0.0;  // the frame in which it went in had begun before
+  stand_in->asked_in_inkwell = 0.0;  // the frame of the change had already begun
   const int frames = stand_in->frames;
   felt(*opened.device, servo, [&] { return stand_in->frames > frames + 200; });
   EXPECT_EQ(stand_in->asked_in_inkwell, 0.0);
@@ -264,8 +264,8 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   EXPECT_EQ(servo.statistics().device_faults, faults);
 }
 
-/// Too much force: the amplifiers go off and ramp up again. Nothing is asked for meanwhile, and the
-/// servo knows why.
+/// Too much force switches the amplifiers off, and they ramp up again. The driver requests no force
+/// meanwhile, and the servo knows the reason.
 TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -281,13 +281,13 @@ TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   session.expect_let_go("openhaptics", "an error", stand_in->edge);
   const int frames = stand_in->frames;
   felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::starting; });
-  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // and then it is back
+  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // the force is back
   EXPECT_GE(stand_in->frames, frames + 900);
-  // The frame that raised it was under way.
+  // The frame of the error was in progress.
   EXPECT_LE(stand_in->asked_ramping, 3.3 + 1e-9);
 }
 
-/// A scheduler that comes late (frames are dropped), and a frame that did not end: one fault each.
+/// A late scheduler (dropped frames) and a frame that did not end make one fault each.
 TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
@@ -298,7 +298,7 @@ TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
   }
 }
 
-/// It is a fault as long as it lasts.
+/// The fault lasts as long as the device is unplugged.
 TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -316,7 +316,7 @@ TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
 }
 
-/// A call of the maker's that does not return: no tick comes, and then the servo is given no force.
+/// A call of the maker's does not return: no tick comes, and the servo holds no force.
 TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
@@ -327,7 +327,7 @@ TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   stand_in->blocks.store(false);
 }
 
-/// A library without what the driver needs, and one without what it needs itself.
+/// A library without a function that the driver needs, and a library that lacks a dependency.
 TEST_F(OpenHaptics, ALibraryThatCannotBeUsedIsRefused) {
   const testing::TemporaryFolder sdk;
   ::setenv("OH_SDK_BASE", (sdk / "").c_str(), 1);
@@ -367,7 +367,7 @@ TEST_F(OpenHaptics, AnotherThreadMayLetItGo) {
                                        [&] { return stand_in->force == 0.0; });
 }
 
-/// A servo that has stopped answering: the force is repeated for 25 frames at most.
+/// If the servo stops answering, the force is repeated for 25 frames at most.
 TEST_F(OpenHaptics, AServoThatStandsStillHoldsNothing) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -387,7 +387,7 @@ TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {
   EXPECT_EQ(servo.no_force(), NoForce::device_fault);
 }
 
-/// Neither in the servo's thread nor in the scheduler's.
+/// Neither the servo's thread nor the scheduler's may allocate.
 TEST_F(OpenHaptics, ATickDoesNotTouchTheHeap) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});

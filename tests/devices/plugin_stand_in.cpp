@@ -1,5 +1,4 @@
-// A plugin whose device is a simulated mass, with the faults that a test asks for. Written from
-// feltwire_device_v1.h alone.
+// A plugin with a simulated mass and scripted faults. Written only from feltwire_device_v1.h.
 
 #include "tests/devices/plugin_stand_in.hpp"
 
@@ -19,18 +18,18 @@ namespace {
 using stand_in::Three;
 
 std::unique_ptr<stand_in::Plugin> device = std::make_unique<stand_in::Plugin>();
-Three before, force;  // [N] of the last tick but one, and of the last
+Three before, force;  // [N] of the tick before the last, and of the last
 std::atomic<bool> released{false};
 bool fresh = true;
 double random_share = 0.5;
 
-/// Any thread may let go. Only the servo's changes the forces.
+/// Any thread may release the device. Only the servo's thread changes the forces.
 void drop_released() {
   if (released) before = force = {};
 }
 
-/// In a program of its own the ticks come by the clock, for its server does not know of virtual
-/// time. A machine that is late by more than a tick is not made up for.
+/// In a separate program the ticks follow the clock, as the server knows no virtual time. A delay
+/// of more than a tick is not made up for.
 void pace() {
   using Clock = std::chrono::steady_clock;
   static Clock::time_point next = Clock::now();
@@ -40,8 +39,8 @@ void pace() {
 
 bool by_clock() { return stand_in::page() != nullptr && stand_in::page()->by_clock; }
 
-/// By the clock the mass moves on under the force that is on it, up to now. A force that was
-/// released meanwhile was on it until then.
+/// By the clock, the mass moves under the present force up to now. A released force acted until its
+/// release.
 std::atomic<std::int64_t> released_at{0};  // [ns] of the steady clock
 std::int64_t moved_to = 0;
 std::int64_t clock_now() {
@@ -65,7 +64,7 @@ void move_on() {
   stand_in::page()->tell_motion(device->mass);
 }
 
-/// The reading takes so long, and the hand goes on meanwhile.
+/// Delays the reading while the hand goes on.
 void stall(int milliseconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
@@ -176,7 +175,7 @@ int write_device(void*, const double* asked, const double* twist, double* held, 
   for (std::size_t i = 0; i < 3; ++i) turned[i] = device->torque[i] = part * twist[i];
   device->edge.command(size > 0.0);
   if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
-  device->pulls.store(size > 0.0);  // last: a test that sees it may look at the rest
+  device->pulls.store(size > 0.0);  // last: a test that sees it may read the rest
   return 0;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a test tells the stand-in plugin, and sees of it. The plugin exports stand_in().
+// A test's settings for the stand-in plugin, and its results. The plugin exports stand_in().
 
 #include <atomic>
 #include <cstdint>
@@ -14,19 +14,19 @@ struct Plugin {
   SimulatedMass mass;
   ForceEdge edge;
   double period = 1e-3;             // [s]
-  double jitter = 0.0;              // [s] that ticks come sooner, at most
-  double late = 0.0;                // of a tick, for which the old force stays
-  int late_ticks = 0;               // that it says it is late by
-  std::uint32_t buttons = 0;        // held now
-  double lever = -1.0;              // [m]; < 0: it has none
-  bool tells_late = true;           // and whether it is told of
+  double jitter = 0.0;              // [s] by which a tick comes early, at most
+  double late = 0.0;                // share of a tick during which the old force stays
+  int late_ticks = 0;               // its declared late ticks
+  std::uint32_t buttons = 0;        // buttons held now
+  double lever = -1.0;              // [m]; < 0: no lever
+  bool tells_late = true;           // it reports held forces
   int stale_every = 0;              // ticks; 0: never
   double saturates_at = 1e9;        // [N]
   bool turns = false;               // its wrist has motors
   double turns_at_most = 1e9;       // [N m]
-  Three torque{};                   // [N m] that it holds
+  Three torque{};                   // [N m] held torque
   std::int64_t unplugged_at = -1;   // tick; -1: never
-  std::atomic<bool> blocks{false};  // read() does not come back while it is set
+  std::atomic<bool> blocks{false};  // read() does not return while it is set
   std::atomic<bool> blocked{false};
 
   std::uint32_t version = 1;
@@ -42,6 +42,6 @@ struct Plugin {
 }  // namespace stand_in
 
 extern "C" {
-/// The one device, as new.
+/// Makes the only device anew.
 using NewStandIn = stand_in::Plugin*();
 }

@@ -1,4 +1,4 @@
-// The plugin ABI, through a stand-in whose true motion is known.
+// The plugin ABI with a stand-in of known true motion.
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
@@ -54,7 +54,7 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->spec().least_mass, 0.1);
   EXPECT_EQ(opened.device->spec().hand_force, 10.0);
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
-  // The ABI has no field for the lag.
+  // The ABI has no lag field.
   EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
   EXPECT_THAT(opened.notes, ::testing::ElementsAre(HasSubstr(
                                 "is an assumption for a connection that the driver does not")));
@@ -122,7 +122,7 @@ TEST_F(Plugin, ErrorsNameTheFileAndTheRemedy) {
   EXPECT_THAT(refusal(), HasSubstr("its function write is null"));
   stand_in->null_function = "wait";
   EXPECT_THAT(refusal(), HasSubstr("its function wait is null"));
-  EXPECT_EQ(stand_in->closes, 1);  // it had been opened
+  EXPECT_EQ(stand_in->closes, 1);  // it was open
   stand_in->null_function = "";
   stand_in->open_error = "no device on the bus";
   EXPECT_THAT(refusal(std::string(FELTWIRE_PLUGIN_STAND_IN) + ":bus 3"),
@@ -142,7 +142,7 @@ struct PluginSession : Plugin {
     WallSession session{.period = stand_in->period};
     session.run(*opened.device, servo, 60.0);
     statistics = servo.statistics();
-    EXPECT_GT(stand_in->mass.largest_force, 0.5);  // the wall was felt
+    EXPECT_GT(stand_in->mass.largest_force, 0.5);  // the hand touched the wall
     return stand_in->mass.most_made;
   }
   ServoStatistics statistics;
@@ -153,10 +153,10 @@ TEST_F(PluginSession, MakesNoEnergy) {
   EXPECT_EQ(statistics.stale_readings, 0u);
 }
 
-/// What the others are measured with can tell.
+/// Without a bound the wall must make energy: the other tests can fail.
 TEST_F(PluginSession, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.01); }
 
-/// As can the mass: a force that is taken up late, and not told of, is not paid for.
+/// A late force that is not reported is not paid for, which the mass shows.
 TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
   stand_in->late = 1.0;
   const auto margin = [&] {
@@ -172,7 +172,7 @@ TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
   EXPECT_GT(margin(), 10.0 * told);
 }
 
-/// The account pays first for what is still on its way.
+/// The account first pays for forces in transit.
 TEST_F(PluginSession, MakesNoneWhereEachForceIsATickLateAndThePluginSaysSo) {
   stand_in->late = 1.0;
   stand_in->tells_late = false;
@@ -227,7 +227,7 @@ TEST_F(PluginSession, ATickDoesNotTouchTheHeap) {
   EXPECT_EQ(test::allocations() - before, 0u);
 }
 
-/// examples/my_plugin.c, which a spring pulls into the wall.
+/// examples/my_plugin.c with a spring that pulls it into the wall.
 TEST(MyPlugin, FeelsAWall) {
   DeviceRequest request;
   request.name = std::string(FELTWIRE_MY_PLUGIN) + ":0.3";
@@ -250,7 +250,7 @@ TEST(MyPlugin, FeelsAWall) {
   EXPECT_THROW(open_plugin(request), std::runtime_error);
 }
 
-/// A call that does not come back: another thread lets the device go.
+/// A call does not return: another thread releases the device.
 TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
   testing::ScenePeer peer;
   auto task = std::make_shared<ServoTask>(
@@ -262,7 +262,7 @@ TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
       }(),
       ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
-  task->let_go_after = SessionParameters{}.hold_time;  // a busy machine must not be it
+  task->let_go_after = SessionParameters{}.hold_time;  // a busy machine must not trigger it
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

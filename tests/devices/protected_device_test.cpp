@@ -1,4 +1,4 @@
-// A device with a start that does not kick, an emergency stop and a tool's weight.
+// A device with a start without a kick, an emergency stop and a tool's weight.
 
 #include "client/devices/protected_device.hpp"
 
@@ -19,15 +19,15 @@ using ::testing::HasSubstr;
 using testing::kTick;
 using testing::Mapped;
 
-constexpr double kUp = 0.5;  // [s] in which the weight is taken up
+constexpr double kUp = 0.5;  // [s] to take up the weight
 
-/// A protected handle in a test's hands. Nobody moves it unless the test does.
+/// A protected handle that only the test moves.
 struct Bench {
   explicit Bench(const ProtectionOptions& options)
       : handle(new Handle), device(std::unique_ptr<Device>(handle), options, emergency) {
     handle->mass.stiffness = handle->mass.hand_damping = 0.0;
     handle->mass.tool = options.tool_weight;
-    handle->mass.friction = 1e3;  // it stays where it is
+    handle->mass.friction = 1e3;  // friction keeps it in place
   }
   DeviceReading tick(const Command& command = {}) {
     now += from_seconds(kTick);
@@ -35,7 +35,7 @@ struct Bench {
     told = device.write(reading.withheld == Withheld::nothing && reading.ok ? command : Command{});
     return reading;
   }
-  /// Ticks until forces are let through. Returns how many it took.
+  /// Ticks until forces get through; returns the number of ticks.
   int start() {
     for (int n = 1; n < 5000; ++n)
       if (tick().withheld == Withheld::nothing) return n;
@@ -63,7 +63,7 @@ TEST(ProtectedDevice, WithoutOptionsEverythingIsTheDevicesBitByBit) {
   EXPECT_EQ(bench.told, kPull);
 }
 
-/// While the hand moves, however long, and a quarter of a second after it has come to rest.
+/// No force while the hand moves, and for a quarter of a second after it rests.
 TEST(ProtectedDevice, NoForceBeforeTheHandIsStill) {
   Bench bench({.still = 0.25});
   for (int n = 0; n < 2000; ++n) {
@@ -104,7 +104,7 @@ TEST(ProtectedDevice, TheWeightIsTakenUpSlowlyThenHeldAndNotTold) {
   }
 }
 
-/// It floats: with its weight held the tool does not sink, where without it it falls.
+/// With its weight held the tool floats; without it the tool falls.
 TEST(ProtectedDevice, AToolFloats) {
   for (const double told : {0.4, 0.0}) {
     Bench bench({.tool_weight = told});
@@ -118,8 +118,8 @@ TEST(ProtectedDevice, AToolFloats) {
   }
 }
 
-/// Whatever the device does with the force, the sum of what is told over the way is the work of the
-/// motors less W (z - z_0), exactly. Over a closed way nothing is missing.
+/// However the device changes the force, the reported work is exactly the motors' work less
+/// W (z - z_0). It is complete over a closed path.
 TEST(ProtectedDevice, WhatIsNotToldIsAFunctionOfThePlace) {
   struct Odd final : Device {
     DeviceSpec described = builtin_device("simulated");
@@ -137,7 +137,7 @@ TEST(ProtectedDevice, WhatIsNotToldIsAFunctionOfThePlace) {
       motors += real.force().dot(way);
       return {.pose = {.position = place}, .held = real};
     }
-    /// Cut, turned, late: as an amplifier should not.
+    /// Scales, turns and delays the force, as no amplifier should.
     Command write(const Command& command) noexcept override {
       const double share = moves ? 0.5 + 0.5 * part(random) : 1.0;
       real = {.elastic = share * command.force()};
@@ -195,7 +195,7 @@ TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
   EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("--clutch-button"));
 }
 
-/// The device's own switch and clutch count no more, where others were chosen.
+/// Chosen buttons replace the device's own switch and clutch.
 TEST(ProtectedDevice, TheSwitchAndTheClutchAreTheChosenButtons) {
   const auto told = [](const ProtectionOptions& options, std::uint32_t buttons) {
     Bench bench(options);
@@ -218,7 +218,7 @@ TEST(ProtectedDevice, AnEmergencyTakesAllForceOffUntilItIsReset) {
   bench.tick(kPull);
   ASSERT_EQ(bench.up(), 3.5);
   bench.emergency->press();
-  EXPECT_EQ(bench.device.write(kPull), Command{});  // between reading and writing, too
+  EXPECT_EQ(bench.device.write(kPull), Command{});  // works between read and write, too
   EXPECT_EQ(bench.handle->on_hand, Command{});
   for (int n = 0; n < 3000; ++n) {
     EXPECT_EQ(bench.tick(kPull).withheld, Withheld::emergency);
@@ -247,7 +247,7 @@ TEST(ProtectedDevice, OutOfTheInkwellItStartsAnew) {
   EXPECT_NEAR(bench.start() * kTick, 0.25 + kUp, 0.02);
 }
 
-/// And ticks that were missed: the weight is not back in one step.
+/// After a fault or missed ticks the weight returns gradually.
 TEST(ProtectedDevice, AfterAFaultTheWeightIsTakenUpAnew) {
   Bench bench({.tool_weight = 0.5, .still = 0.25});
   bench.start();
@@ -279,12 +279,12 @@ TEST(ProtectedDevice, AtTheEndTheToolIsLetDownSlowly) {
   EXPECT_TRUE(Bench({}).device.lower_tool({}));
 }
 
-/// [J] that the true motion made beside the constant, in ten seconds at a late wall.
+/// [J] that the true motion made beside the constant force, in ten seconds at a late wall.
 double made(const WorkspaceMapping& mapping, double told, double real, std::size_t lag) {
   Mapped mapped(mapping, kSessionMethod, false, lag, true, {.tool_weight = told});
   mapped.handle->mass.tool = real;
-  // From the tick at which the account begins: it never saw the energy that was burned before.
-  // Until then the handle takes forces up at once, and later as late as it says.
+  // Count from the account's beginning, as it never saw the energy burned before. Until then the
+  // handle is not late; after that it is as late as it reports.
   mapped.handle->lag = 0;
   do mapped.tick();
   while (mapped.servo.no_force() == NoForce::starting);
@@ -296,7 +296,7 @@ double made(const WorkspaceMapping& mapping, double told, double real, std::size
   return mapped.handle->mass.most_made;
 }
 
-/// With the weight that was told, with none, and with twice as much.
+/// The tool has the told weight, none, or twice that weight.
 TEST(ProtectedDevice, MakesNoEnergyBesideTheConstantForce) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> weights(0.05, 1.5);

@@ -1,11 +1,11 @@
 #pragma once
-// Faults that a test asks a stand-in for, so many times.
+// Counts of faults that a test requests from a stand-in.
 
 #include <atomic>
 
 namespace stand_in {
 
-/// Whether there is one left of them, which is used up.
+/// True if a fault is left; uses it up.
 inline bool takes_one(std::atomic<int>& count) {
   if (count.load() <= 0) return false;
   --count;

@@ -1,4 +1,4 @@
-// A WebSocket to a service that sends much and says nothing: the servo's thread is not kept.
+// A WebSocket to a service that sends much without a message must not block the servo's thread.
 
 #include "client/devices/service_socket.hpp"
 
@@ -18,7 +18,7 @@ using News = ServiceSocket::News;
 constexpr std::size_t kLongest = 1000;
 constexpr char kPart = 0, kText = 1, kPing = 9, kPong = 10;
 
-/// A frame of a service, which are not masked.
+/// An unmasked frame, as a service sends it.
 std::string frame(char opcode, const std::string& payload, bool last = true) {
   std::string bytes(1, static_cast<char>((last ? 0x80 : 0) | opcode));
   const std::size_t size = payload.size();

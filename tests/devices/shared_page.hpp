@@ -1,6 +1,6 @@
 #pragma once
-// What a test tells a stand-in in another program, and sees of it: a page of memory that both map
-// from one file. It knows nothing of feltwire.
+// A test's settings for a stand-in in another program, and its results: a memory page that both map
+// from a file. It knows nothing of feltwire.
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -16,26 +16,26 @@
 
 namespace stand_in {
 
-/// The environment variable that names the file.
+/// The environment variable with the file's name.
 inline constexpr const char* kPageVariable = "FELTWIRE_STAND_IN_PAGE";
 
 struct Page {
-  // The test sets these; the first three before the program starts.
-  std::atomic<double> waits{0.0};     // [s] that the hand is still at the start
-  std::atomic<bool> by_clock{false};  // the mass moves by the clock, also while no tick comes
+  // The test sets these, the first three before the program starts.
+  std::atomic<double> waits{0.0};     // [s] for which the hand is still at the start
+  std::atomic<bool> by_clock{false};  // the mass moves by the clock, even without ticks
   std::atomic<int> devices{1};        // on USB
   std::atomic<unsigned> buttons{0};
-  std::atomic<bool> unplugged{false}, refuses{false};  // no readings any more; no forces
-  std::atomic<int> slow_read{0};                       // [ms] that a reading takes
-  std::atomic<int> stall{0};                           // [ms] that the next one takes, once
+  std::atomic<bool> unplugged{false}, refuses{false};  // no more readings; no forces
+  std::atomic<int> slow_read{0};                       // [ms] duration of a reading
+  std::atomic<int> stall{0};                           // [ms] duration of the next reading only
 
   // The stand-in sets these.
-  std::atomic<int> number{-1};                        // of the device that was opened
+  std::atomic<int> number{-1};                        // of the open device
   std::atomic<long> ticks{0};                         // of the device
   std::atomic<double> force{0.0};                     // [N] on the mass
   std::atomic<double> largest_force{0.0}, made{0.0};  // [N], [J] of the mass's true motion
 
-  /// At each tick of the stand-in.
+  /// Called at each tick of the stand-in.
   void tell(const SimulatedMass& mass) noexcept {
     tell_motion(mass);
     ticks.fetch_add(1);
@@ -47,7 +47,7 @@ struct Page {
   static_assert(std::atomic<double>::is_always_lock_free && std::atomic<long>::is_always_lock_free);
 };
 
-/// The mapped file. Throws std::runtime_error.
+/// Maps the file. Throws std::runtime_error.
 inline void* mapped_page(const std::string& file) {
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   void* const room =
@@ -59,7 +59,7 @@ inline void* mapped_page(const std::string& file) {
   return room;
 }
 
-/// For the stand-in: the page of the test that started this program; null: there is none.
+/// For the stand-in: the page of the test that started this program, or null.
 inline Page* page() {
   static Page* const mapped = [] {
     const char* const file = std::getenv(kPageVariable);
@@ -68,7 +68,7 @@ inline Page* page() {
   return mapped;
 }
 
-/// For the stand-in, when it is opened: the hand begins at the height where it taps.
+/// For the stand-in at its opening: puts the hand at the height of its taps.
 inline void begin_for_page(SimulatedMass& mass, int number) {
   if (page() == nullptr) return;
   mass.position = {0.0, 0.0, 0.004};
@@ -76,7 +76,7 @@ inline void begin_for_page(SimulatedMass& mass, int number) {
   page()->number.store(number);
 }
 
-/// For the test: a new page for the programs that it starts while this stands.
+/// For the test: a new page for the programs that it starts during its life.
 class NewPage {
  public:
   explicit NewPage(const std::string& file) : page_(new (mapped_page(file)) Page) {

@@ -1,6 +1,6 @@
 #pragma once
-// The handle of a stand-in device: a mass with damping and dry friction in a hand that taps and
-// slides, integrated finely, with the energy of its true motion. It knows nothing of feltwire.
+// A stand-in's handle: a mass with damping and dry friction, in a hand that taps and slides. It is
+// integrated in fine steps, with the energy of its true motion. It knows nothing of feltwire.
 
 #include <algorithm>
 #include <array>
@@ -14,16 +14,16 @@ struct SimulatedMass {
   double mass = 0.1, damping = 0.5, friction = 0.05;  // [kg], [N s/m], [N] an axis: the truth
   double quantum = 20e-6;                             // [m] of the encoder
   double stiffness = 200.0, hand_damping = 2.0;       // [N/m], [N s/m] of the hand
-  double tool = 0.0;     // [N] weight of a tool at the handle, along -z
-  double counter = 0.0;  // [N] along z, a constant part of the force: its work is not counted
-  double waits = 0.0;    // [s] that the hand is still at the start
-  double depth = 0.008, reach = 0.02;  // [m] that it taps into z < 0, and slides in x
+  double tool = 0.0;     // [N] weight of the tool at the handle, along -z
+  double counter = 0.0;  // [N] constant part of the force along z; its work does not count
+  double waits = 0.0;    // [s] for which the hand is still at the start
+  double depth = 0.008, reach = 0.02;  // [m] of the taps into z < 0, and of the slide in x
 
   Three position{0, 0, 0.01}, velocity{};
   double time = 0.0;                     // [s]
   double delivered = 0.0, burned = 0.0;  // [J] by the force on the handle; by damping and friction
-  double most_made = 0.0;                // [J] the most that delivered less burned ever was
-  double largest_force = 0.0;            // [N] that was on it
+  double most_made = 0.0;                // [J] largest delivered less burned energy
+  double largest_force = 0.0;            // [N] on the handle
 
   void advance(double span, const Three& force) {
     constexpr double kStep = 10e-6, kTurn = 6.283185307179586;

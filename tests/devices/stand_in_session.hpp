@@ -1,6 +1,6 @@
 #pragma once
-// A session of a servo with a device, in virtual time or at the device's own ticks: a wall answers
-// each sample some ticks later.
+// A session of a servo with a device, in virtual time or at the device's ticks. A wall answers each
+// sample some ticks later.
 
 #include <gtest/gtest.h>
 
@@ -55,20 +55,20 @@ struct WallSession {
   std::deque<Reply> on_the_way{};
 };
 
-/// [s] that a session in real time lasts: `usual`, or FELTWIRE_SESSION_SECONDS, with which a table
-/// is measured (docs/devices.md).
+/// [s] duration of a session in real time: `usual`, or FELTWIRE_SESSION_SECONDS for the measurement
+/// of a table (docs/devices.md).
 inline double session_seconds(double usual) {
   const char* asked = std::getenv("FELTWIRE_SESSION_SECONDS");
   return asked != nullptr ? std::atof(asked) : usual;
 }
 inline bool measures() { return std::getenv("FELTWIRE_SESSION_SECONDS") != nullptr; }
 
-/// The force has gone within the hold time and a tick after the fault, by the stand-in's own ticks
-/// and by `waited` [s], what the servo's ticks since then take at most. A busy machine makes both
-/// no longer.
+/// The force must end within the hold time and a tick after the fault. Two times count: the
+/// stand-in's own ticks, and `waited` [s], the longest that the servo's ticks since the fault can
+/// take. A busy machine lengthens neither.
 inline void expect_in_time(const char* device, const std::string& fault,
                            const stand_in::ForceEdge& edge, double waited) {
-  constexpr double kStandInTick = 1e-3;  // [s] of every stand-in
+  constexpr double kStandInTick = 1e-3;  // [s] of each stand-in
   const double most = SessionParameters{}.hold_time + kStandInTick;
   ASSERT_TRUE(edge.ended());
   EXPECT_LE(kStandInTick * static_cast<double>(edge.ticks()), most);
@@ -78,8 +78,8 @@ inline void expect_in_time(const char* device, const std::string& fault,
                 fault.c_str(), edge.ticks(), 1e3 * waited, 1e3 * edge.seconds());
 }
 
-/// Where another thread lets it go: only the clock can tell. A busy machine may take that many
-/// times as long as the hold time, and the test says no more than that it is not forever.
+/// Another thread releases the device, so only the clock can measure it. A busy machine may take
+/// kBusy times the hold time: the test only shows that the force does end.
 inline void expect_in_time_by_clock(const char* device, const std::string& fault,
                                     const stand_in::ForceEdge& edge) {
   constexpr double kBusy = 50.0;
@@ -89,14 +89,14 @@ inline void expect_in_time_by_clock(const char* device, const std::string& fault
     std::printf("%-14s %-24s by the clock %6.1f ms\n", device, fault.c_str(), 1e3 * edge.seconds());
 }
 
-/// Of a device that sets the pace with a thread of its own, in real time.
+/// A session of a device that sets the pace with its own thread, in real time.
 struct PacedSession {
   Vec3 normal = Vec3::UnitZ();                           // of the wall through the origin
   double stiffness = 2000.0;                             // [N/m]
   std::size_t delay = 20;                                // ticks there and back
   Nanoseconds patience = std::chrono::milliseconds(25);  // for a tick
 
-  /// Ticks as run_servo_loop() does, until it holds.
+  /// Ticks as run_servo_loop() does, until `until` is true.
   template <class Until>
   void run(Device& device, Servo& servo, Until until) {
     const Nanoseconds latest = monotonic_now() + from_seconds(120.0 + session_seconds(0.0));
@@ -122,7 +122,7 @@ struct PacedSession {
     }
   }
 
-  /// Another thread lets the device go while the servo ticks.
+  /// Runs while another thread releases the device.
   template <class Until>
   void run_released(Device& device, Servo& servo, Until until) {
     std::thread other([&] { device.release(); });
@@ -130,12 +130,12 @@ struct PacedSession {
     other.join();
   }
 
-  /// The fault begins now.
+  /// Marks the beginning of the fault.
   void strike(stand_in::ForceEdge& edge) {
     edge.strike();
     struck = {ticks, missed};
   }
-  /// The force is gone.
+  /// Checks that the force ended in time.
   void expect_let_go(const char* device, const std::string& fault,
                      const stand_in::ForceEdge& edge) const {
     const auto late = static_cast<double>(missed - struck.second);
@@ -143,7 +143,7 @@ struct PacedSession {
     expect_in_time(device, fault, edge, 1e-3 * came + seconds(patience) * late);
   }
 
-  /// One line of the table.
+  /// Prints a line of the table.
   void tell(const char* device, const Servo& servo, double force, double made) const {
     if (!measures()) return;
     const ServoStatistics& s = servo.statistics();
@@ -156,7 +156,7 @@ struct PacedSession {
   std::deque<Reply> on_the_way{};
   std::uint64_t ticks = 0, missed = 0;
   double lasted = 0.0;                               // [s]
-  std::pair<std::uint64_t, std::uint64_t> struck{};  // ticks and missed ones until the fault
+  std::pair<std::uint64_t, std::uint64_t> struck{};  // ticks and missed ticks at the fault
 };
 
 inline SessionParameters session_of(const Device& device) {

@@ -36,7 +36,7 @@ struct Steered : ::testing::Test {
   }
   SteeredDevice& gamepad() { return start(stand_in::be_xpad, "gamepad"); }
   SteeredDevice& spacemouse() { return start(stand_in::be_spacemouse, "spacemouse"); }
-  /// Through free space, for `time` [s].
+  /// Moves through free space for `time` [s].
   DeviceReading move(double time) {
     DeviceReading reading;
     for (long left = std::lround(time / kTick); left > 0; --left) {

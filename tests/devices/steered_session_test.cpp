@@ -1,4 +1,4 @@
-// Hands that gamepads and 3D mice steer, in sessions.
+// Sessions of hands that gamepads and 3D mice steer.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using testing::kTick;
 using testing::Steered;
 
 struct Session : Steered {
-  /// Pushes down, where the wall is.
+  /// Pushes down into the wall.
   void press() { push(ABS_RY, kFull); }
   void run(Servo& servo, double time) {
     for (double t = 0.0; t < time; t += kTick) {
@@ -63,8 +63,8 @@ TEST_F(Session, AnUnpluggedOneIsAFaultForGood) {
   EXPECT_FALSE(reading.deadman);
 }
 
-/// A minute of a restless person at a late wall. [J] that the true motion made more than the device
-/// burned, at most.
+/// A restless person for a minute at a late wall. [J] The most that the true motion made beyond the
+/// burned energy.
 double made_in_a_minute(Session& session, std::string_view mode, ServoStatistics& statistics) {
   SteeredDevice& device = session.spacemouse();
   const DeviceSpec& spec = device.spec();
@@ -80,7 +80,7 @@ double made_in_a_minute(Session& session, std::string_view mode, ServoStatistics
     if (tick > 10 && tick % 150 == 0) {
       for (unsigned code = ABS_X; code <= ABS_RZ; ++code)
         session.input.axis(code, anywhere(random));
-      // The wall is down.
+      // The wall is below.
       session.input.axis(ABS_Z, anywhere(random) / 2 + 120 * (tick / 3000 % 2 == 0 ? 1 : -1));
       session.input.report();
     }
@@ -104,7 +104,7 @@ TEST_F(Session, AMinuteMakesNoEnergyAndMissesNothing) {
   EXPECT_EQ(statistics.device_faults, 0u);
   EXPECT_GT(statistics.max_force, 1.0);
 }
-/// What that is measured with can tell.
+/// Without a bound the wall must make energy: the measure above can fail.
 TEST_F(Session, TheWallAloneWouldMakeEnergy) {
   ServoStatistics statistics;
   EXPECT_GT(made_in_a_minute(*this, kUnbounded, statistics), 0.01);
@@ -114,7 +114,7 @@ TEST_F(Session, ATickDoesNotTouchTheHeap) {
   gamepad();
   Servo servo(device->spec(), testing::session_of(*device), {});
   run(servo, 0.1);
-  for (int n = 0; n < 100; ++n) push(ABS_X, n);  // with lost events
+  for (int n = 0; n < 100; ++n) push(ABS_X, n);  // some events get lost
   input.deliver();
   const std::size_t before = test::allocations();
   for (int n = 0; n < 1000; ++n) servo.tick(*device, wall.now += from_seconds(kTick));

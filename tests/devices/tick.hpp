@@ -1,5 +1,5 @@
 #pragma once
-// The tick of the hands that tests move in virtual time.
+// The tick of hands that move in virtual time.
 
 namespace feltwire::testing {
 

@@ -1,13 +1,13 @@
-// To be preloaded into feltwire-client or feltwire-server. Counts every place from which memory is
-// asked for or the system is called, or has one of them fail once; and notes what the client's
-// simulated device is told.
+// Preload this library into feltwire-client or feltwire-server. It counts each place that requests
+// memory or makes a system call, or makes such a call fail once. It also logs the commands to the
+// client's simulated device.
 //
-//   FELTWIRE_FAULT_LOG    file, as long as a Log, that gets what happens
-//   FELTWIRE_FAULT_PLACE  hash of the place that fails; none: places are counted
-//   FELTWIRE_FAULT_NTH    the how many-th call from there
-//   FELTWIRE_FAULT_TRACE  file that gets the calls that led to the one that fails
+// FELTWIRE_FAULT_LOG    file of a Log's size for the results
+// FELTWIRE_FAULT_PLACE  hash of the place that fails; none: counts places
+// FELTWIRE_FAULT_NTH    number of the failing call from there
+// FELTWIRE_FAULT_TRACE  file for the stack of the failing call
 //
-// It begins with main(): before, the dynamic loader and static initializers run.
+// It starts with main(), after the dynamic loader and the static initializers.
 
 #include <dlfcn.h>
 #include <execinfo.h>
@@ -51,7 +51,7 @@ std::atomic<bool> armed{false};
 std::uint64_t wanted_place = 0, wanted_nth = 1;
 std::atomic<std::uint64_t> calls_from_wanted{0};
 int trace_file = -1;
-// Nothing that the library calls itself is counted.
+// Calls by this library itself are not counted.
 thread_local bool inside __attribute__((tls_model("initial-exec"))) = false;
 
 std::int64_t now() {
@@ -60,7 +60,7 @@ std::int64_t now() {
   return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
 }
 
-/// Return addresses less where their module was loaded, so that they are the same in each process.
+/// Return addresses relative to their module's base, which are equal in each process.
 struct Stack {
   static constexpr int kDeepest = 14, kOwn = 3;  // kOwn: frames of this library
   std::uint64_t hash = 1469598103934665603ull;
@@ -100,7 +100,7 @@ void trace() {
   ::backtrace_symbols_fd(calls.data(), ::backtrace(calls.data(), kDeepest), trace_file);
 }
 
-/// Whether this call is to fail.
+/// True if this call must fail.
 [[gnu::noinline]] bool fails(std::uint64_t call) {
   if (!armed.load(std::memory_order_relaxed) || inside) return false;
   inside = true;
@@ -146,7 +146,7 @@ using Release = void (*)(void*);
 Write device_write = nullptr;
 Release device_release = nullptr;
 
-/// Devices of the rehearsal, whose thread is for an idle machine, are in nobody's hand.
+/// The rehearsal's devices are in no hand; their thread has idle priority.
 bool is_in_a_hand() {
   thread_local const bool idle = ::sched_getscheduler(0) == SCHED_IDLE;
   return !idle;
@@ -162,8 +162,8 @@ void release_and_tell(void* self) {
   if (is_in_a_hand()) told(0.0);
 }
 
-/// Puts ours in its table of virtual functions, where the program says where that is (it is linked
-/// with --export-dynamic).
+/// Replaces the functions in the device's virtual table, whose symbol the program exports (it is
+/// linked with --export-dynamic).
 void follow_device() {
   auto** table = static_cast<void**>(::dlsym(RTLD_DEFAULT, "_ZTVN8feltwire15SimulatedDeviceE"));
   void* write = ::dlsym(RTLD_DEFAULT, "_ZN8feltwire10HandDevice5writeERKNS_12BasicCommandIdEE");
@@ -179,7 +179,7 @@ void follow_device() {
     if (table[i] == write) table[i] = reinterpret_cast<void*>(write_and_tell);
     if (table[i] == release) {
       table[i] = reinterpret_cast<void*>(release_and_tell);
-      break;  // the last: behind it stands another table
+      break;  // last entry; another table follows
     }
   }
 }

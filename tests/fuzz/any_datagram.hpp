@@ -1,5 +1,5 @@
 #pragma once
-// Makes the values of datagrams (samples, replies, views) from the bytes of a fuzzer.
+// Makes datagram values (samples, replies, views) from a fuzzer's bytes.
 
 #include <cmath>
 #include <cstddef>
@@ -26,7 +26,7 @@ inline Quaternion orientation(Input& in) {
   return q.squaredNorm() > 0.0 ? q.normalized() : Quaternion::Identity();
 }
 
-/// Mostly what a client might send, and now and then anything.
+/// Mostly a possible batch of a client, and sometimes any batch.
 inline SampleBatch batch(Input& in) {
   SampleBatch b;
   const bool wild = in.coin();
@@ -71,7 +71,7 @@ inline SampleBatch batch(Input& in) {
   return b;
 }
 
-/// Numbers that survive their float32 on the wire.
+/// Numbers that float32 represents exactly.
 inline RemoteContact contact(Input& in) {
   RemoteContact c;
   c.surface = in.byte();
@@ -141,7 +141,7 @@ inline LocalModel model(Input& in) {
   return m;
 }
 
-/// Numbers that 16 bits tell exactly, but for the root of a covariance.
+/// Numbers that 16 bits represent exactly, except the root of a covariance.
 inline BodyModel body(Input& in) {
   BodyModel m;
   m.scene = in.whole<std::uint32_t>();
@@ -166,7 +166,7 @@ inline BodyModel body(Input& in) {
   }
   return m;
 }
-/// Mostly one that can be: a name of any bytes, a link of any size.
+/// Mostly a possible change: any name, any link.
 inline ClientChange change(Input& in) {
   ClientChange c;
   c.number = in.byte();
@@ -217,7 +217,7 @@ inline Reply reply(Input& in) {
   if (r.remote && in.coin()) r.remote->turn = any_float_vector(in);
   for (int i = in.byte() % 4; i > 0; --i)
     r.normals.add((in.coin() ? 1.0 : -1.0) * Vec3::Unit(in.byte() % 3));
-  if (r.normals.count < 2) r.normals = {};  // one says nothing
+  if (r.normals.count < 2) r.normals = {};  // a single normal is not sent
   if (in.coin()) r.change = change(in);
   return r;
 }
@@ -239,7 +239,7 @@ inline HandFigures figures(Input& in) {
   return f;
 }
 
-/// As much as fits, mostly.
+/// Mostly as many hands and bodies as fit.
 inline SceneView view(Input& in) {
   SceneView v;
   v.present = true;
@@ -266,7 +266,7 @@ inline SceneView view(Input& in) {
   }
   v.hands_end = number + 1;
   v.bodies_end = static_cast<std::uint16_t>(object + 1);
-  if (in.byte() == 0) std::swap(v.hands_from, v.hands_end);  // of no server
+  if (in.byte() == 0) std::swap(v.hands_from, v.hands_end);  // no server sends it
   return v;
 }
 

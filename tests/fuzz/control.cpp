@@ -1,5 +1,5 @@
-// Arbitrary bytes as a control message: what is one says the same when it is sent again, and what
-// it asks of a device or a session is either possible or refused.
+// Arbitrary bytes as a control message. A valid one is equal after it is encoded again, and its
+// requests of devices and sessions are either possible or refused.
 
 #include "protocol/wire/control.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 using control::Message;
 
-/// Every text of a message, each ended by a length: what encode() must not shorten.
+/// All texts of a message, each followed by its length: encode() must not shorten them.
 struct Texts {
   std::string all;
   void add(const std::string& text) { all += text + "/" + std::to_string(text.size()) + "/"; }
@@ -82,7 +82,7 @@ void require_limits(const Message& message) {
         "nor are those of a scene and an object");
 }
 
-/// Throws nothing but std::invalid_argument, with a reason.
+/// Allows no exception but std::invalid_argument with a reason.
 template <class Value>
 void judge(const Value& value) {
   try {
@@ -100,7 +100,7 @@ void try_body(Bytes body) {
   try {
     frame = control::encode(*message);
   } catch (const std::length_error&) {
-    // Tables that shared their bytes take more when each has its own.
+    // Tables that shared bytes take more room when each has its own.
     return;
   }
   const Bytes sent = Bytes(frame).subspan(control::kFrameLengthSize);

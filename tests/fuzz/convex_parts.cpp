@@ -1,6 +1,6 @@
-// Arbitrary bytes as the file of a mesh's convex parts, as they are, and with the head and the sum
-// that a forger would give them: either the reason why they are not taken, or parts that a
-// decomposition may have, which are stored as the same bytes.
+// Arbitrary bytes as a file of a mesh's convex parts: as they are, and with a forged head and
+// checksum. The result is a reason for the refusal, or possible parts that are stored as equal
+// bytes.
 
 #include <openssl/evp.h>
 

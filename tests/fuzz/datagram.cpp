@@ -1,5 +1,5 @@
-// Arbitrary bytes as a datagram, on both sides: what passes keeps every promise of PROTOCOL.md, and
-// says the same when it is sent again.
+// Arbitrary bytes as a datagram, on both sides. An accepted one keeps each promise of PROTOCOL.md
+// and is equal after it is encoded again.
 
 #include <algorithm>
 #include <vector>
@@ -18,7 +18,7 @@ constexpr unsigned kServerTakes =
 constexpr unsigned kClientTakes =
     set_of({DatagramKind::reply, DatagramKind::goodbye, DatagramKind::follower_target});
 
-/// A payload where nothing is aligned.
+/// A payload at an unaligned address.
 class Unaligned {
  public:
   explicit Unaligned(Bytes payload) : bytes_(1) {
@@ -122,10 +122,10 @@ void try_reply(Bytes payload) {
   require(same_but_model(reply, again) && same(view, view_again), "alignment changes no value");
   require_promises(reply);
   require_promises(view);
-  reply.modelled = false;  // a model about a far center loses digits; datagram_round_trip has those
+  reply.modelled = false;  // a model with a far center loses digits; see datagram_round_trip
   const Bytes sent = encoder.reply(reply, view.present ? &view : nullptr);
   require(sent.size() <= kMaxPayload || view.present, "no datagram is longer than the limit");
-  if (sent.size() > kMaxPayload) return;  // hands and bodies together, of no server
+  if (sent.size() > kMaxPayload) return;  // so many hands and bodies are from no server
   require(decode(sent, again, &view_again) == DropReason::none && same_but_model(reply, again) &&
               same(view, view_again),
           "a reply says the same when it is sent again");
@@ -139,7 +139,7 @@ void try_goodbye(Bytes payload) {
           "a goodbye says the same when it is sent again");
 }
 
-/// A robot's state, or its target.
+/// Tries a robot's state or its target.
 template <class Said>
 void try_robot(Bytes payload, Bytes (Encoder::*encode)(const Said&)) {
   static Encoder encoder;
@@ -168,7 +168,7 @@ void try_side(Bytes datagram, unsigned kinds) {
           "what nobody sealed is not opened");
 }
 
-/// As what a seal was round.
+/// Tries the bytes as an opened payload.
 void try_payload(Bytes payload) {
   if (payload.size() > kMaxPayload) return;
   try_samples(payload);

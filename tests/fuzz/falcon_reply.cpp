@@ -1,5 +1,5 @@
-// Arbitrary bytes that should be the answers of a Falcon's firmware: none, or encoders as the
-// published packets say, and a tool where the legs meet. Forces there are possible for the motors.
+// Arbitrary bytes as answers of a Falcon's firmware: no answer, or encoder counts as published and
+// a tool where the legs meet. Forces there must be possible for the motors.
 
 #include <vector>
 
@@ -11,13 +11,13 @@ namespace {
 
 using namespace falcon;
 
-// From the published facts, not from the driver. [m]
+// [m], from the published facts, not from the driver.
 constexpr double kArm = 0.060, kShin = 0.1025, kToolAlong = 0.01443, kJoint = 0.01125,
                  kToolAcross = -0.025, kBaseAlong = 0.0400, kBaseAcross = -0.02309;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kLegs = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
 
-/// Four letters from 'A' to 'P', the lowest first, of a number in two's complement.
+/// Decodes four letters from 'A' to 'P', the lowest first, in two's complement.
 int number(const std::uint8_t* letters) {
   constexpr int kHalf = 1 << 15;
   int value = 0, weight = 1;
@@ -28,7 +28,7 @@ int number(const std::uint8_t* letters) {
   return value < kHalf ? value : value - 2 * kHalf;
 }
 
-/// Whether the packet is an answer of the firmware.
+/// True if the packet is an answer of the firmware.
 bool is_answer(const Packet& packet) {
   if (packet[0] != '<' || packet[15] != '>') return false;
   for (std::size_t n = 1; n <= 12; ++n)
@@ -36,7 +36,7 @@ bool is_answer(const Packet& packet) {
   return packet[13] >= 'A' && packet[13] - 'A' < 128;
 }
 
-/// An answer of homed legs whose arms are where arms can be, and somewhat beyond.
+/// An answer of homed legs with possible arm angles, and some beyond.
 std::vector<std::uint8_t> possible_answer(Input& input) {
   constexpr int kRange = 8192;  // counts, about 300 degrees
   std::vector<std::uint8_t> bytes = {'<'};
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> possible_answer(Input& input) {
   return bytes;
 }
 
-/// The bytes come in two pieces.
+/// Feeds the bytes in two pieces.
 std::optional<Told> answer_of(Bytes bytes, std::size_t first) {
   Answer answer;
   answer.add(bytes.first(std::min(first, bytes.size())));
@@ -75,7 +75,7 @@ std::optional<Told> answer_of(Bytes bytes, std::size_t first) {
   return all;
 }
 
-/// The tool is where the shins of all three legs end, and not far from the middle.
+/// The tool is at the end of all three shins, not far from the middle.
 void look_at(const ToolPoint& tool, const Counts& encoders) {
   const Vec3& p = tool.position;
   require(p.allFinite() && tool.jacobian.allFinite(), "a place is finite");
@@ -92,7 +92,7 @@ void look_at(const ToolPoint& tool, const Counts& encoders) {
   }
 }
 
-/// The request that the driver sends for this force, and what the motors hold by it.
+/// Checks the driver's request for this force, and the force that the motors hold.
 void push(const ToolPoint& tool, const Vec3& force, std::uint8_t extra) {
   const Counts motors = motors_of(tool, force);
   constexpr std::array kLights = {Light::none, Light::red, Light::green, Light::blue};
@@ -109,7 +109,7 @@ void push(const ToolPoint& tool, const Vec3& force, std::uint8_t extra) {
   if (motors == Counts{}) return;
   const Vec3 held = force_of(tool, motors);
   require(held.allFinite(), "a held force is finite");
-  // Each motor's number is rounded by less than one.
+  // Each motor's count is rounded by less than one.
   require(held.norm() <= force.norm() + 0.15, "no more is held than was asked for");
 }
 

@@ -1,5 +1,5 @@
-// Any result of each USB transfer of a Falcon. A firmware counts as loaded only if every piece was
-// echoed, and an answer has the bytes that came. The first byte says whether a firmware is loaded.
+// Any result of a Falcon's USB transfers. A firmware counts as loaded only if every piece was
+// echoed, and an answer has the received bytes. The first byte selects a load or a request.
 
 #include <dlfcn.h>
 
@@ -22,13 +22,13 @@ constexpr std::size_t kModem = 2, kUsbPacket = 64;
 constexpr unsigned kHelloRate = 0x4138, kLoadRate = 0x15;
 
 struct Write {
-  Sent bytes;  // that the device took
+  Sent bytes;  // taken by the device
   bool whole = true;
   unsigned rate = 0;
   Sent heard{};  // until the next write
 };
 
-/// A byte for each transfer says what happens in it. When the input is used up the device is gone.
+/// A byte selects the result of each transfer. Without more input the device is gone.
 class Converter final : public stand_in::UsbScript {
  public:
   explicit Converter(Input& input) : input_(input) {}
@@ -89,7 +89,7 @@ class Converter final : public stand_in::UsbScript {
     gone_ = true;
     return kNoDevice;
   }
-  /// As a device does it.
+  /// Answers as a device does.
   void answer(Bytes bytes) {
     constexpr std::array<Byte, 4> kYes = {0x0A, 0x44, 0x2C, 0x0D};
     if (rate_ == kHelloRate) bytes = kYes;
@@ -97,13 +97,13 @@ class Converter final : public stand_in::UsbScript {
   }
 
   Input& input_;
-  Sent waiting_;  // for a read
+  Sent waiting_;  // to be read
   unsigned rate_ = 0;
   bool gone_ = false;
 };
 
-/// The driver wrote hellos, the byte that begins a load, and pieces of the image in their
-/// order. The boot loader answered the last hello, and echoed all that was sent before the last.
+/// Checks that the driver wrote hellos, the first byte of a load, and the image's pieces in order.
+/// The boot loader must have answered the last hello and echoed all but the last write.
 void look_at_load(const std::vector<Write>& writes, const Sent& image, bool loaded) {
   const Sent hello = {0x0A, 0x43, 0x0D}, yes = {0x0A, 0x44, 0x2C, 0x0D};
   Sent load = {0x41};

@@ -1,5 +1,5 @@
-// Arbitrary bytes from a driver of a robot: every line is refused with a field and a remedy, or
-// what is read is possible.
+// Arbitrary bytes from a robot's driver. Each line is refused with a field and a remedy, or it
+// gives possible values.
 
 #include "client/followers/follower_lines.hpp"
 
@@ -36,7 +36,7 @@ void look_at(std::string_view line) {
               reading.force.value_or(Vec3::Zero()).allFinite(),
           "a reading is finite");
   require(reading.gripper >= 0.0 && reading.gripper_force >= 0.0, "a gripper is possible");
-  // The line that we write of it can be read again.
+  // The target line for it can be parsed.
   std::array<char, kLongestLine> text{};
   const std::size_t size = write_target(number, {reading.commanded, reading.gripper}, text);
   require(size > 0 && text[size - 1] == '\n', "a target is a line");

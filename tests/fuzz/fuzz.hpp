@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the fuzz targets: the function that is fuzzed, invariants, and values made of bytes.
+// Shared by the fuzz targets: the fuzzed function, invariants, and values from bytes.
 
 #include <algorithm>
 #include <bit>
@@ -15,12 +15,12 @@
 #include "core/base/types.hpp"
 #include "protocol/wire/datagram.hpp"
 
-/// One input; what is wrong ends the program. The name and the linkage are libFuzzer's.
+/// Runs an input; an error ends the program. libFuzzer defines name and linkage.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace feltwire::fuzz {
 
-/// An invariant of a target: breaking it is as bad as a crash.
+/// An invariant of a target: a violation ends the program like a crash.
 inline void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "invariant broken: %s\n", what);
@@ -32,7 +32,7 @@ inline std::string text(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// A message for people about a file: "FILE:LINE: ..." in one line, as far as the input goes.
+/// Requires a message about a file to be a line "FILE:LINE: ...".
 inline void require_place(std::string_view message, std::string_view file) {
   require(message.starts_with(file) && message.size() > file.size() + 1 &&
               message[file.size()] == ':' && message[file.size() + 1] >= '1' &&
@@ -40,8 +40,8 @@ inline void require_place(std::string_view message, std::string_view file) {
           "an error names its file and line");
 }
 
-/// Takes values off the front of an input; zeros when it is used up. (LLVM's FuzzedDataProvider
-/// comes with clang only, and the corpora are played by every compiler.)
+/// Takes values from the front of an input; zeros when it is used up. (LLVM's FuzzedDataProvider
+/// comes with clang only, but every compiler plays the corpora.)
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -64,10 +64,10 @@ class Input {
   std::uint8_t byte() { return whole<std::uint8_t>(); }
   bool coin() { return (byte() & 1u) != 0; }
 
-  /// Any double, or any float as one.
+  /// Any double, or a double from any float.
   double any_double() { return std::bit_cast<double>(whole<std::uint64_t>()); }
   double any_float() { return static_cast<double>(std::bit_cast<float>(whole<std::uint32_t>())); }
-  /// From -size to size, in steps that float32 has too.
+  /// From -size to size, in steps that float32 represents.
   double number(double size) {
     constexpr double kSteps = 32768.0;
     return size * static_cast<double>(static_cast<std::int16_t>(whole<std::uint16_t>())) / kSteps;
@@ -81,7 +81,7 @@ class Input {
   Bytes rest_;
 };
 
-/// The same bits, NaN and the sign of zero included.
+/// Equal bits, including NaN and the sign of zero.
 inline bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }

@@ -1,5 +1,5 @@
-// Arbitrary bytes from a serial port that should be the 2-dof open board's: none, or angles that
-// arms can have, and a tool that its links reach.
+// Arbitrary bytes from the serial port of a 2-dof open board: no reply, or possible arm angles and
+// a tool that the links reach.
 
 #include "client/devices/hapi_board.hpp"
 #include "tests/fuzz/fuzz.hpp"

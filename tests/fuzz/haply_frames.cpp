@@ -1,6 +1,7 @@
-// Arbitrary bytes from a service on this machine, after the handshake, in pieces: whole and broken
-// frames of a WebSocket, fragments, control frames. The client takes the messages that a second
-// decoder of RFC 6455 takes, answers its pings, and is gone where the service breaks the rules.
+// Arbitrary bytes from a service on this machine after the handshake, in pieces: whole and broken
+// WebSocket frames, fragments, control frames. The client accepts the messages that a second
+// decoder of RFC 6455 accepts, answers its pings, and disconnects when the service breaks the
+// rules.
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -16,21 +17,21 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr std::size_t kLongest = 200;  // bytes of a message: less than an input has
+constexpr std::size_t kLongest = 200;  // bytes of a message, fewer than an input has
 constexpr std::size_t kMostPiece = 64;
 enum Opcode : unsigned { kMore = 0, kText = 1, kClose = 8, kPing = 9, kPong = 10 };
 
-using Text = std::optional<std::string>;  // of a message; none: longer than kLongest
+using Text = std::optional<std::string>;  // of a message; none: too long
 
 struct Frame {
   unsigned opcode = 0, reserved = 0;
   bool last = false, masked = false;
-  bool possible = true;  // its length is written as it must be
+  bool possible = true;  // its length has the required form
   std::uint64_t size = 0;
   std::size_t head = 0;  // bytes
 };
 
-/// The frame that begins there, by RFC 6455, 5.2; none: its head is not there as a whole.
+/// The frame at the front, by RFC 6455, 5.2; none if its head is incomplete.
 std::optional<Frame> frame_at(Bytes bytes) {
   if (bytes.size() < 2) return std::nullopt;
   Frame frame{.opcode = bytes[0] & 15U,
@@ -40,7 +41,7 @@ std::optional<Frame> frame_at(Bytes bytes) {
               .size = bytes[1] & 127U,
               .head = 2};
   if (frame.opcode >= kClose) frame.possible = frame.last && frame.size <= 125;
-  if (!frame.possible) return frame;  // the rest of its head says no more
+  if (!frame.possible) return frame;  // ignores the rest of its head
   const std::size_t more = frame.size == 126 ? 2 : frame.size == 127 ? 8 : 0;
   if (bytes.size() < frame.head + more) return std::nullopt;
   if (more > 0) frame.size = 0;
@@ -52,19 +53,19 @@ std::optional<Frame> frame_at(Bytes bytes) {
   return frame;
 }
 
-/// What a client must make of the bytes.
+/// The client's required reactions to the bytes.
 struct Heard {
   std::vector<Text> messages;
   std::vector<std::string> pings;
-  bool ends = false;     // a close, or a broken rule, of which enough is there
-  bool may_end = false;  // a broken rule, of which not all is there
+  bool ends = false;     // a close, or a broken rule that is certain
+  bool may_end = false;  // a broken rule that is incomplete
 };
 
 Heard heard(Bytes bytes) {
   Heard all;
   bool begun = false;
-  int idle = 0;                 // frames in a row that ended no message
-  std::uint64_t announced = 0;  // bytes of the present message
+  int idle = 0;                 // frames in a row without the end of a message
+  std::uint64_t announced = 0;  // bytes of this message so far
   std::string text;
   while (const auto frame = frame_at(bytes)) {
     const bool control = frame->opcode >= kClose;
@@ -99,7 +100,7 @@ Heard heard(Bytes bytes) {
   return all;
 }
 
-/// What the client answered: pongs, each masked, as a client's frames must be.
+/// The client's pongs; each must be masked, as all frames of a client.
 std::vector<std::string> pongs_in(const std::string& sent) {
   std::vector<std::string> pongs;
   Bytes bytes(reinterpret_cast<const std::uint8_t*>(sent.data()), sent.size());
@@ -119,7 +120,7 @@ std::vector<std::string> pongs_in(const std::string& sent) {
   return pongs;
 }
 
-/// A service whose bytes are the input.
+/// A service that sends the input.
 class Service {
  public:
   Service() {
@@ -141,13 +142,13 @@ class Service {
     for (ssize_t count; (count = ::recv(ends_[0], room, sizeof room, 0)) > 0;)
       sent.append(room, static_cast<std::size_t>(count));
   }
-  std::string sent;  // by the client
+  std::string sent;  // from the client
 
  private:
   int ends_[2];
 };
 
-/// Takes what is there. False: the connection is gone.
+/// Takes the available messages. False: the connection is gone.
 bool take(ServiceSocket& socket, std::vector<Text>& messages) {
   while (true) {
     switch (socket.receive(Nanoseconds(0))) {

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a height map: an image comes out of it or an error says at which byte it is
-// wrong, and a relief made of it is finite and within its amplitude everywhere.
+// Arbitrary bytes as a height map: an image, or an error with the offset of the wrong byte. A
+// relief from the image must be finite and within its amplitude everywhere.
 //   bytes 0-15  amplitude and size [m], any doubles
 //   the rest    the file
 
@@ -12,7 +12,7 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr double kMost = 1e6;  // [m] of a scene's lengths
+constexpr double kMost = 1e6;  // [m] limit of a scene's lengths
 
 void require_relief(const HeightMap& map, double amplitude, const Vec3& point, const Vec3& normal) {
   const Relief relief = map.at(point, normal);

@@ -1,12 +1,12 @@
 #pragma once
-// A libusb-1.0 with one Falcon on it, whose transfers the fuzz target answers. The library exports
+// A libusb-1.0 with a Falcon; the fuzz target decides its transfers. The library exports
 // play_script().
 
 #include <cstdint>
 
 namespace stand_in {
 
-/// Decides the results of the transfers of libusb. It gets the arguments that matter.
+/// Decides the results of libusb's transfers from their relevant arguments.
 class UsbScript {
  public:
   virtual ~UsbScript() = default;

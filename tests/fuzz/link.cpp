@@ -1,4 +1,4 @@
-// Arbitrary text as an emulated link: it is refused with a reason, or what it makes of datagrams is
+// Arbitrary text as an emulated link: it is refused with a reason, or its datagram fates are
 // possible.
 
 #include <stdexcept>

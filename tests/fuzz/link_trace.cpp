@@ -1,5 +1,4 @@
-// Arbitrary text as a recorded link: it is read or says where it is wrong, and what is read can be
-// played for ever.
+// Arbitrary text as a recorded link: an error with its place, or a link that plays for ever.
 
 #include <sstream>
 

@@ -1,5 +1,5 @@
-// Arbitrary bytes as an MCAP file, and as messages to write: a file is read or the error names its
-// place, a cut one gives the first messages of the whole one, and what is written comes back.
+// Arbitrary bytes as an MCAP file and as messages to write. A file is read, or the error names its
+// place. A cut file gives the whole file's first messages. Written messages come back.
 
 #include <algorithm>
 #include <sstream>
@@ -24,7 +24,7 @@ struct Written {
   bool operator==(const Written&) const = default;
 };
 
-/// The messages up to the end or to what is wrong.
+/// The messages up to the end or to the first error.
 std::vector<Written> read(const std::string& bytes, bool& whole) {
   std::vector<Written> messages;
   whole = false;

@@ -1,6 +1,5 @@
-// Arbitrary bytes as a mesh file of each format: a surface comes out of it or an error says where
-// it is wrong; what comes out is whole, is felt with finite forces, and lets no hand through a
-// triangle.
+// Arbitrary bytes as a mesh file of each format: an error with its place, or a surface. The surface
+// is whole, gives finite forces, and lets no hand through a triangle.
 //   byte 0   format and scale
 //   byte 1   weld and how it is felt
 //   the rest the file
@@ -14,7 +13,7 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr std::size_t kMostTriangles = 400;  // that are looked at one by one
+constexpr std::size_t kMostTriangles = 400;  // checked one by one
 
 void require_soup(const TriangleSoup& soup) {
   require(!soup.triangles.empty(), "a surface has triangles");
@@ -49,7 +48,7 @@ void require_mesh(const TriangleMesh& mesh, const TriangleSoup& soup) {
     require(!mesh.around(v).empty(), "every vertex is a triangle's");
 }
 
-/// A way straight through the middle of a triangle that is no sliver meets it, or another before.
+/// A path through the middle of a triangle (no sliver) hits it, or another triangle before it.
 void require_holds(const MeshSurface& surface, std::uint32_t t) {
   const std::array<Vec3, 3> c = surface.mesh().corners(t);
   const double longest =

@@ -1,6 +1,6 @@
-// Arbitrary text as an MJCF file: it is a scene or an error names the file; what loads has objects
-// with finite places, is stepped, and answers a hand with finite forces. MuJoCo's loader runs in a
-// child process: what it makes of the text, a crash included, is an error here.
+// Arbitrary text as an MJCF file: an error with the file's name, or a scene. The scene's objects
+// have finite places, it can be stepped, and it answers a hand with finite forces. MuJoCo's loader
+// runs in a child process, so any failure there, even a crash, is an error here.
 
 #include <unistd.h>
 
@@ -57,9 +57,9 @@ void live(const Scene& scene) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
-  // A text that names files would read files of this machine. A text that multiplies bodies takes
-  // minutes for a line, and so does a height field of 65535 rows: its limit on memory is not there
-  // under sanitizers.
+  // Text with file names would read files of this machine. Text that multiplies bodies takes
+  // minutes for a line, and so does a height field of 65535 rows, as sanitizers disable its memory
+  // limit.
   for (const char* word : {"file", "dir", "composite", "nrow", "&"})
     if (text.find(word) != std::string::npos) return 0;
   static const fuzz::Folder folder;
@@ -76,7 +76,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   } catch (const FileError& error) {
     fuzz::require(std::string_view(error.what()).starts_with(folder.file().string() + ":"),
                   "an error names its file");
-  } catch (const std::invalid_argument&) {  // of a scene: it names the object
+  } catch (const std::invalid_argument&) {  // of a scene: names the object
   }
   return 0;
 }

@@ -1,5 +1,4 @@
-// Arbitrary text as a recorded movement: it is read or says where it is wrong, and what is read
-// moves a hand along finite poses.
+// Arbitrary text as a recorded movement: an error with its place, or a movement of finite poses.
 
 #include <sstream>
 

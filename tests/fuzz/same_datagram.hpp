@@ -1,5 +1,5 @@
 #pragma once
-// Whether two datagrams say the same, to the bit.
+// Compares two datagrams to the bit.
 
 #include "protocol/wire/scene_view.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -46,7 +46,7 @@ inline bool same(const std::optional<ClientChange>& a, const std::optional<Clien
          (!a->link || same_link(*a->link, *b->link));
 }
 
-/// All but the model.
+/// Compares all but the model.
 inline bool same_but_model(const Reply& a, const Reply& b) {
   return a.sample_index == b.sample_index && a.client_time == b.client_time &&
          a.server_receive_time == b.server_receive_time &&
@@ -74,7 +74,7 @@ inline bool same(const HandFigures& a, const HandFigures& b) {
                         same(a.report->balance, b.report->balance) &&
                         same(a.report->round_trip, b.report->round_trip)));
 }
-/// Compares the hands, bodies and robots that both views have.
+/// Compares the hands, bodies and robots of both views.
 inline bool same(const SceneView& a, const SceneView& b) {
   if (a.present != b.present) return false;
   if (!a.present) return true;
@@ -92,7 +92,7 @@ inline bool same(const SceneView& a, const SceneView& b) {
          std::ranges::equal(a.bodies(), b.bodies(), body);
 }
 
-inline constexpr double kFloatRounding = 0x1p-23;  // relative, of what travels as float32
+inline constexpr double kFloatRounding = 0x1p-23;  // relative, of float32 on the wire
 
 inline bool near(double a, double b) { return std::abs(a - b) <= kFloatRounding * std::abs(a); }
 inline bool near(const Vec3& a, const Vec3& b) {
@@ -107,7 +107,7 @@ inline bool near(const std::optional<HandFigures>& a, const std::optional<HandFi
          (!a->report || (a->report->has_account == b->report->has_account &&
                          near(a->report->balance, b->report->balance)));
 }
-/// Points within a few metres of a center within a few kilometres.
+/// Compares points within metres of a center that is within kilometres.
 inline bool near_point(const Vec3& a, const Vec3& b) {
   return (a - b).cwiseAbs().maxCoeff() <= 4.0 * kFloatRounding;
 }

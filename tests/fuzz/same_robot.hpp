@@ -1,5 +1,5 @@
 #pragma once
-// Whether two datagrams say the same of a robot, to the bit.
+// Compares a robot's data in two datagrams to the bit.
 
 #include <algorithm>
 

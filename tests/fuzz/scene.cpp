@@ -1,5 +1,5 @@
-// Arbitrary text as a scene file: it loads or says where it is wrong, and what loads answers a tool
-// anywhere with a finite force.
+// Arbitrary text as a scene file: an error with its place, or a scene that gives a tool anywhere a
+// finite force.
 
 #include "core/base/splitmix.hpp"
 #include "core/local_model_extraction/extract.hpp"
@@ -37,7 +37,7 @@ void require_touch(const Scene& scene, const Tool& tool, TouchMemory& memory) {
             "patches are finite");
 }
 
-/// Through every object, slowly and in leaps; at its very middle; and far from everything.
+/// Moves slowly and in leaps through each object, to its middle, and far away.
 void touch_everywhere(const Scene& scene) {
   TouchMemory memory = scene.memory();
   std::uint64_t i = 0;
@@ -65,7 +65,7 @@ void touch_everywhere(const Scene& scene) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
-  // A scene that names files would read files of this machine: a mesh, a grid, an MJCF model.
+  // A scene with file names would read files of this machine: a mesh, a grid, an MJCF model.
   if (text.find("file") != std::string::npos || text.find('\\') != std::string::npos) return 0;
   try {
     const Scene scene = parse_scene(text, "scene.json");

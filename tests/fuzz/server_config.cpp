@@ -1,5 +1,4 @@
-// Arbitrary text as a server's configuration: it is read or says where it is wrong, and what is
-// read can be served.
+// Arbitrary text as a server's configuration: an error with its place, or a valid configuration.
 
 #include "core/base/json_document.hpp"
 #include "protocol/net/busy_poll.hpp"
@@ -15,7 +14,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
                   "limits are above zero");
     fuzz::require(possible_busy_poll(config.busy_poll), "busy polling ends, or never does");
     if (config.scenes.empty()) config.scenes.emplace_back("scene.json");
-    // The last port has no room for a scene's behind it.
+    // Port 65535 leaves no port for a scene.
     if (config.port < 65535) validate(config);
   } catch (const FileError& error) {
     fuzz::require_place(error.what(), "server.json");

@@ -1,5 +1,5 @@
-// A scene with two sessions, one of them hostile: whatever it sends and asks for, the other is
-// answered as if it were alone, to the bit, and an observer beside them sees where both are.
+// A scene with two sessions, one of them hostile. For any data and requests from it, the other gets
+// the answers of a session alone, to the bit, and an observer sees both places.
 
 #include <algorithm>
 #include <vector>
@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kInnocent = 0x1234567800ull, kHostile = kInnocent + 256,
                         kObserver = kInnocent + 512;
 constexpr std::size_t kSeats = 3;
-constexpr std::size_t kSessionAt = 8;  // [bytes] of a header
+constexpr std::size_t kSessionAt = 8;  // [bytes] offset in a header
 constexpr Nanoseconds kSilence = std::chrono::seconds(2);
 
 control::Message ask(SceneSessions& sessions, const control::Message& request, std::uint64_t id,
@@ -49,7 +49,7 @@ class Exchange {
   }
 
  private:
-  /// The innocent one's next sample, with and without the other there.
+  /// Sends the innocent session's next sample, with and without the hostile session.
   void speak() {
     now_ += std::chrono::milliseconds(1);
     ++index_;
@@ -85,12 +85,12 @@ class Exchange {
       }
       case 1:
         return send(own(hostile_.samples(kHostile, number(in), wild_batch(in))));
-      case 2: {  // well sealed, whatever is in it
+      case 2: {  // validly sealed, with any payload
         const auto payload = mutated(own(encoder_.samples(test::hand_batch(1 + in.byte(), 3))), in);
         const Header header{DatagramKind::samples, kHostile, number(in)};
         return send(own(hostile_.seal(header, payload)));
       }
-      case 3:  // what it may overhear of the other, again or changed, under either name
+      case 3:  // overheard datagrams, repeated or changed, under either id
         return send(mutated(in.coin() ? overheard_ : renamed(overheard_), in));
       case 4:
         return send(

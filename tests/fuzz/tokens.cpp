@@ -1,5 +1,5 @@
-// Arbitrary text as a token file, and as what a client shows: it is read or says where it is wrong,
-// says the same when it is written again, and opens nothing by chance.
+// Arbitrary text as a token file and as a client's token: an error with its place, or tokens that
+// are equal after a rewrite. It must not open anything by chance.
 
 #include "server/access/tokens.hpp"
 

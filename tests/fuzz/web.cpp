@@ -1,5 +1,5 @@
-// Arbitrary bytes on the live page's port: a request's head, or a WebSocket's frames. Nothing is
-// answered but by the rules, and what is read is within its limits.
+// Arbitrary bytes on the live page's port: a request head or WebSocket frames. Answers must follow
+// the rules, and accepted values must be within their limits.
 
 #include "server/web/answers.hpp"
 #include "server/web/foxglove_messages.hpp"

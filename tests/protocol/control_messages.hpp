@@ -11,7 +11,7 @@
 
 namespace feltwire::test {
 
-/// The frame without its length, as decode() takes it.
+/// The frame without its length, as decode() expects it.
 inline Bytes body(const std::vector<std::uint8_t>& frame) {
   return Bytes(frame).subspan(control::kFrameLengthSize);
 }

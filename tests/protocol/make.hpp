@@ -16,15 +16,15 @@ inline double uniform(Generator& random, double low, double high) {
 inline Vec3 vector(Generator& random, double size) {
   return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size)};
 }
-/// Numbers that survive their float32 on the wire.
+/// Numbers that float32 on the wire keeps exactly.
 inline Vec3 float_vector(Generator& random, double size) {
-  // Drawn as floats: GCC 12 at -O3 loses the rounding of double -> float -> double on a lane.
+  // Draw floats: GCC 12 at -O3 loses the rounding of double -> float -> double on a vector lane.
   std::uniform_real_distribution<float> number(static_cast<float>(-size), static_cast<float>(size));
   const float x = number(random), y = number(random), z = number(random);
   return {x, y, z};
 }
 
-/// A batch with the newest index `newest` and `count` samples, all numbers random.
+/// A batch of `count` random samples; the newest has the index `newest`.
 inline SampleBatch random_batch(Generator& random, std::uint64_t newest, int count, bool rotation) {
   SampleBatch batch;
   batch.count = count;

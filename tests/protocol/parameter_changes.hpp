@@ -1,6 +1,6 @@
 #pragma once
-// One change of every field of SessionParameters, and what the rules of protocol/session/grant.hpp
-// say of it. Shared by the tests of the rules and by those of a server that lies.
+// A change of every field of SessionParameters, and whether protocol/session/grant.hpp permits it.
+// Shared by the tests of these rules and by the tests of a server that lies.
 
 #include <string>
 #include <vector>
@@ -10,14 +10,14 @@
 
 namespace feltwire::test {
 
-/// Two valid sets of parameters that differ in one field, the first asked for.
+/// Two valid sets of parameters that differ in one field: the asked and the granted ones.
 struct ParameterChange {
   std::string field;
   SessionParameters asked, granted;
   bool permitted = false;
 };
 
-/// With limits on both sides. All are valid, so that only the rule can refuse them.
+/// Includes changes at both limits. All sets are valid, so only the rule can refuse them.
 inline std::vector<ParameterChange> parameter_changes() {
   std::vector<ParameterChange> all;
   SessionParameters asked;

@@ -1,5 +1,5 @@
 #pragma once
-// Both ends' seals in a test's hands: keys that it knows, any packet number, any payload.
+// The seals of both ends for tests: known keys, any packet number, any payload.
 
 #include <optional>
 #include <vector>
@@ -12,7 +12,7 @@ namespace feltwire::test {
 
 enum class Way { up, down };  // to the server, to the client
 
-/// Other keys for every session and way.
+/// Different keys for every session and direction.
 inline SessionKeys keys(std::uint64_t session, CipherSuite suite = preferred_suite()) {
   SessionKeys keys{.suite = suite};
   for (std::size_t i = 0; i < kKeySize; ++i) {
@@ -25,18 +25,18 @@ inline const Key& secret(const SessionKeys& keys, Way way) {
   return way == Way::up ? keys.up : keys.down;
 }
 
-/// Both suites, where this machine has them.
+/// The cipher suites of this machine: both, or ChaCha20-Poly1305 alone.
 inline std::vector<CipherSuite> suites() {
   std::vector<CipherSuite> all{CipherSuite::chacha20_poly1305};
   if (supported(CipherSuite::aes_256_gcm)) all.push_back(CipherSuite::aes_256_gcm);
   return all;
 }
 
-/// Whole datagrams, with any packet number of the first generation, also one used before. The bytes
-/// live until the next call.
+/// Encodes whole datagrams with any packet number of the first generation, even a used one. The
+/// bytes live until the next call.
 class SealedEncoder {
  public:
-  /// With `given` keys for every session, else with keys(session).
+  /// Uses the `given` keys for every session, otherwise keys(session).
   explicit SealedEncoder(Way way, const std::optional<SessionKeys>& given = std::nullopt)
       : way_(way), given_(given) {}
 
@@ -62,8 +62,8 @@ class SealedEncoder {
   DatagramBuffer out_;
 };
 
-/// The payload of a datagram of the first generation, sealed with `given` keys or keys(session);
-/// empty where it is not.
+/// The payload of a datagram of the first generation, sealed with the `given` keys or
+/// keys(session); empty if it cannot be opened.
 inline std::vector<std::uint8_t> opened(Bytes datagram, Way way,
                                         const std::optional<SessionKeys>& given = std::nullopt) {
   constexpr unsigned kAnyKind = ~0u;

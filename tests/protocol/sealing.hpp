@@ -18,7 +18,7 @@ inline constexpr unsigned kAnyKind = ~0u;
 
 inline Octets octets(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// Reads a datagram as both programs do; its own copy of the payload.
+/// Reads a datagram as both programs do, and copies the payload.
 struct Read {
   DropReason drop;
   Octets payload;
@@ -31,7 +31,7 @@ inline Read read(Opener& opener, Bytes datagram) {
   return {opened.drop, octets(opened.payload)};
 }
 
-/// One direction with its secret known: datagrams of any number.
+/// A direction with a known secret: it makes datagrams with any number.
 class Direction {
  public:
   Direction(CipherSuite suite, const Key& secret) : suite_(suite), secrets_{secret} {}
@@ -55,12 +55,12 @@ class Direction {
   DatagramBuffer out_;
 };
 
-/// A test for every cipher suite: a session's keys, and its way up.
+/// A test for every cipher suite: a session's keys, and its direction up.
 class Fixture : public ::testing::TestWithParam<CipherSuite> {
  protected:
   SessionKeys session_keys = keys(kSession, GetParam());
   Direction up{GetParam(), session_keys.up};
-  Octets payload = octets(Bytes(session_keys.down).first(24));  // anything
+  Octets payload = octets(Bytes(session_keys.down).first(24));  // arbitrary bytes
 };
 
 }  // namespace feltwire::test::sealing

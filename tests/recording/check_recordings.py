@@ -16,7 +16,7 @@ import sys
 SKIPPED = 77
 FILTER = ("Mcap.*:McapRecording.*:Replay*:RecordingForExport.*:FlightRecorderTest.*:"
           "FlightRecordTest.*-FlightRecordTest.OldestFilesAreRemovedWhereTheyAreLarge:FlightRecorderTest.OldestFiles*")
-# Of each kind of program, so that none is left out unseen.
+# A recording of each kind of program: a missing kind is an error.
 KINDS = ("ticks.mcap", "server-TwoHandsAndABody.mcap", "server-EvictionIsWrittenWithTheLastTenSeconds.mcap",
          "client-HasTheLastTenSecondsInTheirOrder.mcap")
 

@@ -1,5 +1,5 @@
 #pragma once
-// The control endpoint alone, without a service behind it.
+// The control endpoint without a service behind it.
 
 #include <asio/post.hpp>
 #include <thread>
@@ -9,8 +9,7 @@
 
 namespace feltwire::test {
 
-/// An endpoint in a thread of its own. It lets any token in, and answers every request but one: a
-/// join is never answered.
+/// An endpoint in its own thread. It accepts any token and answers every request except a join.
 class Endpoint {
  public:
   Endpoint(ControlOptions options, const control::Message& answer,
@@ -60,7 +59,7 @@ class Endpoint {
   std::thread thread_;
 };
 
-/// Whether a connection came to TLS and was let in.
+/// True if a connection got through TLS and was admitted.
 inline bool served(std::uint16_t port, const char* from = nullptr) {
   try {
     ControlClient client(port, AF_INET, admin_token().text, from);

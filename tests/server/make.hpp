@@ -10,7 +10,7 @@
 
 namespace feltwire::test {
 
-/// A stiff floor with friction and a damped one beside it, in a sphere that holds the hand in.
+/// A stiff, damped floor with friction, and a ball of 20 mm radius on it.
 inline Scene room(double damping = 2.0) {
   Object floor;
   floor.name = "floor";
@@ -40,7 +40,7 @@ inline DeviceSpec device() {
   return spec;
 }
 
-/// With the server's bound at work, which is what there is to test here.
+/// Turns on the server's bound, which these tests need.
 inline SessionParameters server_bounds() {
   SessionParameters parameters;
   parameters.side = BoundingSide::both;
@@ -51,8 +51,7 @@ inline control::JoinRequest join_request(const SessionParameters& parameters = s
   return {"tester", "room", device(), parameters};
 }
 
-/// A hand that dips into the floor while it slides, with what the client would say of sample
-/// `index`.
+/// A hand that dips into the floor while it slides: the client's sample `index`.
 inline Sample hand(std::uint64_t index, double period = 1e-3) {
   const double t = static_cast<double>(index) * period;
   Sample sample;
@@ -64,7 +63,7 @@ inline Sample hand(std::uint64_t index, double period = 1e-3) {
   return sample;
 }
 
-/// The datagram's samples: `newest` and up to `redundancy` earlier ones.
+/// The samples of a datagram: `newest` and up to `redundancy` earlier samples.
 inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
   SampleBatch batch;
   while (batch.count <= redundancy && newest - static_cast<std::uint64_t>(batch.count) > 0) {
@@ -76,7 +75,7 @@ inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
   return batch;
 }
 
-/// A quiet server at whatever ports are free.
+/// A server without log output, on free ports.
 inline ServerConfig any_port() {
   ServerConfig config;
   config.port = 0;

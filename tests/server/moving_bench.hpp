@@ -1,6 +1,5 @@
 #pragma once
-// Hands in a scene in which something moves, through SceneSessions as a server has it: by the
-// test's clock.
+// Hands in a scene with moving bodies, through the server's SceneSessions, with a simulated clock.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +34,7 @@ struct MovingBench : SampleExchange {
     ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
         sessions.answer(request, id, test::keys(id), now)));
   }
-  /// The hand of session `id` is at `place` now; what it is answered.
+  /// Puts the hand of session `id` at `place`; returns the answer.
   Reply hand(std::uint64_t id, const Vec3& place) {
     Sample sample;
     sample.pose.position = place;

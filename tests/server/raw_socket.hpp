@@ -1,5 +1,5 @@
 #pragma once
-// Blocking sockets to a server, over IPv4 or IPv6: datagrams, and the control connection.
+// Blocking sockets to a server over IPv4 or IPv6: datagrams and the control connection.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -18,13 +18,13 @@
 namespace feltwire::test {
 
 inline constexpr int kPatience =
-    20'000;  // [ms] how long a test waits before it gives up; never waited out
+    20'000;  // [ms] the longest wait of a test; a passing test never waits that long
 
 /// A plain blocking socket to the server.
 class RawSocket {
  public:
-  /// To the address `to` of this machine, else its loopback address; `family` AF_INET or AF_INET6.
-  /// From the address `from`, of the same family.
+  /// Connects to `to` or the loopback address, from the address `from` of that family. `family` is
+  /// AF_INET or AF_INET6.
   RawSocket(int type, std::uint16_t port, int family = AF_INET, const char* from = nullptr,
             const char* to = nullptr)
       : file_(::socket(family, type, 0)) {
@@ -54,7 +54,7 @@ class RawSocket {
 
   void send(Bytes bytes) { ::send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
 
-  /// The next bytes, `most` at most; empty if the other side closed or nothing came.
+  /// The next bytes, at most `most`; empty if the other side closed or nothing came.
   std::vector<std::uint8_t> receive(std::size_t most = 2048) {
     pollfd waiting{file_, POLLIN, 0};
     if (::poll(&waiting, 1, kPatience) != 1) return {};
@@ -75,7 +75,7 @@ struct JoinedBy {
   SessionKeys keys;
 };
 
-/// The control connection of a client, let in by a token (empty: it shows none).
+/// A client's control connection, admitted by a token (empty: it sends none).
 class ControlClient {
  public:
   explicit ControlClient(std::uint16_t port, int family = AF_INET,

@@ -6,7 +6,7 @@
 
 namespace feltwire::test {
 
-/// Reloads all scenes and waits until that has ended: what is wrong.
+/// Reloads all scenes and waits for the end; returns the errors.
 inline std::vector<std::string> reload(Server& server) {
   const auto ended = std::make_shared<std::promise<std::vector<std::string>>>();
   server.reload([ended](std::vector<std::string> wrong) { ended->set_value(std::move(wrong)); });

@@ -1,5 +1,5 @@
 #pragma once
-// A hand that does not move, over a real socket.
+// A resting hand over a real socket.
 
 #include <gtest/gtest.h>
 
@@ -9,15 +9,15 @@
 
 namespace feltwire::test {
 
-/// A hand that rests 1 mm below the floor, over the real way of datagrams.
+/// A hand that rests 1 mm below the floor, over real datagrams.
 class RestingHand {
  public:
-  /// Joined by a client whose connection lasts.
+  /// The client's connection must stay open.
   explicit RestingHand(ControlClient& client, const SessionParameters& parameters = {})
       : joined_(client.join(join_request(parameters))),
         socket_(SOCK_DGRAM, joined_.udp_port),
         encoder_(Way::up, joined_.keys) {}
-  /// [N] along z that the scene answers with.
+  /// [N] the z component of the scene's answer.
   double force() {
     SampleBatch batch = hand_batch(++index_);
     batch.samples[0].pose.position = {0, 0, -0.001};

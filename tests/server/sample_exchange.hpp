@@ -12,13 +12,13 @@
 
 namespace feltwire::test {
 
-/// The sessions of one scene, and a client of each: datagrams with one sample go in, payloads come
-/// out, by the test's clock.
+/// The sessions of a scene and a client of each, with a simulated clock. Datagrams with one sample
+/// go in, payloads come out.
 struct SampleExchange {
   explicit SampleExchange(const Scene& of, std::size_t slots = 4, const SessionLimits& limits = {})
       : scene(of), sessions(scene, std::chrono::seconds(2), slots, nullptr, limits) {}
 
-  /// The next sample of session `id`, made now. The answer's payload; empty when it was withheld.
+  /// Sends the next sample of session `id` now; returns the answer's payload, empty if withheld.
   std::vector<std::uint8_t> send(std::uint64_t id, Sample sample, bool rotation) {
     sample.index = ++index[id];
     sample.client_time = now;
@@ -43,11 +43,11 @@ struct SampleExchange {
   SealedEncoder encoder{Way::up};
   Peer peer{.address = {}, .length = 1};
   Nanoseconds now{std::chrono::seconds(1)};
-  std::size_t allocated = 0;  // by the server's side
-  std::size_t length = 0;     // [bytes] of the last answer
+  std::size_t allocated = 0;  // by the server
+  std::size_t length = 0;     // [bytes] of the last payload
   std::map<std::uint64_t, std::uint64_t> index;
-  std::optional<HandReport> report;  // that the samples bring
-  std::optional<Lead> lead;          // likewise
+  std::optional<HandReport> report;  // sent with the samples
+  std::optional<Lead> lead;          // sent with the samples
 };
 
 }  // namespace feltwire::test

@@ -11,14 +11,14 @@ namespace {
 constexpr std::chrono::milliseconds kJoinTimeout{5000};
 // [s]
 constexpr double kShortestLife = 0.3, kLongestLife = 4.0, kLongestPause = 0.5;
-constexpr double kMeanStay = 1.0;  // at one port
+constexpr double kMeanStay = 1.0;  // at a port
 constexpr double kDiesWithoutWord = 0.4;
 constexpr int kGoodbyes = 3;
 constexpr Nanoseconds kGrace = std::chrono::seconds(1);
 constexpr unsigned kAnyKind = ~0u;
 constexpr std::size_t kRemembered = 256;  // samples whose answers' round trips are measured
 
-/// The next datagram that is there already; empty when none is.
+/// The next datagram that has already arrived; empty if there is none.
 Bytes take(const test::RawSocket& socket, std::span<std::uint8_t> buffer) {
   const auto size = ::recv(socket.descriptor(), buffer.data(), buffer.size(), MSG_DONTWAIT);
   return {buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
@@ -28,7 +28,7 @@ std::unique_ptr<test::RawSocket> open_port(std::uint16_t server) {
   return std::make_unique<test::RawSocket>(SOCK_DGRAM, server);
 }
 
-/// A hand that goes round on what the scene begins with.
+/// A hand that moves on the scene's start place.
 HandTask task(const control::JoinAccepted& accepted, std::uint64_t seed) {
   HandTask task;
   task.path = seed % 2 == 0 ? HandPath::slide : HandPath::taps;
@@ -45,7 +45,7 @@ std::uint16_t scene_port(const Joined& joined) {
   return ntohs(reinterpret_cast<const sockaddr_in&>(joined.datagrams.storage).sin_port);
 }
 
-// The one place that knows how a datagram session is made of an answered join.
+// The only place that makes a datagram session from an accepted join.
 DatagramSession make_datagram_session(const Joined& joined) {
   return {joined.accepted.session, joined.keys, joined.accepted.parameters, false};
 }
@@ -59,9 +59,9 @@ struct Client::Life {
   SimulatedDevice device;
   Servo servo;
   std::unique_ptr<test::RawSocket> socket;
-  Nanoseconds clock{0};              // of the client: a period a tick, however slow the machine is
-  Nanoseconds end{0}, next_move{0};  // by the machine's
-  std::array<Nanoseconds, kRemembered> sent{};  // likewise, by sample
+  Nanoseconds clock{0};              // the client's: a period per tick, on a slow machine too
+  Nanoseconds end{0}, next_move{0};  // on the machine's clock
+  std::array<Nanoseconds, kRemembered> sent{};  // on the machine's clock, by sample
   Reply reply;
 
   Life(const Joined& joined, const HandTask& task)
@@ -107,7 +107,7 @@ void Client::be_born(Nanoseconds now) {
 }
 
 void Client::keep(std::unique_ptr<test::RawSocket> socket, Nanoseconds now) {
-  // Its number stays taken until the server has said its last word to it.
+  // Keep the port until the server has sent its last datagram to it.
   old_ports_.push_back(
       {std::move(socket), life_->session, now + 2 * options_.silence_timeout + kGrace});
 }

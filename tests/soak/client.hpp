@@ -1,7 +1,7 @@
 #pragma once
-// A client that lives, moves house and dies at random, again and again. Its servo's clock advances
-// by a period a tick: a machine that is too slow makes it slow, not late, so that what the bound
-// promises for holds of a period can be asked of every port.
+// A client that lives, changes ports and dies at random, repeatedly. Its servo's clock advances by
+// a period per tick, so a slow machine makes it slow, not late. Every port must therefore keep
+// what the bound promises for holds of one period.
 
 #include <memory>
 #include <vector>
@@ -15,16 +15,16 @@
 
 namespace feltwire::soak {
 
-/// Of all lives.
+/// The counts over all lives.
 struct Account {
   std::uint64_t lives = 0, left = 0, died = 0, roamed = 0;
   std::uint64_t refused = 0;  // joins
   std::uint64_t ticks = 0, samples = 0, replies = 0, with_force = 0;
-  std::uint64_t violations = 0;     // at the ports, by the clients' own account
-  std::uint64_t sent_away = 0;      // goodbyes to who was alive and well
+  std::uint64_t violations = 0;     // at the ports, by the clients' own measurement
+  std::uint64_t sent_away = 0;      // goodbyes to living clients
   std::uint64_t misaddressed = 0;   // datagrams at a port of another session
-  std::uint64_t dropped = 0;        // datagrams of the own session that were none
-  std::uint64_t faulty_forces = 0;  // commands above what the device can, or not finite
+  std::uint64_t dropped = 0;        // invalid datagrams in the own session
+  std::uint64_t faulty_forces = 0;  // commands beyond the device's limit, or not finite
   Histogram round_trip;             // [ns]
   std::string last_refusal;
 };
@@ -43,14 +43,14 @@ class Client {
   ~Client();
   Client(Client&&) noexcept;
 
-  /// One servo tick, and whatever else happens now. Blocks for as long as a join takes.
+  /// A servo tick and all else that is due now. Blocks during a join.
   void tick(Nanoseconds now);
 
   /// The end of the test: leaves or dies, and does not come back.
   void end(Nanoseconds now);
-  /// Looks at the ports that were left behind: what still comes there must be of their sessions.
+  /// Checks the abandoned ports: each may still receive datagrams of its own session only.
   void watch_old_ports(Nanoseconds now);
-  /// Closes all of them.
+  /// Closes the abandoned ports.
   void forget() { old_ports_.clear(); }
 
  private:
@@ -58,10 +58,10 @@ class Client {
   struct OldPort {
     std::unique_ptr<test::RawSocket> socket;
     std::uint64_t session = 0;
-    Nanoseconds until{};  // then the server has forgotten it, and another may have the port
+    Nanoseconds until{};  // then the server has forgotten it; another client may get the port
   };
 
-  /// From 0 to 1.
+  /// A value from 0 to 1.
   double draw() {
     return 0x1p-53 * static_cast<double>(splitmix::draw(options_.seed, draws_++) >> 11);
   }
@@ -76,7 +76,7 @@ class Client {
   ClientOptions options_;
   Account* account_;
   std::uint64_t draws_ = 0;
-  std::unique_ptr<Life> life_;  // none: between two
+  std::unique_ptr<Life> life_;  // null between two lives
   Nanoseconds next_birth_{};
   std::vector<OldPort> old_ports_;
 };

@@ -55,13 +55,13 @@ int start(int argc, char** argv) {
   return outcome.holds() ? 0 : 1;
 }
 
-/// glibc counts what a thread keeps for its next allocations as in use, up to 0.2 MiB a thread:
-/// that would hide leaks. It is told so before a program starts, so this one starts again.
+/// glibc counts a thread's cache as memory in use, up to 0.2 MiB a thread: this would hide leaks.
+/// The caches can be disabled only before a program starts, so this program starts again.
 void start_without_thread_caches(char** argv) {
   constexpr const char* kName = "GLIBC_TUNABLES";
   if (std::getenv(kName) != nullptr) return;
   ::setenv(kName, "glibc.malloc.tcache_count=0", 0);
-  ::execv("/proc/self/exe", argv);  // returns where that cannot be: the caches are counted then
+  ::execv("/proc/self/exe", argv);  // returns on failure: the caches then count as memory in use
 }
 
 }  // namespace

@@ -1,15 +1,15 @@
 #pragma once
-// The resources of this process, by the kernel and the allocator.
+// The resources of this process, as the kernel and the allocator report them.
 
 #include <cstddef>
 
 namespace feltwire::soak {
 
-/// [bytes] resident.
+/// [bytes] resident memory.
 std::size_t resident_memory();
-/// [bytes] that the allocator has given out and not got back, all threads.
+/// [bytes] that all threads have allocated and not yet freed.
 std::size_t heap_in_use();
-/// Open descriptors.
+/// The number of open descriptors.
 std::size_t descriptors();
 
 }  // namespace feltwire::soak

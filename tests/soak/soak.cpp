@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kSilenceTimeout = 1.0;  // [s]
 constexpr int kSeatsPerClient =
-    4;  // the dead keep theirs until they have been silent for long enough
+    4;  // a dead client's session stays until the server's silence timeout is over
 constexpr double kWarmUp = 0.25;    // share of the time
-constexpr double kPatience = 10.0;  // [s] for what ends by itself
+constexpr double kPatience = 10.0;  // [s] to wait for an expected end
 constexpr auto kLook = std::chrono::milliseconds(5);
 constexpr Nanoseconds kBetweenLooks = std::chrono::milliseconds(250);
 #ifdef FELTWIRE_SANITIZED
@@ -27,10 +27,10 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 constexpr double kMebibyte = 1048576.0;
-// The growth that is allowed: allocators and kernels keep some of the memory that was freed.
+// The allowed growth: allocators and kernels keep some freed memory.
 constexpr double kResidentGrowth = 4.0 * kMebibyte, kHeapGrowth = 0.25 * kMebibyte;
 
-/// Looks again and again until it is so; false when it never is.
+/// Polls the condition; false if it stays false for kPatience.
 template <class Condition>
 bool becomes(Condition condition) {
   const Nanoseconds end = monotonic_now() + from_seconds(kPatience);
@@ -45,14 +45,14 @@ std::string mebibytes(double bytes) {
   return std::to_string(bytes / kMebibyte).substr(0, 6) + " MiB";
 }
 
-/// A server, and the only place that knows how to make one.
+/// The only place that makes a server.
 Server make_server(const Options& options) {
-  spdlog::set_level(spdlog::level::off);  // a line for every join is not what is looked at here
+  spdlog::set_level(spdlog::level::off);  // log lines for every join do not matter here
   ServerConfig config;
   config.port = 0;
   config.silence_timeout = kSilenceTimeout;
   config.max_sessions_per_scene = kSeatsPerClient * options.clients;
-  // All of them are one client's, at one address.
+  // All sessions belong to one client at one address.
   config.max_sessions_per_client = config.max_sessions_per_scene;
   config.join_rate = config.join_burst = 1e3;
   config.handshake_rate = config.handshake_burst = 1e4;
@@ -80,7 +80,7 @@ class Soak {
   Outcome run() {
     const std::size_t descriptors_at_rest = descriptors();
     const auto at_rest = [&] { return descriptors() == descriptors_at_rest; };
-    sessions();  // the first answer's memory belongs to the server
+    sessions();  // the first answer allocates memory that the server keeps
     becomes(at_rest);
     const std::size_t heap_at_rest = heap_in_use();
     play();
@@ -121,7 +121,7 @@ class Soak {
         for (Client& client : clients_) client.watch_old_ports(now);
         next_look = now + kBetweenLooks;
       }
-      // Ticks that the machine misses are left out, not caught up with.
+      // Missed ticks are skipped, not made up for.
       const Nanoseconds spare = now + period - monotonic_now();
       if (spare.count() > 0) std::this_thread::sleep_for(spare);
     }
@@ -141,8 +141,8 @@ class Soak {
   }
 
   void judge_memory(std::size_t heap_at_rest) {
-    if (kSanitized) return;  // the sanitizer owns the allocator, and looks for leaks itself
-    // Of the later half against the earlier: the highest of each, since clients come and go.
+    if (kSanitized) return;  // the sanitizer owns the allocator and looks for leaks itself
+    // Compare the maximum of the later half with that of the earlier half: clients come and go.
     const auto middle = resident_.begin() + static_cast<std::ptrdiff_t>(resident_.size() / 2);
     const auto earlier = static_cast<double>(*std::max_element(resident_.begin(), middle));
     const auto later = static_cast<double>(*std::max_element(middle, resident_.end()));
@@ -179,7 +179,7 @@ class Soak {
           std::to_string(s.left) + "+" + std::to_string(s.silent) + ", " +
               std::to_string(outcome_.clients.left) + "+" + std::to_string(outcome_.clients.died),
           s.left == outcome_.clients.left && s.silent == outcome_.clients.died);
-    // The second and third goodbye of who leaves find no session any more.
+    // The second and third goodbye of a leaving client find no session.
     std::uint64_t dropped = 0;
     for (std::size_t i = 0; i < s.drops.size(); ++i)
       if (i != static_cast<std::size_t>(DropReason::session)) dropped += s.drops[i];
@@ -197,7 +197,7 @@ class Soak {
   ServerAccess access_;
   Outcome outcome_;
   std::vector<Client> clients_;
-  std::vector<std::size_t> resident_;  // [bytes] look by look, after the warm-up
+  std::vector<std::size_t> resident_;  // [bytes] for each look after the warm-up
 };
 
 }  // namespace

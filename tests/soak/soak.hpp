@@ -1,5 +1,5 @@
 #pragma once
-// The test: clients that come and go for a while, and what must be true when they are gone.
+// The test: clients come and go for a while; afterwards the checks must hold.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ namespace feltwire::soak {
 struct Options {
   double seconds = 60.0;
   int clients = 100;
-  double rate = 1000.0;  // [Hz] of each servo, as long as the machine follows
+  double rate = 1000.0;  // [Hz] of each servo, if the machine is fast enough
   std::uint64_t seed = 1;
   std::string scene_file;
 };
@@ -25,7 +25,7 @@ struct Check {
 struct Outcome {
   Account clients;
   SceneSummary server;
-  double rate = 0.0;  // [Hz] that a living client's servo came to
+  double rate = 0.0;  // [Hz] that a living client's servo reached
   std::vector<Check> checks;
 
   bool holds() const {
@@ -35,7 +35,7 @@ struct Outcome {
   }
 };
 
-/// Starts a server, plays, and ends it. Throws what a server that cannot start throws.
+/// Starts a server, runs the clients, and ends the server. Throws if the server cannot start.
 Outcome run(const Options& options);
 
 }  // namespace feltwire::soak

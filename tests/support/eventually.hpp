@@ -1,6 +1,6 @@
 #pragma once
-// The one way in which tests wait for what another thread or process does: with a limit, and with a
-// failure that names what did not come.
+// The only way in which tests wait for another thread or process: with a limit, and with a failure
+// that names the missing event.
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 
 namespace feltwire::test {
 
-/// Far longer than anything here takes, on a loaded machine or under a sanitizer as well.
+/// Far longer than any wait here takes, even on a loaded machine or under a sanitizer.
 inline constexpr std::chrono::seconds kLongest{60};
 
-/// Asks until it is so; false when it was not for as long as `longest`.
+/// Polls the condition; false if it stays false for `longest`.
 template <class Condition>
 bool becomes(Condition condition, std::chrono::nanoseconds longest = kLongest) {
   const auto end = std::chrono::steady_clock::now() + longest;
@@ -25,7 +25,7 @@ bool becomes(Condition condition, std::chrono::nanoseconds longest = kLongest) {
   return true;
 }
 
-/// Waits for it. Where it does not come, the test fails at the line of the caller and ends.
+/// Waits for the condition. If it stays false, the test fails at the caller's line and ends.
 template <class Condition>
 void eventually(const std::string& what, Condition condition,
                 std::chrono::nanoseconds longest = kLongest, const char* file = __builtin_FILE(),
@@ -33,7 +33,7 @@ void eventually(const std::string& what, Condition condition,
   if (becomes(condition, longest)) return;
   const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(longest).count();
   const std::string message = what + ": not within " + std::to_string(waited) + " ms";
-  // Said at once, for the exception may be the end of the program: a thread may still be running.
+  // Report at once: the exception may end the program while another thread still runs.
   ADD_FAILURE_AT(file, line) << message;
   throw std::runtime_error(message);
 }

@@ -1,13 +1,13 @@
 #pragma once
-// Allocations that fail. Replaces the global operator new, which does nothing under sanitizers:
-// skip such tests there.
+// Allocations that fail. Replaces the global operator new; under sanitizers it does nothing: skip
+// such tests there.
 
 #include <cstdint>
 
 namespace feltwire::test {
 
-/// While this lives, allocation `number` (from 1) by operator new of all threads but the one that
-/// made it throws std::bad_alloc, once. One at a time.
+/// While this object lives, allocation `number` (from 1) by operator new throws std::bad_alloc,
+/// once. It counts all threads except its own. Only one such object may live at a time.
 class FailingAllocation {
  public:
   explicit FailingAllocation(std::int64_t number);

@@ -1,5 +1,5 @@
 #pragma once
-// A hand that a scene and a local model answer side by side.
+// A hand that gets the answers of a scene and of a local model side by side.
 
 #include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/extract.hpp"
@@ -7,10 +7,10 @@
 
 namespace feltwire::test {
 
-/// A hand that wanders about a place, some hundredths of a millimetre a sample of 1 ms.
+/// A hand that wanders about a place, some hundredths of a millimetre per sample of 1 ms.
 class WanderingHand {
  public:
-  /// kick [m] a sample at most; `pull`, the share of the way back that it goes with each.
+  /// kick [m]: the most per sample; `pull`: the share of the way back that each sample takes.
   WanderingHand(Random& random, const Vec3& place, double kick = 3e-5, double pull = 1e-3)
       : random_(random), place_(place), position_(place), kick_(kick), pull_(pull) {}
   Tool step() {
@@ -25,21 +25,21 @@ class WanderingHand {
   double kick_, pull_;
 };
 
-/// The answers of the scene to a tool, and beside it a client with a model of every so many ticks
-/// of 1 ms. A client that was beyond its model's reach begins anew with the next.
+/// Gives a tool the answers of the scene and of a client that gets a model every `every` ticks of
+/// 1 ms. After it left its model's reach, the client begins anew with the next model.
 class FollowedHand {
  public:
   FollowedHand(const Scene& scene, int every)
       : scene_(scene), every_(every), memory_(scene.memory()) {}
 
-  /// As the scene alone: nobody asks for models.
+  /// Touches the scene only, without models.
   Command approach(const Tool& tool) { return scene_.touch(tool, memory_); }
 
-  /// One tick. True where the model has spoken alone ever since the two last agreed.
+  /// A tick. True if the model alone has answered since the last model arrived.
   bool step(const Tool& tool) {
     return step(tool, [&](const Vec3& asked) { return local_model(scene_, asked, memory_); });
   }
-  /// The same with models from elsewhere: model_at(position of the last tick).
+  /// A tick with models from elsewhere: model_at(position of the last tick).
   template <class ModelAt>
   bool step(const Tool& tool, ModelAt model_at) {
     if (ticks_ > 0 && (ticks_ - 1) % every_ == 0) {
@@ -65,7 +65,7 @@ class FollowedHand {
   const Tool& tool() const { return last_; }
   const TouchMemory& memory() const { return memory_; }
   const LocalModel& model() const { return local_.model(); }
-  const Vec3& asked() const { return asked_; }  // [m] where the model was made for
+  const Vec3& asked() const { return asked_; }  // [m] the place for which the model was made
   double reach() const { return models_ > 0 ? reach_ / models_ : 0.0; }  // [m] mean
 
  private:
@@ -81,7 +81,7 @@ class FollowedHand {
   double reach_ = 0.0;
 };
 
-/// Leads a hand from the open to an object until it feels it, and returns that place [m, world].
+/// Leads a hand from free space to an object until it feels it; returns that place [m, world].
 /// `core` [m, object's frame] is in the solid, or in the hollow of an object felt from inside.
 inline Vec3 led_to(FollowedHand& hand, const Object& object, const Vec3& core, Random& random) {
   const bool outside = object.felt_from == Side::outside;

@@ -10,9 +10,9 @@
 
 namespace feltwire::test {
 
-/// Datagrams of four kinds in turns: random bytes; a good header of a session that there is none; a
-/// session whose number the attacker has overheard, with what he cannot seal; and such cut short.
-/// The same arguments give the same bytes.
+/// Datagrams of four kinds in turn: random bytes; a valid header of an unknown session; the number
+/// of an overheard session with a payload that the attacker cannot seal; and such a datagram cut
+/// short. Equal arguments give equal bytes.
 class Garbage {
  public:
   explicit Garbage(std::vector<std::uint64_t> known_sessions)
@@ -32,7 +32,7 @@ class Garbage {
   }
 
  private:
-  static constexpr std::size_t kSize = 112;  // [bytes] as an honest sample
+  static constexpr std::size_t kSize = 112;  // [bytes] like an honest sample
   static constexpr std::uint64_t kSeed = 11, kIndices = 1024;
 
   std::uint64_t draw() { return splitmix::draw(kSeed, draws_++); }

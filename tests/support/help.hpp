@@ -1,5 +1,5 @@
 #pragma once
-// The promises of a program's help.
+// Checks of a program's help text.
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 
 namespace feltwire::test {
 
-/// Checks that each input file named in the examples of a help text is in the repository.
-/// Returns how many there were. A word in capitals (FILE) names no file.
+/// Checks that each input file in the examples of a help text is in the repository. Returns how
+/// many there were. A word in capitals (FILE) is not a file name.
 inline int expect_files_of_examples(const std::string& program,
                                     const std::vector<std::string>& command) {
   std::vector<std::string> words = command;

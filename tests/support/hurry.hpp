@@ -1,6 +1,6 @@
 #pragma once
-// While a Hurry lives, sleep_for() takes a tenth of the time in all threads of the program. It is
-// for drivers that wait by the clock for stand-ins whose own time is virtual.
+// While a Hurry lives, sleep_for() takes a tenth of the time in all threads of the program. It
+// helps drivers that wait by the clock for stand-ins in virtual time.
 
 namespace feltwire::test {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces whose shape is known in closed form, as triangles.
+// Surfaces with a known closed form, as triangles.
 
 #include <cmath>
 #include <memory>
@@ -75,7 +75,7 @@ inline TriangleSoup moved(TriangleSoup s, const Vec3& by, double scale = 1.0) {
   return s;
 }
 
-/// Two surfaces as one.
+/// Joins two surfaces into one.
 inline TriangleSoup joined(TriangleSoup a, const TriangleSoup& b) {
   const auto base = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());

@@ -1,5 +1,5 @@
 #pragma once
-// One of our programs as a user meets it: a process of its own.
+// A program of ours as a user sees it: a separate process.
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -23,8 +23,8 @@ struct Outcome {
 class Program {
  public:
   Program(const std::string& program, std::vector<std::string> arguments) {
-    // Files that a program keeps by default, such as flight records, go into a folder of this test
-    // program, which is removed at its end.
+    // A program's default files, such as flight records, go into a folder of this test program. It
+    // is removed at the end.
     static const TemporaryFolder kState;
     ::setenv("XDG_STATE_HOME", (kState / "state").c_str(), 0);
     int out[2], error[2];
@@ -37,9 +37,9 @@ class Program {
     if (process_ == 0) {
       ::dup2(out[1], STDOUT_FILENO);
       ::dup2(error[1], STDERR_FILENO);
-      // Nothing else of the test's: a socket that the program kept open would still be listened to.
+      // Close the test's other files: a socket that stays open would keep listening.
       ::close_range(STDERR_FILENO + 1, ~0U, 0);
-      // A busy machine must not end a session. Tests of the watch give the option themselves.
+      // A busy machine must not end a session. Tests of the watchdog set this option themselves.
       ::setenv("FELTWIRE_LET_GO_AFTER", "0.1", 0);
       ::execv(argv[0], argv.data());
       ::_exit(127);
@@ -73,7 +73,7 @@ class Program {
     for (char c = 0; said.find(text) == std::string::npos && ::read(error_, &c, 1) == 1;) said += c;
     return said;
   }
-  /// It runs no more; finish() says how it ended.
+  /// Whether the program has ended; finish() tells how.
   bool ended() const {
     siginfo_t ending{};
     return ::waitid(P_PID, static_cast<id_t>(process_), &ending, WEXITED | WNOHANG | WNOWAIT) ==

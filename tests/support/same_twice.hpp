@@ -1,5 +1,5 @@
 #pragma once
-// Every path of a sample must give the same bits each time, and must not allocate.
+// Every path of a sample must give equal bits each time and must not allocate.
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 namespace feltwire::test {
 
-/// Runs twice and says what the first came to.
+/// Runs twice and returns the result of the first run.
 template <class Run>
 auto same_twice_without_allocation(const Run& run) {
   const std::size_t before = allocations();

@@ -1,5 +1,5 @@
 #pragma once
-// A certificate and tokens for servers and clients in tests: made once a process, in no file.
+// A certificate and tokens for servers and clients in tests: made once per process, without files.
 
 #include "client/transport/control_client.hpp"
 #include "server/access/security.hpp"
@@ -11,19 +11,19 @@ inline const Identity& identity() {
   return made;
 }
 
-/// One that opens everything.
+/// A token that permits everything.
 inline const IssuedToken& admin_token() {
   static const IssuedToken issued = issue_token("tester", "*", Role::admin, std::nullopt);
   return issued;
 }
 
-/// Of a server that knows admin_token() and `others`.
+/// The security of a server that knows admin_token() and `others`.
 inline Security security(Tokens others = {}) {
   others.push_back(admin_token().token);
   return {identity(), {}, TokenFile(std::move(others))};
 }
 
-/// That trust identity() and show a token.
+/// Credentials that trust identity() and show a token.
 inline Credentials credentials(const Secret& token = admin_token().text) {
   return {fingerprint(identity()), {}, {}, token};
 }

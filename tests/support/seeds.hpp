@@ -1,8 +1,8 @@
 #pragma once
-// Seeds of tests that try what is random. The fixed ones are the same in every run, so that what
-// they find is found again; the fresh ones are others in every run, so that runs find more in time.
-// A program that uses fresh ones prints "FELTWIRE_SEED=...": the same tests with that in the
-// environment try the same again. RapidCheck's properties: tests/CMakeLists.txt.
+// Seeds of random tests. Fixed seeds are equal in every run, so a failure repeats. Fresh seeds
+// differ in every run, so more runs find more. A program with fresh seeds prints
+// "FELTWIRE_SEED=...": set this in the environment to repeat its tests. RapidCheck's properties:
+// tests/CMakeLists.txt.
 
 #include <concepts>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace feltwire::test {
 
-/// Of this run of the program: FELTWIRE_SEED where it is given, else random. Printed once.
+/// The seed of this run of the program: FELTWIRE_SEED if given, otherwise random. Printed once.
 inline std::uint64_t run_seed() {
   static const std::uint64_t seed = [] {
     const char* const given = std::getenv("FELTWIRE_SEED");
@@ -28,8 +28,8 @@ inline std::uint64_t run_seed() {
   return seed;
 }
 
-/// The number of rounds of a test that could go on for ever: `whole`, or a tenth under a sanitizer.
-/// There a round takes ten times as long, and the numbers do not matter.
+/// The number of rounds of an open-ended test: `whole`, or a tenth under a sanitizer. There a round
+/// takes ten times as long, and the numbers do not matter.
 template <std::integral Count>
 constexpr Count rounds(Count whole) {
 #ifdef FELTWIRE_SANITIZED
@@ -39,8 +39,8 @@ constexpr Count rounds(Count whole) {
 #endif
 }
 
-/// `first`, `first` + 1, ..., `fixed` of them, and then `fresh` that are others in every run. Under
-/// a sanitizer a tenth of the fixed ones.
+/// `fixed` seeds from `first` on, then `fresh` seeds that differ in every run. A sanitizer uses a
+/// tenth of the fixed seeds and no fresh ones.
 inline std::vector<std::uint64_t> seeds(std::uint64_t first, std::uint64_t fixed,
                                         std::uint64_t fresh) {
   fixed = rounds(fixed);

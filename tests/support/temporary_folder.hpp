@@ -19,7 +19,7 @@ inline std::vector<std::filesystem::path> files_in(const std::filesystem::path& 
   return files;
 }
 
-/// A folder of its own, gone afterwards.
+/// A new folder that is removed afterwards.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

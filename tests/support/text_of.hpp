@@ -7,7 +7,7 @@
 
 namespace feltwire::test {
 
-/// A whole file; empty where there is none.
+/// The text of a whole file; empty if there is none.
 inline std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::ostringstream text;

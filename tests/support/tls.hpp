@@ -1,5 +1,5 @@
 #pragma once
-// TLS over blocking sockets by OpenSSL alone: what our two ends are tested against.
+// TLS over blocking sockets by OpenSSL alone, as the reference for our two ends.
 
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
@@ -32,7 +32,7 @@ inline void use(SSL_CTX* context, const Identity& identity) {
     throw std::runtime_error("no identity: " + last_tls_error());
 }
 
-/// Of a client that trusts anyone.
+/// The context of a client that trusts anyone.
 inline TlsContext client_context(int max_version = TLS1_3_VERSION) {
   TlsContext context(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free);
   SSL_CTX_set_max_proto_version(context.get(), max_version);
@@ -46,22 +46,22 @@ inline TlsContext server_context(const Identity& identity, int max_version = TLS
   return context;
 }
 
-/// One end of a connection whose socket is another's.
+/// An end of a connection; the caller owns the socket.
 class TlsConnection {
  public:
   TlsConnection(SSL_CTX* context, int socket) : ssl_(SSL_new(context), &SSL_free) {
-    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to whom has closed as if that were news
+    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to a closed connection
     SSL_set_fd(ssl_.get(), socket);
   }
   bool connect() { return SSL_connect(ssl_.get()) == 1; }
   bool accept() { return SSL_accept(ssl_.get()) == 1; }
 
-  /// False when not all of it went.
+  /// False if a part was not sent.
   bool write(std::span<const std::uint8_t> bytes) {
     return bytes.empty() || SSL_write(ssl_.get(), bytes.data(), static_cast<int>(bytes.size())) ==
                                 static_cast<int>(bytes.size());
   }
-  /// So many bytes; fewer when the other side closed or nothing came.
+  /// Reads `size` bytes; fewer if the other side closed or sent nothing.
   std::vector<std::uint8_t> read(std::size_t size) {
     std::vector<std::uint8_t> bytes(size);
     std::size_t got = 0;

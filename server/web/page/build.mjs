@@ -54,7 +54,7 @@ const assets = [
   return {path, type, gzip, sha256: createHash('sha256').update(content).digest('hex')};
 });
 
-// What a browser loads to show the page: what has two names is loaded once.
+// The page's size as a browser loads it: content with two names is loaded once.
 const MOST = 700_000;  // [bytes]
 const whole = assets.filter(({path}) => path !== '/replay').reduce((sum, {gzip}) => sum + gzip.length, 0);
 if (whole > MOST) throw new Error(`the page has ${whole} bytes compressed, and may have ${MOST}`);
@@ -80,7 +80,7 @@ std::span<const PageAsset> page_assets() noexcept { return assets; }
 }  // namespace feltwire
 `);
 writeFileSync(join(out, 'feltwire-replay.html'), wholePage());
-// The same for tests without a server.
+// Also write the files, for tests without a server.
 for (const {path, gzip} of assets) writeFileSync(join(out, `${path === '/' ? 'index.html' : path.slice(1)}.gz`), gzip);
 writeFileSync(join(out, 'assets.json'), JSON.stringify(assets.map(({path, type, gzip}) => ({path, type, bytes: gzip.length})), null, 1));
 

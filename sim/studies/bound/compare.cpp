@@ -26,7 +26,7 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   return setup;
 }
 
-/// Sum r.e / sum e.e of rendered forces r and the surface's own, e.
+/// Sum r.e / sum e.e of the rendered forces r and the surface's own forces e.
 double displayed_share(const std::vector<ExperimentSample>& samples,
                        const Environment& environment) {
   const Environment own = environment;  // in a fresh state
@@ -52,7 +52,7 @@ struct Run {
   ExperimentSetup setup;
 };
 
-/// All but the cost.
+/// Computes everything except the cost.
 CompareRow run_task(const CompareTask& task, const std::string& label, const ExperimentSetup& setup,
                     Run& run) {
   const double period = setup.bounding.period;
@@ -67,7 +67,7 @@ CompareRow run_task(const CompareTask& task, const std::string& label, const Exp
           .oscillation = highpass_rms(distance, 1.0 / period),
           .direction_error = metrics.direction_error.mean,
           .displayed = displayed_share(samples, task.touch),
-          // Not -0.
+          // Avoids -0.
           .energy_made = std::max(0.0, -metrics.min_port_margin)};
 }
 

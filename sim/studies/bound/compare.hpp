@@ -49,7 +49,7 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
                                 const std::vector<Method>& methods, const CompareLoop& loop,
                                 const StepCost& step_cost = feltwire::step_cost);
 
-/// One task with one method, over all eight hands on the same path: a soft arm presses less.
+/// A task with a method, over all eight hands on the same path: a soft arm presses less.
 struct CompareHandsRow {
   std::string task, method;
   double oscillation = 0.0, worst_oscillation = 0.0;  // [m] median of the hands, largest

@@ -62,7 +62,7 @@ void draw_compare(const std::filesystem::path& directory, const std::vector<Comp
   for (const Panel& panel : kPanels) {
     append(script, "set title '%s' noenhanced\nshade(v) = clip(%s)\nlabel(v) = %s\n", panel.title,
            panel.shade, panel.label);
-    // A task's first row is its reference.
+    // The first row of a task is its reference.
     append(script, "plot %s(calm = int($0)%%%zu == 0 ? $3 : calm, shade($%d)) with image, ",
            cells.c_str(), methods, panel.column);
     append(script, "%s(label($%d)) with labels\n", cells.c_str(), panel.column);

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kStiffness = 5000.0;  // [N/m] of everything but the paper's wall
+constexpr double kStiffness = 5000.0;  // [N/m] of everything except the paper's wall
 
 CompareTask wall() {
   const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
@@ -24,8 +24,8 @@ CompareTask sphere() {
           figure_setup("sphere", kUnbounded, 0.0).hand.task, 16.0};
 }
 
-/// Pressed into the corner by 3 N a wall and slid across, so that each of two walls is left and met
-/// again twice a turn while the third stays.
+/// Pressed into the corner by 3 N on each wall and slid across. Twice a turn the hand leaves and
+/// meets each of two walls, while the third wall stays touched.
 CompareTask corner() {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -41,8 +41,8 @@ CompareTask corner() {
           corner_walls};
 }
 
-/// Glided over: up one face of a box to its edge, pressed by 4 N there, off it, and onto the other
-/// face; and back.
+/// Glides over an edge: up one face of a box to its edge, pressed by 4 N there, off the edge and
+/// onto the other face; and back.
 CompareTask edge() {
   Object box;
   box.name = "box";
@@ -59,7 +59,7 @@ CompareTask edge() {
           8.0};
 }
 
-/// Glided round as the sphere is, over bumps of 1 mm, 23.6 mm apart: three a second.
+/// Glides round as on the sphere, over bumps of 1 mm, 23.6 mm apart: three a second.
 CompareTask torus() {
   const BumpyTorus shape;
   HandTask hand;
@@ -83,7 +83,7 @@ Object flat() {
   return plane;
 }
 
-/// To and fro over dry friction, pressed by 3 N.
+/// Slides to and fro over dry friction, pressed by 3 N.
 CompareTask stick_slip() {
   Object plane = flat();
   plane.material.static_friction = 0.6;
@@ -94,7 +94,7 @@ CompareTask stick_slip() {
           [](const Vec3& p) { return plane_distance(p).distance; }, hand, 8.0};
 }
 
-/// Struck at 1 m/s, then pressed by 3 N.
+/// Strikes at 1 m/s, then presses with 3 N.
 CompareTask tap() {
   HandTask hand;
   hand.path = HandPath::strike;

@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// A plane with outward normal +y, as the paper's wall.
+/// A plane with outward normal +y, like the paper's wall.
 Scene plane(double stiffness, double friction) {
   Object object;
   object.name = "plane";
@@ -47,7 +47,7 @@ ExperimentSetup setup_of(const char* experiment, const Variant& method, double d
   return setup;
 }
 
-constexpr double kSettled = 3.0;  // [s] from here on the hand has come in
+constexpr double kSettled = 3.0;  // [s] after this the hand is in contact
 
 double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   double sum = 0.0;
@@ -60,7 +60,8 @@ double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   return sum / count;
 }
 
-/// Rendered over commanded normal force, while the hand moves out (`sign` > 0) or in (< 0).
+/// Rendered force over commanded force, normal to the plane, while the hand moves out (`sign` > 0)
+/// or in (< 0).
 double share(const std::vector<ExperimentSample>& samples, double sign) {
   double rendered = 0.0, commanded = 0.0;
   for (const ExperimentSample& s : samples) {

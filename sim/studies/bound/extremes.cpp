@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSteps = 1500;            // a hand
-constexpr int kSceneSteps = 2000;       // at a wall, but
-constexpr double kLongestScene = 20.0;  // [s] not longer than that
+constexpr int kSteps = 1500;            // per hand
+constexpr int kSceneSteps = 2000;       // at a wall, if time allows
+constexpr double kLongestScene = 20.0;  // [s] longest time of a scene
 
 /// The number in a narrower arithmetic; infinite beyond its largest.
 template <class Real>
@@ -35,10 +35,10 @@ BasicCommand<Real> narrowed(const Command& c) {
   return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
 }
 
-/// The numbers that a step takes. A hold time is as likely to be chosen as a vector.
+/// The numbers that a step takes. The hold time is chosen as often as a vector.
 constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
-/// One input of the step becomes no number, or no force, movement or time of this world.
+/// Replaces an input of the step by NaN, infinity, or an impossible force, movement or time.
 template <class Real>
 void spoil(StressRandom& random, std::size_t input, BasicBoundingStep<Real>& told) {
   constexpr std::array kStrange = {kNan, kInfinity, -kInfinity, 1e300, -1e300, 1.1e12};
@@ -64,8 +64,8 @@ void judge_force(const Command& rendered, bool refused, double limit, double eps
   outcome.not_refused += refused && !(force.isZero(0.0) && rendered.torque.isZero(0.0));
 }
 
-/// A force or movement so large that it is refused ends what a coupling and the passivity
-/// controllers promise: they have to drop their force, or cut their damper's.
+/// A refused force or movement ends the promise of a coupling and of the passivity controllers:
+/// they must drop their force, or cut their damper's force.
 Promise after_refusal(Promise kept) {
   return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
 }
@@ -106,8 +106,8 @@ bool keeps_all(const BasicBoundingMethod<Real>& method, const BoundingConfig& co
   return method.keeps_all || config.storage == Storage::elastic;
 }
 
-/// Books what the scene did to a coupling's tool, as far as the bound's arithmetic knows where the
-/// tool is.
+/// Books the scene's work on a coupling's tool, as far as the bound's arithmetic knows the tool's
+/// place.
 template <class Real>
 class ToolBook {
  public:
@@ -199,7 +199,7 @@ void attack(const StressInputs& stress, const BasicBoundingMethod<Real>& method,
   judge_energy(ledger, outcome);
 }
 
-/// A simulated hand that slides over a wall with friction, the loop closed.
+/// A simulated hand that slides over a wall with friction, in a closed loop.
 struct WallStress {
   double stiffness = 1e3, origin = 0.0, period = 1e-3;
   std::string name() const {
@@ -221,7 +221,7 @@ std::vector<WallStress> walls() {
   return all;
 }
 
-/// A coupling and the passivity controllers promise nothing behind a limit.
+/// A coupling and the passivity controllers promise nothing behind a limit. So they get none here.
 template <class Real>
 double wall_limit(const BasicBoundingMethod<Real>& method) {
   const Faults limited{.reductions = true};
@@ -245,7 +245,7 @@ void touch_wall(const WallStress& stress, const BasicBoundingMethod<Real>& metho
 
   SimulatedHandOptions options;
   options.spec = builtin_device("simulated");
-  // The bound limits. A hand that did not feel the rest of an unlimited force is still a hand.
+  // The bound does the limiting. A hand that feels only a part of an unlimited force is valid too.
   options.spec.max_force = 1e4;
   options.task = {.path = HandPath::slide,
                   .center = place,
@@ -323,7 +323,7 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
           });
   for (const WallStress& stress : walls())
     for (const std::string_view name : methods) {
-      // Projection and storage make four variants.
+      // Projection and storage have two values each: four variants.
       const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
       row(stress.name(), name, {}, variants,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// The number of methods that were judged: the rows go by stress, then by method.
+/// The number of methods. The rows are sorted by stress, then by method.
 std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
     return r.stress != rows.front().stress;
@@ -17,7 +17,7 @@ std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   return static_cast<std::size_t>(other - rows.begin());
 }
 
-/// The methods that promise something, as the tables' columns: who promises most comes first.
+/// The methods that promise something, as the tables' columns. The largest promise comes first.
 std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
   const auto promised = [](std::string_view method) { return bounding_method(method).promise; };
   std::vector<std::string_view> methods;
@@ -31,7 +31,7 @@ std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
 
 constexpr std::size_t kWidth = 10;  // [characters] of a column
 
-/// A method's name on lines of a column, broken after its underscores.
+/// A method's name as the lines of a column head, broken after underscores.
 std::vector<std::string> head(std::string_view method) {
   std::vector<std::string> lines;
   while (!method.empty()) {
@@ -44,7 +44,7 @@ std::vector<std::string> head(std::string_view method) {
   return lines;
 }
 
-/// The heads of all columns, on as many lines as the longest needs.
+/// The heads of all columns. The longest head sets the number of lines.
 std::string heads(const std::vector<std::string_view>& methods) {
   std::size_t height = 1;
   for (const std::string_view method : methods) height = std::max(height, head(method).size());
@@ -61,7 +61,7 @@ std::string heads(const std::vector<std::string_view>& methods) {
   return text;
 }
 
-/// The methods that promise nothing, for a text.
+/// The methods that promise nothing, as a text.
 std::string others(const std::vector<ExtremeRow>& rows) {
   std::vector<std::string_view> methods;
   for (std::size_t i = 0; i < method_count(rows); ++i)
@@ -92,11 +92,11 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
           {"passed", o.passed()}};
 }
 
-/// Points of one method in one arithmetic: error over the stress's number. No error is drawn at the
-/// bottom.
+/// The points of a method in an arithmetic: the error over the stress's number. A zero error is
+/// drawn at the bottom.
 std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
                    std::size_t methods) {
-  // Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
+  // Okabe and Ito's colours for colour-blind readers. The points differ too.
   constexpr std::array kColors = {"#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7"};
   constexpr std::array kPoints = {7, 5, 9, 11, 13, 1};
   const std::size_t i = method % kColors.size();

@@ -28,7 +28,7 @@ void write_samples(const std::filesystem::path& file,
                    const std::vector<ExperimentSample>& samples) {
   std::ofstream out(file);
   out << "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,energy_x,energy_y,energy_z,port_x,port_y,port_z\n";
-  Vec3 energy = Vec3::Zero(), port = Vec3::Zero();  // flow-in, the two ways of metrics.hpp
+  Vec3 energy = Vec3::Zero(), port = Vec3::Zero();  // flow-in, in the two ways of metrics.hpp
   std::array<char, 512> line;
   for (const ExperimentSample& s : samples) {
     const Vec3 r = s.rendered.force();
@@ -133,7 +133,7 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
         runs.push_back(std::move(run));
       }
     }
-    // Two figures of the paper show one experiment each, under different modes.
+    // Each experiment belongs to two figures of the paper, under different modes.
     for (const int figure : experiment.figures)
       for (std::size_t i = first; i < runs.size(); ++i) json.push_back(entry(figure, runs[i]));
   }
@@ -154,7 +154,7 @@ std::string figures_table(const std::vector<FigureRun>& runs) {
     if (!last.empty() && group != last) table += '\n';
     last = group;
     const ExperimentMetrics& m = run.metrics;
-    // The wall oscillates along its normal, y; the sphere in its plane.
+    // The wall oscillates along its normal, y. The sphere oscillates in its plane.
     const double oscillation = run.experiment == "wall"
                                    ? m.highpass_rms.y()
                                    : std::max(m.highpass_rms.x(), m.highpass_rms.y());

@@ -16,7 +16,7 @@ namespace feltwire {
 inline constexpr std::array<std::string_view, 6> kFigureModes = {
     kUnbounded, "total_energy", "per_axis", "per_axis_projected", kDefaultMethod, kSessionMethod};
 
-/// One run of the paper's wall (Figures 2 and 3) or sphere (5 and 6).
+/// A run of the paper's wall (Figures 2 and 3) or sphere (5 and 6).
 struct FigureRun {
   std::string experiment;  // "wall" or "sphere"
   std::string_view mode = kUnbounded;

@@ -28,13 +28,13 @@ namespace {
 
 constexpr double kPeriod = 1e-3;         // [s]
 constexpr double kPress = 3.0;           // [N]
-constexpr double kAir = 2.0;             // [s] of a warm start
-constexpr double kStiffEnough = 150.0;   // [N/m] of hands that press round things with 3 N
-constexpr double kFrictionShare = 0.75;  // of the dry friction, that the account is told
+constexpr double kAir = 2.0;             // [s] before contact in a warm start
+constexpr double kStiffEnough = 150.0;   // [N/m] of hands that press round objects with 3 N
+constexpr double kFrictionShare = 0.75;  // share of the dry friction that the account knows
 
 /// The bunny of scenes/bunny.json.
 Object bunny() {
-  constexpr double kCentimetre = 0.01;  // [m] a unit of the file
+  constexpr double kCentimetre = 0.01;  // [m] unit of the file
   Object object;
   object.name = "bunny";
   object.shape = Mesh{std::make_shared<MeshSurface>(
@@ -45,7 +45,7 @@ Object bunny() {
   return object;
 }
 
-/// To and fro over its back, pressed by 3 N.
+/// Slides to and fro over the bunny's back, pressed by 3 N.
 CompareTask over_bunny(const Object& bunny) {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -61,7 +61,7 @@ CompareTask over_bunny(const Object& bunny) {
           hand, 8.0};
 }
 
-/// The tasks of all cases. Made once: a scene takes long to parse.
+/// The tasks of all cases. They are made only once: parsing a scene takes long.
 struct TaskSource {
   Object paper_wall = parse_scene(embedded::paper_wall, "paper_wall.json").objects().front();
   Object paper_sphere = parse_scene(embedded::paper_sphere, "paper_sphere.json").objects().front();
@@ -69,7 +69,7 @@ struct TaskSource {
   std::vector<CompareTask> compared = compare_tasks();
 };
 
-/// The paper's wall with another stiffness. The hand slides as in its Figure 2, or taps.
+/// The paper's wall with another stiffness. The hand slides as in the paper's Figure 2, or taps.
 CompareTask wall(Object object, const FrontierCase& c) {
   object.material.stiffness = c.wall;
   CompareTask task{c.task, environment(object), [](const Vec3& p) { return p.y(); },
@@ -136,8 +136,8 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   return setup;
 }
 
-/// [J] the most that was delivered to the hand beyond what was burned: by the damping as the
-/// encoder shows it and, where the account is told of friction, by that on the true way.
+/// [J] The most energy that was delivered to the hand beyond the burned energy. Burned: by damping,
+/// as the encoder shows it; and, if the account knows of friction, by friction on the true way.
 double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& samples) {
   double left = 0.0, least = 0.0;
   Vec3 before = samples.front().motor;
@@ -161,7 +161,7 @@ Object object_of(const FrontierCase& c, const TaskSource& source) {
   return object;
 }
 
-/// A whole session: datagrams, an emulated link, the scene at the server, a local model.
+/// A whole session: datagrams, an emulated link, the scene on the server, a local model.
 FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Object& object) {
   const ExperimentSetup setup = setup_of(c, task);
   NetworkRunOptions options;
@@ -211,12 +211,12 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
     whole += e.squaredNorm();
   }
   row.displayed = whole > 0.0 ? rendered / whole : 0.0;
-  // A hand that taps is meant to move.
+  // A hand that taps moves on purpose.
   if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
   return row;
 }
 
-/// A hand that has filled its account rests in the air and is pushed on as it goes.
+/// A hand that has filled its account rests in the air. Then a force pushes it along its movement.
 void push_on(const FrontierCase& c, const TaskSource& source, CapRow& row) {
   constexpr double kRest = 1.0, kPush = 1.0;  // [s]
   ExperimentSetup setup = setup_of(c, task_of(c, source));
@@ -252,7 +252,7 @@ constexpr std::array kEverywhere = {
     Law{"none", Need::no_account}, Law{"contact_frame", Need::no_account},
     Law{"credited", Need::inertia}, Law{"credited", Need::inertia_friction}};
 
-/// All laws at this place of the grid. Midpoint asks where the device is: not over a network.
+/// Adds all laws at this place of the grid. Midpoint needs the device's place: not over a network.
 void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   const auto add = [&](const auto& laws) {
     for (const Law& law : laws) {
@@ -265,7 +265,7 @@ void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   if (c.delay == 0.0) add(kNear);
 }
 
-/// The laws of other papers, and the virtual coupling. They stand alone, as published.
+/// Adds the laws of other papers and the virtual coupling. They stand alone, as published.
 void add_published(std::vector<FrontierCase>& cases, FrontierCase c) {
   c.need = Need::no_account;
   for (const BoundingMethod& published : published_laws()) {
@@ -345,7 +345,7 @@ std::vector<FrontierCase> frontier_cases() {
                      .delay = delay,
                      .hand = hand,
                      .cold = cold};
-                // Half a minute each: only what the bar is about.
+                // A tremor takes half a minute: run only the cases that the bar is about.
                 const bool pressed_long = c.task == "tremor";
                 if (pressed_long && (wall != 4e4 || delay > 0.0 || damping < 0.5)) continue;
                 add_laws(cases, c);

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-/// Over a curved surface the hand is meant to move: what of that is too fast is not judged here.
+/// On a curved surface the hand moves on purpose. Fast movement there is not judged.
 bool is_flat(const std::string& task) {
   return task == "wall" || task == "press" || task == "tremor";
 }

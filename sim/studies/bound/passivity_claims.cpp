@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-// So that the squares of the smallest doubles are numbers, too.
+// long double also holds the squares of the smallest doubles.
 using Vector = Eigen::Matrix<long double, 3, 1>;
 long double length(const Vec3& v) { return v.cast<long double>().norm(); }
 
@@ -24,7 +24,7 @@ bool own_sum(Promise promise) {
 
 PromiseLedger::PromiseLedger(const Setup& setup) : setup_(setup) {
   const auto open = [&](Port& port, const Damping& damping) {
-    // The per-axis laws count on what each axis has by itself.
+    // The per-axis laws rely on the damping of each axis alone.
     port.damping = setup_.promise == Promise::port_by_axis ? Damping(damping.per_axis()) : damping;
     const double least = port.damping.least();
     if (!(least > 0.0)) return;
@@ -91,12 +91,12 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
     for (int i = 0; i < 3; ++i)
       port.balance[by_axis(setup_.promise) ? static_cast<std::size_t>(i) : 0] -=
           static_cast<long double>(f[i]) * dx[i];
-    // A controller may take away all of the command: what is left is rounding of that.
+    // A controller may take away the whole command. The rest is a rounding error of the command.
     const long double flow = (length(f) + length(wanted)) * length(dx);
     port.exchanged += flow;
     port.through += flow;
   };
-  // One observer for all: torque is booked with force.
+  // A single observer books torque together with force.
   Port& second = setup_.promise == Promise::own_sum ? translation_ : rotation_;
   observe(translation_, force, commanded.force(), displacement);
   observe(second, rendered.torque, commanded.torque, rotation);
@@ -107,7 +107,7 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
 void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacement) {
   const bool damped = port.inverse(0, 0) > 0.0;
   const double quarter = 0.25 * setup_.period;
-  // A force without damping has nothing that could ever pay for it.
+  // Without damping, nothing can ever pay for a force.
   const auto at_stake = [&](const Vec3& held) -> long double {
     if (held.isZero(0.0)) return 0.0L;
     const Vector f = held.cast<long double>();
@@ -121,7 +121,8 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
     kept = std::max(kept, setup_.keeps_all ? std::abs(balance) : -balance);
   if (setup_.promise == Promise::coupling) kept = port.tool_stored;
   port.through += kept;
-  // One smallest number wrong in the force, in the movement, and in an energy where that is kept.
+  // Allow an error of the smallest number in the force, in the movement, and in an energy that is
+  // kept.
   const double least = setup_.arithmetic.least;
   const double per_force = damped ? 2.0 * quarter * port.inverse.diagonal().maxCoeff() : 0.0;
   const long double f = length(force), dx = length(displacement);
@@ -129,7 +130,7 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
 
   switch (setup_.promise) {
     case Promise::port:
-      // Energy that is overdrawn while no force is rendered is a known debt.
+      // If energy is overdrawn while no force is rendered, this is a known debt.
       if (all_at_stake > 0.0L) judge(port, all_at_stake - port.balance[0]);
       break;
     case Promise::port_by_axis:

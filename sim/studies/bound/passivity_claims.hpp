@@ -25,13 +25,14 @@ inline constexpr Arithmetic kArithmetic = {std::numeric_limits<Real>::epsilon(),
 /// application 3), and an energy, a square, has twice the error of a force: 30, and a little.
 inline constexpr double kEnergyRounding = 32.0;
 
-/// One port's books in long double, from the values that were really held and the displacements
-/// that the bound was really given, both after rounding to its arithmetic.
+/// The books of a port in long double. They use the values that were really held and the
+/// displacements that the bound was really given, both after rounding to its arithmetic.
 ///
 /// Within rounding means: the missing energy is not more than the sum over all samples so far of
 ///   kEnergyRounding * epsilon * condition * (exchanged in the sample + stored in the law)
-/// for a law makes its storage anew every sample, out of what it stored and what was exchanged; and
-/// the same number of smallest numbers, where forces or energies are too small to have all digits.
+/// because a law makes its storage anew every sample, out of its old storage and the exchanged
+/// energy. In addition, the same number of smallest numbers may be missing: some forces or energies
+/// are too small to have all digits.
 /// `condition` is that of the damping matrix: largest over smallest eigenvalue.
 class PromiseLedger {
  public:

@@ -12,7 +12,7 @@ struct PublishedLaw {
   const char *name, *title;
   Need need = Need::no_account;
 };
-/// Ours, then those of other papers.
+/// Our laws first, then those of other papers.
 constexpr std::array kPublishedLaws = {
     PublishedLaw{"none", "none"},
     PublishedLaw{"contact_frame", "contact_frame"},

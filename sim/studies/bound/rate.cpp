@@ -41,8 +41,8 @@ Scene scene_of(const Surface& surface) {
   return Scene("rate", {object});
 }
 
-/// Height over the surface [m]; the place that is touched is the frame's origin for a wall, its
-/// centre for a ball.
+/// Height over the surface [m]. The frame's origin is the touched place of a wall, or the centre of
+/// a ball.
 double height(const Surface& surface, const Vec3& position) {
   return surface.ball ? position.norm() - kBall : position.z();
 }
@@ -61,7 +61,7 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
   task.center = surface.ball ? Vec3(0, 0, kBall) : Vec3::Zero();
   task.lead_in = 1.0;
   task.clearance = 1e-3;
-  // A spring in series: the hand goes in deeper by as much as the surface gives way.
+  // A spring in series: the hand goes in deeper by the surface's own compression.
   if (!slides) task.depth += kRatePress / surface.stiffness;
   if (!slides) return options;
   if (surface.ball) {
@@ -95,7 +95,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
   SimulatedDevice device(hand);
   const Vec3 to_world = Vec3::Constant(origin);
-  // The report of the device: a number of the arithmetic, in the world frame.
+  // The device's report: numbers of this arithmetic, in the world frame.
   const auto read = [&](std::size_t n) -> Vector3<Real> {
     const auto now = Nanoseconds(std::llround(static_cast<double>(n) * config.period * 1e9));
     return (device.read(now).pose.position + to_world).template cast<Real>();
@@ -136,7 +136,7 @@ std::vector<RateSample> run(const RateArithmetic& arithmetic, const Surface& sur
                              : run<double>(surface, hand, rate, arithmetic.origin, duration);
 }
 
-/// Least squares of force over depth, from the first touch to the deepest point.
+/// Least squares fit of force over depth, from the first touch to the deepest point.
 double pressing_slope(const Surface& surface, const std::vector<RateSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const RateSample& s : samples) {
@@ -213,7 +213,7 @@ std::vector<RateCell> run_rate(const RateGrid& grid) {
 std::vector<RateCost> measure_rate_cost() {
   constexpr double kDamping = 0.5, kRate = 1000.0;
   std::vector<RateCost> costs;
-  // Somebody must use the results, or the compiler leaves the computation out.
+  // Use the results, or the compiler leaves the computation out.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
     const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);

@@ -69,7 +69,7 @@ StressedMovement move(int kind, StressRandom& random, const StressInputs& stress
   }
   m.displacement *= share;
   m.rotation *= share;
-  // Without something of its own a hand at rest would take nothing for ever.
+  // Add a movement of its own sometimes: a hand at rest would take nothing for ever.
   if (random.chance(0.5)) {
     const StressedMovement own = restless();
     m.displacement += own.displacement;

@@ -27,7 +27,7 @@ constexpr std::array kLawsEverywhere = {TorqueLaw{"none", false, Ports::one},
                                         TorqueLaw{"contact_frame", false, Ports::one},
                                         TorqueLaw{"credited", true, Ports::one},
                                         TorqueLaw{"credited", true, Ports::two}};
-/// They ask where the device is: not over a delay.
+/// Laws that need the device's place: they cannot work over a delay.
 constexpr std::array kLawsAtHand = {TorqueLaw{"midpoint", true, Ports::one},
                                     TorqueLaw{"midpoint", true, Ports::two}};
 
@@ -44,7 +44,7 @@ void add_laws(std::vector<TorqueCase>& cases, TorqueCase c) {
   if (c.delay == 0.0) add(kLawsAtHand);
 }
 
-/// The tasks of all cases, made once: a scene takes long to parse.
+/// The tasks of all cases. They are made only once: parsing a scene takes long.
 class TorqueSource {
  public:
   TorqueSource() : bodies_(body_tasks()) {}
@@ -60,7 +60,7 @@ class TorqueSource {
   std::vector<TorqueTask> bodies_;
 };
 
-/// Sums of what was rendered along what was commanded.
+/// Sums of the rendered part along the commanded force.
 struct Shown {
   double along = 0.0, whole = 0.0;
   void add(const Vec3& rendered, const Vec3& commanded) {
@@ -87,7 +87,7 @@ TorqueRow run_case(const TorqueCase& c, const TorqueSource& source) {
     if (2 * n < samples.size()) continue;
     force.add(s.rendered.force(), s.commanded.force());
     torque.add(s.rendered.torque, s.commanded.torque);
-    constexpr double kFeltTurn = 1e-4;  // [N m] below it a direction is not worth comparing
+    constexpr double kFeltTurn = 1e-4;  // [N m] no direction is compared below it
     if (s.rendered.torque.norm() > kFeltTurn && s.commanded.torque.norm() > kFeltTurn)
       directions.push_back(angle_between(s.rendered.torque, s.commanded.torque));
   }

@@ -35,7 +35,7 @@ nlohmann::ordered_json json(const TorqueRow& row) {
           {"excess_count", row.excess}};
 }
 
-/// A text that ends each row of CSV as json() names it.
+/// A CSV text with a column for each name in json().
 std::string csv(const std::vector<TorqueRow>& rows) {
   std::string text;
   for (const TorqueRow& row : rows) {
@@ -82,7 +82,7 @@ OverCases over(const std::vector<TorqueRow>& rows,
   return sum;
 }
 
-/// What the client has of body and solids.
+/// The model that the client has of body and solids.
 const char* model_name(const TorqueSession& s) {
   if (!s.local_model) return "no";
   return s.whole ? "whole" : "planes";
@@ -90,7 +90,7 @@ const char* model_name(const TorqueSession& s) {
 
 bool is_joint(const TorqueCase& c) { return c.stiffness > 0.0; }
 
-/// The laws in the order in which they first stand in the rows.
+/// The laws in the order of their first row.
 std::vector<TorqueCase> laws_of(const std::vector<TorqueRow>& rows, bool joints, double delay) {
   std::vector<TorqueCase> laws;
   for (const TorqueRow& row : rows) {

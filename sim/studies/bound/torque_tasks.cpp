@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPressForce = 3.0;        // [N]
 constexpr double kBodyStiffness = 1500.0;  // [N/m] of the bodies' surfaces
-constexpr double kLean = 0.45;             // [rad] that the wrist means to lean
+constexpr double kLean = 0.45;             // [rad] intended lean of the wrist
 constexpr double kConeStop = 0.2;          // [rad]
 constexpr double kScrewTurn = 0.8;         // [rad]
 constexpr double kConeFriction = 0.016;    // [N m s/rad]: 10 N s/m at 40 mm
@@ -47,7 +47,7 @@ Command end_stop(double stiffness, const Pose& pose) {
   return {.torque = Vec3(0.0, 0.0, beyond > 0.0 ? -stiffness * beyond : 0.0)};
 }
 
-/// The part of a turn that leans the normal.
+/// The part of a rotation that leans the normal.
 Vec3 lean_of(const Pose& pose) {
   Vec3 lean = turn_of(pose);
   lean.z() = 0.0;
@@ -61,7 +61,7 @@ Command cone(double stiffness, const Pose& pose) {
   return {.torque = -stiffness * (angle - kConeStop) / angle * lean};
 }
 
-/// Damped across the lean alone, while it leans against the stop.
+/// Damped only across the lean, and only while it leans against the stop.
 struct RubbedCone {
   double stiffness;
   Vec3 before = Vec3::Zero();  // [rad] the lean

@@ -10,7 +10,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kZwidthPress = 3.0;  // [N]
-constexpr double kDeepest = 0.03;     // [m] of wall that a hand goes through to press so
+constexpr double kDeepest = 0.03;     // [m] deepest penetration to press with this force
 constexpr double kLeadIn = 0.5;       // [s]
 constexpr double kAtRest = 1.0;       // [s]
 constexpr double kDuration = 2.0;     // [s]

@@ -34,9 +34,9 @@ inline constexpr double kFixedStiffness = 5000.0;
 /// A movement of the hand by more than this [m], RMS, is an oscillation.
 inline constexpr double kFeltOscillation = 10e-6;
 
-/// One press: a hand comes in along the normal of a frictionless wall within 0.5 s (some 60 mm/s at
-/// the surface) and rests there until 2 s, pressing 3 N (less where that would take more than 30 mm
-/// of wall). Both numbers are of the last second.
+/// A press: a hand comes in along the normal of a frictionless wall within 0.5 s (some 60 mm/s at
+/// the surface) and rests there until 2 s. It presses with 3 N, or less if 3 N would take more than
+/// 30 mm of wall. Both numbers are of the last second.
 struct Press {
   double oscillation = 0.0;  // [m] RMS of the true position along the normal, less a centred moving
                              // average of 51 ms

@@ -7,10 +7,10 @@
 namespace feltwire {
 namespace {
 
-/// Of the hands of one loop, whose cells stand together.
+/// Figures of the hands of a loop, whose cells stand together.
 struct LoopHands {
   double largest = 0.0, least_largest = 0.0;  // [N/m] commanded without oscillation: median, worst
-  double shown = 0.0, least_shown = 0.0;      // [N/m] of 5 kN/m; 0 of a hand that oscillates
+  double shown = 0.0, least_shown = 0.0;      // [N/m] of 5 kN/m; 0 if the hand oscillates
   std::size_t calm = 0, hands = 0;            // at 5 kN/m
 };
 
@@ -29,7 +29,7 @@ LoopHands over_hands(const ZWidthCell* first, std::size_t hands) {
   return loop;
 }
 
-/// [kN/m]; the end of the range means any.
+/// Text in [kN/m]. The end of the range means any.
 std::string kilo(double stiffness) {
   if (stiffness >= StiffnessRange{}.highest) return "any";
   std::string text;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kColumns = 5;
 
-// Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
+// Okabe and Ito's colours for colour-blind readers. The points differ too.
 constexpr std::array kZwidthColors = {"#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7"};
 constexpr std::array kPoints = {7, 5, 9, 13, 11};
 
@@ -21,7 +21,7 @@ std::string marked(std::size_t delay) {
   return text;
 }
 
-/// One method at one damping: what is commanded at most dashed, what is displayed then whole.
+/// dashed: largest commanded stiffness; solid: displayed stiffness
 std::string panel(const ZWidthGrid& grid, std::size_t method, std::size_t damping) {
   const std::size_t rates = grid.rates.size(), delays = grid.delays.size();
   std::string text = "set title '" + std::string(grid.methods[method].label) + "'\nplot ";
@@ -51,7 +51,7 @@ std::string legend(const ZWidthGrid& grid) {
 }  // namespace
 
 void draw_zwidth(const std::filesystem::path& directory, const ZWidthGrid& grid) {
-  const std::size_t rows = grid.methods.size() / kColumns + 1;  // one panel more, for the legend
+  const std::size_t rows = grid.methods.size() / kColumns + 1;  // with a panel for the legend
   for (std::size_t b = 0; b < grid.dampings.size(); ++b) {
     std::string name;
     append(name, "zwidth_b%g", grid.dampings[b]);

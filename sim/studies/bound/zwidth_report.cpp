@@ -53,7 +53,7 @@ nlohmann::ordered_json json(const std::vector<ZWidthCell>& cells, const ZWidthGr
           {"cells", list}};
 }
 
-/// [kN/m] to three digits; "-" where nothing is displayed.
+/// Text in [kN/m] with three digits; "-" if nothing is displayed.
 std::string kilo(std::optional<double> stiffness) {
   std::string text = "-";
   if (stiffness) {
@@ -63,8 +63,8 @@ std::string kilo(std::optional<double> stiffness) {
   return text;
 }
 
-/// A line a method and damping, of the cells that `shown` picks; with what is displayed at the
-/// fixed stiffness or without.
+/// A line for each method and damping, of the cells that `shown` picks. `with_fixed`: add the
+/// stiffness displayed at the fixed stiffness.
 template <class Shown>
 void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fixed,
            const Shown& shown) {
@@ -82,7 +82,7 @@ void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fi
   text += '\n';
 }
 
-/// Over all loops and devices of a method.
+/// Counts over all loops and devices of a method.
 std::string counts(const std::vector<ZWidthCell>& cells) {
   std::string text =
       "\nOf all loops and devices, how many are calm\n"

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDeadbandStiffness = 1000.0;  // [N/m] of every surface
 constexpr double kDeadbandBall = 0.04;         // [m] radius
-constexpr double kTremor = 1e-4;               // [m] RMS an axis
+constexpr double kTremor = 1e-4;               // [m] RMS per axis
 
 Scene surface(const char* name, const Shape& shape, double friction) {
   Object object;
@@ -110,8 +110,8 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
                                       const DeadbandGrid& grid) {
   constexpr std::size_t kKinds = std::size(kDeadbandKinds);
   const std::size_t per_task = kKinds * grid.fractions.size();
-  // The movements with every datagram there is, and these replayed, without and with a local
-  // model: what all others stand beside.
+  // The reference runs: movements with every datagram, replayed without and with a local model. All
+  // other runs are compared with them.
   constexpr DeadbandKind kEvery[] = {{"every", false, false, Predictor::level, false},
                                      {"every", false, false, Predictor::level, true}};
   std::vector<DeadbandTask> replays = tasks;

@@ -57,7 +57,7 @@ std::vector<Task> all_tasks() {
   const Object wall = object("wall", Plane{}, Vec3::Zero(), smooth);
   std::vector<Task> tasks;
 
-  // A spring in series: the hand goes in deeper by as much as the wall gives way.
+  // A spring in series: the hand goes in deeper by the wall's own compression.
   tasks.push_back({"press", Scene("press", {wall}),
                    hand(HandPath::press, kPress / Hand{}.stiffness + kPress / kStiffness)});
   HandTask taps = hand(HandPath::taps);
@@ -66,17 +66,17 @@ std::vector<Task> all_tasks() {
 
   HandTask orbit = hand(HandPath::orbit);
   go_round(orbit, kBall);
-  orbit.clearance *= 2.0;  // from within the ball
+  orbit.clearance *= 2.0;  // inside the ball
   tasks.push_back(
       {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
 
-  // The same as triangles, and as a grid of its distances.
+  // This ball as triangles, and as a grid of its distances.
   const Object facets = object(
       "ball", Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)))},
       Vec3::Zero(), smooth);
   tasks.push_back({"mesh", Scene("mesh", {facets}), orbit});
-  // Rolled on by a ball; and with textures that change over less and over more than what the hand
-  // goes in a round trip.
+  // A rolling ball on a mesh; and textures that change over less, and over more, than the way of
+  // the hand in a round trip.
   const auto textured = [&](const char* name, const MeshOptions& options) {
     const Mesh mesh{
         std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)), options)};
@@ -99,14 +99,14 @@ std::vector<Task> all_tasks() {
   tasks.push_back(
       {"friction", Scene("friction", {object("wall", Plane{}, Vec3::Zero(), rough)}), slide});
 
-  // A block whose edge lies under the middle of the way: off it and on again.
+  // A block whose edge lies under the middle of the way: the hand leaves it and comes back.
   slide.frequency = 0.5;
   const Vec3 half(0.05, 0.05, 0.05);  // [m]
   tasks.push_back(
       {"edge", Scene("edge", {object("block", Box{half}, Vec3(-half.x(), 0, -half.z()), smooth)}),
        slide});
 
-  // The same block as a mesh, and the ball over its edge.
+  // This block as a mesh, with a ball that rolls over its edge.
   const Object rounded =
       object("block",
              Mesh{std::make_shared<MeshSurface>(TriangleMesh(tessellate(Box{half}, 4)),
@@ -116,7 +116,7 @@ std::vector<Task> all_tasks() {
   rolled_over.center.z() += kRolled;
   tasks.push_back({"ball_edge", Scene("ball_edge", {rounded}), rolled_over});
 
-  // Into the corner of floor and two walls, and along them.
+  // Into the corner of a floor and two walls, and along them.
   HandTask corner = hand(HandPath::orbit, kPress / Hand{}.stiffness);
   corner.center = Vec3(0.01, 0.01, 0.0);
   corner.radius = 0.02;
@@ -125,7 +125,7 @@ std::vector<Task> all_tasks() {
                                            smooth, Side::inside)}),
                    corner});
 
-  // On the table, over its things.
+  // Over the objects on the table.
   HandTask things = hand(HandPath::figure_eight);
   things.radius = 0.06;
   things.frequency = 0.25;
@@ -146,7 +146,7 @@ NetworkRunOptions options_of(const Task& task, const LocalModelCell& cell) {
   return options;
 }
 
-/// Least squares of the force out of the wall over the true depth, while that grows.
+/// Least squares fit of the force out of the wall over the true depth, while the depth grows.
 double pressing_slope(const std::vector<NetworkSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const NetworkSample& s : samples) {
@@ -160,7 +160,8 @@ double pressing_slope(const std::vector<NetworkSample>& samples) {
   return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
 }
 
-/// [s] from the first tick at which the scene pushes the true position to the first with a force.
+/// [s] from the first tick with a push of the scene at the true place to the first tick with a
+/// force.
 double onset(const std::vector<NetworkSample>& samples) {
   const auto touched = std::ranges::find_if(
       samples, [](const NetworkSample& s) { return s.ideal.force().norm() > 0.0; });
@@ -225,7 +226,7 @@ std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
   for (const Task& task : tasks)
     if (task.name == "ball")
       for (const double rate : grid.rates) {
-        if (rate != kUsualRate) add(task, 0.0, rate, false);  // that is among the others
+        if (rate != kUsualRate) add(task, 0.0, rate, false);  // the usual rate is among the others
         add(task, kUsualRoundTrip, rate, true);
       }
 

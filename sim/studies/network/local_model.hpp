@@ -47,7 +47,7 @@ std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid = {});
 void write_local_model(const std::filesystem::path& directory,
                        const std::vector<LocalModelCell>& cells);
 
-/// The same as a table for people.
+/// The cells as a table for people.
 std::string local_model_table(const std::vector<LocalModelCell>& cells);
 
 }  // namespace feltwire

@@ -23,9 +23,9 @@ struct Row {
   const char* label;
   std::string_view mode;
   bool local_model = false, research = false;
-  bool as_published = false;  // without the account that a session puts behind it
+  bool as_published = false;  // without the account that a session adds
 };
-// A method that stands beside the scene is none to have over a link.
+// Leave out methods that stand beside the scene: they cannot work over a link.
 constexpr std::array kRows = {
     Row{kReference, "none"},
     Row{"none", "none"},

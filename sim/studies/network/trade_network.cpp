@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBegin = 1.0;       // [s] within which the hand comes in; what follows is counted
-constexpr double kClearance = 0.03;  // [m] from which: the first reply comes before the contact
+constexpr double kBegin = 1.0;         // [s] the hand comes in; the time after counts
+constexpr double kClearance = 0.03;    // [m] start: the first reply comes before the contact
 constexpr double kTrafficBall = 0.09;  // [m] radius
 
 struct TradeTask {
@@ -36,7 +36,7 @@ Scene scene_of(const TradeTask& task) {
   return Scene("trade", {object});
 }
 
-/// A hand of 300 N/m that means to be 10 mm deep: 3 N.
+/// A hand of 300 N/m that intends a depth of 10 mm: 3 N.
 HandTask hand_of(const TradeTask& task) {
   HandTask hand;
   hand.path = task.path;
@@ -112,7 +112,7 @@ TradeNetworkCell run_traffic_cell(const SessionParameters& parameters,
 /// Collects settings.
 class Settings {
  public:
-  /// The baseline with something changed. A hold time and a keep-alive that all of them can have.
+  /// The baseline with a change. Its hold time and keep-alive suit all settings.
   template <class Change>
   void add(const char* group, const std::string& name, const Change& change) {
     SessionParameters p;

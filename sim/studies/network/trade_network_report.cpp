@@ -68,7 +68,7 @@ nlohmann::ordered_json json(const TrafficSetting& s, const TradeNetworkCell& c) 
           {"passive", c.passive}};
 }
 
-// Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
+// Okabe and Ito's colours for colour-blind readers. The points differ too.
 constexpr const char* kStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.0\n"
     "set style line 2 lc rgb '#e69f00' pt 5 ps 1.0\n"
@@ -76,7 +76,7 @@ constexpr const char* kStyles =
     "set style line 4 lc rgb '#d55e00' pt 3 ps 2.0 lw 2\n"
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\n";
 
-/// Inline data of one link's points: those for which `take` holds.
+/// Inline data: the points of a link for which `take` returns true.
 template <class Take>
 std::string points(const char* block, const TrafficSettings& settings, const Cells& cells,
                    std::size_t link, const Take& take) {

@@ -35,8 +35,8 @@ SidesGrid hands_sides_grid();
 /// The compared bounds: none, and the choices of the session parameter.
 inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", "both"};
 
-/// One task under one bound over one link. The numbers are those of the second half of the run,
-/// except for the energies.
+/// A task under a bound over a link. The numbers are those of the second half of the run, except
+/// for the energies.
 struct SidesCell {
   std::string_view task, bound, hand;
   double round_trip = 0.0, jitter = 0.0;  // [s]

@@ -36,7 +36,7 @@ std::string sides_hands_table(const std::vector<SidesCell>& cells) {
   std::string text = "\nBy eight hands, no jitter, no loss: the median of the hands / the worst\n";
   std::string_view task;
   for (std::size_t i = 0; i + kHands <= cells.size(); i += kHands) {
-    // A row has the four bounds, whose cells stand apart: begun at the first bound.
+    // The cells of the four bounds of a row stand apart. Begin a row at the first bound.
     const SidesCell& c = cells[i];
     if (c.bound != kSidesBounds[0] || !clean(c)) continue;
     if (c.task != task) {

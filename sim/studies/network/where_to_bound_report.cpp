@@ -75,12 +75,12 @@ struct Panel {
 constexpr Panel kPanels[] = {{"oscillation [um RMS]", "($7 > 0.1 ? $7 : 0.1)", "[0.08:1e4]"},
                              {"displayed stiffness [N/m]", "($9 > 10 ? $9 : 10)", "[8:2e4]"},
                              {"energy made [J]", "(-$14 > 1e-5 ? -$14 : 1e-5)", "[8e-6:20]"}};
-// Okabe and Ito's colours, told apart by colour-blind readers; points differ too.
+// Okabe and Ito's colours for colour-blind readers. The points differ too.
 constexpr const char* kColors[] = {"#999999", "#d55e00", "#0072b2", "#009e73"};
 constexpr const char* kPoints[] = {"pt 2 ps 1.2", "pt 4 ps 1.2", "pt 7 ps 1", "pt 6 ps 1.8"};
 
-/// Over a clean line: a row a measure, a column a task, a curve a bound; and a dot for each
-/// other jitter and loss.
+/// Over a clean line: a row for each measure, a column for each task, a curve for each bound. Dots
+/// show the other jitters and losses.
 void draw(const std::filesystem::path& directory, const std::vector<SidesCell>& cells) {
   const auto columns = tasks(cells);
   std::string script =
@@ -100,7 +100,7 @@ void draw(const std::filesystem::path& directory, const std::vector<SidesCell>& 
     for (const std::string_view task : columns) {
       append(script, "set title '%s'\nset ylabel '%s'\nset yrange %s\n", std::string(task).c_str(),
              panel.label, panel.range);
-      // The key stands in the last panel, which has room for it.
+      // The key stands in the last panel, because that has room for it.
       const bool last = panel.column == std::rbegin(kPanels)->column && task == columns.back();
       script += last ? "set key\nplot " : "unset key\nplot ";
       for (std::size_t i = 0; i < std::size(kSidesBounds); ++i) {
@@ -108,7 +108,7 @@ void draw(const std::filesystem::path& directory, const std::vector<SidesCell>& 
         std::string rows;
         append(rows, "strcol(1) eq '%s' && strcol(2) eq '%s'", std::string(task).c_str(),
                bound.c_str());
-        // Bounds beside each other, not on each other.
+        // Shift the bounds sideways, so that they do not hide each other.
         append(script, "'sides.csv' skip 1 using (($3 > 0 ? $3 : 1)*%g):(%s ? %s : NaN) ",
                0.94 + 0.04 * static_cast<double>(i), rows.c_str(), panel.column);
         append(script, "with points pt 7 ps 0.25 lc rgb '%s' notitle, ", kColors[i]);
@@ -150,7 +150,7 @@ void clean_table(std::string& text, const std::vector<SidesCell>& cells, std::st
   }
 }
 
-/// Over all jitters and losses of one round trip.
+/// Over all jitters and losses of a round trip.
 struct Overall {
   double oscillation = 0.0, displayed = 0.0, error = 0.0;  // greatest, mean, mean
   int broken = 0, count = 0;
@@ -183,7 +183,7 @@ void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::
   }
 }
 
-/// The effect of a server's bound before the client's, over all round trips, jitters and losses.
+/// The effect of adding the server's bound before the client's, over all trips, jitters and losses.
 void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
   constexpr double kNotable = 0.01;
   text +=

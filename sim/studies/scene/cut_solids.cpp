@@ -30,7 +30,7 @@ Flat at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// One tooth about x, counter-clockwise: from its root up one flank, and down the other.
+/// A tooth about x, counter-clockwise: from its root up a flank, and down the other flank.
 std::vector<Flat> tooth(const GearShape& gear) {
   constexpr double kPressure = std::numbers::pi / 9.0;  // [rad]
   constexpr double kRoot = 1.25, kTip = 1.0;            // [modules] below and above the pitch
@@ -52,8 +52,8 @@ std::vector<Flat> tooth(const GearShape& gear) {
   return all;
 }
 
-/// The walls of a prism: the polygon counter-clockwise seen from above, rising from `low` to `high`
-/// in the list of corners.
+/// The walls of a prism. The polygon is counter-clockwise as seen from above, and goes up from
+/// `low` to `high` in the list of corners.
 void add_walls(std::uint32_t low, std::uint32_t high, std::uint32_t count, TriangleSoup& soup) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t next = (i + 1) % count;
@@ -100,7 +100,7 @@ CutSolid gear_solid(const GearShape& gear) {
   soup.vertices.emplace_back(0.0, 0.0, -half);
   soup.vertices.emplace_back(0.0, 0.0, half);
   add_walls(0, count, count, soup);
-  // Each end: a fan about the axis for the hub, and one about a root for each tooth.
+  // Close each end: a fan about the axis for the hub, and a fan about a root for each tooth.
   const auto add_ends = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     soup.triangles.push_back({a, c, b});
     soup.triangles.push_back({a == axis ? axis + 1 : count + a, count + b, count + c});
@@ -129,7 +129,7 @@ CutSolid link_solid(const LinkShape& link) {
   soup.vertices.insert(soup.vertices.end(), within.begin(), within.end());
   constexpr std::uint32_t kSides = 4, kInner = 8;
   add_walls(0, kSides, kSides, soup);
-  add_walls(kInner + kSides, kInner, kSides, soup);  // the hole's walls look inwards
+  add_walls(kInner + kSides, kInner, kSides, soup);  // the hole's walls face inwards
   for (std::uint32_t i = 0; i < kSides; ++i) {
     const std::uint32_t next = (i + 1) % kSides;
     for (const std::uint32_t up : {0U, kSides}) {
@@ -147,8 +147,8 @@ CutSolid link_solid(const LinkShape& link) {
 }
 
 CutSolid bunny_solid(double tolerance, std::size_t triangles) {
-  constexpr double kCentimetre = 0.01;  // [m] a unit of the file
-  constexpr double kLeftOut = 0.25;     // of the tolerance, as of a tool in a scene
+  constexpr double kCentimetre = 0.01;  // [m] unit of the file
+  constexpr double kLeftOut = 0.25;     // share of the tolerance, as for a tool in a scene
   CutSolid solid;
   solid.surface = finer_surface(parse_mesh(embedded::bunny, "bunny.obj", kCentimetre), triangles);
   Vec3 least = solid.surface.vertices.front(), most = least;

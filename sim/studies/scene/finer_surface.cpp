@@ -15,7 +15,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // in ascending order
 
 Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Those of the vertices: the mean of the triangles round them, by their areas.
+/// Normals of the vertices: the mean over the triangles round each, weighted by area.
 std::vector<Vec3> normals(const TriangleSoup& surface) {
   std::vector<Vec3> all(surface.vertices.size(), Vec3::Zero());
   for (const auto& [a, b, c] : surface.triangles) {
@@ -27,7 +27,7 @@ std::vector<Vec3> normals(const TriangleSoup& surface) {
   return all;
 }
 
-/// The longest edges, at most so many, each once.
+/// The longest edges, at most `most`, each only once.
 std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
   std::vector<std::pair<double, Edge>> edges;
   for (const auto& corners : surface.triangles)
@@ -60,7 +60,7 @@ TriangleSoup with_halved(const TriangleSoup& surface, const std::vector<Edge>& h
   };
   for (auto [a, b, c] : surface.triangles) {
     auto ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    // Turned so that the halved edges come first.
+    // Turn the triangle so that the halved edges come first.
     while ((!ab && (bc || ca)) || (ab && !bc && ca)) {
       std::tie(a, b, c) = std::tuple(b, c, a);
       std::tie(ab, bc, ca) = std::tuple(bc, ca, ab);

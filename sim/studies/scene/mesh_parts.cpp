@@ -53,7 +53,7 @@ Object mesh_object(const char* name, const Shape& shape, const Vec3& position) {
   return object;
 }
 
-/// Lets a body fall on what stands, and measures a tick where it rests.
+/// Lets a body fall on the still objects, and measures a tick when it rests.
 double tick_us(std::vector<Object> objects, Joint joint,
                const std::shared_ptr<const ConvexSolids>& solids) {
   constexpr std::size_t kSettle = 3000, kMeasured = 1000;

@@ -41,7 +41,7 @@ std::string box_geom(const Vec3& at, const Vec3& half) {
 
 /// Walls about a pocket of this half size.
 std::string walls(const Vec3& half) {
-  constexpr double kThick = 0.02;  // [m] half of it
+  constexpr double kThick = 0.02;  // [m] half the thickness
   std::string text;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
@@ -60,7 +60,7 @@ std::string model_text(const SixDofTask& task, const ToolInertia& body) {
     solid = task.side == Side::inside ? walls(task.box->half_extents)
                                       : box_geom(Vec3::Zero(), task.box->half_extents);
   const std::string parts = geoms("tool", task.tool.parts, assets);
-  // MuJoCo's stiffness and damping are for a unit of mass.
+  // MuJoCo's stiffness and damping are per unit of mass.
   const double stiffness = kSixDofStiffness / body.mass;
   append(text,
          "<mujoco><compiler coordinate=\"local\"/><size njmax=\"8000\" nconmax=\"2000\"/>"
@@ -88,7 +88,7 @@ void require(Call call) {
   if (!mujoco::guarded(call)) throw std::runtime_error("MuJoCo cannot compute a task");
 }
 
-constexpr int kTool = 2;  // the body's number: the world and the solid come before
+constexpr int kTool = 2;  // number of the body: the world and the solid come first
 
 }  // namespace
 

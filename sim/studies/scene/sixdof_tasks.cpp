@@ -14,7 +14,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 const Vec3 kX = Vec3::UnitX(), kY = Vec3::UnitY(), kZ = Vec3::UnitZ();
 
-/// From 0 to 1 and back, at rest at both ends.
+/// Rises from 0 to 1 and goes back. It is at rest at both ends.
 double there_and_back(double share) { return 0.5 - 0.5 * std::cos(kTurn * share); }
 
 SixDofTask peg(const std::string& name, double play) {
@@ -36,14 +36,14 @@ SixDofTask peg(const std::string& name, double play) {
 }
 
 SixDofTask gears() {
-  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] about the other's axis, against its flanks
+  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] about the other's axis; against its flanks
   const GearShape gear;
   SixDofTask task;
   task.name = "gears";
   task.tool = task.solid = gear_solid(gear);
   task.contact_area = 4e-5;
   task.press = kY;
-  // A gap stands where the other gear has a tooth.
+  // A gap of this gear meets a tooth of the other gear.
   const double gap = std::numbers::pi / gear.teeth, apart = 2.0 * gear.pitch_radius();
   task.device = [gap, apart](double share) {
     const double size = there_and_back(share), roll = kRoll * std::sin(kTurn * share) * size;
@@ -110,7 +110,7 @@ SixDofTask ridge() {
   return task;
 }
 
-/// [m] Along x, from far away: where the parts of a task first meet.
+/// [m] Place along x, from far away, at which the parts of a task first meet.
 double first_contact(const SixDofTask& task, const Quaternion& orientation) {
   constexpr double kFar = 0.15, kStep = 1e-4;
   const PolygonBody body = polygon_body(task.tool.parts, {solid_parts_of(task)});
@@ -145,7 +145,7 @@ SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangle
 
 struct NamedTask {
   std::string name;
-  /// `tolerance` [m] and `triangles` (0: as it is) are those of bunny_solid().
+  /// `tolerance` [m] and `triangles` (0: unchanged) are those of bunny_solid().
   std::function<SixDofTask(const std::string& name, double tolerance, std::size_t triangles)> made;
   bool fine = false;
 };

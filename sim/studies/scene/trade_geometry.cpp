@@ -34,10 +34,11 @@ std::vector<Vec3> scattered() {
   return places;
 }
 
-/// [N] as the point's contact with a grid has it: -k d grad d.
+/// [N] The force of a point's contact with a grid: -k d grad d.
 Vec3 force(const FieldPoint& field) { return -kGlideStiffness * field.distance * field.gradient; }
 
-/// `scattered_field`: what answers at places in no order, where a memory of the last is no use.
+/// `scattered_field`: answers at places in random order, where a memory of the last place is
+/// useless.
 void measure(const Field& field, const Field& scattered_field, GeometryCell& cell) {
   const auto path = glide();
   double error = 0.0, whole = 0.0;
@@ -59,7 +60,7 @@ void measure(const Field& field, const Field& scattered_field, GeometryCell& cel
   cell.force_error = std::sqrt(error / whole);
 
   const auto places = scattered();
-  volatile double kept = 0.0;  // or the compiler leaves out what nobody wants
+  volatile double kept = 0.0;  // keeps the compiler from leaving the work out
   double sum = 0.0;
   cell.glide_ns = cost_ns(path.size(), [&](std::size_t i) { sum += field(path[i]).distance; });
   cell.scattered_ns = cost_ns(
@@ -126,8 +127,8 @@ GeometryCell nearest_on_mesh(int level) {
 
 Vec3 in_float(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
-/// The god-object, which goes on from where it was; at scattered places each begins anew.
-/// `rounded`: corners and tool as float has them, which is what a file or a device may give.
+/// The god-object, which continues from its last place. At scattered places each query begins anew.
+/// `rounded`: corners and tool in the precision of float, which a file or a device may give.
 GeometryCell proxy_on_mesh(int level, bool rounded) {
   TriangleSoup soup = icosphere(kGlideBall, level);
   if (rounded)

@@ -1,6 +1,6 @@
 #pragma once
-// One ball as an analytic solid, as meshes and as grids of distances: what each errs by, takes and
-// holds.
+// A ball as an analytic solid, as meshes and as grids of distances: the error, time and memory of
+// each.
 
 #include <filesystem>
 #include <string>
@@ -20,11 +20,11 @@ struct GeometryCell {
       kind;  // "analytic", "mesh, nearest", "mesh, proxy", "grid, linear", "grid, quadratic"
   std::string arithmetic;  // "float", "double"; of a proxy: corners and tool as float has them
   double size = 0.0;       // triangles, or [m] between samples
-  // The same in every run.
+  // Equal in every run.
   double direction_error = 0.0, worst_direction = 0.0;  // [rad] mean and largest
   double force_error = 0.0;  // RMS of the force less the ball's, over the RMS of the ball's
   double jump = 0.0;         // [N] largest change from one sample to the next, less the ball's own
-  // Of this machine.
+  // Depends on this machine.
   double glide_ns = 0.0;      // [ns] a query along the path
   double scattered_ns = 0.0;  // [ns] a query at places far from each other, 2 mm inside; of a
                               // proxy: its first

@@ -12,7 +12,7 @@
 
 namespace feltwire {
 
-/// One scene with its sessions. All have the same middle: a ball of 90 mm and 5 kN/m, beside a
+/// A scene with its sessions. All scenes have the same middle: a ball of 90 mm and 5 kN/m, beside a
 /// floor and a block. Every hand glides round it, 2 mm deep, at 0.1 m/s, sampled at 1 kHz.
 struct SceneCase {
   std::string what;
@@ -32,7 +32,7 @@ std::vector<SceneCase> scene_cases();
 struct SceneCell {
   std::string what;
   std::size_t objects = 0;
-  // Of this machine.
+  // Depends on this machine.
   double sample_ns = 0.0;      // Session::take(): contact, bound, account, reply; median of rounds
   double ratio = 1.0;          // of it to the base's, median over the rounds
   double p99_ns = 0.0;         // of single samples, the clock's reading included

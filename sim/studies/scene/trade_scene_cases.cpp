@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMiddleBall = 1;  // among the objects
+constexpr std::size_t kMiddleBall = 1;  // index among the objects
 constexpr double kMillimetre = 1e-3;    // [m]
 
 std::vector<Object> base_objects() {
@@ -32,7 +32,7 @@ std::vector<Object> base_objects() {
   return objects;
 }
 
-/// The base after a change to its ball.
+/// The base with a change to its ball.
 template <class Change>
 std::function<Scene()> ball(const Change& change) {
   return [change] {
@@ -84,7 +84,7 @@ SceneCase held(std::string what, std::string need, double radius, std::size_t po
 constexpr int kPebbleRow = 10;
 constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] of their middles; their radius
 
-/// Small balls beyond the hand's reach.
+/// Small balls outside of the hand's reach.
 Object pebble(std::size_t i) {
   const auto n = static_cast<int>(i);
   Object object;
@@ -109,7 +109,7 @@ SceneCase many(std::size_t count, std::vector<std::string> needs) {
           }};
 }
 
-/// The ball is a body, so heavy that it stays; others float beside it.
+/// Makes the ball a body, so heavy that it stays. Other bodies float beside it.
 SceneCase moving(std::size_t count, const std::optional<Shape>& pebbles = {},
                  std::vector<std::string> needs = {"motion"}) {
   const std::string what =

@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kThousand = 1e3, kHundred = 100.0;
 
-/// The base's row is the first, so its time is one of a whole step with session and account.
+/// The base's row is the first. Its time is that of a whole step with session and account.
 double share(const BareCost& bare, double of) { return kHundred * bare.more_ns / of; }
 
-/// A row a case, the number of a column to the right.
+/// A row for each case. The number of a column goes to the right.
 std::string column_panel(const char* label, const char* column, const char* colour) {
   std::string text;
   append(text, "set xlabel '%s'\n", label);

@@ -19,8 +19,8 @@ constexpr std::array<SixDofMethod, 5> kMethods = {
 
 /// The resolution of a run.
 struct Fineness {
-  int steps = 1;         // in each sample
-  std::size_t most = 0;  // times that a step is repeated until the tool stands, without mass
+  int steps = 1;         // per sample
+  std::size_t most = 0;  // without mass: largest number of repeats until the tool stands
 };
 
 int samples_of(const SixDofTask& task, const SixDofGrid& grid) {
@@ -48,8 +48,8 @@ std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int sampl
   return wrenches;
 }
 
-/// RMS of the differences over the RMS of the reference's force: of forces, and of torques over the
-/// tool's `radius`.
+/// RMS of the differences over the RMS of the reference's force: for the forces, and for the
+/// torques over the tool's `radius`.
 std::pair<double, double> errors(const std::vector<Vec6>& felt, const std::vector<Vec6>& reference,
                                  double radius) {
   double force = 0.0, torque = 0.0, whole = 0.0;
@@ -69,8 +69,8 @@ double largest_jump(const std::vector<Vec6>& wrenches) {
   return jump;
 }
 
-/// Without mass the tool stands at every sample, so finer steps serve only to follow it, and there
-/// is time for more points.
+/// Without mass the tool stands at every sample. Finer steps only help to follow it, so there is
+/// time for more points.
 std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
                             int finer) {
   constexpr std::size_t kRepeats = 50;
@@ -82,14 +82,14 @@ std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const S
   return felt(tool, task, samples_of(task, grid), fineness);
 }
 
-/// Whether a device that moves along one line and leans on the tool comes to rest: in the last
-/// third of the time it is slow, or has at most half of the energy of the third before. A bounce
-/// that goes on does not fade.
+/// Whether a device that moves along a line and leans on the tool comes to rest. In the last third
+/// of the time it is slow, or has at most half of the energy of the third before. A bounce that
+/// goes on does not fade.
 bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   constexpr double kDeviceMass = 0.05, kDamping = 2.0, kPush = 0.25;  // [kg], [N s/m], [N]
   constexpr double kSlow = 1e-3, kFar = 0.1;                          // [m/s], [m]
   constexpr double kFades = 0.5;
-  constexpr int kFiner = 20;  // steps of the device in one
+  constexpr int kFiner = 20;  // steps of the device per step of the tool
   const Pose begin = task.device(0.0);
   Pose device = begin;
   double velocity = 0.0;  // [m/s] along the line
@@ -130,7 +130,7 @@ void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod m
   });
 }
 
-/// `begin()` begins a lap, `step(device)` is timed.
+/// `begin()` begins a lap. Only `step(device)` is timed.
 template <class Begin, class StepTo>
 void measure_times(const SixDofTask& task, const SixDofGrid& grid, const Begin& begin,
                    const StepTo& step, SixDofCell& cell) {
@@ -183,7 +183,7 @@ SixDofCell measure_mujoco(const SixDofTask& task, const SixDofGrid& grid) {
   return cell;
 }
 
-/// The rows of a task, then MuJoCo's.
+/// For each task: its rows, then MuJoCo's.
 std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const SixDofGrid& grid,
                                     const std::vector<SixDofCell>& cells) {
   std::vector<SixDofCell> all;
@@ -203,7 +203,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
   std::vector<SixDofTool> tools;
   tools.reserve(cells.size());
-  // Times first: nothing else may run beside.
+  // Measure times first: nothing else may run at the same time.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const SixDofTask& task = tasks[i / kMethods.size()];
     const SixDofMethod method = kMethods[i % kMethods.size()];
@@ -213,7 +213,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
     cells[i].contact = method.polygons ? "polygons" : "points";
     cells[i].mass = !method.mass ? "none" : method.midpoint ? "midpoint" : "implicit";
   }
-  // The longest are the last ones, so they begin first.
+  // Begin with the last ones: they take longest.
   parallel_for(cells.size(), [&](std::size_t n) {
     const std::size_t i = cells.size() - 1 - n;
     measure_felt(tools[i], tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid,

@@ -25,11 +25,11 @@ struct Task {
   std::string name;
   TriangleSoup surface;
   Object object;
-  Pose pose;          // of the tool, about which the others lie
+  Pose pose;          // of the tool; the other poses are about this
   double area = 0.0;  // [m^2] contact area
-  Vec3 slide;         // [m] to either side, at random or as the hand moves
-  Vec3 turn;          // [rad] likewise
-  Vec3 away;          // [m] from the pose to where nothing is near
+  Vec3 slide;         // [m] to either side, random or moved
+  Vec3 turn;          // [rad] to either side, random or moved
+  Vec3 away;          // [m] from the pose to a place with nothing near
 };
 
 Object object_of(const Shape& solid, double resolution, Side side) {
@@ -79,7 +79,7 @@ std::vector<Task> tasks() {
   return {flat, edge, peg};
 }
 
-/// -1 ... 1, draw i.
+/// Random number i from -1 to 1.
 double random(std::uint64_t i) {
   return static_cast<double>(splitmix::draw(1, i) >> 11) * 0x1p-52 - 1.0;
 }
@@ -114,7 +114,7 @@ void compare(const std::vector<ShellContact>& felt, const std::vector<ShellConta
   cell.torque_error = std::sqrt(torque / whole) / radius;
 }
 
-/// A hand that sways about a pose, a third of the slide and turn to either side, twice a second.
+/// A hand that sways about a pose twice a second, by a third of the slide and turn to either side.
 std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
   constexpr double kTurns = 2.0, kShare = 1.0 / 3.0;
   std::vector<Pose> poses;

@@ -22,13 +22,13 @@ struct ToolsGrid {
 struct ToolsCell {
   std::string task;
   std::size_t points = 0;
-  // The same in every run.
+  // Equal in every run.
   double force_error = 0.0;   // RMS of the force less the reference's, over the RMS of the latter
   double torque_error = 0.0;  // RMS of the torque less the reference's, over the RMS of the
                               // reference's force times the body's radius
   double looked_at = 0.0;     // nodes and points whose distance was computed, mean over the poses
   double touching = 0.0;      // points inside, mean over the poses
-  // Of this machine: one step of the coupled tool [ns], mean over a moving hand's.
+  // Depends on this machine: a step of the coupled tool [ns], mean over a moving hand's steps.
   double far_ns = 0.0;       // 0.1 m away
   double contact_ns = 0.0;   // in the task
   double evaluations = 0.0;  // of all contacts in such a step (the same in every run)

@@ -28,7 +28,7 @@ namespace feltwire::teleop::with_arm {
 namespace {
 
 constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m] scenes/arm/table.xml
-constexpr double kTableFriction = 0.3;                    // mu: likewise
+constexpr double kTableFriction = 0.3;                    // mu, from the same file
 constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;        // [kg], [m] scenes/arm/box.xml
 constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] of the gripper
 constexpr double kPegWide = 0.02, kPegLong = 0.04;        // [m] scenes/arm/peg.xml: half its length
@@ -38,30 +38,30 @@ constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sp
 const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
 
-/// The intention of the hand at a time: a place [m] and an opening of the gripper [m].
+/// The hand's intention at a time: a place [m] and an opening of the gripper [m].
 struct Meant {
   Vec3 place = Vec3::Zero();
   double gripper = 0.0;
 };
 
-/// From 20 mm above the table to 40 mm below its top; `down`: the share of the way, 0 to 1.
+/// From 20 mm above the table to 40 mm below its top. `down`: the share of the way, 0 to 1.
 Meant into_table(double down) {
   constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
   return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
 }
 Meant press(double t) { return into_table(eased(0.5, 3.5, t)); }
-/// The same, up, and down a second time.
+/// `press`, then up, and down a second time.
 Meant again(double t) {
   return into_table(eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t));
 }
-/// `press`, and then 80 mm along it.
+/// `press`, then 80 mm along the table.
 Meant slide(double t) {
   constexpr double kWay = 0.08;  // [m]
   Meant meant = press(t);
   meant.place.x() += kWay * std::clamp((t - 5.0) / 3.0, 0.0, 1.0);
   return meant;
 }
-/// Onto a ball from 20 mm above its top, and 40 degrees around it within 8 s, 30 mm inside.
+/// From 20 mm above the top of a ball onto it, and 40 degrees around it within 8 s, 30 mm inside.
 Meant sphere(double t) {
   constexpr double kAbove = 0.02, kInside = 0.03;  // [m]
   constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
@@ -69,7 +69,7 @@ Meant sphere(double t) {
   const double radius = kBall + kAbove - (kAbove + kInside) * eased(0.5, 3.5, t);
   return {kBallAt + radius * Vec3(std::sin(angle), 0.0, std::cos(angle)), 0.0};
 }
-/// The peg of 20 mm from where the arm begins to the hole of 20.5 mm, and 30 mm down into it, 0.5
+/// Brings the peg of 20 mm from the arm's start to the hole of 20.5 mm, and 30 mm down into it, 0.5
 /// mm beside its axis.
 Meant peg(double t) {
   const Vec3 home(0.306891, 0.0, 0.475);  // scenes/arm/peg.xml
@@ -89,10 +89,10 @@ Meant lift(double t) {
 
 struct Task {
   std::string_view name;
-  const char* scene;  // and the body that it carries, if there is one
+  const char* scene;  // with the body that it carries, if any
   Meant (*meant)(double time);
   double duration, from, until;        // [s] the window
-  std::optional<double> presses = {};  // [s] it goes in for kPressesFor from then on
+  std::optional<double> presses = {};  // [s] begin of a press that takes kPressesFor
   double opening = 0.0;                // [m] of the gripper at the start
 };
 constexpr double kPressesFor = 3.0;  // [s]
@@ -133,14 +133,14 @@ DeviceSpec device(const Plant& plant) {
 }
 
 struct ArmSample {
-  Vec3 shown = Vec3::Zero();    // [m] the hand, as the encoder says
+  Vec3 shown = Vec3::Zero();    // [m] of the hand, by the encoder
   Vec3 held = Vec3::Zero();     // [N] on the hand from now on
   Vec3 contact = Vec3::Zero();  // [N] on the tool
   Vec3 offset = Vec3::Zero();   // [m] of the leader's index
   double height = 0.0;          // [m] of the tool
   Vec3 thing = Vec3::Zero();    // [m] of the box or the peg
-  double pushed = 0.0;          // [J] that the follower counted
-  double stiffness = 0.0;       // [N/m] of the surface that the leader knows; 0: none
+  double pushed = 0.0;          // [J] as the follower counted it
+  double stiffness = 0.0;       // [N/m] of the surface known to the leader; 0: none
 };
 
 std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFiles& scenes,
@@ -212,24 +212,24 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
   return samples;
 }
 
-/// [N/m] of two springs in a row.
+/// [N/m] of two springs in series.
 double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
 
-/// [m/N] of what the tool touches; a ball of MuJoCo's own contact is stiffer than all else.
+/// [m/N] of the touched surface. A ball with MuJoCo's own contact is stiffer than all else.
 double softness_of_surface(const Task& task) {
   return task.meant == sphere ? 0.0 : 1.0 / kTableStiffness;
 }
 
-/// [m] that the hand means to be inside, less the leader's offset.
+/// [m] Intended depth of the hand, less the leader's offset.
 double meant_depth(const Task& task, const ArmSample& s, double time) {
   const Vec3 place = task.meant(time).place - s.offset;
   if (task.meant != sphere) return kTable - place.z();
-  // Both finger tips touch the ball, beside the plane in which the tool moves.
+  // Both finger tips touch the ball, beside the plane of the tool's movement.
   const double reach = std::sqrt((kBall + kTip) * (kBall + kTip) - kTips * kTips);
   return reach - length(Vec3(place + kTip * Vec3::UnitZ() - kBallAt));
 }
 
-/// [N] of springs in a row: the hand, the arm's controller, what it touches.
+/// [N] Force of springs in series: the hand, the arm's controller, the touched surface.
 std::optional<double> intended(const Task& task, const ArmSample& s, double time,
                                double stiffness) {
   if (task.meant == lift) return kBoxMass * kGravity;
@@ -326,7 +326,7 @@ std::vector<ArmCase> arm_cases(bool quick) {
 
 std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases) {
   for (const ArmCase& c : cases) task_of(c.task);
-  // MuJoCo reads files, and an installed program has none of them.
+  // MuJoCo reads files, but an installed program has none of these.
   const UnpackedFiles scenes({{"arm.xml", std::string(embedded::arm)},
                               {"table.xml", std::string(embedded::table)},
                               {"sphere.xml", std::string(embedded::sphere)},

@@ -44,7 +44,7 @@ struct BenchSetup {
   double wrench_noise = 0.01;  // [N] RMS of the robot's sensor
 };
 
-/// One servo sample; forces on the hand as F, which resists it.
+/// A servo sample; forces on the hand as F, which resists it.
 struct BenchSample {
   double hand = 0.0, shown = 0.0;  // [m] true; as the encoder reports
   double held = 0.0;               // [N] F until this sample

@@ -16,7 +16,7 @@ namespace {
 struct Mass {
   Vec3 position, velocity = Vec3::Zero();
 
-  /// Damping is implicit: it never turns a motion round.
+  /// Damping is implicit, so it never reverses a motion.
   void step(const Vec3& force, double damping, double mass, double time) {
     velocity = (velocity + time / mass * force) / (1.0 + time * damping / mass);
     position += time * velocity;

@@ -26,7 +26,7 @@ struct SpaceSetup {
   double wrench_noise = 0.01;  // [N] RMS of the robot's sensor, on each axis
 };
 
-/// One servo sample; forces on the hand as F, which resists it.
+/// A servo sample; forces on the hand as F, which resists it.
 struct SpaceSample {
   Vec3 hand = Vec3::Zero(), shown = Vec3::Zero();  // [m] true; as the encoder reports
   Vec3 held = Vec3::Zero();                        // [N] F until this sample

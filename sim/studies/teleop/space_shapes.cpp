@@ -9,7 +9,7 @@
 namespace feltwire::teleop::in_space {
 namespace {
 
-/// A place in the plane of the hole's axis: [m] from the axis, and up from the top.
+/// A place in a plane through the hole's axis: [m] from the axis, and up from the top.
 struct Flat {
   double across = 0.0, up = 0.0;
 };
@@ -18,7 +18,7 @@ double distance(const Flat& a, const Flat& b) {
   return std::hypot(a.across - b.across, a.up - b.up);
 }
 
-/// On the segment from a to b, the nearest to p.
+/// The point on the segment from a to b that is nearest to p.
 Flat on_segment(const Flat& a, const Flat& b, const Flat& p) {
   const double x = b.across - a.across, y = b.up - a.up;
   const double share = ((p.across - a.across) * x + (p.up - a.up) * y) / (x * x + y * y);
@@ -58,7 +58,7 @@ const Vec3& SurfaceProxy::follow(const Vec3& goal) {
   return place_;
 }
 
-/// False: the place is where it stays.
+/// Returns false if the place is final.
 bool SurfaceProxy::step(const Vec3& goal) {
   constexpr double kShort = 1e-4, kNone = 1e-9;  // [m]
   const Polar<double> way = polar(Vec3(goal - place_));
@@ -70,7 +70,7 @@ bool SurfaceProxy::step(const Vec3& goal) {
     return way.length > kShort;
   }
   const Vec3 normal = direction(Vec3(blocked.point - tried));
-  // From the free side onto the surface.
+  // Go from the free side onto the surface.
   place_ += std::min(0.0, (blocked.point - place_).dot(normal)) * normal;
   const Vec3 left = goal - place_;
   const double deep = std::max(0.0, -left.dot(normal));

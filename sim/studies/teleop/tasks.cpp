@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kAir = -0.02;                 // [m] in front of the wall
-constexpr double kDeep = 0.03, kHeld = 0.025;  // [m] that the hand means to go in
+constexpr double kDeep = 0.03, kHeld = 0.025;  // [m] intended depth of the hand
 constexpr double kStroke = 0.05, kSlow = 0.5;  // [m], [Hz] of free motion
 constexpr double kBegin = 0.5, kArrive = 1.0;  // [s] of the way in
 
@@ -68,11 +68,11 @@ std::vector<Task> make_tasks() {
   return all;
 }
 
-/// [N] that the series spring would give the hand at once, from where the robot is meant to be.
+/// [N] Force that the series spring would give the hand at once, from the robot's intended place.
 double wanted_force(const Task& task, const BenchSample& s, double time) {
   const Surroundings& around = task.setup.around;
   if (around.kind == Surroundings::Kind::nothing || time >= around.vanishes) return 0.0;
-  // A weight that is carried slowly weighs what it weighs.
+  // A weight that is carried slowly gives its weight.
   if (around.kind == Surroundings::Kind::weight) return around.mass * kGravity;
   return series_stiffness(task.setup.plant, around.stiffness) *
          std::max(0.0, s.hand - s.offset - s.surface);
@@ -131,7 +131,7 @@ Measured judge(const Task& task, const std::vector<BenchSample>& samples, double
   Measured m;
   m.energy_made = energy_made(task.setup, samples);
   for (const BenchSample& s : samples) m.peak_force = std::max(m.peak_force, s.contact);
-  constexpr double kShallow = 5e-4;  // [m] mean: less shows no stiffness
+  constexpr double kShallow = 5e-4;  // [m] mean; a smaller depth shows no stiffness
   switch (task.judge) {
     case Task::Judge::press:
       if (depth > kShallow * count) m.displayed = force / depth / series;

@@ -68,7 +68,7 @@ std::vector<TeleopCase> teleop_cases(bool quick) {
           const bool bad = network.jitter > 0.0 && network.loss > 0.0;
           const bool perfect = network.jitter == 0.0 && network.loss == 0.0;
           if (quick && !perfect && !(bad && network.loss < 0.1)) continue;
-          // A minute long: where drift can come from, and no more.
+          // A drift run takes a minute: only run the cases where drift is possible.
           if (task == kDrift && !(bad && trip == kDriftTrip)) continue;
           cases.push_back(
               {std::string(law), std::string(task), trip, network.jitter, network.loss});

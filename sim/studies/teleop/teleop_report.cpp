@@ -61,7 +61,7 @@ std::string csv(const std::vector<TeleopRow>& rows) {
   return text;
 }
 
-// Okabe and Ito's colours, told apart by colour-blind readers, and greys.
+// Okabe and Ito's colours for colour-blind readers, and greys.
 constexpr std::array kColors = {"#999999", "#000000", "#cc79a7", "#56b4e9", "#0072b2", "#f0e442",
                                 "#e69f00", "#bbbbbb", "#666666", "#d55e00", "#009e73", "#44aa99"};
 

@@ -12,7 +12,7 @@
 
 namespace feltwire::teleop {
 
-/// One direction of a network in virtual time.
+/// A direction of a network in virtual time.
 template <class Message>
 class Way {
  public:

@@ -12,9 +12,9 @@
 namespace feltwire::netbench {
 namespace {
 
-constexpr std::size_t kBatch = 64;  // as the server's
+constexpr std::size_t kBatch = 64;  // as in the server
 
-/// One buffer for both ways.
+/// A buffer for both directions.
 struct Batch {
   std::array<std::array<std::uint8_t, kMaxDatagram>, kBatch> bytes;
   std::array<sockaddr_storage, kBatch> peers;

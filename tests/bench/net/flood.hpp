@@ -11,10 +11,10 @@
 
 namespace feltwire::netbench {
 
-/// Made beforehand (tests/support/garbage.hpp): sending it is all that takes time.
+/// Garbage made in advance (tests/support/garbage.hpp), so that only sending takes time.
 class Flood {
  public:
-  /// `sessions`: those that the attacker knows of.
+  /// `sessions`: the sessions that the attacker knows.
   Flood(std::uint16_t port, const std::vector<std::uint64_t>& sessions);
   Flood(const Flood&) = delete;
   Flood& operator=(const Flood&) = delete;

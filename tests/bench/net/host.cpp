@@ -23,10 +23,10 @@ namespace feltwire::netbench {
 namespace {
 
 constexpr double kNoLimit =
-    1e9;  // times the servo rate: a saturating client goes as fast as it can
+    1e9;  // times the servo rate: a saturating client sends as fast as it can
 constexpr Nanoseconds kBoundedSpin = std::chrono::microseconds(50);
 
-/// 56 random bits over the scene's number, as the server's.
+/// 56 random bits above the scene's number, as in the server.
 std::vector<std::uint64_t> session_ids(int clients, std::uint64_t scene) {
   std::vector<std::uint64_t> ids;
   for (int i = 0; i < clients; ++i)
@@ -38,7 +38,7 @@ void write_all(int file, const void* bytes, std::size_t size) {
   if (::write(file, bytes, size) != static_cast<ssize_t>(size)) std::_Exit(1);
 }
 
-/// Sends the parent the port and the sessions of a scene, for which it waits.
+/// Sends the port and the sessions of a scene to the waiting parent.
 void announce(int pipe, std::uint16_t port, const std::vector<std::uint64_t>& ids) {
   write_all(pipe, &port, sizeof port);
   write_all(pipe, ids.data(), ids.size() * sizeof ids[0]);
@@ -75,7 +75,7 @@ std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>
   return result;
 }
 
-/// Null: nothing is recorded.
+/// The recorder; null if nothing is recorded.
 std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
   if (options.record.empty()) return nullptr;
   std::vector<Scene> scenes;  // a recording contains its files
@@ -83,7 +83,7 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
   return std::make_unique<Recorder>(RecorderOptions{.file = options.record}, scenes);
 }
 
-/// Until the parent wants the recording to be complete.
+/// Records until the parent wants the complete file.
 [[noreturn]] void record_to_the_end(SceneHost& host, Recorder& recorder, int core, int pipe) {
   sigset_t end;
   sigemptyset(&end);
@@ -101,7 +101,7 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
 
 [[noreturn]] void run_ours(const HostOptions& options, const Tokens& tokens, int pipe) {
   const std::unique_ptr<Recorder> recorder = recorder_of(options);
-  if (recorder != nullptr) {  // for sigwait(): in all threads, and before one of them starts
+  if (recorder != nullptr) {  // for sigwait(): blocked in all threads, before any starts
     sigset_t end;
     sigemptyset(&end);
     sigaddset(&end, SIGTERM);
@@ -132,7 +132,7 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
     web_options.address = asio::ip::address_v4::loopback();
     const std::vector<SceneInView*> scenes = pointers(hosts);
     page = std::make_unique<web::WebServer>(web_options, scenes, TokenFile(tokens),
-                                            Identity{});  // the loopback shows no certificate
+                                            Identity{});  // pages on loopback need no certificate
     pin_to(options.page_core);
     page->start();
     const std::uint16_t port = page->port();
@@ -177,7 +177,7 @@ const char* name(HostKind kind) {
 control::JoinRequest join_request(int redundancy) {
   SessionParameters parameters;
   parameters.redundancy = redundancy;
-  parameters.side = BoundingSide::both;  // the server bounds, too
+  parameters.side = BoundingSide::both;  // the server bounds too
   return {"netbench", "room", builtin_device("simulated"), parameters};
 }
 

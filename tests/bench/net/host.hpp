@@ -1,6 +1,6 @@
 #pragma once
-// A server, or an echo in its place, in a process of its own on a core of its own, so that its CPU
-// time can be told from the load's.
+// A server or an echo in a separate process on its own core, so that its CPU time is measured apart
+// from the load's.
 
 #include <sys/types.h>
 
@@ -29,24 +29,24 @@ struct HostOptions {
   HostKind kind = HostKind::ours_sleeping;
   std::string scene_file;
   int clients = 1;               // of each scene
-  std::vector<int> cores = {0};  // one scene for each
+  std::vector<int> cores = {0};  // one scene on each core
   int redundancy = 0;
   CipherSuite suite = preferred_suite();
-  int page_core = -1;  // of the live page over these scenes; negative: there is no page
-  std::string record;  // FILE.mcap of the first scene's inputs; empty: none
+  int page_core = -1;  // for the live page of these scenes; negative: no page
+  std::string record;  // FILE.mcap for the first scene's inputs; empty: none
   int recorder_core = 0;
 };
 
-/// What the recorder came to.
+/// The result of a recording.
 struct Recorded {
-  std::uint64_t lost = 0;   // events that found its ring full
+  std::uint64_t lost = 0;   // events lost because the ring was full
   std::uint64_t bytes = 0;  // of the file
 };
 
 /// A scene as the load sees it.
 struct Target {
   std::uint16_t port = 0;
-  std::vector<std::uint64_t> sessions;  // one a client; all are joined
+  std::vector<std::uint64_t> sessions;  // one for each client, all joined
 };
 
 /// The join request of every client.
@@ -57,22 +57,22 @@ SessionKeys session_keys(std::uint64_t session, CipherSuite suite);
 
 class HostProcess {
  public:
-  /// Starts it and has all clients join. Throws std::runtime_error. Only while this process has one
-  /// thread.
+  /// Starts the process and makes all clients join. Throws std::runtime_error. The calling process
+  /// must have a single thread.
   explicit HostProcess(const HostOptions& options);
-  /// Ends it.
+  /// Ends the process.
   ~HostProcess();
   HostProcess(const HostProcess&) = delete;
   HostProcess& operator=(const HostProcess&) = delete;
 
   const std::vector<Target>& targets() const { return targets_; }
   pid_t process() const { return process_; }
-  /// Ends the recording, so that the file is complete, and the process. Once, of one that records.
-  /// Throws std::runtime_error.
+  /// Ends the recording, so that the file is complete, and the process. Call it once, only for a
+  /// process that records. Throws std::runtime_error.
   Recorded finish();
-  /// Of the live page; 0: there is none.
+  /// The port of the live page; 0 if there is none.
   std::uint16_t page_port() const { return page_port_; }
-  /// A token for its viewers.
+  /// A token for the page's viewers.
   const std::string& viewers_token() const { return viewers_token_; }
 
  private:

@@ -19,11 +19,11 @@ namespace {
 
 constexpr std::size_t kAtOnce = 64;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
-constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client goes on
-constexpr std::uint64_t kLeftBehind = 100;  // samples since the newest answered one
+constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client resends
+constexpr std::uint64_t kLeftBehind = 100;  // samples since the newest one with an answer
 constexpr unsigned kAnyKind = ~0u;
 
-/// A circle over the room's table and through what stands on it, at 0.3 m/s, that dips from 0.5 mm
+/// A circle at 0.3 m/s over the room's table and through the objects on it. It dips from 0.5 mm
 /// above the top to 2 mm below it.
 class Path {
  public:
@@ -45,13 +45,13 @@ class Path {
 
 struct Client {
   DatagramSession datagrams;
-  Opener echoes;  // of what it sent itself
+  Opener echoes;  // opens its own returned samples
   Sample sample;
   std::uint64_t phase = 0;     // along the path
-  std::uint64_t answered = 0;  // newest sample that was
+  std::uint64_t answered = 0;  // newest answered sample
 };
 
-/// The contents of an answer, or of a sample that came back.
+/// The contents of an answer or of a returned sample.
 struct Answer {
   std::uint64_t index = 0;
   Nanoseconds sent{0};
@@ -121,13 +121,13 @@ struct Load::Clients {
     for (std::size_t done = 0; done < queued;) {
       const int sent = ::sendmmsg(socket.file(), outgoing.data() + done,
                                   static_cast<unsigned>(queued - done), 0);
-      if (sent <= 0) break;  // counted as never answered
+      if (sent <= 0) break;  // counts as never answered
       done += static_cast<std::size_t>(sent);
     }
     queued = 0;
   }
 
-  /// Takes what has come; gives each answered client to `then`.
+  /// Takes the datagrams that arrived and calls `then` for each answered client.
   template <class Then>
   bool receive(int flags, Then then) {
     const int count = ::recvmmsg(socket.file(), incoming.data(), kAtOnce, flags, nullptr);
@@ -187,7 +187,7 @@ struct Load::Clients {
     return true;
   }
 
-  /// At its own phase, every period. All periods are equal, so turns come in one fixed order.
+  /// Each client sends once a period at its own phase. Equal periods keep the order of turns.
   void pace(Nanoseconds until, Nanoseconds start, std::uint64_t& turn) {
     const auto count = static_cast<std::uint64_t>(all.size());
     const auto due = [&](std::uint64_t t) {
@@ -205,18 +205,18 @@ struct Load::Clients {
     }
   }
 
-  /// Everybody always waits for an answer.
+  /// Every client always waits for an answer.
   void saturate(Nanoseconds until) {
     Nanoseconds heard = now() - kLost;
     for (Nanoseconds time = heard + kLost; time < until; time = now()) {
       const int flags = options.sleep ? MSG_WAITFORONE : MSG_DONTWAIT;
       if (receive(flags, [this](Client& client) {
-            // An echo may bring an older sample back: that client waits for its newest.
+            // An echo may return an older sample: the client waits for its newest.
             if (client.answered == client.sample.index) queue(client);
           })) {
         heard = time;
       } else if (time - heard >= kLost) {
-        // First, or after losses: whoever waits goes on.
+        // At the start, or after losses: every waiting client sends again.
         for (Client& client : all) queue(client);
         heard = time;
       }

@@ -16,49 +16,49 @@ struct LoadOptions {
   Nanoseconds period = std::chrono::milliseconds(1);  // of each client
   Nanoseconds warm_up = std::chrono::milliseconds(200);
   Nanoseconds duration = std::chrono::seconds(1);
-  bool saturate = false;                      // each client sends again as soon as it is answered
-  bool flood = false;                         // garbage in all the time that is left (paced)
-  std::vector<std::uint64_t> known_sessions;  // to who sends it
+  bool saturate = false;                      // each client sends again as soon as it has an answer
+  bool flood = false;                         // garbage in all the remaining time (paced)
+  std::vector<std::uint64_t> known_sessions;  // for the flood's sender
   bool sleep = false;  // between answers (saturate): for a load that shares the server's core
 };
 
 /// The result of the counted part of a run.
 struct LoadResult {
   std::uint64_t sent = 0, answered = 0, late = 0;  // late: after more than 1 ms
-  std::uint64_t with_force = 0;                    // answers that carried one
-  std::uint64_t bad = 0;                           // datagrams that are no answer
+  std::uint64_t with_force = 0;                    // answers with a force
+  std::uint64_t bad = 0;                           // datagrams that are not answers
   std::uint64_t garbage = 0;                       // datagrams of the flood
   int left_behind = 0;                             // clients without an answer for some time
   Nanoseconds server_cpu{0}, wall{0};
-  Nanoseconds longest_pause{0};  // of the load itself
+  Nanoseconds longest_pause{0};  // of the load's own thread
   struct Window {
     std::uint64_t answered = 0, late = 0;
   };
   static constexpr Nanoseconds kWindow = std::chrono::milliseconds(20);
-  std::vector<Window> windows;  // by arrival
+  std::vector<Window> windows;  // by arrival time
   Histogram round_trip;         // [ns] from before the sending call to after the receiving one
   std::size_t sample_size = 0, answer_size = 0;  // [bytes] of a datagram
 
   double cpu_per_answer() const { return nanoseconds(server_cpu) / static_cast<double>(answered); }
   double server_busy() const { return nanoseconds(server_cpu) / nanoseconds(wall); }
-  /// Of what was sent; what was lost is late.
+  /// The late share of the sent samples; lost samples count as late.
   double late_share() const {
     const std::uint64_t in_time = answered - std::min(late, answered);
     return 1.0 - std::min(1.0, static_cast<double>(in_time) / static_cast<double>(sent));
   }
-  /// Of the median window: what the server does while nothing else takes its core or the load's.
+  /// The late share in the median window: without other work on the server's or the load's core.
   double late_share_between_stalls() const;
 
  private:
   static double nanoseconds(Nanoseconds time) { return static_cast<double>(time.count()); }
 };
 
-/// Plays the clients of one target. Memory is taken when it is made.
+/// Plays the clients of one target. The constructor allocates all memory.
 class Load {
  public:
   Load(const Target& target, bool echoed, const LoadOptions& options);
   ~Load();
-  /// In the calling thread, which should have a core of its own. `host` is asked for its CPU time.
+  /// Runs in the calling thread, which should have its own core. Measures the CPU time of `host`.
   LoadResult run(pid_t host);
 
  private:

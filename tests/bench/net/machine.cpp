@@ -55,7 +55,7 @@ Nanoseconds cpu_time(pid_t process) {
 
 Socket::Socket() : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   require(file_ >= 0, "socket");
-  constexpr int kBuffer = 1 << 20;  // [bytes] as the server's
+  constexpr int kBuffer = 1 << 20;  // [bytes] as in the server
   ::setsockopt(file_, SOL_SOCKET, SO_RCVBUF, &kBuffer, sizeof kBuffer);
   const sockaddr_in address = loopback(0);
   require(::bind(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "bind");

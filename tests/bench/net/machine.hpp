@@ -9,14 +9,14 @@
 
 namespace feltwire::netbench {
 
-/// The calling thread, and what it starts from now on, runs on this core only. Throws
-/// std::system_error.
+/// From now on the calling thread, and the threads and processes that it starts, run on this core
+/// only. Throws std::system_error.
 void pin_to(int core);
 int cores() noexcept;
 
-/// Of the monotonic clock.
+/// The time of the monotonic clock.
 Nanoseconds now() noexcept;
-/// CPU time that a process has used so far, in all its threads.
+/// The CPU time that a process has used so far, in all its threads.
 Nanoseconds cpu_time(pid_t process);
 
 /// A UDP socket on 127.0.0.1.
@@ -30,7 +30,7 @@ class Socket {
   int file() const { return file_; }
   std::uint16_t port() const;
   void connect(std::uint16_t port) const;
-  /// Receiving without an answer for so long ends.
+  /// Limits how long a receive call waits.
   void set_patience(Nanoseconds time) const;
 
  private:

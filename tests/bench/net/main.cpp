@@ -1,5 +1,5 @@
-// feltwire-netbench: our server under load, beside bare echoes, on one core with the load on the
-// other. Prints tables and the bars; judges nothing by its exit status.
+// feltwire-netbench: our server under load, compared with bare echoes, on one core with the load on
+// another. Prints tables and bars; the exit status judges nothing.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -46,7 +46,7 @@ void print_sweep(const Sweep& sweep) {
   const auto& full = sweep.at(kSaturation);
   const auto& one = sweep.at(1);
   std::printf("\n");
-  // 3.5 us beside an echo of 2.05 us, or as much more as this machine's echo costs.
+  // 3.5 us when an echo takes 2.05 us, scaled by the cost of this machine's echo.
   constexpr double kBar = 3.5, kBarsEcho = 2.05;
   const double echo = 1e-3 * full.at(HostKind::echo_blocking).cpu;
   print_bar("CPU per sealed answer, saturated [us], at most 3.5 / 2.05 blocking echoes",

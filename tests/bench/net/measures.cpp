@@ -12,7 +12,7 @@ namespace feltwire::netbench {
 namespace {
 
 constexpr double kHeld = 1e-3;  // share of the answers that may be late
-constexpr int kTries = 3;       // of a search's step: these machines stall now and then
+constexpr int kTries = 3;       // per step of a search: these machines stall at times
 constexpr int kMostSteps = 24;  // of kClientStep
 constexpr int kScalingClients = 64;
 
@@ -72,7 +72,7 @@ bool holds_between_stalls(const Settings& settings, HostKind kind, int clients) 
   return run(settings, kind, clients).late_share_between_stalls() < kHeld;
 }
 
-/// Bisection: whoever holds n holds fewer too.
+/// Bisection, because holding n clients implies holding fewer.
 template <class Holds>
 int search(Holds holds_clients) {
   int held = 0, not_held = kMostSteps + 1;
@@ -111,7 +111,7 @@ double answers_per_second(const Settings& settings, const std::vector<int>& core
   return sum;
 }
 
-/// One more has joined than speak: that session is the attacker's.
+/// A further session has joined but sends nothing: the attacker knows its number.
 LoadResult run_flooded(const Settings& settings, bool flood) {
   HostOptions host;
   host.scene_file = settings.scene;

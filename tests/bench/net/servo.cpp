@@ -1,4 +1,4 @@
-// Our own client's servo loop against our own server.
+// Our client's servo loop against our server.
 
 #include <arpa/inet.h>
 #include <poll.h>
@@ -19,10 +19,10 @@
 namespace feltwire::netbench {
 namespace {
 
-constexpr double kSecondsForEach = 4.0;  // of the settings' seconds: one client makes few samples
+constexpr double kSecondsForEach = 4.0;  // times Settings::seconds: one client makes few samples
 constexpr unsigned long kDefaultSlack = 50'000, kLeastSlack = 1;  // [ns]
 
-/// Above the table and in it, in turns.
+/// Alternates between above and inside the table.
 class DippingDevice final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -93,7 +93,7 @@ Run run(const Settings& settings, const Way& way) {
           1e-3 * round_trip.quantile(0.999)};
 }
 
-/// The limit of the machine: a timer that is waited for, and nothing else.
+/// The machine's limit: only a timer to wait for.
 Run bare_timer(const Settings& settings) {
   constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   Histogram late;

@@ -18,7 +18,7 @@
 namespace feltwire::netbench {
 namespace {
 
-/// The page as test::Page wants it.
+/// The page in the form that test::Page expects.
 struct Site {
   std::uint16_t port;
   std::string web_url() const { return "http://127.0.0.1:" + std::to_string(port) + "/"; }

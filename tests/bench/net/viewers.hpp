@@ -11,19 +11,19 @@
 
 namespace feltwire::netbench {
 
-/// Each is a process of its own. They run only when nobody else wants their core, since people draw
-/// on other machines.
+/// Each viewer is a separate process. It runs only when its core is otherwise idle, because real
+/// viewers draw on other machines.
 class Viewers {
  public:
-  /// Starts them, and waits until each has a picture. `port`: of the page, on 127.0.0.1. Throws
-  /// std::runtime_error. Only while this process has one thread.
+  /// Starts the viewers and waits until each has a picture. `port`: the page's, on 127.0.0.1.
+  /// Throws std::runtime_error. The calling process must have a single thread.
   Viewers(int count, std::uint16_t port, const std::string& token, int core);
-  /// Ends them.
+  /// Ends the viewers.
   ~Viewers();
   Viewers(const Viewers&) = delete;
   Viewers& operator=(const Viewers&) = delete;
 
-  /// The number of pictures that all of them have read so far.
+  /// The number of pictures that all viewers together have read so far.
   std::uint64_t pictures() const { return pictures_->load(); }
 
  private:

@@ -1,12 +1,12 @@
-// feltwire-pairbench: the depth of two convex polyhedra in each other as libraries of Debian 12
-// measure it, and the time that they and our add_depth() take (docs/lab/trade.md has a table).
+// feltwire-pairbench: the penetration depth of two convex polyhedra as measured by libraries of
+// Debian 12, and the time of their queries and of our add_depth() (docs/lab/trade.md has a table).
 // - libccd's EPA compares its tolerance with a squared length, and the default is 1e-4.
 // - Bullet adds a margin of 0.04 to each shape unless told not to.
-// - FCL's collide() measures convex shapes by libccd's MPR (GST_LIBCCD), or by an EPA of its own
-//   with the other sign (GST_INDEP). Another EPA of its own is behind distance().
-// - FCL, ODE and MuJoCo give several points for two boxes. The deepest one counts.
-// A query also places the tool. With MuJoCo it is the whole of mj_kinematics() and mj_collision();
-// no time is subtracted for what these do besides.
+// - FCL's collide() measures convex shapes by libccd's MPR (GST_LIBCCD), or by its own EPA with the
+//   other sign (GST_INDEP). distance() uses another EPA.
+// - FCL, ODE and MuJoCo give several points for two boxes: the deepest counts.
+// A query also places the tool. For MuJoCo it is the whole of mj_kinematics() and mj_collision();
+// the time of their other work is not subtracted.
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
@@ -39,19 +39,19 @@
 namespace feltwire {
 namespace {
 
-constexpr double kNone = NAN;                            // a depth: no contact
-const Vec3 kAway = Vec3(0.48, 0.60, 0.64).normalized();  // from the solid to the tool, always
+constexpr double kNone = NAN;                            // the depth of no contact
+const Vec3 kAway = Vec3(0.48, 0.60, 0.64).normalized();  // always from the solid to the tool
 
-/// Where the tool is, in the solid's frame, and how deep.
+/// The tool's pose in the solid's frame, and its depth.
 struct Place {
   Quaternion orientation = Quaternion::Identity();
   Mat3 rotation = Mat3::Identity();
   Vec3 position = Vec3::Zero();
   double depth = 0.0;
-  Vec3 normal = Vec3::Zero();  // unit: to move the tool by the depth along it ends the contact
+  Vec3 normal = Vec3::Zero();  // unit: moving the tool by the depth along it ends the contact
 };
 
-/// With its own unit of length, `metre` of which are a metre.
+/// A pair in its own unit of length: `metre` units are one metre.
 struct Pair {
   double metre;
   Polyhedron tool, solid;
@@ -60,7 +60,7 @@ struct Pair {
 
 using Query = std::function<double(const Place&)>;  // the depth at a place, or kNone
 
-/// Points on an ellipsoid, so that each is a corner of the hull. None: the corners of a box.
+/// The hull of points on an ellipsoid: each point is a corner. 0 corners: a box.
 Polyhedron random_solid(std::uint64_t corners, double metre, std::uint64_t seed) {
   std::vector<Vec3> points;
   for (std::uint64_t i = 0; i < corners; ++i) {
@@ -83,9 +83,9 @@ double reach(const Polyhedron& of, const Vec3& direction) {
   return most;
 }
 
-/// The faces of the Minkowski difference of the two, `tool` turned and at the origin: one for each
-/// face of both, and one along each two edges whose arcs on the sphere of normals cross (Gregorius
-/// 2013, The separating axis test). The tool's least height below one is the depth.
+/// The faces of the Minkowski difference of the two, with `tool` turned and at the origin: one per
+/// face of both, and one per pair of edges whose arcs on the sphere of normals cross (Gregorius
+/// 2013, The separating axis test). The depth is the tool's least height below a face.
 std::vector<HalfSpaceBelow> separating_planes(const Polyhedron& solid, const Polyhedron& tool) {
   std::vector<HalfSpaceBelow> planes;
   for (const auto& [n, offset] : solid.planes) planes.push_back({n, offset + reach(tool, -n)});
@@ -107,8 +107,8 @@ std::vector<HalfSpaceBelow> separating_planes(const Polyhedron& solid, const Pol
   return planes;
 }
 
-/// `corners`: 0: boxes. The tool turns round once, about an axis that sways. At each place it is
-/// moved along kAway until it is as deep as it shall be.
+/// `corners`: 0 for boxes. The tool turns once about a swaying axis. At each place it is moved
+/// along kAway until it has the required depth.
 Pair pair_of(std::uint64_t corners, double metre) {
   constexpr int kPlaces = 4000;
   Pair pair{metre, random_solid(corners, metre, 1), random_solid(corners, metre, 2), {}};
@@ -195,7 +195,7 @@ Query bullet(const Pair& pair) {
   };
 }
 
-/// Of each face the number of its corners, and these.
+/// For each face, the number of its corners followed by the corners.
 template <class Index>
 std::vector<Index> faces(const Polyhedron& of) {
   std::vector<Index> all;
@@ -239,7 +239,7 @@ Query fcl_distance(const FclShape& tool, const FclShape& solid) {
   };
 }
 
-/// It keeps pointers to the numbers, `of` among them.
+/// The geom keeps pointers to the numbers, including those of `of`.
 dGeomID ode_convex(const Polyhedron& of) {
   static std::vector<std::vector<unsigned>> polygons;
   polygons.push_back(faces<unsigned>(of));
@@ -264,7 +264,7 @@ Query ode(dGeomID tool, dGeomID solid) {
   };
 }
 
-/// A geom's margin is 0 as it is not given.
+/// The file gives no margin, so each geom's margin is 0.
 Query mujoco(const Pair& pair, bool as_boxes) {
   std::string meshes, geoms[2];
   for (const int i : {0, 1}) {
@@ -322,7 +322,7 @@ void print_library(const Pair& pair, const std::string& name, const Query& query
               mm * std::sqrt(squares / found), mm * error, mm * jump, none);
 }
 
-/// Methods whose result does not depend on the unit are measured in metres only.
+/// If a method's result does not depend on the unit, it is measured in metres only.
 void print_libraries(const Pair& pair, const std::string& unit, bool boxes) {
   const FclShape tool = fcl_convex(pair.tool), solid = fcl_convex(pair.solid);
   if (unit == "m" && boxes) {
@@ -345,8 +345,9 @@ void print_libraries(const Pair& pair, const std::string& unit, bool boxes) {
   print_library(pair, "FCL distance(), " + unit, fcl_distance(tool, solid));
 }
 
-/// As a tool of polygons calls it: the solid is thickened away from the tool. In metres. Also the
-/// largest change of the force from place to place, beside that of the true depth times its normal.
+/// Calls add_depth() as a polygonal tool does, in metres: the solid is thickened away from the
+/// tool. Also prints the largest change of the force from place to place, and that of the true
+/// depth times its normal.
 void print_own(const Pair& pair) {
   const SolidPart solid = solid_parts({pair.solid.vertices}).parts[0];
   const auto sums_at = [&](const Place& at) {

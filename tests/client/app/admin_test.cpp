@@ -101,7 +101,7 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   hand.stop.set();
 }
 
-/// A client of another process, whose law and link change while it runs, and what it says of that.
+/// Changes law and link of a client in another process, and reads its report and recording.
 TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   const std::string token = folder_ / "hand", report = folder_ / "report.json";
   replace_file(token, anna_.text.text(), kPrivate);

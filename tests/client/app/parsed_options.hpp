@@ -15,7 +15,7 @@ namespace feltwire::options_test {
 
 inline const std::string kPrint(64, 'a');  // of some certificate
 
-/// Parses a command line without options of trust.
+/// Parses a command line without trust options.
 inline std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> words) {
   words.insert(words.begin(),
                {"feltwire-client", "--connect", "localhost:6720", "--scene", "room"});
@@ -24,7 +24,7 @@ inline std::variant<ClientOptions, int> parsed_bare(std::vector<std::string> wor
   return parse_options(static_cast<int>(argv.size()), argv.data());
 }
 
-/// Parses a command line with a fingerprint and a token; its output goes to that of the test.
+/// Parses a command line with a fingerprint and a token. The parser prints to the test's output.
 inline std::variant<ClientOptions, int> parsed(std::vector<std::string> words) {
   ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
   words.insert(words.begin(), {"--fingerprint", kPrint});
@@ -40,7 +40,7 @@ inline SafetyLimits limits(const std::vector<std::string>& words) {
   return std::get<ClientOptions>(options).servo.safety;
 }
 
-/// The one line that a command line is refused with.
+/// The single error line for a refused command line.
 inline std::string refusal(const std::vector<std::string>& words, bool bare = false) {
   ::testing::internal::CaptureStderr();
   const auto options = bare ? parsed_bare(words) : parsed(words);

@@ -1,4 +1,4 @@
-// feltwire-client when the system refuses it something: how it ends, and what it leaves.
+// feltwire-client after a system call fails: its exit status and the files it leaves.
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -50,7 +50,7 @@ class ClientProgramFault : public ::testing::Test {
                  folder_ / "report.json", "--record", folder_ / "felt.csv"});
     return std::make_unique<test::Program>(FELTWIRE_CLIENT_PROGRAM, std::move(more));
   }
-  /// Until the last row of the recording says that the hand is given a force.
+  /// Waits until the last row of the recording has a force on the hand.
   void await_force() {
     for (bool pulls = false; !pulls; std::this_thread::yield()) {
       std::string rows = text_of(folder_ / "felt.csv");
@@ -69,8 +69,8 @@ class ClientProgramFault : public ::testing::Test {
   ServerAccess access_;
 };
 
-/// Every attempt to join again fails for want of descriptors. Each is an attempt that failed; the
-/// run ends when its patience does.
+/// No attempt to rejoin gets a descriptor. Each counts as a failed attempt, and the run ends when
+/// its patience is over.
 TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
@@ -89,7 +89,7 @@ TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
   EXPECT_GT(report()["max_force_n"], 0.5);
 }
 
-/// The thread that asks for a session cannot be waited for, so the program ends at once.
+/// The program cannot wait for the thread that asks for a session, so it ends at once.
 TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound) {
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
                         {"--connect", to_string(access_.endpoint), "--check", "--duration", "600",
@@ -111,7 +111,7 @@ TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound
     EXPECT_THAT(outcome.out, ::testing::HasSubstr(finding));
 }
 
-/// A terminal that is closed, and its interrupt key, end a session in order.
+/// A hang-up of the terminal and its quit key end a session in order.
 TEST_F(ClientProgramFault, AHangUpEndsItInOrder) {
   for (const int signal : {SIGHUP, SIGQUIT}) {
     const auto program = start({});

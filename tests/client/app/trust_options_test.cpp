@@ -1,4 +1,4 @@
-// Which server is trusted, and with which token, as the command line says.
+// The command line selects the trusted server and the token.
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

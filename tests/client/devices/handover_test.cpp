@@ -1,4 +1,4 @@
-// Between a callback of the device and the servo thread: what is held is what is told.
+// Handover between a device callback and the servo thread: it reports exactly the held force.
 
 #include "client/devices/handover.hpp"
 
@@ -18,7 +18,7 @@ constexpr Nanoseconds kNone{0};
 DeviceReading at(double x) { return {.pose = {.position = Vec3(x, 0, 0)}}; }
 Command pull(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// The servo's half of a tick, in a thread of its own while the device's half runs in this one.
+/// Runs the servo's half of a tick in another thread and the device's half in this one.
 template <class Servo>
 Command exchanged(Handover& handover, double x, Servo servo) {
   std::thread other([&] {
@@ -38,14 +38,14 @@ TEST(Handover, AForceIsUsedInTheTickOfItsReading) {
     EXPECT_EQ(handover.write(pull(2)), pull(2));
   });
   EXPECT_EQ(applied, pull(2));
-  EXPECT_FALSE(handover.newest().fresh);  // once only
+  EXPECT_FALSE(handover.newest().fresh);  // a reading is fresh only once
 }
 
-/// A force that misses its tick is never used later: the servo has been told that it is not held.
+/// A late force is never applied afterwards: the servo was told that it is not held.
 TEST(Handover, AForceThatComesTooLateIsDropped) {
   Handover handover(5);
   exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
-  EXPECT_EQ(handover.exchange(at(1), kNone), pull(2));  // nobody answers: the last is repeated
+  EXPECT_EQ(handover.exchange(at(1), kNone), pull(2));  // no answer: the last force is repeated
   EXPECT_EQ(handover.newest().pose.position.x(), 1.0);
   EXPECT_EQ(handover.write(pull(5)).force().z(), handover.write(pull(7)).force().z());
   EXPECT_EQ(handover.exchange(at(2), kNone), pull(2));
@@ -59,7 +59,7 @@ TEST(Handover, AServoThatFallsSilentHoldsNothing) {
   exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
   for (int n = 0; n < 3; ++n) EXPECT_EQ(handover.exchange(at(n), kNone), pull(2)) << n;
   EXPECT_EQ(handover.exchange(at(4), kNone), Command{});
-  // More ticks than there is room for change nothing.
+  // Further ticks beyond the capacity change nothing.
   for (int n = 0; n < 200; ++n) EXPECT_EQ(handover.exchange(at(n), kNone), Command{}) << n;
 }
 
@@ -67,12 +67,12 @@ TEST(Handover, ReleaseIsForGood) {
   Handover handover(5);
   exchanged(handover, 0, [&](const DeviceReading&) { handover.write(pull(2)); });
   handover.release();
-  EXPECT_EQ(handover.exchange(at(1), kLong), Command{});  // and nobody is waited for
+  EXPECT_EQ(handover.exchange(at(1), kLong), Command{});  // and exchange() does not wait
   EXPECT_EQ(handover.write(pull(3)), Command{});
 }
 
-/// The old force was on the hand until the new one was there: the energy of the mean is that of
-/// both. Of a tick whose force never changed the mean is that force.
+/// The device holds the old force until the new force comes. The reported mean has the energy of
+/// both. If the force did not change in a tick, the mean is that force.
 TEST(Handover, AReadingTellsWhatWasHeldSinceTheOneBefore) {
   Handover handover(5);
   exchanged(handover, 0, [&](const DeviceReading& first) {
@@ -85,17 +85,17 @@ TEST(Handover, AReadingTellsWhatWasHeldSinceTheOneBefore) {
     handover.write(pull(4));
   });
   EXPECT_GT(told, 0.0);
-  EXPECT_LT(told, 4.0);  // 0 N until it was answered, 4 N from then on
+  EXPECT_LT(told, 4.0);  // 0 N until the answer, 4 N after it
   exchanged(handover, 2, [&](const DeviceReading& third) {
     EXPECT_DOUBLE_EQ(third.held.value_or(Command{}).force().z(), 4.0);
     handover.write(pull(4));
   });
-  handover.cut_to(pull(1));  // an amplifier that was too hot
+  handover.cut_to(pull(1));  // as a device does whose amplifier is too hot
   handover.exchange(at(3), kNone);
   EXPECT_LT(handover.newest().held.value_or(pull(9)).force().z(), 4.0);
 }
 
-/// A fault of one tick is told also where the servo thread slept through it, and only once.
+/// A fault is reported once, even if the servo thread sleeps through its tick.
 TEST(Handover, AFaultThatWasSleptThroughIsTold) {
   Handover handover(5);
   DeviceReading faulty = at(1);
@@ -110,9 +110,8 @@ TEST(Handover, AFaultThatWasSleptThroughIsTold) {
   EXPECT_TRUE(handover.newest().ok);
 }
 
-/// As fast as both threads can, with answers that come in time and answers that do not: what the
-/// device applies is the answer to that very reading, or what it held before; and no thread touches
-/// the heap.
+/// Both threads run at full speed, and some answers are late. The device applies the answer to the
+/// current reading, or it keeps the last force. No thread uses the heap.
 TEST(Handover, NoAnswerIsTakenForThatOfAnotherReading) {
   constexpr int kTicks = 20'000;
   Handover handover(kTicks);
@@ -143,7 +142,7 @@ TEST(Handover, NoAnswerIsTakenForThatOfAnotherReading) {
   over.store(true);
   servo.join();
   EXPECT_EQ(used, 0u);
-  EXPECT_EQ(claimed, in_time);  // what write() said is held was held
+  EXPECT_EQ(claimed, in_time);  // write() reported the force that was held
   EXPECT_GT(in_time, 0);
 }
 

@@ -1,5 +1,5 @@
-// A simulated device with a plant: the ideal one is today's rig, and the encoder stands where the
-// plant says.
+// A simulated device with a plant: an ideal plant equals the rig, the integration without a plant.
+// The encoder reads the side that the plant names.
 
 #include <gmock/gmock.h>
 
@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// A usual hand that presses on a wall at z = 0 as in the studies, without an encoder's quantum.
+/// A usual hand that presses a wall at z = 0 as in the studies; the encoder has no quantum.
 SimulatedHandOptions pressing() {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated");
@@ -79,7 +79,7 @@ TEST(PlantDevice, AnIdealPlantIsTheRigToTheBit) {
   EXPECT_EQ(pressed(with).handle, pressed(pressing()).handle);
 }
 
-/// A press in PlantMotion itself, which the device uses for every other plant.
+/// The press, integrated by PlantMotion, which the device uses for plants that are not ideal.
 Path pressed_in_motion(const SimulatedHandOptions& o) {
   PlantMotion motion(o.plant, o.spec, o.hand);
   const IntendedMotion task(o.task);
@@ -109,14 +109,14 @@ Path pressed_in_motion(const SimulatedHandOptions& o) {
 TEST(PlantDevice, TheMotionOfAnIdealPlantIsThatOfTheRigToAMicrometre) {
   const Path rig = pressed(pressing()), motion = pressed_in_motion(pressing());
   EXPECT_LT(apart(rig.handle, motion.handle), 1e-6);
-  EXPECT_GT(rig.handle.front().z() - rig.handle.back().z(), 9e-3);  // it went a long way
+  EXPECT_GT(rig.handle.front().z() - rig.handle.back().z(), 9e-3);  // the press is 9 mm or more
   EXPECT_NEAR(motion.energy.given, rig.energy.given, 1e-3 * std::abs(rig.energy.given));
   EXPECT_NEAR(motion.energy.burned, rig.energy.burned, 1e-3 * rig.energy.burned);
   EXPECT_NEAR(motion.energy.to_hand, rig.energy.to_hand, 1e-3 * std::abs(rig.energy.to_hand));
 }
 
-/// A faster hand is a step of 20 us ahead in the rig, which integrates with an error of the first
-/// order. The rig with steps of 1 us shows that it is the rig's.
+/// The rig integrates with a first-order error: it leads a fast hand by one step of 20 us. With
+/// steps of 1 us it agrees with PlantMotion, so the error is the rig's.
 TEST(PlantDevice, WhereTheRigDiffersItIsByOneStepOfItsOwn) {
   SimulatedHandOptions o = pressing();
   o.task.path = HandPath::slide;
@@ -279,7 +279,7 @@ TEST(PlantDevice, TheMotorsEnergyIsThatOfItsTrueForce) {
     device.read(milliseconds(2000));
     const double way = (device.true_position() - start).x();
     const TrueEnergy energy = device.true_energy();
-    // It rests: all that was given was burned, and the most was in its mass when the force ended.
+    // At rest all given energy is burned. The mass held most of it when the force ended.
     EXPECT_NEAR(energy.burned, 0.5 * way, 1e-9);
     EXPECT_NEAR(energy.given, energy.burned, 1e-3 * energy.burned);
     EXPECT_NEAR(energy.made, 0.5 * 1.0 * 1.0 / 0.08 * 0.1 * 0.1, 0.05 * energy.made);
@@ -315,7 +315,7 @@ TEST(PlantDevice, APlantThatDoesNotFitItsDeviceIsRefused) {
                   AllOf(HasSubstr("friction.breakaway"), HasSubstr("give as much or more"))));
 }
 
-// Files.
+// Plant files.
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file) << text;

@@ -27,7 +27,7 @@ DeviceSpec smooth_spec() {
   return spec;
 }
 
-/// Moves the plant on for `span` [s], with its intended place at rest at `intended`.
+/// Runs the plant for `span` [s] while the intended place rests at `intended`.
 void run(PlantMotion& motion, double begin, double span, const Vec3& intended = Vec3::Zero()) {
   const int steps = static_cast<int>(std::ceil(span / motion.longest_step()));
   for (int i = 0; i < steps; ++i)
@@ -44,7 +44,7 @@ TEST(PlantMotion, TheTransmissionSwingsAsTwoMassesOnASpringDo) {
   constexpr double kMotor = 0.06, kHandle = 0.02, kStiffness = 10e3, kForce = 2.0;
   PlantMotion motion(with_transmission(kStiffness, 0.0, kHandle), smooth_spec(), kNoHand);
   motion.write(0.0, Vec3(kForce, 0, 0));
-  // Both together are at F t^2 / (2 (m + M)); the spring swings about F M_h / (k (m + M)).
+  // Their centre moves by F t^2 / (2 (m + M)); the spring swings about F M_h / (k (m + M)).
   const double whole = kMotor + kHandle, reduced = kMotor * kHandle / whole;
   const double w = std::sqrt(kStiffness / reduced);
   for (int n = 0; n < 100; ++n) {
@@ -102,7 +102,7 @@ TEST(PlantMotion, APureDelayHoldsTheForceBackAndKeepsIt) {
   run(motion, 0.0, 0.34e-3);
   EXPECT_EQ(motion.motor_velocity().x(), 0.0);
   run(motion, 0.34e-3, kTick - 0.34e-3);
-  // Not rounded to a step: the force acted for 0.65 ms.
+  // The delay is not rounded to a step: the force acted for 0.65 ms.
   EXPECT_NEAR(motion.motor_velocity().x(), 4.0 / 0.08 * 0.65e-3, 1e-14);
   motion.write(kTick, Vec3::Zero());
   run(motion, kTick, kTick);
@@ -127,11 +127,11 @@ TEST(PlantMotion, JitterStaysWithinItsBoundAndTheNewestForceStays) {
       shown = now;
       if (now == n) soonest = std::min(soonest, (i + 1) * kPart);
     }
-    EXPECT_GE(shown, n - 3.0);  // none is later than delay and jitter
+    EXPECT_GE(shown, n - 3.0);  // no force is later than delay plus jitter
     late += shown < n ? 1 : 0;
   }
   EXPECT_GE(soonest, 0.2e-3);
-  // Each comes at its own time, also where an older one would come later: 0.8 of 2.5 ms.
+  // Each force comes at its own time, even before an older one: 0.8 of 2.5 ms are in its tick.
   EXPECT_NEAR(1.0 - late / 3999.0, 0.8 / 2.5, 0.03);
 }
 
@@ -142,7 +142,7 @@ TEST(PlantMotion, AForceHasTheResolutionOfItsAmplifier) {
   EXPECT_NEAR((amplifier.output() - Vec3(0.008, -1.0, 0.0)).norm(), 0.0, 1e-12);
 }
 
-/// [m] where a mass of 0.08 kg comes to rest that had 0.05 m/s, and the least speed on its way.
+/// [m] the distance that 0.08 kg coasts from 0.05 m/s, and its least speed on the way.
 struct Coast {
   double way, least_speed;
 };
@@ -187,7 +187,7 @@ TEST(PlantMotion, ItTakesTheBreakawayForceToMoveAndLessToGoOn) {
   motion.write(0.1, Vec3(0.0801, 0, 0));
   run(motion, 0.1, 0.3);
   EXPECT_GT(motion.motor_velocity().x(), 0.01);
-  // Far above the Stribeck velocity the friction is that of the device: it pulls with the rest.
+  // Far above the Stribeck velocity only the device's friction remains: 0.0801 N - 0.04 N pull.
   const double fast = motion.motor_velocity().x();
   run(motion, 0.4, 0.1);
   EXPECT_NEAR(motion.motor_velocity().x() - fast, (0.0801 - 0.04) / 0.08 * 0.1, 1e-9);
@@ -200,7 +200,7 @@ TEST(PlantMotion, TheMotorCrossesTheBacklashAndThenTakesTheHandleWithIt) {
   plant.transmission.backlash = kWidth;
   DeviceSpec spec = smooth_spec();
   PlantMotion motion(plant, spec, Hand{.mass = 0.0, .damping = 20.0, .stiffness = 1e4});
-  // Softly to one side and to the other: in between the handle stays within a hair.
+  // Press softly to one side, then to the other. The hand's spring holds the handle within 0.2 mm.
   std::vector<double> gaps;
   for (const double force : {2.0, -2.0}) {
     motion.write(gaps.empty() ? 0.0 : 1.0, Vec3(0, 0, force));
@@ -219,7 +219,7 @@ TEST(PlantMotion, TheMotorCrossesTheBacklashAndThenTakesTheHandleWithIt) {
   EXPECT_GT(free.handle_position().z(), 0.0);
 }
 
-/// A plant with everything in it, and the hand that holds it.
+/// A plant with all its effects.
 Plant rich_plant() {
   Plant plant = with_transmission(8e3, 1.5, 0.02);
   plant.transmission.backlash = 30e-6;
@@ -235,8 +235,8 @@ Plant rich_plant() {
   return plant;
 }
 
-/// A force that changes direction and size every tick, and a hand that moves, from 0 to `until`
-/// [s]. `look` is called after every tick.
+/// Applies a force that changes every tick while the hand moves, from 0 to `until` [s]. Calls
+/// `look` after every tick.
 template <class Look>
 void shake(PlantMotion& motion, double until, const Look& look) {
   const int steps = static_cast<int>(std::ceil(kTick / motion.longest_step()));
@@ -256,8 +256,8 @@ void shake(PlantMotion& motion, double until) {
   shake(motion, until, [] {});
 }
 
-/// Energy is neither made nor lost by the integration: the largest error of the balance over the
-/// run, as a share of what flowed.
+/// The largest error of the energy balance in the run, as a share of the energy that flowed. The
+/// integration must neither make nor lose energy.
 double imbalance(PlantMotion& motion) {
   double worst = 0.0;
   shake(motion, 1.0, [&] {
@@ -291,8 +291,8 @@ TEST(PlantMotion, WorkInIsWhatIsStoredAndWhatIsBurned) {
   EXPECT_LT(imbalance(matrix), 1e-9);
 }
 
-/// The hand's side of the same balance: what the handle gives the hand is what the motor gave, less
-/// what the device stores and burns.
+/// The balance at the hand: the handle gives the hand the motor's energy less what the device
+/// stores and burns.
 TEST(PlantMotion, TheHandGetsWhatTheDeviceDoesNotKeep) {
   DeviceSpec spec = smooth_spec();
   spec.damping = 0.4;
@@ -323,13 +323,13 @@ TEST(PlantMotion, ReflexesPullByTheErrorOfTheirDelayAgo) {
   Plant plant;
   plant.hand.reflex_delay = 0.05;
   plant.hand.reflex_stiffness = 40.0;
-  // Without stiffness of its own the hand stands until its reflexes come.
+  // Without its own stiffness the hand does not move before its reflexes act.
   PlantMotion motion(plant, smooth_spec(), {.mass = 0.02, .damping = 0.0, .stiffness = 0.0});
   const Vec3 intended(0.01, 0, 0);
   run(motion, 0.0, 0.0499, intended);
   EXPECT_EQ(motion.handle_position(), Vec3::Zero());
   run(motion, 0.0499, 0.0101, intended);
-  // 10 ms of a constant pull of 40 N/m times 10 mm on 0.1 kg.
+  // A constant pull of 40 N/m times 10 mm acts for 10 ms on 0.1 kg.
   EXPECT_NEAR(motion.handle_position().x(), 0.5 * 4.0 * 0.01 * 0.01, 0.03 * 2e-4);
 }
 
@@ -342,7 +342,7 @@ TEST(PlantMotion, AGripThatTightensHoldsMoreFirmly) {
   EXPECT_NEAR(motion.handle_position().x(), 2.0 / 100.0, 1e-6);
   run(motion, 1.0, 2.0);
   EXPECT_NEAR(motion.handle_position().x(), 2.0 / 400.0, 1e-6);
-  EXPECT_GT(motion.flow().by_arm, 0.0);  // tightening takes muscles
+  EXPECT_GT(motion.flow().by_arm, 0.0);  // the arm works to tighten the grip
 }
 
 TEST(PlantMotion, ThePadGivesBetweenHandleAndHand) {
@@ -354,7 +354,7 @@ TEST(PlantMotion, ThePadGivesBetweenHandleAndHand) {
   run(motion, 0.0, 3.0);
   EXPECT_NEAR(motion.hand_position().y(), 2.0 / 250.0, 1e-7);
   EXPECT_NEAR(motion.handle_position().y() - motion.hand_position().y(), 2.0 / 1000.0, 1e-7);
-  // A handle on a thread has no finger.
+  // A massless hand is a thread: it has no separate finger.
   PlantMotion tether(plant, smooth_spec(), {.mass = 0.0, .damping = 0.0, .stiffness = 30.0});
   EXPECT_EQ(&tether.hand_position(), &tether.handle_position());
 }

@@ -1,4 +1,4 @@
-// The doctor on made-up machines.
+// The device list of the doctor on made-up machines.
 
 #include "client/devices/plugged_in.hpp"
 

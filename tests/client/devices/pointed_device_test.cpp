@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A hand without friction or encoder, at the origin.
+/// A pointed hand without friction or encoder quantum, at the origin.
 struct Pointed {
   static PointedHandOptions options() {
     PointedHandOptions o;
@@ -24,7 +24,7 @@ struct Pointed {
     device.begin(Vec3(0, 0, -o.clearance), Vec3(0, 0, 3));
   }
   void point(const Vec3& target) { pointings.push({.kind = Pointing::Kind::to, .target = target}); }
-  /// One tick of 1 ms against a wall at z = 0 of this stiffness [N/m]; 0: none.
+  /// A tick of 1 ms against a wall at z = 0 with this stiffness [N/m]; 0: no wall.
   DeviceReading tick(double stiffness = 0.0) {
     const DeviceReading reading = device.read(milliseconds(++ms));
     force = stiffness * std::max(0.0, -reading.pose.position.z());
@@ -34,7 +34,7 @@ struct Pointed {
   Ring<Pointing> pointings{64};
   PointedDevice device;
   int ms = 0;
-  double force = 0.0;  // [N] that the wall gives
+  double force = 0.0;  // [N] from the wall
 };
 
 TEST(PointedDevice, BeginsBeforeTheSurface) {
@@ -54,7 +54,7 @@ TEST(PointedDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
   }
   EXPECT_NEAR((pointed.device.true_position() - target).norm(), 0.0, 1e-6);
   EXPECT_GT(fastest, 0.4);
-  EXPECT_LT(fastest, 0.7);  // 0.5 m/s, and what the arm swings over
+  EXPECT_LT(fastest, 0.7);  // 0.5 m/s and the overshoot of the arm
 }
 
 TEST(PointedDevice, PressesWithTheReachOfItsSpringAtMost) {
@@ -65,15 +65,15 @@ TEST(PointedDevice, PressesWithTheReachOfItsSpringAtMost) {
     pointed.tick(2000.0);
     if (i >= 2000) sum += pointed.force;
   }
-  EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // an unbounded wall, so it trembles
+  EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // the hand trembles on an unbounded wall
 }
 
 TEST(PointedDevice, LetsGoWhenItIsToldNothing) {
   Pointed pointed;
-  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // its beginning
+  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // the beginning allows 5 s
   pointed.point(Vec3::Zero());
   for (int i = 0; i < 800; ++i) EXPECT_FALSE(pointed.tick().ended);
-  pointed.point(Vec3::Zero());  // again, and the time begins anew
+  pointed.point(Vec3::Zero());  // a new pointing restarts the time
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(pointed.tick().ended) << i;
   for (int i = 0; i < 3; ++i) pointed.tick();
   EXPECT_TRUE(pointed.tick().ended);
@@ -100,7 +100,7 @@ TEST(PointedDevice, StaysWhereTheTargetIsNoPlace) {
     EXPECT_FALSE(pointed.tick().ended);
   }
   EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
-  const Vec3 place(0.0, 0.01, 0.0);  // and none of it is left
+  const Vec3 place(0.0, 0.01, 0.0);  // the bad targets have no later effect
   for (int i = 0; i < 2000; ++i) {
     pointed.point(place);
     pointed.tick();

@@ -43,7 +43,7 @@ TEST(Replay, PositionIsLinearBetweenIrregularRows) {
 }
 
 TEST(Replay, OrientationTurnsAtAConstantRate) {
-  // A quarter turn about z in one second: a third of it is 30 degrees.
+  // A quarter turn about z in one second; a third of it is 30 degrees.
   const double h = std::numbers::sqrt2 / 2.0;
   std::ostringstream text;
   text.precision(17);
@@ -90,12 +90,12 @@ TEST(Replay, ErrorsNameTheLineAndTheColumn) {
 }
 
 TEST(Replay, NumbersThatNoMovementHasAreRefused) {
-  // Between such places, and such times, there is no number.
+  // The difference of such places or times overflows a double.
   EXPECT_THAT(complaint("t,x,y,z\n0,0,-1e308,0\n1,0,1e308,0\n"),
               AllOf(StartsWith("r.csv:2: column 'y': "), HasSubstr("1000 m")));
   EXPECT_THAT(complaint("t,x,y,z\n-1e308,0,0,0\n1e308,0,0,0\n"),
               AllOf(StartsWith("r.csv:2: column 't': "), HasSubstr("1e10 s")));
-  // Seconds since 1970, and the farthest that a sample may tell of.
+  // Accept seconds since 1970, and the largest coordinate of a sample.
   EXPECT_EQ(recording("t,x,y,z\n1.8e9,1000,-1000,0\n").poses.size(), 1u);
 }
 

@@ -43,7 +43,7 @@ TEST(SimulatedDevice, SwingsWithThePeriodOfAMassOnASpring) {
   o.hand.damping = 0.0;
   SimulatedDevice device(o);
   run(device, {1.0, 0.0, 0.0}, 0, 0);
-  // Under a step of force the mass swings about f/k: x = f/k (1 - cos(w t)).
+  // A step of force makes the mass swing about f/k: x = f/k (1 - cos(w t)).
   const double w = std::sqrt(o.hand.stiffness / (o.hand.mass + o.spec.apparent_mass));
   for (int ms = 1; ms <= 1000; ++ms) {
     device.read(milliseconds(ms));
@@ -97,7 +97,7 @@ TEST(SimulatedDevice, HoldsNoMoreThanItsMotorsCan) {
 TEST(SimulatedDevice, TwoDegreesOfFreedomStayInTheirPlane) {
   SimulatedHandOptions o = still_hand();
   o.spec.translation_dof = 2;
-  o.task.depth = 0.05;  // the arm pulls along z all the same
+  o.task.depth = 0.05;  // the arm still pulls along z
   SimulatedDevice device(o);
   run(device, {1.0, 1.0, 5.0}, 0, 500);
   EXPECT_EQ(device.true_position().z(), 0.0);

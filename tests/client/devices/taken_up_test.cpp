@@ -1,4 +1,4 @@
-// Which command is on the hand, of a device that takes forces up late and tells so, or cannot tell.
+// The command on the hand, for devices that apply forces late; some devices report it.
 
 #include "client/devices/taken_up.hpp"
 
@@ -19,7 +19,7 @@ TEST(TakenUp, AtOnceItIsWhatTheDeviceSays) {
   EXPECT_TRUE(device.nothing_left());
 }
 
-/// It returns what it was given.
+/// The device returns the command of its write.
 TEST(TakenUp, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
     TakenUp device(late);
@@ -37,7 +37,7 @@ TEST(TakenUp, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
   }
 }
 
-/// It returns what is on the hand until the next write, by way of a mapping that rounds.
+/// The device returns the command on the hand until the next write. A mapping rounds it.
 TEST(TakenUp, OfADeviceThatTellsItIsWhatItTells) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
     TakenUp device(late);
@@ -49,8 +49,8 @@ TEST(TakenUp, OfADeviceThatTellsItIsWhatItTells) {
   }
 }
 
-/// A device that cuts a force, and does not say of when: the worst counts, whichever way the hand
-/// moves.
+/// The device cuts a force but does not say which one. The worst case counts for either direction
+/// of the hand's movement.
 TEST(TakenUp, WhereADeviceHoldsLessTheWorstCounts) {
   TakenUp device(1);
   device.written(push(10), push(10));
@@ -58,7 +58,7 @@ TEST(TakenUp, WhereADeviceHoldsLessTheWorstCounts) {
   EXPECT_FALSE(device.certain());
   EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(10));
   EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));
-  // The one that was cut comes on the hand: 9 N, or 4.
+  // The cut force may now be on the hand: 9 N or 4 N.
   device.written(push(2), push(2));
   EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(9));
   EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));

@@ -28,7 +28,7 @@ TEST(WristPath, EveryTurnBeginsAtNothingAndGrowsWithoutAJump) {
     EXPECT_EQ(before, Vec3::Zero());
     for (int ms = 1; ms <= 4000; ++ms) {
       const Vec3 now = turn.rotation(1e-3 * ms);
-      // At most angle * (the way's 2 pi f + the lead-in's 3/2 / lead_in).
+      // The speed is at most angle * (2 pi f of the path + 3/2 / lead_in).
       ASSERT_LE((now - before).norm(), 1e-3 * 0.6 * (kTurn * 0.5 + 3.0) + 1e-12);
       ASSERT_LE(now.norm(), 0.6 + 1e-12);
       before = now;
@@ -57,7 +57,7 @@ TEST(WristPath, AToolRollsAsFarAsTheHandSlides) {
   const IntendedMotion motion(task);
   const double angle = 1.5;
   const IntendedTurn turn({WristPath::roll, angle}, task);
-  const double radius = task.radius / angle;  // of the tool that rolls
+  const double radius = task.radius / angle;  // radius of the rolling tool
   const Vec3 normal = task.normal.normalized();
   for (const double t : {0.6, 0.9, 1.4, 2.2}) {
     const Vec3 way = motion.position(t) - task.center;

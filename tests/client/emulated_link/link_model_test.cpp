@@ -17,7 +17,7 @@ using ::testing::Le;
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 constexpr std::size_t kSize = 200;  // [bytes] of payload
 
-/// Fates of `count` datagrams, one a period.
+/// Fates of `count` datagrams, which enter one a period.
 std::vector<LinkFate> fates(const LinkOptions& options, std::size_t count, std::uint64_t key = 1,
                             Nanoseconds period = kPeriod) {
   LinkModel model(options, key);
@@ -27,7 +27,7 @@ std::vector<LinkFate> fates(const LinkOptions& options, std::size_t count, std::
   return all;
 }
 
-/// On its way, of those that arrive; the i-th entered at i periods.
+/// Delays [s] of the arrived datagrams; datagram i entered at i periods.
 std::vector<double> delays(const std::vector<LinkFate>& all) {
   std::vector<double> seconds;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -57,13 +57,13 @@ double share_below(const std::vector<double>& values, double limit) {
   return static_cast<double>(below) / static_cast<double>(values.size());
 }
 
-/// Within four standard errors of a share p among n independent ones.
+/// Matches within four standard errors of a share p among n independent values.
 auto share(double p, double n) {
   const double four = 4.0 * std::sqrt(p * (1.0 - p) / n);
   return AllOf(Ge(p - four), Le(p + four));
 }
 
-// The numbers were computed apart from this code, from its description.
+// An independent program computed these numbers from the description.
 TEST(LinkModel, TheSameSeedGivesTheseFatesForEver) {
   LinkOptions options;
   options.delay = 25e-3;
@@ -71,7 +71,7 @@ TEST(LinkModel, TheSameSeedGivesTheseFatesForEver) {
   options.keep_order = false;
   options.loss = 0.1;
   options.reorder = options.duplicate = 0.3;
-  std::vector<std::int64_t> arrivals;  // [ns], of both where there are two; -1: lost
+  std::vector<std::int64_t> arrivals;  // [ns] of both copies if there are two; -1: lost
   for (const LinkFate& fate : fates(options, 14, link_key(3, 0, LinkDirection::up))) {
     arrivals.push_back(lost(fate) ? -1 : fate.arrivals[0].count());
     if (fate.copies == 2) arrivals.push_back(fate.arrivals[1].count());
@@ -151,10 +151,10 @@ TEST(LinkModel, LossesComeInRunsOfTheLengthAskedFor) {
     options.loss = loss;
     options.burst = burst;
     const Losses m = measure(fates(options, kCount));
-    // Neighbours correlate by r = 1 - 1/B - p/(B (1 - p)): as many fewer independent ones.
+    // Neighbours correlate by r = 1 - 1/B - p/(B (1 - p)), so fewer values are independent.
     const double r = 1.0 - 1.0 / burst - loss / (burst * (1.0 - loss));
     EXPECT_THAT(m.loss, share(loss, kCount * (1.0 - r) / (1.0 + r))) << loss << " " << burst;
-    // Lengths are geometric: mean B, variance B (B - 1), a share 1/B of length 1.
+    // Run lengths are geometric: mean B, variance B (B - 1), a share 1/B of length 1.
     EXPECT_NEAR(m.burst, burst, 4.0 * std::sqrt(burst * (burst - 1.0) / m.runs) + 1e-4);
     EXPECT_THAT(m.single / m.runs, share(1.0 / burst, m.runs));
   }
@@ -216,7 +216,7 @@ TEST(LinkModel, JitterHasTheQuantilesOfItsDistribution) {
     EXPECT_THAT(below(Jitter::normal, x), share(normal, kCount)) << x;
     const double uniform = std::clamp(0.5 + 0.5 * x / std::numbers::sqrt3, 0.0, 1.0);
     EXPECT_THAT(below(Jitter::uniform, x), share(uniform, kCount)) << x;
-    // P(X < x) = 1 - (3/2 + x sqrt(3)/2)^-3 from where that begins.
+    // P(X < x) = 1 - (3/2 + x sqrt(3)/2)^-3 above the least value of X.
     const double scaled = 1.5 + x * 0.5 * std::numbers::sqrt3;
     const double pareto = scaled <= 1.0 ? 0.0 : 1.0 - std::pow(scaled, -3.0);
     EXPECT_THAT(below(Jitter::pareto, x), share(pareto, kCount)) << x;
@@ -230,7 +230,7 @@ TEST(LinkModel, NoDatagramArrivesBeforeItEntered) {
   options.keep_order = false;
   const auto all = delays(fates(options, 10'000));
   EXPECT_THAT(all, ::testing::Each(Ge(0.0)));
-  // Those that the normal distribution puts before are at zero.
+  // The model moves delays below zero to zero.
   EXPECT_THAT(share_below(all, 1e-12), share(0.5 * std::erfc(0.1 / std::numbers::sqrt2), 10'000));
 }
 
@@ -287,13 +287,13 @@ TEST(LinkModel, AShareArrivesTwiceEachWithItsOwnDelay) {
 
 TEST(LinkModel, ABitRateSendsOneAfterTheOther) {
   LinkOptions options;
-  options.rate = 8.0 * static_cast<double>(kSize + kHeadersOnTheWire) * 1e3;  // one in a ms
+  options.rate = 8.0 * static_cast<double>(kSize + kHeadersOnTheWire) * 1e3;  // one datagram a ms
   options.delay = 5e-3;
   const auto all = fates(options, 20, 1, Nanoseconds(0));
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(all[static_cast<std::size_t>(i)].arrivals[0],
               (i + 1) * kPeriod + std::chrono::milliseconds(5));
-  // At its own pace nobody waits.
+  // At the line's own rate no datagram waits.
   for (const double delay : delays(fates(options, 1000))) EXPECT_DOUBLE_EQ(delay, 6e-3);
 }
 
@@ -305,7 +305,7 @@ TEST(LinkModel, AFullQueueDropsWhatComesLast) {
   const auto burst = fates(options, 15, 1, Nanoseconds(0));
   for (std::size_t i = 0; i < burst.size(); ++i)
     EXPECT_EQ(burst[i].loss, i < 10 ? LinkFate::Loss::none : LinkFate::Loss::queue) << i;
-  // Twice as many as the line takes: once it is full, one in two goes.
+  // At twice the line's rate the full queue drops every second datagram.
   const auto twice = fates(options, 2000, 1, kPeriod / 2);
   const auto passed = 2000 - std::count_if(twice.begin(), twice.end(), lost);
   EXPECT_NEAR(static_cast<double>(passed), 1000 + 10, 1);

@@ -44,7 +44,7 @@ TEST(LinkOptions, DirectionsAndOrder) {
   EXPECT_DOUBLE_EQ(link.up.delay, 7e-3);
   EXPECT_DOUBLE_EQ(link.down.delay, 5e-3);
   EXPECT_DOUBLE_EQ(link.up.loss, 0.01);
-  EXPECT_DOUBLE_EQ(link.down.loss, 0.01);  // later wins
+  EXPECT_DOUBLE_EQ(link.down.loss, 0.01);  // the later option wins
   EXPECT_FALSE(link.up.keep_order);
   EXPECT_TRUE(link.down.keep_order);
 }

@@ -74,7 +74,7 @@ TEST(OneWayLink, DatagramsLeaveWhenTheyAreDueUnchanged) {
   EXPECT_EQ(std::vector<std::uint8_t>(left->begin(), left->end()), datagram(7, 33));
   EXPECT_EQ(link.leave(Milliseconds(112)), std::nullopt);
   const LinkStatistics s = link.statistics();
-  EXPECT_EQ(s.least_delay, Milliseconds(12));  // what it was, not what it should have been
+  EXPECT_EQ(s.least_delay, Milliseconds(12));  // measured, 2 ms more than intended
   EXPECT_EQ(s.greatest_delay, Milliseconds(12));
   EXPECT_EQ(s.total_delay, Milliseconds(12));
 }
@@ -91,7 +91,7 @@ TEST(OneWayLink, CountsEveryDatagramOnce) {
   OneWayLink link(options, 1, 16);
   std::uint64_t left = 0;
   for (int i = 0; i < 5000; ++i) {
-    // In bursts, so that the queue and the memory fill up, too.
+    // Bursts fill the queue and the memory.
     const Nanoseconds now = Milliseconds(i / 20 * 20);
     link.enter(datagram(1, 200), now);
     while (link.leave(now)) ++left;
@@ -110,7 +110,7 @@ TEST(OneWayLink, ReorderedIsWhatComesAfterALaterOne) {
   LinkOptions options;
   options.delay = 10e-3;
   options.reorder = 0.1;
-  options.reorder_delay = 2.5e-3;  // two pass it, at a datagram a millisecond
+  options.reorder_delay = 2.5e-3;  // two later datagrams pass it at 1 kHz
   OneWayLink link(options, 1, 64);
   std::uint64_t held = 0;
   LinkModel same(options, 1);
@@ -124,7 +124,7 @@ TEST(OneWayLink, ReorderedIsWhatComesAfterALaterOne) {
     while (link.leave(now)) {
     }
   }
-  // Held back alone they are overtaken; held back with the next two they are not.
+  // A datagram is overtaken unless the next two are held back too.
   const auto reordered = static_cast<double>(link.statistics().reordered);
   EXPECT_GT(held, 400u);
   EXPECT_LE(reordered, static_cast<double>(held));
@@ -154,7 +154,7 @@ TEST(OneWayLink, AllocatesNothing) {
   options.delay = 20e-3;
   options.jitter = 5e-3;
   options.duplicate = 0.5;
-  OneWayLink link(options, 1, 16);  // overflows, too
+  OneWayLink link(options, 1, 16);  // small enough to overflow
   const auto bytes = datagram(1, 300);
   const std::size_t before = test::allocations();
   for (int i = 0; i < 10'000; ++i) {

@@ -1,4 +1,4 @@
-// The transport with an emulated link; time is what the test says.
+// The transport with an emulated link; the test sets the time.
 
 #include <gtest/gtest.h>
 #include <poll.h>

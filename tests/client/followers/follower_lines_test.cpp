@@ -1,4 +1,4 @@
-// The lines between feltwire and a driver of a robot.
+// The text lines between feltwire and a robot driver.
 
 #include "client/followers/follower_lines.hpp"
 
@@ -77,7 +77,7 @@ TEST(FollowerLines, AStateIsAReading) {
   EXPECT_EQ(r.gripper_force, 12.0);
   EXPECT_FALSE(r.ok);
   EXPECT_TRUE(r.stopped);
-  // No force is not a force of zero.
+  // A line without a force differs from a force of zero.
   ASSERT_FALSE(read_state(kState, number, r));
   EXPECT_FALSE(r.force);
   EXPECT_TRUE(r.ok);

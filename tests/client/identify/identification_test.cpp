@@ -1,4 +1,4 @@
-// It gives up on anything odd and lets the force go; what it finds becomes a device file.
+// Identification gives up on faults and releases the force. Its result becomes a device file.
 
 #include "client/identify/identification.hpp"
 
@@ -25,7 +25,7 @@ constexpr double kPeriod = 1e-3;
 
 DeviceSpec spec() { return builtin_device("simulated"); }
 
-/// An identification that has led a free handle for three seconds, and goes on by `next`.
+/// An identification that has moved a free handle for three seconds.
 struct Led {
   Identification identification{spec(), identify_limits(spec()), kPeriod};
   SimulatedHandle handle{HandleTruth{}};
@@ -101,7 +101,7 @@ TEST(Identification, AForceBeyondTheDeviceIsRefused) {
   EXPECT_THROW(identify_limits(spec(), 1.01 * spec().continuous_force), std::invalid_argument);
 }
 
-/// Faulty from a reading on.
+/// A device with faults from reading 200 on.
 class FaultyDevice final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -165,7 +165,7 @@ TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
             std::string::npos);
 }
 
-/// A measured lag may be a delay, a first-order lag or both. A longer one is a delay for the most.
+/// A measured lag may be a delay, a first-order lag or both. A lag over one tick becomes a delay.
 TEST(IdentifiedSpec, TellsTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);
@@ -184,7 +184,7 @@ TEST(IdentifiedSpec, TellsTheLag) {
   EXPECT_EQ(late.actuation_kind, LagKind::delay);
 }
 
-/// Late ticks stand for the whole lag. What was told before stays where nothing new was found.
+/// Late ticks include the whole lag. The old value stays if no new one was found.
 TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);

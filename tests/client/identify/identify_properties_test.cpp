@@ -1,4 +1,4 @@
-// identify never reports more than a device has, whatever makes the device hard to measure.
+// identify never reports more damping, friction or mass than a device has.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -17,9 +17,9 @@
 namespace feltwire::identify_test {
 namespace {
 
-/// 0 .. count - 1, from the first device on.
+/// 0 .. count - 1, at full size from the first device on.
 int any_of(int count) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, count)); }
-/// Between `least` and `most`, evenly over the orders of magnitude.
+/// A log-uniform value between `least` and `most`.
 double between(double least, double most) {
   return least * std::pow(most / least, any_of(1001) / 1000.0);
 }
@@ -57,7 +57,7 @@ double least_eigenvalue(const Mat3& m) {
 
 class IdentifyProperty : public ::testing::TestWithParam<int> {};
 
-/// 250 devices in five parts, and with a fresh seed 250 more: rare devices are the dangerous ones.
+/// 250 devices in five parts, and 250 more with a fresh seed, to find the rare dangerous devices.
 /// RC_PARAMS does not change their number.
 TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
 #ifdef FELTWIRE_SANITIZED
@@ -68,7 +68,7 @@ TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
   rc::detail::TestParams params = rc::detail::configuration().testParams;
   params.maxSuccess = kDevices;
   params.seed += static_cast<std::uint64_t>(GetParam());
-  params.disableShrinking = true;  // a device that is smaller in all is another device
+  params.disableShrinking = true;  // shrinking makes a different device
   int measured_well = 0, with_damping = 0;
   const auto result = rc::detail::checkTestable(
       [&] {
@@ -93,7 +93,7 @@ TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
   std::ostringstream said;
   rc::detail::printResultMessage(result, said);
   ASSERT_TRUE(result.is<rc::detail::SuccessResult>()) << said.str();
-  // It must say something of most, or it could never be wrong.
+  // Most devices must get a result: an identify that reports nothing would pass, too.
 #ifndef FELTWIRE_SANITIZED
   EXPECT_GT(measured_well, kDevices * 3 / 4);
   EXPECT_GT(with_damping, kDevices / 3);
@@ -112,8 +112,8 @@ TEST(Identify, AHandThatHoldsItIsDoubted) {
   EXPECT_NE(found.doubts.front().find("does somebody hold it"), std::string::npos);
 }
 
-/// A damping that is there only while a force is on, as a filter of the maker's: sweeps cannot tell
-/// it from the device's own, and the decay can.
+/// A filter of the maker adds damping only while a force is on. Sweeps cannot separate it from the
+/// device's own damping. The decay can.
 TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   HandleTruth truth;
   truth.friction = Vec3::Constant(0.02);
@@ -122,12 +122,12 @@ TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   ASSERT_EQ(free.state(), Identification::State::done) << free.why();
   EXPECT_TRUE(free.estimate().doubts.empty());
   for (const auto& decay : free.estimate().decay) EXPECT_NEAR(decay.value(), 0.5, 0.05);
-  // A third less than what the sweeps say: that is told.
+  // The decay is a third lower than the sweeps: identify reports a doubt.
   truth.servo_damping = 1.0;
   const DeviceEstimate doubted = measured(truth, spec_of(12.0), 3.0).estimate();
   ASSERT_FALSE(doubted.doubts.empty());
   EXPECT_NE(doubted.doubts.front().find("the decay only"), std::string::npos);
-  // A little less: the reported number is lowered.
+  // The decay is a little lower: identify lowers the reported number.
   truth.servo_damping = 0.1;
   const DeviceEstimate lowered = measured(truth, spec_of(12.0), 3.0).estimate();
   EXPECT_TRUE(lowered.doubts.empty());
@@ -135,8 +135,8 @@ TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   EXPECT_LT(lowered.damping_bound.maxCoeff(), 0.8 * 0.55);
 }
 
-/// Half of the reported numbers of clean devices, an encoder of 10 um and nothing else, are at
-/// least these shares of the truth.
+/// For clean devices (encoder of 10 um, no other effect), half of the reports reach these shares of
+/// the truth.
 TEST(Identify, ReportsAGoodShareOfACleanDevice) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a figure, which takes fifty times as long here";

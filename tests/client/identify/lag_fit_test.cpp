@@ -1,4 +1,4 @@
-// identify never says that a motor is faster than it is.
+// identify never reports a motor lag below the true lag.
 
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@
 namespace feltwire::identify_test {
 namespace {
 
-// The margins were chosen on the 500 devices from 1000 on. They are judged on others.
+// The margins were chosen on 500 devices, seeds from 1000 on. Other seeds test them.
 constexpr std::uint64_t kJudged = 2000, kJudgedPlants = 4000;
 
-/// Numbers drawn by a seed.
+/// Random numbers of a seed.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : random_(seed) {}
@@ -25,11 +25,11 @@ class Draws {
   double even(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  /// Evenly over the orders of magnitude.
+  /// A log-uniform number.
   double log(double low, double high) { return low * std::pow(high / low, even(0.0, 1.0)); }
-  /// Zero for one in four.
+  /// Zero in one of four cases.
   double sometimes(double low, double high) { return even(0, 1) < 0.25 ? 0.0 : log(low, high); }
-  /// Up to 1 ms: a first-order lag for one in three, a delay for one in three, else both.
+  /// Up to 1 ms: a third first-order lag, a third delay, a third both.
   Plant::Amplifier amplifier() {
     const double lag = even(0.0, 1e-3), share = even(0.0, 3.0);
     const double filter = lag * std::clamp(2.0 - share, 0.0, 1.0);
@@ -61,7 +61,7 @@ HandleTruth drawn_handle(std::uint64_t seed) {
 
 double lag_of(const Plant::Amplifier& amplifier) { return amplifier.lag + amplifier.delay; }
 
-/// The time [s] that each bound leaves open, and the number of devices of which nothing is said.
+/// The excess [s] of each bound over the truth, and the number of devices without a bound.
 struct Judged {
   std::vector<double> open;
   int silent = 0;
@@ -97,7 +97,7 @@ TEST_P(LagFitPart, NoBoundIsBelowTheTruth) {
   }
 #ifndef FELTWIRE_SANITIZED
   EXPECT_LT(judged.median(), 0.1e-3);
-  EXPECT_LT(judged.silent, 15);  // what is heavy and hardly damped swings too much, as without this
+  EXPECT_LT(judged.silent, 15);  // heavy devices with little damping swing too much
 #endif
 }
 INSTANTIATE_TEST_SUITE_P(Parts, LagFitPart,
@@ -123,7 +123,7 @@ void take_behind_transmission(Judged& judged, std::uint64_t seed) {
   judged.take(measured(truth, spec_of(12.0), 3.0), lag_of(truth.amplifier), seed);
 }
 
-/// Transmissions of 3 to 30 kN/m, with an encoder at either end.
+/// Transmissions of 3 to 30 kN/m; the encoder is at the motor or at the handle.
 TEST(LagFit, NoBoundIsBelowTheTruthBehindATransmission) {
   Judged judged;
   for (std::uint64_t seed = kJudgedPlants; seed < kJudgedPlants + kDevices; seed += 2)
@@ -134,7 +134,7 @@ TEST(LagFit, NoBoundIsBelowTheTruthBehindATransmission) {
 #endif
 }
 
-/// These resonate between 10 and 40 Hz. With all of the frequencies their bounds were too low.
+/// These devices resonate between 10 and 40 Hz. A fit of all frequencies gave too low bounds.
 TEST(LagFit, AResonanceIsLeftOut) {
   Judged judged;
 #ifdef FELTWIRE_SANITIZED

@@ -1,5 +1,5 @@
 #pragma once
-// A whole identification of a simulated handle.
+// Runs a whole identification of a simulated handle.
 
 #include "client/identify/identification.hpp"
 #include "tests/client/identify/simulated_handle.hpp"

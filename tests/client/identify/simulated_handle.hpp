@@ -1,5 +1,5 @@
 #pragma once
-// A handle that nobody holds, with all that makes a device hard to measure. What it burns is known.
+// A free handle with effects that make a device hard to measure. Its losses are known.
 
 #include <cmath>
 #include <deque>
@@ -13,19 +13,19 @@ namespace feltwire::identify_test {
 
 struct HandleTruth {
   Mat3 damping = 0.5 * Mat3::Identity();            // [N s/m]
-  Vec3 friction = Vec3::Constant(0.1);              // [N] of each axis, while it slides
+  Vec3 friction = Vec3::Constant(0.1);              // [N] of each axis, in motion
   Vec3 mass = Vec3::Constant(0.1);                  // [kg] of each axis
-  double stiction = 0.0;                            // [N] more, at rest
-  double stiction_speed = 0.01;                     // [m/s] over which it fades
-  Vec3 gravity = Vec3::Zero();                      // [N] that is not compensated
+  double stiction = 0.0;                            // [N] extra at rest
+  double stiction_speed = 0.01;                     // [m/s] at which it fades
+  Vec3 gravity = Vec3::Zero();                      // [N] not compensated
   double cogging = 0.0;                             // [N] amplitude
   double cogging_pitch = 2e-3;                      // [m]
   double quantum = 0.0, noise = 0.0;                // [m]
   int force_delay = 0, reading_delay = 0;           // [ticks]
-  double hand_stiffness = 0.0, hand_damping = 0.0;  // [N/m], [N s/m] of who holds it after all
-  double servo_damping = 0.0;    // [N s/m] more along axes with a force: a filter of the maker's
+  double hand_stiffness = 0.0, hand_damping = 0.0;  // [N/m], [N s/m] of a person who holds it
+  double servo_damping = 0.0;    // [N s/m] extra on axes with a force: a maker's filter
   Plant::Amplifier amplifier{};  // between the force and the motor
-  // From the motor to the handle; 0: rigid. The friction and the rest of the mass are the motor's.
+  // Between motor and handle; 0: rigid. The motor has the friction and the rest of the mass.
   double transmission = 0.0, transmission_damping = 0.0;  // [N/m], [N s/m]
   double handle_share = 0.0;                              // of the mass, behind the transmission
   bool encoder_at_handle = false;
@@ -37,7 +37,7 @@ class SimulatedHandle {
   explicit SimulatedHandle(const HandleTruth& truth)
       : truth_(truth), random_(truth.seed), amplifier_(truth.amplifier, truth.seed) {}
 
-  /// As the device reads it now.
+  /// The reading of the device now.
   Vec3 read() {
     readings_.push_back(truth_.encoder_at_handle ? handle_ : position_);
     if (readings_.size() > static_cast<std::size_t>(truth_.reading_delay) + 1)
@@ -79,8 +79,8 @@ class SimulatedHandle {
       const double most = truth_.friction[i] + truth_.stiction * std::exp(-ratio * ratio);
       const double stops = h / mass * most;
       v = std::abs(v) > stops ? v - std::copysign(stops, v) : 0.0;
-      // By the mean velocity: what the force did is then the change of the kinetic energy and what
-      // the truth burned, and nothing that the integration burned.
+      // Use the mean velocity: the work of the force then equals the change of the kinetic energy
+      // plus the burned energy, and the integration burns nothing.
       position_[i] += 0.5 * h * (velocity_[i] + v);
       velocity_[i] = v;
       if (truth_.transmission == 0.0) continue;

@@ -1,4 +1,4 @@
-// A client makes the changes that its server sends, also more than anybody needs.
+// A client makes the changes of its server, and limits their number.
 
 #include "client/run/changes.hpp"
 
@@ -30,7 +30,7 @@ struct Hand {
   }
 };
 
-/// A server that never stops asking gets answers, and no memory of its client.
+/// A server that never stops asking gets answers, but the client's memory does not grow.
 TEST(Changes, AreBoundedWhateverAServerSends) {
   Hand hand;
   std::uint8_t number = 0;
@@ -48,10 +48,10 @@ TEST(Changes, AreBoundedWhateverAServerSends) {
     EXPECT_EQ(ready->refused, i >= Changes::kMost) << i << ": " << done->refusal;
   }
   EXPECT_EQ(hand.changes.done().size(), Changes::kMost);
-  EXPECT_EQ(hand.changes.law(), law_of(hand.started));  // of the last that was taken
+  EXPECT_EQ(hand.changes.law(), law_of(hand.started));  // of the last change that was taken
 }
 
-/// A session that was joined without it is not given the law that the one before wanted.
+/// A change that was meant for the earlier session does not apply to the next one.
 TEST(Changes, OfAnOlderSessionArePassedOver) {
   Hand hand;
   ASSERT_TRUE(hand.changes.wanted().push({hand.wish(1, "shaped"), 0}));

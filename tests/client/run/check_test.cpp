@@ -1,4 +1,4 @@
-// The verdict of --check on measured figures. The limits are those of docs/troubleshooting.md.
+// The verdict of --check on measured figures. docs/troubleshooting.md has the limits.
 
 #include "client/run/check.hpp"
 
@@ -34,7 +34,7 @@ MachineFacts good_machine() {
   return {.clock_source = "tsc", .clock_resolution = 1e-9, .wake_latency = 0, .path_mtu = 1500};
 }
 
-/// The finding of that name.
+/// The finding with that name.
 Finding of(std::string_view what, const RunFigures& run,
            const MachineFacts& machine = good_machine()) {
   for (const Finding& finding : judge(run, machine))
@@ -43,7 +43,7 @@ Finding of(std::string_view what, const RunFigures& run,
   return {};
 }
 
-/// Of a share of 10 000 values that are `slow`, the others fast.
+/// A histogram of 10 000 values: `slow_ones` are `slow`, the others are `fast`.
 Histogram with_slow(int slow_ones, std::int64_t slow, std::int64_t fast = 1000) {
   Histogram histogram;
   for (int i = 0; i < 10'000; ++i) histogram.record(i < slow_ones ? slow : fast);
@@ -101,7 +101,7 @@ TEST(Check, Permissions) {
   EXPECT_EQ(of("permissions", run).verdict, Verdict::warn);
 }
 
-/// Sleep is to blame only where ticks are late.
+/// Processor sleep gets a warning only if ticks are late.
 TEST(Check, ProcessorsThatSleep) {
   RunFigures run = good_run();
   MachineFacts machine = good_machine();
@@ -118,7 +118,7 @@ TEST(Check, Clock) {
   MachineFacts machine = good_machine();
   machine.clock_source = "hpet";
   EXPECT_EQ(of("clock", good_run(), machine).verdict, Verdict::warn);
-  machine.clock_resolution = 4e-3;  // of a kernel without high resolution timers
+  machine.clock_resolution = 4e-3;  // a kernel without high-resolution timers
   EXPECT_EQ(of("clock", good_run(), machine).verdict, Verdict::fail);
   machine = good_machine();
   machine.clock_source.clear();

@@ -1,5 +1,4 @@
-// The count of a device's ticks, and the verdict on them. The limits are those of
-// docs/devices.md.
+// Counts the ticks of a device and gives a verdict. docs/devices.md has the limits.
 
 #include "client/run/device_check.hpp"
 
@@ -15,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Ticks at once, as scripted: 'n' a new reading, 'o' an old one, 'f' a fault, 'm' no tick.
+/// Returns ticks without waiting, as scripted: 'n' new reading, 'o' old, 'f' fault, 'm' no tick.
 class Scripted final : public Device {
  public:
   explicit Scripted(std::string script, bool paced = true)
@@ -71,7 +70,7 @@ TEST(DeviceCheck, CountsWhatTheDeviceDoesAndPutsNoForceOnTheHand) {
   EXPECT_NEAR(part(ticks.missed), 0.2 * whole, 1.0);
   EXPECT_NEAR(part(ticks.repeated), 0.2 * whole, 1.0);
   EXPECT_NEAR(part(ticks.faults), 0.2 * whole, 1.0);
-  // An old reading is no tick of the servo: nothing is written for it.
+  // The servo skips old readings and writes nothing for them.
   EXPECT_EQ(static_cast<std::uint64_t>(device.writes), ticks.ticks - ticks.repeated);
   EXPECT_EQ(ticks.overlong, 0u);
   EXPECT_GT(ticks.span, 0.0);
@@ -114,7 +113,7 @@ TEST(DeviceCheck, JudgesByTheLimits) {
   EXPECT_EQ(of(ticks, "jitter").verdict, Verdict::fail);
 }
 
-/// No figure of a device that never ticked passes.
+/// A device that never ticked fails every figure.
 TEST(DeviceCheck, NoTickIsNoGoodDevice) {
   for (const char* what : {"rate", "jitter", "readings", "faults"})
     EXPECT_EQ(of({.span = 1.0}, what).verdict, Verdict::fail) << what;

@@ -1,4 +1,4 @@
-// The keys of a terminal, at a pseudo terminal in another process.
+// The keys of a terminal, on a pseudo terminal of another process.
 
 #include "client/run/emergency_key.hpp"
 
@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kBatches = 6;
 
-/// The child's life: says a letter after each batch of keys. The exit code is 0 where the terminal
-/// is then as it was before.
+/// The child process: writes a letter after each batch of keys. It exits with 0 if the terminal
+/// has its former settings again.
 [[noreturn]] void obey() {
   const auto stop = std::make_shared<EmergencyStop>();
   termios before{}, after{};
@@ -74,11 +74,11 @@ TEST(EmergencyKey, TheSpaceBarStopsAndRStartsAgain) {
     return terminal.hear();
   };
   EXPECT_EQ(answer("x"), '.');
-  EXPECT_EQ(answer("r"), '.');  // nothing to start
+  EXPECT_EQ(answer("r"), '.');  // already started
   EXPECT_EQ(answer(" "), 'S');
   EXPECT_EQ(answer("q"), '.');
   EXPECT_EQ(answer("r"), 'r');
-  EXPECT_EQ(answer("r "), 'S');  // pressing wins
+  EXPECT_EQ(answer("r "), 'S');  // a press wins
   int status = -1;
   ASSERT_EQ(::waitpid(terminal.child, &status, 0), terminal.child);
   EXPECT_TRUE(WIFEXITED(status));

@@ -1,6 +1,6 @@
-// Every allocation of the client's threads fails in turn, in process, and threads that the system
-// does not give: the hand is let go, and the run ends in order. tests/fault does the same to the
-// whole programs.
+// Each allocation of the client's threads fails in turn, and so do thread creations, in process.
+// The client must release the hand and end the run in order. tests/fault does this to the whole
+// programs.
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ namespace feltwire::fault_injection_test {
 namespace {
 
 constexpr long kNever = std::numeric_limits<long>::max();
-/// Allocations until one fails, once; of the thread, and of threads that begin.
+/// Allocations until one fails once: in this thread, and in each new thread.
 thread_local long left = kNever;
 std::atomic<long> left_of_new_threads{kNever};
 std::atomic<int> threads_refused{0};
@@ -73,7 +73,7 @@ void* begin_thread(void* what) {
 }  // namespace
 }  // namespace feltwire::fault_injection_test
 
-/// In place of the system's, for std::thread too.
+/// Replaces the system's function, for std::thread too.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes,
                               void* (*start)(void*), void* argument) noexcept {
   using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
@@ -93,7 +93,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ScenePeer;
 
-/// Notes what it was told last.
+/// Keeps the last and the largest force.
 class Hand final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -111,7 +111,7 @@ class Hand final : public Device {
   DeviceSpec spec_ = builtin_device("simulated");
 };
 
-/// A hand that is given 3 N, then loses its session, and looks for another where there is none.
+/// A hand gets 3 N, loses its session and looks for another one in vain.
 struct LostRun {
   testing::TemporaryFolder folder;
   ScenePeer peer;
@@ -208,7 +208,7 @@ TEST(FaultInjection, EachAllocationOfAnMcapRecordingFailsAndTheRunEndsInOrder) {
   fail_each_allocation_of_the_main_thread("felt.mcap");
 }
 
-/// An attempt that has no memory is no refusal.
+/// An attempt without memory does not count as a refusal.
 TEST(FaultInjection, EachAllocationOfAnAttemptToJoinFailsAndItIsTriedAgain) {
   long points = 0;
   bool reached = true;
@@ -243,7 +243,7 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
     EXPECT_EQ(reconnector.attempts(), n);
     EXPECT_FALSE(reconnector.asking());
     EXPECT_EQ(reconnector.refusal(), "");
-    reconnector.look(false, now);  // not at once
+    reconnector.look(false, now);  // does not retry at once
     EXPECT_EQ(reconnector.attempts(), n);
   }
   reconnector.look(false, now += 1h);
@@ -251,7 +251,7 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
   while (reconnector.asking()) reconnector.look(true, now);
 }
 
-/// The watch's thread, the servo's.
+/// which 0: the system refuses the watch's thread. which 1: an allocation for a thread fails.
 TEST(FaultInjection, AServoThatGetsNoThreadTellsItsDeviceNothing) {
   for (const int which : {0, 1}) {
     LostRun run("felt.csv");

@@ -1,5 +1,4 @@
-// Servers and servo loops as they run, over real sockets: not one use of the heap a datagram or a
-// tick.
+// Running servers and servo loops over real sockets do not use the heap for any datagram or tick.
 
 #include "tests/client/loopback.hpp"
 #include "tests/support/allocation_counter.hpp"
@@ -25,11 +24,11 @@ TEST_F(LoopbackAllocation, AServedTickAllocatesNothingInAnyThread) {
   const auto answered = [](const TickRecord& row) { return row.age >= 0.0; };
   bounded.next_tick("an answer", answered);
   modelled.next_tick("an answer", answered);
-  for (int n = 0; n < 200; ++n) bounded.next_tick("a tick", answered);  // all is in its place
+  for (int n = 0; n < 200; ++n) bounded.next_tick("a tick", answered);  // warm up
 
   const std::size_t before = test::allocations_of_others();
   for (std::size_t n = 0; n < kTicks; ++n) bounded.next_tick("a tick", answered);
-  // The control thread may look at its files now and then.
+  // The control thread may read its files now and then.
   EXPECT_LT(test::allocations_of_others() - before, kTicks / 10);
   bounded.stop.set();
   modelled.stop.set();

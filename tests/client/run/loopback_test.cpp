@@ -54,7 +54,7 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
     EXPECT_LE(s.answered, s.samples);
     EXPECT_EQ(s.replies_refused, 0u);
     EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
-    // The command is the plane's: along z, at most k times the depth, friction inside its cone.
+    // The force is the plane's: along z, at most k times the depth, with friction inside its cone.
     TickRecord row;
     double pressed = 0.0;
     while (client->records.pop(row)) {
@@ -69,7 +69,7 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   }
   EXPECT_EQ(bounded.servo.port().violations(), 0u);
 
-  // Their goodbyes are on the way: a server that stops first ends the sessions itself.
+  // Wait for the clients' goodbyes: a server that stops first ends the sessions itself.
   test::eventually("the end of the sessions",
                    [&] { return list_scenes(endpoint, kPatience).at(0).sessions == 0; });
   server->stop();
@@ -94,7 +94,7 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
 }
 
-/// Comes in from outside again and again, for ever.
+/// Enters the surface from outside again and again.
 std::string strokes() {
   std::string rows = "t,x,y,z\n";
   for (int n = 0; n < 4000; ++n)
@@ -102,8 +102,8 @@ std::string strokes() {
   return rows;
 }
 
-/// A network address translation between client and server, which forgets its mapping when told:
-/// from then on the client comes from another port. One client, one scene.
+/// A network address translator between client and server. When told, it forgets its mapping, and
+/// the client's datagrams then come from another port. It serves one client and one scene.
 class Translator {
  public:
   explicit Translator(std::uint16_t scene_port) : scene_port_(scene_port) {
@@ -118,7 +118,7 @@ class Translator {
 
   const Address& address() const { return inside_.address(); }
   void forget() { wanted_.fetch_add(1); }
-  /// Datagrams that came back by the way that stood after so many times of forgetting.
+  /// The number of datagrams that came back through this mapping.
   std::uint64_t answers(std::size_t mapping) const { return answers_.at(mapping).load(); }
 
  private:
@@ -139,7 +139,7 @@ class Translator {
       if (waiting[0].revents != 0) return;
       if (wanted_.load() != mapping) {
         outside =
-            std::make_unique<testing::LocalSocket>(SOCK_DGRAM);  // what was on its way is lost
+            std::make_unique<testing::LocalSocket>(SOCK_DGRAM);  // in-flight datagrams are lost
         ++mapping;
         continue;
       }
@@ -169,8 +169,8 @@ class Translator {
   std::thread thread_;
 };
 
-// The client's address changes three times under a hand that goes on: one session, nothing lost but
-// what was on its way, and force by each of the addresses.
+// The client's address changes three times while the hand continues. The session stays, only
+// datagrams in flight are lost, and the hand gets force through each address.
 TEST_F(Loopback, AClientsAddressMayChange) {
   Translator translator(server->scenes()[0].udp_port);
   Client client(endpoint, strokes().c_str(), {}, "floor", nullptr, &translator.address());
@@ -211,7 +211,7 @@ TEST(Ipv6, AHandFeelsOverIpv6) {
   EXPECT_EQ(client.servo.port().violations(), 0u);
 }
 
-// The server ends; its successor stands elsewhere. The hand goes on and feels again.
+// The server ends, and its successor has another address. The hand then feels again.
 TEST_F(Loopback, AnotherServerTakesOver) {
   Client client(endpoint, strokes().c_str(), {}, "floor");
   Ring<SessionAddress> sessions(4);

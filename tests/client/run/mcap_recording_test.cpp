@@ -24,7 +24,7 @@ using testing::text_of;
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kOffset = 1'700'000'000'000'000'000;  // [ns] late in 2023
 
-/// A tick each millisecond, of a hand that presses.
+/// A tick each millisecond of a pressing hand.
 TickRecord tick(int n) {
   const double depth = 1e-3 * std::sin(0.01 * n);
   return {.time = 0.001 * n,
@@ -40,7 +40,7 @@ TickRecord tick(int n) {
           .no_force = n % 2 == 0 ? NoForce::felt : NoForce::account};
 }
 
-/// As the thread that writes does: some ticks at a time.
+/// Writes a few ticks at a time, as the writing thread does.
 void record(Recorder& recorder, int from, int end) {
   Ring<TickRecord> rows(64);
   for (int n = from; n < end;) {
@@ -110,7 +110,7 @@ TEST(McapRecording, HasAllOfEachTick) {
   EXPECT_EQ(count(file, "/hand/picture"), 60u);
 }
 
-/// As after a kill: at most the last second is not there.
+/// The file is complete except for at most the last second, as after a kill.
 TEST(McapRecording, IsReadableWhileItIsWritten) {
   const testing::TemporaryFolder folder;
   McapRecording recording({.file = folder / "open.mcap"}, kOffset);
@@ -121,7 +121,7 @@ TEST(McapRecording, IsReadableWhileItIsWritten) {
   EXPECT_GE(samples_of(file).size(), 2500u);
 }
 
-/// A second of views, 100 a second, of a hand and a body; then the hand leaves.
+/// A second of views at 100 Hz with a hand and a body; then the hand leaves.
 TEST(McapRecording, HasWhatAnObserverSees) {
   const testing::TemporaryFolder folder;
   int asked = 0;
@@ -152,7 +152,7 @@ TEST(McapRecording, HasWhatAnObserverSees) {
   std::vector<ReadMessage> seen;
   for (const ReadMessage& message : file.messages)
     if (message.topic == "/scene/picture") seen.push_back(message);
-  // 60 Hz out of 100 Hz: on views, 50 or 60 of them, and one more that says who left.
+  // 60 Hz out of views at 100 Hz gives 50 or 60 pictures, and one more removes the hand.
   EXPECT_GE(seen.size(), 50u);
   EXPECT_LE(seen.size(), 62u);
   EXPECT_THAT(seen.front().data, ::testing::HasSubstr("hand 7"));
@@ -192,7 +192,7 @@ TEST(McapRecording, FilesAreNumberedBySize) {
   std::size_t n = 0;
   for (std::size_t part = 1; part <= folder.entries(); ++part) {
     const auto path = folder / ("sized-000" + std::to_string(part) + ".mcap");
-    // A chunk and the end of the file more.
+    // Allow an extra chunk and the end of the file.
     EXPECT_LT(std::filesystem::file_size(path), kMebibytes * (1 << 20) + 150'000.0);
     n += samples_of(read(path)).size();
   }
@@ -218,7 +218,7 @@ TEST(McapRecording, SaysWhyItCannotBeWritten) {
               ::testing::HasSubstr("No space left"));
 }
 
-/// Chunks that were complete before the disk was full are there.
+/// Chunks that were complete before the disk was full stay readable.
 TEST(McapRecording, OnAFullDiskKeepsWholeRecords) {
   const testing::TemporaryFolder folder;
   const auto path = folder / "full.mcap";
@@ -239,7 +239,7 @@ TEST(McapRecording, OnAFullDiskKeepsWholeRecords) {
   EXPECT_GT(samples_of(file).size(), 100u);
 }
 
-/// The schema's names are those of the report.
+/// The schema and the report use the same names.
 TEST(McapRecording, TheReasonsAreThoseOfTheReport) {
   const std::string proto =
       text_of(std::string(FELTWIRE_SOURCE_DIR) + "/core/recording/feltwire.proto");

@@ -32,7 +32,7 @@ TEST(CsvRecording, HoldsWholeLinesAfterEachBatchAndReplays) {
              .held = {-0.25, 0, 1.25},
              .age = 0.0005});
   file.write(rows);
-  // Read while the file is still open, as after a kill.
+  // Read while the file is open, as after a kill.
   EXPECT_EQ(text_of(path),
             "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age\n"
             "0,0.01,-0.02,1e-07,0,0,0,0,0,0,0,0,0,-1\n"
@@ -56,7 +56,7 @@ TEST(CsvRecording, AFullDiskIsSaid) {
               ::testing::HasSubstr("No space left"));
 }
 
-/// A file that may grow by so much and no more, as on a disk that fills.
+/// Limits the size of files, as a full disk does.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t most) {
@@ -76,7 +76,7 @@ class FullDisk {
   rlimit before_{};
 };
 
-/// Wherever in a line the disk ends, what is there can be replayed.
+/// The rest of a file can be replayed wherever in a line the disk was full.
 TEST(CsvRecording, OnAFullDiskEndsWithAWholeLine) {
   const testing::TemporaryFolder folder;
   for (rlim_t most = 100; most < 190; ++most) {
@@ -99,7 +99,7 @@ TEST(CsvRecording, OnAFullDiskEndsWithAWholeLine) {
   }
 }
 
-/// The file that fails is named once; the other goes on.
+/// The failing file is named once. The other file continues.
 TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
   const testing::TemporaryFolder folder;
   std::FILE* said = std::tmpfile();

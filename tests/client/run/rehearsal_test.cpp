@@ -1,4 +1,4 @@
-// The line at the start that says what a hand will feel, and what it says is so.
+// The start line predicts the forces that a hand will feel.
 
 #include "client/run/rehearsal.hpp"
 
@@ -25,7 +25,7 @@ Rehearsal rehearsed(const DeviceSpec& spec, const SessionParameters& parameters 
   return rehearse(spec, parameters, protect_hand(parameters), 0.0).value();
 }
 
-/// A device that burns much shows the usual walls in full. Its lag costs the stiff ones.
+/// A device that burns much shows the usual walls in full. Lag reduces the stiff ones.
 TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   DeviceSpec spec = builtin_device("omega.7");
   const Rehearsal quick = rehearsed(spec);
@@ -41,7 +41,7 @@ TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   EXPECT_LE(late.whole.wall, quick.whole.wall);
 }
 
-/// Without a mass the law counts on none, and the line says what helps.
+/// The law counts on no mass if none is known. The line names the remedy.
 TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
   DeviceSpec spec = builtin_device("lambda.7");
   ASSERT_EQ(spec.least_mass, 0.0);
@@ -56,7 +56,7 @@ TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
   EXPECT_THAT(rehearsal_text(with), Not(HasSubstr("least_mass")));
 }
 
-/// Without a law the light hand swings on a wall that is too stiff for its device.
+/// Without a law a light hand swings on a wall that is too stiff for its device.
 TEST(Rehearsal, AHandSwingsWithoutALaw) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 0.01;
@@ -68,14 +68,14 @@ TEST(Rehearsal, AHandSwingsWithoutALaw) {
   EXPECT_GT(rehearsed(spec).calm.wall, none.calm.wall);
 }
 
-/// A handle that only sinks does not swing: its own damping keeps it from the rest.
+/// A handle that only sinks does not swing: its own damping slows it.
 TEST(Rehearsal, AHandleThatSinksDoesNotSwing) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 500.0;
   EXPECT_TRUE(rehearsed(spec).scene.calm());
 }
 
-/// Some files have a largest force alone. A coarse encoder makes no share above 1.
+/// Some device files have only a largest force. A coarse encoder must not give a share above 1.
 TEST(Rehearsal, OddDevicesGetPossibleNumbers) {
   DeviceSpec spec = builtin_device("touch");
   spec.continuous_force = 0.0;
@@ -90,7 +90,7 @@ TEST(Rehearsal, TheSameAgain) {
   EXPECT_EQ(rehearsal_text(rehearsed(spec)), rehearsal_text(rehearsed(spec)));
 }
 
-/// The law of a server, or of a robot's far side, is not known here.
+/// The client does not know the law of a server or of a robot's far side.
 TEST(Rehearsal, NothingIsSaidOfALawThatIsNotKnown) {
   const DeviceSpec& spec = builtin_device("simulated");
   SessionParameters p = session();

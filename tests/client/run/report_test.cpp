@@ -59,7 +59,7 @@ TEST(Report, NamesTheFlightRecords) {
                             {"file": "flights/b.mcap", "cause": "asked for"}])"));
 }
 
-/// At the true ends of a simulated device.
+/// The energy at the true ports of a simulated device.
 TEST(Report, HasTheTrueEnergyOfASimulatedDevice) {
   const auto servo = used_servo();
   EXPECT_TRUE(report(*servo)["true_energy"].is_null());
@@ -70,7 +70,7 @@ TEST(Report, HasTheTrueEnergyOfASimulatedDevice) {
                             "to_hand_j": 0.125})"));
 }
 
-/// When the watch lets go, and where the servo thread was if it did.
+/// The time after which the watch releases the device, and the call that stood still.
 TEST(Report, SaysWhenTheDeviceIsLetGo) {
   const auto servo = used_servo();
   LoopResult result;
@@ -110,8 +110,8 @@ TEST(Report, SaysWhatTheHandHeld) {
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
 
-/// A hand that jumps, and whose driver says that it did, is stronger than was told, and one that
-/// swings on a wall is credited less.
+/// A hand jumps while its device reports no jump: it counts as a strong hand. A hand that swings
+/// on a wall gets less credit.
 TEST(Report, SaysWhatAccountAndShapingSaw) {
   SessionParameters p;
   p.mode = "shaped";
@@ -143,7 +143,7 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
 }
 
-/// Each change of the state between the hand and its robot, with its time.
+/// Each change of state between the hand and its robot, with its time.
 TEST(Report, SaysTheStatesOfTheRobot) {
   SessionParameters p;
   p.local_model = true;
@@ -184,7 +184,7 @@ TEST(LinkStates, KeepsTheFirstChangesAndCountsTheOthers) {
   EXPECT_EQ(states.changes().size(), LinkStates::kMost);
   EXPECT_EQ(states.left_out(), 7u);
   EXPECT_EQ(states.changes()[0].state, LinkState::ready);
-  // Another robot's state is a change, also if it is the same.
+  // A state of another robot is a change, even if the state is equal.
   LinkStates seats;
   seats.take(LinkState::ready, 0, Nanoseconds(0));
   seats.take(LinkState::ready, 1, Nanoseconds(1));
@@ -268,7 +268,7 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["dropped"]["malformed"], 4);
   EXPECT_EQ(r["parameters"]["mode"], "none");
   EXPECT_EQ(r["parameters"]["side"], "client");
-  EXPECT_FALSE(r["server_last_reply"].contains("bound_violations"));  // the account is ours
+  EXPECT_FALSE(r["server_last_reply"].contains("bound_violations"));  // this side has it
   EXPECT_EQ(r["server_last_reply"]["energy_delivered_j"]["elastic"], 0.5);
 }
 
@@ -342,7 +342,7 @@ TEST(Report, CountsHowOftenWhatMovesWasPutBack) {
   EXPECT_EQ(report(servo)["scene_resets"], 0);
   hear(1, false);
   hear(3, true);
-  hear(2, false);  // overtaken, and no news
+  hear(2, false);  // an overtaken reply is ignored
   hear(4, true);
   EXPECT_EQ(report(servo)["scene_resets"], 1);
   EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], true);
@@ -365,7 +365,7 @@ TEST(Report, WhatThereIsNoNumberForIsNull) {
 TEST(Report, SaysWhyThereWasNoForceAndHowItFelt) {
   const json some = report(*used_servo());
   EXPECT_TRUE(some["no_force"]["run"].is_null());
-  EXPECT_EQ(some["no_force"]["samples"]["no_reply"], 0);  // force was held, told or not
+  EXPECT_EQ(some["no_force"]["samples"]["no_reply"], 0);  // a force was held, answered or not
   EXPECT_TRUE(some["oscillation_um"].is_null());
   EXPECT_TRUE(some["displayed_stiffness_n_per_m"].is_null());
   Servo idle(builtin_device("simulated"), {});
@@ -393,7 +393,7 @@ TEST(Report, SaysWhatTheSafetyStageDid) {
   Servo servo(builtin_device("simulated"), p,
               {.safety = {.force = {.max = 1.0, .slew = 400.0, .small = 0.1}, .ramp_up = 0.0}});
   Nanoseconds now{0};
-  // Waits twice, is let go by the small one, then rises by 0.4, 0.8, 1.0 N.
+  // It waits twice, a small force ends the wait, then the force rises by 0.4, 0.8, 1.0 N.
   for (const double newtons : {3.0, 3.0, 0.0, 3.0, 3.0, 3.0, 3.0}) {
     now += std::chrono::milliseconds(1);
     servo.hold(servo.render({}, now));
@@ -428,7 +428,7 @@ TEST(Report, WarnsOfScenesThatTheEncodersDoNotStand) {
   const json too_stiff = report(servo, {}, "anna", 8697.0)["encoder"];
   for (const char* said : {"8697 N/m", "8695.65 N/m", "0.1 N", "23 um", "simulated", "soften"})
     EXPECT_THAT(too_stiff["warning"].get<std::string>(), HasSubstr(said));
-  EXPECT_TRUE(report(servo)["encoder"]["scene_stiffness_n_per_m"].is_null());  // nobody said
+  EXPECT_TRUE(report(servo)["encoder"]["scene_stiffness_n_per_m"].is_null());  // none given
 
   DeviceSpec exact = builtin_device("simulated");
   exact.position_resolution = 0.0;

@@ -1,4 +1,4 @@
-// Every scene that comes with feltwire, played by the client as it is when nothing is said.
+// Every scene that comes with feltwire, with the client's default options.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 namespace feltwire::shipped_scenes_test {
 namespace {
 
-/// A scene that is added to the folder, or to a folder in it, is under the test by itself.
+/// Finds the scenes, so a new scene in the folder or a subfolder is tested too.
 std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
@@ -31,7 +31,7 @@ class ShippedScene : public ::testing::TestWithParam<std::filesystem::path> {};
 
 struct Felt {
   double peak = 0.0;   // [N] held
-  double share = 0.0;  // of what the scene commanded and the device can do
+  double share = 0.0;  // of the scene's command, limited by the device
 };
 
 Felt felt_in(const std::string& record) {
@@ -60,7 +60,7 @@ TEST_P(ShippedScene, IsFelt) {
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(GetParam()));
   const std::string name = scenes.front().name();
-  // Half of what the bound shows of a spring as stiff as the scene's stiffest (2 b/T).
+  // Half of the bound's stiffness limit (2 b/T) relative to the scene's stiffest spring.
   const DeviceSpec& device = builtin_device("simulated");
   const double shown = 2.0 * device.damping.least() / SessionParameters{}.servo_period;
   const double least_share = 0.5 * std::min(1.0, shown / scenes.front().requirements().stiffness);
@@ -68,7 +68,7 @@ TEST_P(ShippedScene, IsFelt) {
   const ServerAccess access = test::access(server.control_port());
   const std::string token = folder / "token", record = folder / "record.csv";
   replace_file(token, test::admin_token().text.text(), kPrivate);
-  // Answers that come late on a machine under load cost force: the best of some runs counts.
+  // On a loaded machine late answers cost force, so the best of several runs counts.
   Felt best;
   for (int run = 0; run < 5 && (best.peak < kLeastPeak || best.share < least_share); ++run) {
     const test::Outcome outcome =

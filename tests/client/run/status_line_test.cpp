@@ -70,7 +70,7 @@ TEST(DeviceWords, ASlowDeviceGetsARemedy) {
       times.read.record(read);
       times.write.record(write);
     }
-    times.read.record(400'000'000);  // one is an accident
+    times.read.record(400'000'000);  // a single long call is no fault
     return slow_device(times, 1e-3, paced);
   };
   EXPECT_EQ(words(2'000, 1'000, false), "");
@@ -93,7 +93,7 @@ TEST(StatusLine, SaysWhetherTheRobotFollows) {
   EXPECT_THAT(text(now, {}), HasSubstr("  robot left aligning, turn by 0.42 rad"));
 }
 
-/// Oscillation since the line before, stiffness of the run; nothing where nothing was measured.
+/// Oscillation since the last line and stiffness of the run; no text without a measurement.
 TEST(StatusLine, SaysHowItFeels) {
   LiveStatus before = under_way(), now = before;
   before.oscillation = {1.0, 1000};
@@ -119,7 +119,7 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
   EXPECT_THAT(text(now, now), EndsWith("near, 72 % of the force, asked 0.30 ms farther ahead"));
 }
 
-/// The balance, and how often since the line before the account took something off.
+/// The balance, and the share of ticks with an account cut since the last line.
 TEST(StatusLine, SaysWhatTheAccountHas) {
   LiveStatus before = under_way(), now = before;
   EXPECT_THAT(text(now, before), Not(HasSubstr("account")));
@@ -132,7 +132,7 @@ TEST(StatusLine, SaysWhatTheAccountHas) {
   EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J, cuts 34 % of the ticks"));
 }
 
-/// How often since the line before, and in the last line how often at all.
+/// The share since the last status line; the final line has the total.
 TEST(StatusLine, SaysThatContactIsCutOff) {
   LiveStatus before = under_way(), now = before;
   before.contact_cuts = now.contact_cuts = 70;
@@ -156,9 +156,9 @@ TEST(StatusLine, SaysWhyThereIsNoForce) {
 TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {
   LiveStatus before = under_way(), now = before;
   now.samples += 10;
-  now.lost += 400;  // answers that were still on their way have been passed over at once
+  now.lost += 400;  // also passes over older answers that were on their way
   EXPECT_THAT(text(now, before), HasSubstr("lost 100.0 %"));
-  now.lost = before.lost - 5;  // answers came late
+  now.lost = before.lost - 5;  // late answers came
   EXPECT_THAT(text(now, before), HasSubstr("lost 0.0 %"));
 }
 

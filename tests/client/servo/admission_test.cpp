@@ -1,4 +1,4 @@
-// A scene that is changed under a hand which presses: what of it the hand feels.
+// A scene changes while a hand presses: this is the force that the hand gets.
 
 #include "client/servo/admission.hpp"
 
@@ -24,7 +24,7 @@ Scene wall(double stiffness) {
   return Scene("wall", {object});
 }
 
-/// A hand at a session, without a network between them; it is where the test says.
+/// A hand and a session without a network; the test sets the hand's place.
 struct Hand {
   Bench bench;
   Session session;
@@ -52,8 +52,8 @@ struct Hand {
   const PortEnergy& port() const { return bench.servo.port(); }
 };
 
-/// Half way between the old stiffness and the bound's own, c = 2 b / T: the work k d^2 / 2 that was
-/// pressed into the old wall pays for the storage of that force, (k' d)^2 / (2 c).
+/// The stiffness rises to the geometric mean of the old one and the bound's own, c = 2 b / T. The
+/// work k d^2 / 2 pressed into the old wall pays for the stored energy (k' d)^2 / (2 c).
 TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
   const Scene soft = wall(100.0), stiff = wall(900.0), middle = wall(250.0);
   for (const Storage storage : {Storage::minimal, Storage::elastic}) {
@@ -63,7 +63,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     Hand hand(p, soft);
     hand.press(kDepth);
     hand.rest(kDepth);
-    // A tick late, and what comes when the hand rests cannot be let in any more.
+    // The force is a tick late. No more force is admitted once the hand rests.
     ASSERT_NEAR(hand.force, 100.0 * kDepth, 2e-3);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
 
@@ -72,7 +72,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     hand.rest(kDepth);
     EXPECT_NEAR(hand.force, 250.0 * kDepth, 1e-6);  // 250 < sqrt(100 c) = 316
     EXPECT_FALSE(hand.bench.servo.withholds_change());
-    // It rises no faster than a fade falls; what elastic storage has kept is there at once.
+    // Minimal storage lets the force rise no faster than a fade; elastic storage shows it at once.
     if (storage == Storage::minimal) {
       EXPECT_LE(hand.fastest, 1.001 * hand.bench.spec.max_force / (0.5 * p.hold_time));
     }
@@ -84,7 +84,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     EXPECT_TRUE(hand.bench.servo.withholds_change());
     EXPECT_EQ(hand.port().violations(), 0u);
 
-    // Let go and touched anew, it is all there.
+    // After release and a new touch the hand feels the whole stiffness.
     hand.rest(-1e-3, 10);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
     hand.press(kDepth);
@@ -103,7 +103,7 @@ TEST(Admission, ASofterWallIsFeltAtOnce) {
   EXPECT_FALSE(hand.bench.servo.withholds_change());
 }
 
-/// It does not matter how much energy the device burned before, while the hand moved in free space.
+/// Energy that the device burned before, in free space, must not count.
 TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
   const Scene nothing = wall(1e-3), stiff = wall(900.0);
   Hand hand(parameters("contact_frame"), nothing);

@@ -1,4 +1,4 @@
-// A server that sends any model of a body: the port of six degrees of freedom makes no energy.
+// A server sends arbitrary body models: the six-degree-of-freedom port must not make energy.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 
-/// A model as the codec lets it through, about where the hand is: stiff planes, any springs.
+/// A valid model near the hand, with stiff planes and any springs.
 BodyModel any_model(test::Random& random, const Pose& about) {
   BodyModel m;
   m.tool = moved(about, 0.002 * random.direction(), 0.1 * random.direction());
@@ -48,7 +48,7 @@ BodyModel any_model(test::Random& random, const Pose& about) {
 
 constexpr std::uint64_t kTicks = test::rounds(1500);
 
-/// A body, as whole_body() lets it through: any solids, any mass.
+/// A body that whole_body() accepts, with any solids and any mass.
 FetchedScene any_body(test::Random& random) {
   BodyData body;
   body.coupling = {std::pow(10.0, random.uniform(1, 5)), std::pow(10.0, random.uniform(-2, 2)),
@@ -76,7 +76,7 @@ FetchedScene any_body(test::Random& random) {
   return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = whole_body(1, body, solids)};
 }
 
-/// `told`: of the device, to the servo.
+/// `told`: the device description that the servo gets.
 double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque,
                    const DeviceSpec& told = builtin_device("simulated_6dof")) {
   test::Random random(seed);
@@ -106,7 +106,7 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
     reply.body = any_model(random, servo.sample().pose);
     reply.body.scene = static_cast<std::uint32_t>(n / 200);
-    if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version that is not here
+    if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version unknown here
     servo.take(reply, now);
   }
   EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);
@@ -118,10 +118,10 @@ TEST(BodyModelAttack, NoModelMakesThePortGiveEnergy) {
   double torque = 0.0;
   for (const std::uint64_t seed : test::seeds(1, 48, 0))
     EXPECT_LE(energy_made(kSessionMethod, seed, &torque), 1e-9) << seed;
-  EXPECT_GT(torque, 0.02);  // [N m] that it was tried
+  EXPECT_GT(torque, 0.02);  // [N m] the attack made a torque
 }
 
-/// An account that is told no mass takes every hand for one that has none.
+/// An account without a known mass treats every hand as massless.
 TEST(BodyModelAttack, NorWhereNoMassIsKnown) {
   double torque = 0.0;
   for (const std::uint64_t seed : test::seeds(1, 12, 0))

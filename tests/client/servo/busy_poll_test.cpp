@@ -1,4 +1,4 @@
-// A server, and a client, that look for datagrams busily instead of sleeping: nothing else changes.
+// A server or client polls for datagrams instead of sleeping: its behaviour stays otherwise equal.
 
 #include <atomic>
 #include <filesystem>
@@ -15,7 +15,7 @@ using testing::Client;
 using testing::kPatience;
 using testing::kStroke;
 
-/// [us] of the server.
+/// The parameter is the server's busy_poll [us].
 class BusyServer : public ::testing::TestWithParam<double> {
  protected:
   static ServerConfig config() {
@@ -30,7 +30,7 @@ class BusyServer : public ::testing::TestWithParam<double> {
   }
 };
 
-/// Until something comes that is not a reply.
+/// Receives until a goodbye comes.
 Transport::Arrival await_goodbye(Transport& transport, GoodbyeReason& reason) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   Reply reply;
@@ -65,7 +65,7 @@ TEST_P(BusyServer, AnswersHandsAndRequests) {
 
 TEST_P(BusyServer, ASilentSessionEnds) {
   ServerConfig impatient = config();
-  impatient.silence_timeout = 1.0;  // [s] long enough for the first sample, on a busy machine too
+  impatient.silence_timeout = 1.0;  // [s] enough for the first sample on a busy machine
   const auto served = server(impatient);
   Client hand(test::access(served->control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
@@ -88,7 +88,7 @@ TEST_P(BusyServer, StopsWithAGoodbye) {
   EXPECT_EQ(reason, GoodbyeReason::shutting_down);
 }
 
-/// A peer that never lets the socket run empty keeps neither requests nor the end waiting.
+/// A peer that keeps the socket full must not block requests or the server's end.
 TEST_P(BusyServer, AFloodKeepsNobodyOut) {
   const auto served = server(config());
   const ServerAccess endpoint = test::access(served->control_port());
@@ -115,7 +115,7 @@ TEST_P(BusyServer, AFloodKeepsNobodyOut) {
 
 INSTANTIATE_TEST_SUITE_P(BusyPoll, BusyServer, ::testing::Values(0.0, 50.0, HUGE_VAL));
 
-/// The number of threads of this process that are not asleep, without this one.
+/// The number of other threads of this process that run.
 int threads_awake() {
   int awake = 0;
   const std::string self = std::filesystem::read_symlink("/proc/thread-self").filename();
@@ -124,7 +124,7 @@ int threads_awake() {
     std::ifstream file(task.path() / "stat");
     std::string line;
     std::getline(file, line);
-    const std::size_t name_end = line.rfind(')');  // the state stands behind the name
+    const std::size_t name_end = line.rfind(')');  // the state follows the name
     if (name_end != std::string::npos && line.size() > name_end + 2 && line[name_end + 2] == 'R')
       ++awake;
   }
@@ -139,7 +139,7 @@ TEST(BusyPoll, ABoundedOneSleepsWhenNothingComes) {
   Server server(config, std::move(scenes), test::security());
   Client hand(test::access(server.control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
-  // Asleep time and again, not by chance between two looks.
+  // All threads must sleep at many looks in a row, so that a single look is no accident.
   const auto end = std::chrono::steady_clock::now() + kPatience;
   constexpr int kTimes = 100;
   for (int asleep = 0; asleep < kTimes;) {
@@ -148,7 +148,7 @@ TEST(BusyPoll, ABoundedOneSleepsWhenNothingComes) {
   }
 }
 
-/// [ns] of the client; 0 is what all other tests are about.
+/// The parameter is the client's busy_poll; all other tests use 0.
 class BusyClient : public ::testing::TestWithParam<Nanoseconds> {};
 
 TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
@@ -177,7 +177,7 @@ TEST_P(BusyClient, ServesAnEmulatedLink) {
   EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
   const Histogram& round_trip = hand.servo.statistics().round_trip;  // [ns]
   EXPECT_GE(round_trip.quantile(0.0), 5.9e6);
-  EXPECT_LT(round_trip.quantile(0.5), 20e6);  // not taken up at the next tick only
+  EXPECT_LT(round_trip.quantile(0.5), 20e6);  // the client takes the reply before its next tick
 }
 
 TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
@@ -189,7 +189,7 @@ TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
   Client left(endpoint, "t,x,y,z\n0,0,0,0.005\n100,0,0,0.005\n", {}, "floor");
   asked.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   left.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
-  // The server must know where the one is that it will say goodbye to.
+  // The server needs the client's address for its goodbye.
   TickRecord row;
   test::eventually("an answer", [&] { return left.records.pop(row) && row.age >= 0.0; });
   asked.stop.set();

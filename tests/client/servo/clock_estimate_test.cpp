@@ -12,10 +12,10 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// A server's clock that is `offset` away from ours and runs `drift` fast; what the estimate is
-/// judged by.
+/// The true server clock, to judge the estimate: `offset` away from the client's clock and fast by
+/// `drift`.
 struct Truth {
-  std::int64_t offset = 0;  // [ns] at our time 0
+  std::int64_t offset = 0;  // [ns] at client time 0
   double drift = 0.0;       // [s/s]
 
   Nanoseconds server(double client_time) const {
@@ -59,7 +59,7 @@ TEST(ClockEstimate, FindsOffsetAndDriftThroughJitter) {
       Exchange e;
       e.sent = at(t);
       e.arrived = at(t + delay_up + delay_down);
-      // The server's clock may run over the end of its range.
+      // The server's clock may overflow.
       e.received = e.answered = Nanoseconds(static_cast<std::int64_t>(
           static_cast<std::uint64_t>(truth.offset) +
           static_cast<std::uint64_t>(std::llround(1e9 * (t + delay_up) * (1.0 + truth.drift)))));
@@ -69,7 +69,7 @@ TEST(ClockEstimate, FindsOffsetAndDriftThroughJitter) {
     EXPECT_NEAR(clock.drift(), truth.drift, 5e-6);
     EXPECT_LE(clock.error_bound(), 5.2e-3);
     if (std::abs(truth.offset) < std::int64_t{1} << 60) {
-      // The error against the truth is far below the jitter: the fastest exchanges say it.
+      // The fastest exchanges define the offset, so its error is far below the jitter.
       EXPECT_NEAR(clock.offset(at(t)), truth.offset_at(t), 100e-6);
       const Nanoseconds back = clock.to_client(truth.server(t));
       EXPECT_NEAR(static_cast<double>((back - at(t)).count()), 0.0, 1e5);
@@ -102,7 +102,7 @@ TEST(ClockEstimate, TheServersOwnTimeIsNoDelay) {
 TEST(ClockEstimate, JitterIsTheMeanVariationOfTheDelay) {
   const Truth truth{0, 0.0};
   ClockEstimate clock;
-  clock.take(exchange(truth, 0.0, 1e-3, 1e-3));  // the fastest: it says the offset
+  clock.take(exchange(truth, 0.0, 1e-3, 1e-3));  // the fastest exchange defines the offset
   for (int n = 1; n < 400; ++n) clock.take(exchange(truth, 1e-3 * n, n % 2 ? 2e-3 : 3e-3, 1.5e-3));
   EXPECT_NEAR(clock.jitter_up(), 1e-3, 1e-5);
   EXPECT_NEAR(clock.jitter_down(), 0.0, 1e-5);

@@ -1,5 +1,5 @@
-// A server cannot make a tick long: contact that takes more work than a tick has is cut off, the
-// command of the reply is used, and the hand gets no energy by that.
+// A server cannot make a tick long. Contact that takes more than the work of a tick is cut off,
+// the servo uses the reply's command, and the hand gets no energy from that.
 
 #include "core/local_model/contact_budget.hpp"
 
@@ -41,8 +41,8 @@ struct Attack {
   double held = 0.0;  // [N] the largest force
 };
 
-/// A hand that presses and then takes all it can, at a place that the server's replies call
-/// touched; `model` fills in a reply for a hand there. In each cut tick the command is the reply's.
+/// A hand presses and then takes the most energy from the force. `model` fills in replies that say
+/// that the hand touches a surface there. A cut tick must use the reply's command.
 template <class Model>
 Attack attacked(Bench& bench, test::Random& random, Model model) {
   constexpr int kTicks = test::rounds(600), kPress = 20;
@@ -97,7 +97,7 @@ TEST(ContactBudget, NoSurfaceMakesATickLong) {
       for (const std::string_view mode : {kSessionMethod, std::string_view("contact_frame")}) {
         const FetchedScene scene =
             limited({.objects = {0}, .surfaces = mesh_surfaces(kVersion, {lie}), .body = nullptr});
-        Bench bench(modelled(mode), without_known_mass());  // this hand has none
+        Bench bench(modelled(mode), without_known_mass());  // this hand has no mass
         bench.servo.use(&scene);
         test::Random random(3);
         const Attack attack = attacked(bench, random, mark_as_touched);
@@ -130,9 +130,9 @@ TEST(ContactBudget, NoBodyMakesATickLong) {
   }
 }
 
-/// The usual method counts on the device's mass. A hand that moves as if there were none is
-/// stronger than was told: it gets energy once, the account and the counter agree on how much, the
-/// account says why, and the force ends.
+/// The usual method counts on the device's mass, but this hand moves as if there were none, so it
+/// is too strong. It gets energy once. Account and counter agree on the energy, the account names
+/// the cause, and the force ends.
 TEST(ContactBudget, AHandWithoutTheMassThatWasToldGetsOneDebtThatIsCalledAStrongHand) {
   const FetchedScene scene =
       limited({.objects = {},
@@ -150,7 +150,7 @@ TEST(ContactBudget, AHandWithoutTheMassThatWasToldGetsOneDebtThatIsCalledAStrong
   EXPECT_EQ(bench.servo.held(), Command{});
 }
 
-/// Planes need nothing that was fetched; a fast servo has at least 100 us for them.
+/// Planes need no fetched geometry. A fast servo has at least 100 us for them.
 TEST(ContactBudget, NoPlanesMakeATickLong) {
   EXPECT_EQ(plane_work(1e-3), units_within(250e-6));
   EXPECT_EQ(plane_work(1e-4), units_within(100e-6));

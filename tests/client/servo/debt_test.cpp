@@ -1,5 +1,5 @@
-// The debts of the account: a stall is paid for or ends the force, and no change of law, no lost
-// session and no other run forgives it.
+// The debts of the account. A stall is paid for, or it ends the force. A change of the law, a lost
+// session or a new run does not remove the debt.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ SessionParameters with_model(std::string_view mode) {
   return p;
 }
 
-/// A simulated hand on a floor, with the server beside it and the energy at the true port.
+/// A simulated hand on a floor, with a server and the energy at the true port.
 struct Hand {
   explicit Hand(std::string_view mode, double stiffness = 5e3, const ServoOptions& options = {},
                 const feltwire::Hand& held_by = {}, HandPath path = HandPath::taps)
@@ -57,8 +57,7 @@ struct Hand {
     return Scene("floor", {plane});
   }
 
-  /// The handle moves on under this force. What its damping burns is counted for `least` [s] or
-  /// longer.
+  /// Moves the handle on under this force. Counts what its damping burns for `least` [s] or longer.
   DeviceReading move(Nanoseconds after, const Vec3& force, double least = 0.0) {
     now += after;
     const DeviceReading reading = device->read(now);
@@ -84,7 +83,7 @@ struct Hand {
     laws.emplace_back(spec, law, servo_options);
     servo.adopt(laws.back());
   }
-  /// Until so much force is held, on the way out of the floor.
+  /// Ticks until the hand moves out of the floor under at least this force.
   bool comes_out(double force) {
     for (int n = 0; n < 4000; ++n) {
       const double before = place.z();
@@ -104,18 +103,18 @@ struct Hand {
   std::deque<ServoLaw> laws;
   Nanoseconds now = seconds(100.0);
   Vec3 place;
-  double left = 0.0, made = 0.0;  // [J] at the true port: burned less delivered; the most of it
+  double left = 0.0, made = 0.0;  // [J] at the true port: burned less delivered; the largest excess
   double felt = 0.0;              // [N]
 };
 
-/// A hand that was pulled farther than anything had paid for: a debt of some microjoules or more.
+/// Stalls a hand until it owes some microjoules or more.
 void overdraw(Hand& hand, double stall) {
   ASSERT_TRUE(hand.comes_out(0.5));
   hand.tick(seconds(stall));
 }
 
-/// Stalls of up to two seconds at any moment, changes of the law and lost sessions between them.
-/// The hand gets at most what one of them cost, and then no force any more.
+/// Stalls of up to two seconds at any moment, with changes of the law and lost sessions. The hand
+/// gets at most the cost of a single stall, and then no more force.
 TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
   int ended = 0, paid = 0;
   double worst_after = 0.0;
@@ -125,7 +124,7 @@ TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
     const NamedHand& who = kEightHands[seed % kEightHands.size()];
     Hand hand(any(), random.chance(0.5) ? 5e3 : 40e3, {}, who.hand,
               random.chance(0.5) ? HandPath::taps : HandPath::slide);
-    std::optional<double> made;  // [J] when the force had ended
+    std::optional<double> made;  // [J] when the force ended
     for (int n = 0; n < 6000; ++n) {
       const bool stalls = random.chance(0.002);
       const std::uint64_t debts = hand.servo.account()->statistics().overdrawn;
@@ -148,8 +147,8 @@ TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
   EXPECT_GT(paid, 10);
 }
 
-/// [J] The most that one of eight hands gets beyond what the device burns, if the device holds the
-/// last force for `held` [s], of a stall of two seconds, at any moment of contact.
+/// [J] The most energy that one of eight hands gets beyond what the device burns, in a stall of two
+/// seconds during contact. The device holds the last force for `held` [s].
 double made_in_a_stall(const char* law, double stiffness, double held) {
   double made = 0.0;
   std::uint64_t seed = 0;
@@ -163,7 +162,7 @@ double made_in_a_stall(const char* law, double stiffness, double held) {
         if (n > 4000) break;
         hand.tick();
       }
-      // In short steps, so that what the device burns is counted as it is burned.
+      // Short steps follow what the device burns.
       constexpr Nanoseconds kStep = std::chrono::microseconds(100);
       const Vec3 force = hand.servo.held().force();
       for (Nanoseconds t{0}; t < seconds(held); t += kStep) hand.move(kStep, force);
@@ -175,8 +174,8 @@ double made_in_a_stall(const char* law, double stiffness, double held) {
   return made;
 }
 
-/// The watch lets go when a tick is late by some periods, however long the stall lasts
-/// (client/servo/tick_watch.hpp). What the device has burned until then pays for that time.
+/// The watch releases the device a few periods after a late tick, however long the stall lasts
+/// (client/servo/tick_watch.hpp). The device must burn enough until then.
 TEST(Debt, NoneIsMadeInTheTimeUntilTheWatchLetsGo) {
   const double held = let_go_time(1e-3, 0.1, 0.0, true);
   for (const char* law : kLaws)
@@ -184,9 +183,8 @@ TEST(Debt, NoneIsMadeInTheTimeUntilTheWatchLetsGo) {
       EXPECT_LE(made_in_a_stall(law, stiffness, held), 1e-12) << law << ' ' << stiffness;
 }
 
-/// Contact has a quarter of a tick, and replies that come all at once take less than another one:
-/// a server can make ticks late by that, at every third one or seldom. Later ones are the
-/// machine's.
+/// A server can delay a tick: contact takes up to a quarter of it, and a burst of replies less than
+/// another quarter. It may do so every third tick or seldom. Longer delays come from the machine.
 TEST(Debt, NoneIsMadeByTicksThatAServerMakesLate) {
   constexpr double kLate = 0.65;  // [T]
   for (const char* law : {"shaped", "contact_frame"})
@@ -207,7 +205,7 @@ TEST(Debt, NoneIsMadeByTicksThatAServerMakesLate) {
         }
 }
 
-/// Without real-time scheduling it waits longer.
+/// Without real-time scheduling the watch waits longer.
 TEST(Debt, SomeIsMadeInTwentyPeriods) {
   const double held = let_go_time(1e-3, 0.1, 0.0, false);
   EXPECT_GT(made_in_a_stall("shaped", 40e3, held), 1e-4);
@@ -219,7 +217,7 @@ TEST(Debt, OutlivesALawThatTheServerChanges) {
       SCOPED_TRACE(std::string(before) + " -> " + after);
       Hand hand(before, 5e3, {}, {}, HandPath::taps);
       overdraw(hand, 0.3);
-      if (!hand.servo.account()->in_debt()) continue;  // there was enough to pay for it
+      if (!hand.servo.account()->in_debt()) continue;  // the energy sufficed
       const double owed = hand.servo.owed();
       ASSERT_GT(owed, 0.0);
       hand.change_to(after);
@@ -230,7 +228,7 @@ TEST(Debt, OutlivesALawThatTheServerChanges) {
     }
 }
 
-/// The energy that the device had burned is not lost either.
+/// A change of the law keeps the energy that the device had burned.
 TEST(Debt, WhatIsLeftOutlivesALawToo) {
   Hand hand("shaped");
   for (int n = 0; n < 700; ++n) hand.tick();
@@ -245,7 +243,7 @@ TEST(Debt, WhatIsLeftOutlivesALawToo) {
   EXPECT_EQ(hand.servo.port().violations(), 0u);
 }
 
-/// By way of a law without an account, under which nothing is counted.
+/// The law between has no account, so nothing is counted under it.
 TEST(Debt, OutlivesALawWithoutAnAccount) {
   Hand hand("contact_frame");
   overdraw(hand, 0.3);
@@ -283,7 +281,7 @@ TEST(Debt, AboveAFewMicrojoulesIsAFaultThatIsTold) {
   EXPECT_TRUE(hand.servo.let_go());
 }
 
-/// Ticks make it that are nanoseconds or microseconds late. It is burned, and the force goes on.
+/// Ticks that are microseconds late make a small debt. It is burned, and the force continues.
 TEST(Debt, ThatIsSmallerIsRepaid) {
   Hand hand("contact_frame");
   std::uint64_t overdrawn = 0;
@@ -293,7 +291,7 @@ TEST(Debt, ThatIsSmallerIsRepaid) {
   EXPECT_GT(hand.felt, 1.0);
 }
 
-/// A run that begins with the debt of an earlier one: no force before it is burned, and no fault.
+/// A run that begins with an earlier debt gives no force until it is burned, and has no fault.
 TEST(Debt, OfAnEarlierRunIsBurnedBeforeAnyForce) {
   constexpr double kOwed = 2e-3;  // [J]
   Hand hand("shaped", 5e3, {.safety = {}, .owed = kOwed});

@@ -1,4 +1,4 @@
-// The report of a client about its hand to observers.
+// A client's report about its hand, for observers.
 
 #include "protocol/wire/hand_report.hpp"
 
@@ -19,7 +19,7 @@ bool says(const Bench& bench, HandReason reason) {
   return (bench.servo.report().reasons & bit(reason)) != 0;
 }
 
-/// After a first sample that was answered so.
+/// A servo whose first sample got this command.
 struct Told : Bench {
   explicit Told(const Command& command, std::string_view mode = "none",
                 const ServoOptions& options = {})
@@ -46,10 +46,10 @@ TEST(HandReport, SaysWhatTakesForceOff) {
   Told cut(kTwo, "none", limited);
   EXPECT_TRUE(says(cut, HandReason::limits));
   EXPECT_FALSE(says(cut, HandReason::bound));
-  EXPECT_TRUE(says(Told(kTwo, "midpoint"), HandReason::account));  // nothing was burned yet
+  EXPECT_TRUE(says(Told(kTwo, "midpoint"), HandReason::account));  // no energy burned yet
 }
 
-/// `limits` too, which older viewers know.
+/// `limits` is set too, for older viewers.
 TEST(HandReport, NamesTheSafetyLimit) {
   const auto limited = [](const ChannelLimits& force, double ramp_up = 0.0) {
     ServoOptions options;
@@ -69,7 +69,7 @@ TEST(HandReport, NamesTheSafetyLimit) {
   EXPECT_EQ(reasons(fast), limits | bit(HandReason::velocity_limit));
 }
 
-/// A floor far too stiff for a hand that is found deep in it: the force rises step by step.
+/// The hand is deep in a floor that is far too stiff, so the force rises in steps.
 TEST(HandReport, NamesTheShaping) {
   SessionParameters shaped = parameters("shaped");
   shaped.local_model = true;
@@ -101,7 +101,7 @@ TEST(HandReport, SaysThatTheAccountIsInDebt) {
   ASSERT_GT(told.servo.held().force().z(), 0.1);
   EXPECT_FALSE(says(told, HandReason::debt));
   told.tick(surely_at(0, 0, 0.05),
-            from_seconds(0.09));  // taken along by the force, while no tick came
+            from_seconds(0.09));  // the force moved it between the ticks
   EXPECT_LT(told.servo.report().balance, 0.0);
   EXPECT_TRUE(says(told, HandReason::debt));
 }

@@ -1,4 +1,4 @@
-// A reading that no hand can have moved to is a fault of the device.
+// A reading too far away for any hand counts as a device fault.
 
 #include <gtest/gtest.h>
 
@@ -84,7 +84,7 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
       EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << way;
       EXPECT_EQ(hand.servo.statistics().device_faults, 1u);
       EXPECT_LE(hand.balance(), before);
-      // There it rests: what the scene asks for is withheld, as where a hand begins in contact.
+      // The scene's force is then withheld, as for a hand that begins in contact.
       hand.rest({0, 0, 0.005 - way}, 0.3);
       EXPECT_LT(hand.most, 1e-9) << rate << " " << way;
       EXPECT_EQ(hand.servo.no_force(), NoForce::waiting);
@@ -95,7 +95,7 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
   }
 }
 
-/// And back again, at each tick or now and then.
+/// The reading jumps to and fro, at each tick or less often.
 TEST(Jump, AReadingThatFlickersGivesNoForceAndNoCredit) {
   for (const double rate : kRates) {
     for (const int every : {1, 2, 7}) {
@@ -119,7 +119,7 @@ TEST(Jump, OfTheOrientationIsAFaultToo) {
       turned.pose.orientation = Quaternion(Eigen::AngleAxisd(1.0, Vec3(0.6, 0, 0.8)));
       EXPECT_EQ(hand.tick(turned).force(), Vec3::Zero());
       EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << device;
-      // Two quaternions, q and -q, are the same orientation.
+      // The quaternions q and -q are the same orientation.
       turned.pose.orientation.coeffs() *= -1.0;
       for (int n = 0; n < 10; ++n) hand.tick(turned);
       EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << device;
@@ -127,7 +127,7 @@ TEST(Jump, OfTheOrientationIsAFaultToo) {
   }
 }
 
-/// In the time that the servo stood still the hand may have moved on, but no faster than a hand.
+/// A hand may move on during a stall, but no faster than a hand can.
 TEST(Jump, AfterAStallTheTimeOfTheStallCounts) {
   for (const double rate : kRates) {
     for (const double stall : {0.005, 0.02, 0.08}) {
@@ -138,21 +138,21 @@ TEST(Jump, AfterAStallTheTimeOfTheStallCounts) {
       EXPECT_EQ(honest.servo.statistics().jumps, 0u) << rate << " " << stall;
       lying.tick(at(0, 0, 0.1 - 10.5 * (stall + 1.0 / rate)), stall);
       EXPECT_EQ(lying.servo.statistics().jumps, 1u) << rate << " " << stall;
-      // The tick after a stall is judged as every other one.
+      // The tick after a stall has no extra time.
       honest.tick(at(0, 0, 0.1 - 2.0 * stall - 0.05));
       EXPECT_EQ(honest.servo.statistics().jumps, 1u) << rate << " " << stall;
     }
   }
 }
 
-/// Strokes of 3 m/s, more than the velocity limit lets any force through to, into a stop.
+/// Strokes of 3 m/s into a stop; the velocity limit allows no force at this speed.
 TEST(Jump, AFastHandIsNone) {
   for (const double rate : kRates) {
     Hand hand(rate);
     double t = 0.0;
     while (t < 2.0) {
       t += 1.0 / rate;
-      // A stop 10 mm below the plane throws it back as fast as it came.
+      // A stop 10 mm below the plane reverses the velocity.
       const double z = std::abs(0.06 * std::cos(50.0 * t) + 0.01) - 0.01;
       hand.tick(at(0, 0.02 * std::sin(30.0 * t), z));
     }
@@ -162,7 +162,7 @@ TEST(Jump, AFastHandIsNone) {
   }
 }
 
-/// A tool that the mapping moves ten times as far moves ten times as fast.
+/// A mapping that scales the movement by ten also scales the speed by ten.
 TEST(Jump, AMappedToolMayMoveAsFarAsItsMappingSays) {
   for (const double scale : {0.1, 10.0}) {
     const MappedDevice device(
@@ -182,7 +182,7 @@ TEST(Jump, AMappedToolMayMoveAsFarAsItsMappingSays) {
 
 // Recordings.
 
-/// A hand that sinks slowly, at 1 kHz, and one jump of `way` [m] after a second.
+/// A hand that sinks slowly, at 1 kHz, with a jump of `way` [m] after a second.
 Recording sinking(double way) {
   std::ostringstream rows;
   for (int n = 0; n < 2500; ++n)
@@ -203,7 +203,7 @@ TEST(Jump, ARecordingsJumpIsFoundAtEveryRate) {
       }
       EXPECT_GE(hand.servo.statistics().jumps, 1u) << rate << " " << way;
       EXPECT_LE(hand.servo.statistics().jumps, std::ceil(rate / 1000.0) + 1.0) << rate;
-      // It sinks by 3 mm more, and feels no more than that.
+      // It sinks 3 mm more, and the force fits that depth.
       EXPECT_LE(hand.most, 600.0 * 3e-3 + 0.1) << rate << " " << way;
     }
     ReplayDevice device(sinking(0.0), builtin_device("simulated"));
@@ -211,8 +211,8 @@ TEST(Jump, ARecordingsJumpIsFoundAtEveryRate) {
   }
 }
 
-/// As a mouse writes it, 10 to 60 times a second and irregularly, with strokes of 4 m/s that begin
-/// in one row: at 10 kHz too each is a hand.
+/// Rows as a mouse writes them: irregular, 10 to 60 times a second, with strokes of 4 m/s that
+/// begin within a row. At 10 kHz, too, they must pass as a hand.
 TEST(Jump, ARecordingOfAMouseIsAHandAtEveryRate) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);

@@ -1,6 +1,6 @@
-// A device that takes forces up late and cannot tell what it holds: it leaves the plugin ABI's
-// held_force alone, and says late_ticks. Eight hands on walls of 5 and 40 kN/m, and the energy at
-// the true port.
+// A device that applies forces late and cannot report the held force: it does not use the plugin
+// ABI's held_force and declares late_ticks. Eight hands press walls of 5 and 40 kN/m; the test
+// measures the energy at the true port.
 
 #include <gtest/gtest.h>
 
@@ -36,12 +36,12 @@ struct Wall {
 };
 
 struct Felt {
-  double made = 0.0;     // [J] the most that was delivered beyond what was burned at the true port
+  double made = 0.0;     // [J] most delivered less burned energy at the true port
   double largest = 0.0;  // [N]
   std::uint64_t violations = 0;
 };
 
-/// A hand that presses, slides and taps for some seconds.
+/// A hand presses, slides and taps for some seconds.
 Felt feel(const DeviceSpec& truth, const Hand& hand, HandPath path, const Wall& wall) {
   DeviceSpec spec = truth;
   spec.late_ticks = wall.says_late ? wall.late : 0;
@@ -118,7 +118,7 @@ TEST(LateDevice, NorBehindOtherLawsNorLaterThanThat) {
           << late << ' ' << hand.name;
 }
 
-/// The measure can tell.
+/// A device that is late but does not declare it must make energy: the measure can fail.
 TEST(LateDevice, ThatDoesNotSaySoWouldMakeIt) {
   double most = 0.0;
   for (const NamedHand& hand : kEightHands)

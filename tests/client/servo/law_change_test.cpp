@@ -1,4 +1,4 @@
-// A law that is changed under a hand: what was held fades, nothing steps up, no energy comes of it.
+// A law changes under a hand: the held force fades, no force steps up, and no energy is made.
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ struct Hand {
         servo_options(options),
         bench(p, options),
         session({"tester", "floor", bench.spec, p}, scene.views().front()) {}
-  /// The force that it is given at this height [m].
+  /// The force on the hand at this height [m].
   double at_height(double z) {
     const Command given = bench.tick(at(0.0, 0.0, z));
     SampleBatch batch;
@@ -50,7 +50,7 @@ struct Hand {
     bench.servo.take(session.take(batch, bench.now).reply, bench.now);
     return given.force().norm();
   }
-  /// Comes down to a depth, slowly, and stays.
+  /// Comes down slowly to a depth and stays.
   double press(double depth, int ticks = 400) {
     double force = 0.0;
     for (int n = 1; n <= ticks; ++n)
@@ -77,7 +77,7 @@ struct Hand {
   std::deque<ServoLaw> laws;
 };
 
-/// Each law of the list gives way to each other one under a protected hand that rests in the floor.
+/// Every ordered pair of the listed laws; a protected hand rests in the floor.
 TEST(LawChange, FadesThenWaitsAndTheAccountGoesOn) {
   for (const char* before : kBounded)
     for (const char* after : kBounded) {
@@ -93,8 +93,8 @@ TEST(LawChange, FadesThenWaitsAndTheAccountGoesOn) {
       int ticks = 0;
       for (; hand.bench.servo.changes_law() && ticks < 1000; ++ticks) {
         const double next = hand.at_height(-0.002);
-        EXPECT_LE(next, force + 1e-9);                // never up,
-        EXPECT_GE(next, force - 1.01 * fade - 1e-9);  // and no faster down than a fade
+        EXPECT_LE(next, force + 1e-9);                // never rises,
+        EXPECT_GE(next, force - 1.01 * fade - 1e-9);  // and falls no faster than a fade
         force = next;
       }
       EXPECT_LE(ticks, 52);  // half the hold time, and the ticks at both ends
@@ -102,17 +102,17 @@ TEST(LawChange, FadesThenWaitsAndTheAccountGoesOn) {
       EXPECT_EQ(hand.bench.servo.parameters().mode, after);
       EXPECT_GT(hand.bench.servo.account()->balance(), 0.0);
       EXPECT_LE(hand.bench.servo.account()->balance(), hand.bench.servo.port().margin() + 1e-12);
-      // A force that the account could pay for must not throw the hand out.
+      // The account could pay for a force now, but it must not throw the hand out.
       for (int n = 0; n < 100; ++n) EXPECT_LE(hand.at_height(-0.002), 0.05);
-      // It feels the floor again when it has come out of it.
+      // Out of the floor and in again, the hand feels the floor.
       for (int n = 0; n < 100; ++n) hand.at_height(-0.002 + 4e-5 * n);
       EXPECT_GT(hand.press(0.002), 0.3);
       EXPECT_EQ(hand.bench.servo.port().violations(), 0u);
     }
 }
 
-/// Changes at random moments under a hand at random: never a step up beyond what each law allows
-/// from its zero, never more energy than the device burned.
+/// Random changes under a random hand. No force steps up beyond what the laws allow, and the hand
+/// never gets more energy than the device burned.
 TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
   int changes = 0;
   for (const std::uint64_t seed : test::seeds(1, 40, 20)) {
@@ -130,8 +130,8 @@ TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
       const bool waits = hand.bench.servo.changes_law();
       const double force = hand.at_height(z);
       if (waits) {
-        // A share of the floor's force at the place where a method asks: half a tick ahead, or, for
-        // a hand that rests, at one place between two readings of the encoder.
+        // A share of the floor's force where the method asks the scene: half a tick ahead of a
+        // moving hand. For a resting hand that place is between two encoder readings.
         const double left = std::max(0.0, 1.0 - (n - since) / 50.0);
         const double quantum = hand.bench.spec.position_resolution;
         const double most = 800.0 * (std::max(0.0, -z) + 2.0 * speed + 1.5 * quantum) * left;
@@ -150,7 +150,7 @@ TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
   EXPECT_GT(changes, test::rounds(300));
 }
 
-/// Without a bound the whole force would be there at once: a protected hand first leaves.
+/// Without a bound the whole force would step up, so a protected hand must leave the floor first.
 TEST(LawChange, ToNoBoundWaitsForASmallForce) {
   Hand hand(with_model("shaped"), protect_hand(with_model("shaped")));
   hand.press(0.002);
@@ -175,7 +175,7 @@ TEST(LawChange, TakesNoMemoryInTheServo) {
   EXPECT_FALSE(hand.bench.servo.changes_law());
 }
 
-/// The change is reported, and it outlives a session that is lost meanwhile.
+/// The change is reported, and it continues in spite of a lost session.
 TEST(LawChange, IsToldAndOutlivesALostSession) {
   Hand hand(with_model("shaped"));
   hand.press(0.002);

@@ -1,5 +1,5 @@
-// Models that mean harm: whatever surfaces a server sends, and however they jump from one reply to
-// the next, the hand takes no more energy than the device burns.
+// Hostile models: a server sends any surfaces, which jump from reply to reply. The hand must not
+// take more energy than the device burns.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -34,7 +34,7 @@ std::vector<SessionParameters> laws() {
   return all;
 }
 
-/// All that PROTOCOL.md lets a receiver take, near the hand or far from it.
+/// Any patch that PROTOCOL.md lets a receiver accept, near the hand or far from it.
 SurfacePatch any_patch(Random& random, const Vec3& hand) {
   SurfacePatch p;
   p.point = hand + random.vector(-6.0, -1.0);
@@ -65,11 +65,11 @@ struct Attack {
   double rendered = 0.0;  // [N] summed
 };
 
-/// A hand that takes all it can of what is held, while every few ticks a reply brings another
-/// model, made by `next` for where the hand is.
+/// A hand takes the most energy from the held force. Every few ticks a reply brings another model,
+/// which `next` makes for the hand's place.
 template <class Next>
 Attack attacked(const SessionParameters& parameters, Random& random, int every, Next next) {
-  Bench bench(parameters, testing::servo::without_known_mass());  // this hand has none
+  Bench bench(parameters, testing::servo::without_known_mass());  // this hand has no mass
   const double damping = bench.spec.damping.least();
   Vec3 position = Vec3::Zero();
   Attack attack;
@@ -91,7 +91,7 @@ Attack attacked(const SessionParameters& parameters, Random& random, int every, 
   return attack;
 }
 
-/// Any model.
+/// A random valid model.
 void random_model(Random& random, Reply& reply, const Vec3& hand) {
   reply.command.elastic = random.vector(-2.0, 2.0);
   reply.model.center = hand + random.vector(-6.0, -2.0);
@@ -100,7 +100,7 @@ void random_model(Random& random, Reply& reply, const Vec3& hand) {
   for (SurfacePatch& patch : reply.model.patches) patch = any_patch(random, hand);
 }
 
-/// A wall that the hand is in, at another height at every reply.
+/// A wall around the hand, at another height in every reply.
 void jumping_wall(Random& random, Reply& reply, const Vec3& hand) {
   reply.model.center = hand;
   reply.model.reach = 0.1;
@@ -124,7 +124,7 @@ RC_GTEST_PROP(ModelAttack, NoModelGivesTheHandMoreThanWasBurned, ()) {
   RC_ASSERT(attack.violations == 0u);
 }
 
-// The same hands win where nothing bounds: else the property above is blind.
+// These hands must win without a bound, or the property above cannot fail.
 TEST(ModelAttackMutant, WithoutABoundTheSameModelsOverdraw) {
   SessionParameters bounded = laws()[0], unbounded = laws()[0];
   unbounded.mode = "none";

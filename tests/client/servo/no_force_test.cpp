@@ -1,4 +1,4 @@
-// Each reason for which there is no force on a hand.
+// Each reason for a zero force.
 
 #include "client/servo/no_force.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing::servo;
 
-/// Without a bound, after a first sample that was answered so.
+/// An unbounded servo whose first sample got this command.
 struct Told : Bench {
   explicit Told(const Command& command, const ServoOptions& options = {},
                 std::string_view mode = "none", BoundingSide side = BoundingSide::client)
@@ -57,8 +57,7 @@ TEST(NoForce, TheSceneAsksForTooLittle) {
   EXPECT_EQ(Told(elastic(0, 0, 0.006)).why(), NoForce::felt);
 }
 
-/// In contact from the beginning, with every bound: also one that lets nothing through to a hand
-/// that rests.
+/// The hand begins in contact, under each bound. One bound gives a resting hand no force anyway.
 TEST(NoForce, WaitsBecauseItBeganInContact) {
   for (const std::string_view mode : {"none", "contact_frame"}) {
     Told told(kTwo, limited({.small = 0.05}), mode);
@@ -67,7 +66,7 @@ TEST(NoForce, WaitsBecauseItBeganInContact) {
   }
 }
 
-/// A wait that leaves a hundredth of the force is the reason that a hand wants to know.
+/// The wait is the named reason even if a hundredth of the force is left.
 TEST(NoForce, AWaitThatLeavesNextToNothingIsSaid) {
   ForceTrail trail{.answered = true, .stage_waits = true};
   trail.asked = trail.actuated = trail.faded = trail.bounded = elastic(0, 0, 6);
@@ -157,7 +156,7 @@ TEST(NoForce, TheGuardOfAServersForce) {
 TEST(NoForce, AnAbsurdMovementIsRefused) {
   Told told(kTwo, {}, "contact_frame");
   DeviceReading far = at(1e200, 0, 0);
-  far.jumped = false;  // its driver says that a hand did that
+  far.jumped = false;  // the driver says that a hand moved there
   EXPECT_EQ(told.why(far), NoForce::refused);
 }
 
@@ -178,7 +177,7 @@ TEST(NoForce, EachHasANameAndWordsOfItsOwn) {
   EXPECT_EQ(names.count(""), 0u);
 }
 
-/// The reason that kept a force away says more than the way there.
+/// A reason that withheld a force prevails over the time in free space.
 TEST(NoForce, OfAWholeRun) {
   using Ticks = std::array<std::uint64_t, kNoForceReasons>;
   const auto of = [](std::initializer_list<std::pair<NoForce, std::uint64_t>> counts) {

@@ -1,4 +1,4 @@
-// A scene that is changed under a hand, whatever it was and becomes: the force never jumps.
+// A scene changes under a hand. The force never jumps, whatever the old and new scenes are.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Material material(Random& random) {
   return m;
 }
 
-/// One to three solids, whose surfaces pass near the origin.
+/// A scene of one to three solids with surfaces near the origin.
 Scene scene(Random& random) {
   std::vector<Object> objects;
   const int count = 1 + static_cast<int>(random.uniform(0.0, 2.999));
@@ -61,7 +61,7 @@ Scene scene(Random& random) {
   return Scene("s", objects);
 }
 
-/// The same solids, other stiffnesses, and surfaces a few millimetres away from where they were.
+/// These solids with other stiffnesses and with surfaces some millimetres away; rarely a new scene.
 Scene changed(const Scene& before, Random& random) {
   if (random.chance(0.2)) return scene(random);
   std::vector<Object> objects = before.objects();
@@ -75,7 +75,7 @@ Scene changed(const Scene& before, Random& random) {
   return Scene("s", objects);
 }
 
-/// A hand that goes to places near the surfaces, and rests there now and then.
+/// A hand that moves to places near the surfaces and sometimes rests.
 class Hand {
  public:
   explicit Hand(Random& random) : random_(random) {}
@@ -99,7 +99,7 @@ class Hand {
   bool rests_ = false;
 };
 
-/// The same scene with another material of one of its objects.
+/// This scene with another material for an object.
 Scene remade(const Scene& before, std::size_t object, Random& random) {
   Scene next = before;
   next.set_material(object, material(random));
@@ -108,12 +108,12 @@ Scene remade(const Scene& before, std::size_t object, Random& random) {
 
 struct Seen {
   int reloads = 0, risen = 0;
-  double steepest = 0.0;  // of what may be: 1 is the bound
+  double steepest = 0.0;  // as a share of the bound
 };
 
 enum class By : std::uint8_t { reload, live_change };
 
-/// Reloads, or live changes of materials, at random under one hand.
+/// Random reloads, or random live changes of materials, under a hand.
 void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
   Random random(seed);
   SessionParameters p = parameters("contact_frame");
@@ -128,7 +128,7 @@ void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
   Hand hand(random);
   Vec3 force = Vec3::Zero(), before = Vec3::Zero();
   Command held;
-  double pressed = 0.0, rubbed = 0.0;  // [J] by the hand into the contact that it is in
+  double pressed = 0.0, rubbed = 0.0;  // [J] that the hand put into this contact
   Vec3 commanded = Vec3::Zero();
   bool known = false;
   for (int n = 0; n < 3000; ++n) {
@@ -148,21 +148,22 @@ void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
     const double moved = known ? (place - before).norm() : 0.0;
     const Command given = bench.tick(at(place.x(), place.y(), place.z()));
     const Vec3 felt = given.force();
-    // (C) lets a force rise by c |dx| as the hand moves; a change adds the slew, however stiff and
-    // deep the new surface is. What elastic storage has kept is there at once, but no more than it.
+    // (C) lets the force rise by c |dx| as the hand moves, and a change adds the slew, however
+    // stiff and deep the new surface is. Elastic storage shows its stored force at once, but no
+    // more.
     if (storage == Storage::minimal) {
       const double rise = felt.norm() - force.norm(), most = c * moved + slew * kTick;
       ASSERT_LE(rise, 1.001 * most + 1e-9) << "seed " << seed << " tick " << n;
       seen.steepest = std::max(seen.steepest, rise / most);
       seen.risen += rise > 1e-6 && moved == 0.0 ? 1 : 0;
     } else {
-      // By the channels of the bound: what goes along the surface is no press into it.
+      // Split the work by the bound's channels: sliding along a surface is no press.
       const Vec3 way = known ? Vec3(place - before) : Vec3::Zero();
       pressed = std::max(0.0, pressed - held.elastic.dot(way)) + 0.5 * c * moved * moved;
       rubbed = std::max(0.0, rubbed - held.frictional.dot(way));
       ASSERT_LE(felt.squaredNorm() / (2.0 * c), 1.001 * (pressed + rubbed) + 1e-9)
           << "seed " << seed << " tick " << n;
-      if (commanded.isZero(0.0)) pressed = rubbed = 0.0;  // the contact is lost
+      if (commanded.isZero(0.0)) pressed = rubbed = 0.0;  // the contact ended
     }
     ASSERT_EQ(bench.servo.port().violations(), 0u) << "seed " << seed << " tick " << n;
     SampleBatch batch;
@@ -183,8 +184,8 @@ TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
   for (const std::uint64_t seed : test::seeds(1, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen));
   EXPECT_GT(seen.reloads, test::rounds(1000));
-  EXPECT_GT(seen.risen, test::rounds(100));  // changes are felt by hands that rest,
-  EXPECT_GT(seen.steepest, 0.9);             // and come as fast as they may
+  EXPECT_GT(seen.risen, test::rounds(100));  // resting hands feel changes,
+  EXPECT_GT(seen.steepest, 0.9);             // which come at the full slew
 }
 
 TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt) {
@@ -203,9 +204,9 @@ TEST(ReloadForce, NeverJumpsWhateverALiveChangeMakesOfAMaterial) {
   EXPECT_GT(seen.steepest, 0.9);
 }
 
-/// A hand of a usual session, which shapes what its local model says, rests in a floor whose
-/// stiffness is changed up and down a hundredfold: its force rises no faster than a fade falls, and
-/// its port gets no more than it burns.
+/// A usual session shapes the force of its local model. A hand rests in a floor whose stiffness
+/// changes up and down a hundredfold. The force rises no faster than a fade falls, and the port
+/// delivers no more than it burns.
 TEST(ReloadForce, AShapedHandThatRestsFeelsAStiffnessComeInSteps) {
   for (const std::uint64_t seed : test::seeds(3001, 20, 10)) {
     Random random(seed);

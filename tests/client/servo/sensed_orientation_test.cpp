@@ -1,5 +1,5 @@
-// Servo and session in one process, with the bytes between them: devices that sense six degrees of
-// freedom and actuate three, and a device that connects inside an object.
+// Servo and session in one process, with encoded datagrams between them: devices that sense six
+// degrees of freedom and actuate three, and a device that connects inside an object.
 
 #include <gtest/gtest.h>
 
@@ -26,15 +26,15 @@ Scene floor_scene() {
   return Scene("floor", {plane});
 }
 
-/// A client, a server and the datagrams between them, one tick after the other.
+/// A client, a server and their datagrams, tick by tick.
 struct Pair {
   DeviceSpec spec;
   Scene scene = floor_scene();
   Session session;
   Servo servo;
   Nanoseconds now{0};
-  SampleBatch received;  // by the server
-  Reply reply;           // by the client
+  SampleBatch received;  // at the server
+  Reply reply;           // at the client
 
   Pair(const DeviceSpec& device, const SessionParameters& parameters,
        const ServoOptions& options = {})
@@ -69,14 +69,14 @@ struct Turning {
   Quaternion exact = at(angle);
 
   static Quaternion at(double angle) { return Quaternion(Eigen::AngleAxisd(angle, kAxis)); }
-  /// Turns on by 0, 1e-4, 1e-2 or nearly half a turn to either side; the rotation vector's length.
+  /// Turns by 0, 1e-4, 1e-2 or nearly half a turn either way; returns the rotation vector's length.
   double turn() {
     constexpr std::array kSteps = {0.0, 1e-4, 1e-2, -1e-2, kPi - 1e-3, -(kPi - 1e-3)};
     const double step = kSteps[random() % kSteps.size()];
     exact = at(angle += step);
     return step;
   }
-  /// The same orientation, as a driver may tell it: either sign, a norm within `tolerance` of 1.
+  /// A driver's possible report of the orientation: either sign, a norm within `tolerance` of 1.
   Quaternion told(double tolerance) {
     std::uniform_real_distribution<double> norm(1.0 - tolerance, 1.0 + tolerance);
     Quaternion q = exact;
@@ -93,7 +93,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
     ASSERT_EQ(pair.spec.rotation_sensed, 3);
     ASSERT_EQ(pair.spec.rotation_actuated, 0);
     Turning turning;
-    const Vec3 pressed(0.01, 0.02, -0.001);  // 2 N, held still while the tool turns
+    const Vec3 pressed(0.01, 0.02, -0.001);  // 2 N at a fixed place while the tool turns
     for (int n = 0; n < 3000; ++n) {
       turning.turn();
       const Command given = pair.tick({pressed, turning.told(1e-3)});
@@ -103,7 +103,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
       ASSERT_TRUE(pair.received.rotation);
       ASSERT_EQ(pair.received.samples[0].pose.orientation.coeffs(), sent.orientation.coeffs());
       ASSERT_EQ(pair.received.samples[0].pose.position, pressed);
-      // The force is the floor's and does no work; torque there is none, on neither side.
+      // The floor's force does no work, and neither side has a torque.
       if (n > 0) {
         ASSERT_NEAR(given.force().z(), 2.0, 1e-12);
       }
@@ -114,7 +114,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
       ASSERT_EQ(pair.servo.port().burned(), 0.0);
       ASSERT_EQ(pair.reply.delivered.total(), 0.0);
     }
-    // A server that commands torque all the same is not followed.
+    // The servo ignores torque commands of the server.
     for (const std::string_view mode : {"none", "contact_frame"}) {
       parameters.mode = mode;
       Servo servo(pair.spec, parameters);
@@ -132,7 +132,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
   }
 }
 
-/// The server's end, each sample: what it takes for a rotation shows in the work of a held torque.
+/// The server: the work of a held torque shows the rotation that it assumes, at each sample.
 TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
   for (const char* name : {"touch", "omega.7"}) {
     const Scene scene = floor_scene();
@@ -147,7 +147,7 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
       Sample& sample = batch.samples[0];
       sample.index = n;
       sample.client_time = static_cast<std::int64_t>(n) * kPeriod;
-      sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};  // the wire allows so much
+      sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};  // the wire allows this error
       sample.held = {.elastic = Vec3(1, 2, 3), .torque = 2.0 * kAxis};
       const Taken taken = session.take(batch, sample.client_time);
       ASSERT_EQ(taken.drop, DropReason::none);
@@ -156,7 +156,7 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
       ASSERT_EQ(work.elastic, 0.0);
       last = work.torque;
 
-      // A quaternion further off is no rotation at all, and changes nothing.
+      // A norm farther from 1 is no rotation: the sample is dropped and changes nothing.
       sample.index = n + 1;
       for (const double norm : {1.0 + 1e-3, 1.0 - 1e-3}) {
         sample.pose.orientation.coeffs() = norm * turning.exact.coeffs();
@@ -166,7 +166,7 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
   }
 }
 
-/// The client's end, each sample, with a device that does actuate torque: the same measure.
+/// The client: the same measure at each sample, with a device that actuates torque.
 TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
   DeviceSpec spec = builtin_device("omega.7");
   spec.rotation_actuated = 3;
@@ -183,7 +183,7 @@ TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
     servo.hold(
         servo.render({.pose = {Vec3(0.01, 0.02, 0.03), turning.told(1e-3)}, .jumped = false}, now));
     const double work = servo.port().delivered().torque;
-    ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;  // held from the second on
+    ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;  // held from tick 2 on
     ASSERT_EQ(servo.port().delivered().elastic, 0.0);
     last = work;
     Reply reply;
@@ -193,7 +193,7 @@ TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
   }
 }
 
-/// A device that nobody holds, 4 mm inside the floor at connect: 8 N on 50 g.
+/// A free device, 4 mm inside the floor at connect: 8 N on 50 g.
 double fastest_when_let_go(Pair& pair) {
   double z = -0.004, velocity = 0.0, fastest = 0.0;
   for (int n = 0; n < 300; ++n) {
@@ -214,15 +214,15 @@ TEST(ConnectingInside, GivesNoKick) {
       parameters.side = side;
       Pair pair(builtin_device("simulated"), parameters, protect_hand(parameters));
       EXPECT_EQ(fastest_when_let_go(pair), 0.0) << mode << " " << name(side);
-      // A hand moves it about inside: no more comes than it presses deeper than it has been, and
-      // what the way lets in. Then it moves out, and in again: now there is all to feel.
+      // A hand moves inside. It feels only the depth beyond its least depth, plus the force that
+      // the moved way lets in. After it moves out and in again, it feels the floor.
       double z = -0.004, least_depth = -z, way = 0.0;
       for (const double by : {-1e-4, 1e-4, 1e-4, -1e-4})
         for (int n = 0; n < 20; ++n) {
           const double force = pair.tick({.position = Vec3(0, 0, z += by)}).force().z();
           way += std::abs(by);
           least_depth = std::min(least_depth, -z);
-          // [N] by the way, and of the one sample that the reply is late.
+          // [N] the part let in by the way, and a sample of delay of the reply.
           const double let_in = 0.05 * way / SafetyLimits::kFloorWay + 2000.0 * std::abs(by);
           EXPECT_GE(force, 0.0);
           EXPECT_LE(force, bounding_method(mode).admits_reduction
@@ -239,7 +239,7 @@ TEST(ConnectingInside, GivesNoKick) {
   }
 }
 
-// Else there would be nothing to protect from.
+// Without protection the device must be thrown, or the test above proves nothing.
 TEST(ConnectingInside, UnprotectedItIsThrown) {
   SessionParameters parameters;
   parameters.mode = "none";

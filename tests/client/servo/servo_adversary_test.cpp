@@ -1,4 +1,4 @@
-// A hand that takes all it can, over a network that helps it: what the servo lets it have.
+// A hand takes the most energy, and the network helps it: the servo must limit it.
 
 #include <gtest/gtest.h>
 
@@ -15,10 +15,10 @@ namespace {
 
 using namespace testing::servo;
 
-/// A hand that always moves so as to extract the most (dx = f h / 2b), now and then elsewhere, with
-/// a device that holds less than asked, fails and recovers; replies with random commands over six
-/// decades, late, lost, reordered, repeated, of a scene that is changed again and again. Forces are
-/// held for half a period to one, and `late` [s] beyond it at most.
+/// The hand moves so as to extract the most energy (dx = f h / 2b), and sometimes elsewhere. The
+/// device holds less than asked, fails and recovers. Random replies over six decades come late, get
+/// lost, overtake and repeat, and the scene changes often. Each force is held for half a period to
+/// a period, plus at most `late` [s].
 std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
                                               int ticks, double late = 0.0,
                                               const ServoOptions& options = {}) {
@@ -60,7 +60,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     under_way.emplace_back(now + seconds(0.05 * unit(random)), answer);
   }
   EXPECT_GT(servo.statistics().answered, 0u);
-  EXPECT_GT(servo.statistics().max_force, 0.1);  // else nothing was tried
+  EXPECT_GT(servo.statistics().max_force, 0.1);  // the attack made a force
   return servo.port().violations();
 }
 
@@ -73,7 +73,7 @@ TEST(ServoAdversary, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
   }
 }
 
-// No machine wakes a thread on the nanosecond.
+// No machine wakes a thread exactly on time.
 TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
   for (const BoundingSide side : {BoundingSide::client, BoundingSide::both, BoundingSide::server})
     for (const Storage storage : {Storage::minimal, Storage::elastic})
@@ -86,19 +86,19 @@ TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
       }
 }
 
-// The damping that an operator is said to add is credited to the bound. The account counts the
-// energy that the device burns.
+// The bound credits the damping that an operator claims. The account counts only the energy that
+// the device burns.
 TEST(ServoAdversary, AnOperatorWhoIsNotThereIsSeenInTheAccount) {
   for (const double claimed : {0.5, 5.0, 100.0}) {
     SessionParameters p = parameters("contact_frame");
     p.operator_damping = claimed;
     EXPECT_GT(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
-    p.side = BoundingSide::server;  // the guard gives what the device burned and no more
+    p.side = BoundingSide::server;  // the guard gives only what the device burned
     EXPECT_EQ(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
   }
 }
 
-// A hand that a constant force carries along: the bound stands at its limit for as long as it does.
+// A constant force carries the hand along, so the bound stays at its limit.
 TEST(ServoAdversary, AConstantForceIsNoViolationBecauseTicksAreNotExact) {
   for (const double late : {20e-9, 5e-6, 60e-6}) {
     std::mt19937_64 random(7);
@@ -124,11 +124,11 @@ TEST(ServoAdversary, WithoutABoundTheSameAdversaryGetsIt) {
   EXPECT_GT(violations_against_an_adversary(parameters("none", BoundingSide::server), 1, 4000), 0u);
 }
 
-/// The laws of the papers, too, of which some are not passive by themselves, and none when a tick
-/// is late.
+/// This includes the papers' laws: some are not passive by themselves, and no law is passive when a
+/// tick is late.
 TEST(ServoAdversary, BehindItsAccountNoModeGivesMoreThanWasBurned) {
   for (const BoundingMethod* method : bounding_methods()) {
-    // An account that counts on the hand's mass and force is attacked in shaped_adversary_test.cpp.
+    // shaped_adversary_test.cpp attacks accounts that count on the hand's mass and force.
     if (method->name == kUnbounded || method->shapes || stands_beside_scene(*method)) continue;
     for (const double late : {0.0, 50e-6, 400e-6})
       for (const std::uint64_t seed : test::seeds(1, 4, 0))

@@ -1,5 +1,5 @@
-// The whole tick with its datagrams takes no memory. Counts what operator new gives; a sanitizer
-// has its own.
+// A whole tick with its datagrams allocates nothing. The test counts calls of operator new, which
+// a sanitizer replaces.
 
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
   EXPECT_GT(servo.statistics().max_force, 0.0);
 
   const std::size_t before = test::allocations();
-  const std::unique_ptr<int> proof(new int(1));  // the counter counts
+  const std::unique_ptr<int> proof(new int(1));  // the counter works
   EXPECT_EQ(test::allocations() - before, 1u);
 #endif
 }

@@ -14,7 +14,7 @@ namespace {
 
 using testing::ScenePeer;
 
-/// Stands still, remembers what it is given, and ends after so many readings.
+/// Stands still, keeps the last command, and ends after some readings.
 class StillDevice final : public Device {
  public:
   explicit StillDevice(std::uint64_t readings) : readings_left_(readings) {}
@@ -39,7 +39,7 @@ class StillDevice final : public Device {
     ++released;
   }
   int steps_to_lower = 0, asked_to_lower = 0, writes = 0, writes_at_release = 0;
-  int pulled_at = 0;  // the newest write that was not zero
+  int pulled_at = 0;  // the newest write with a force
   bool pulled_when_asked = false;
   int released = 0;
   double largest = 0.0;
@@ -50,7 +50,7 @@ class StillDevice final : public Device {
   std::uint64_t readings_left_;
 };
 
-/// A loop in a thread of its own, with a peer that the test speaks for.
+/// A loop in its own thread; the test answers as its peer.
 struct LoopRun {
   ScenePeer peer;
   Transport transport{peer.session(), {}, false};
@@ -82,7 +82,7 @@ struct LoopRun {
     p.servo_period = 2e-3;
     return p;
   }
-  /// Answers every sample until the client says goodbye; gives what it said before that.
+  /// Answers every sample until the client says goodbye; returns the last sample.
   Sample answer_until_goodbye(const std::function<void(const Sample&)>& answer) {
     Sample last;
     while (true) {
@@ -100,7 +100,7 @@ struct LoopRun {
   }
 };
 
-/// From row to row the force falls no faster than from 3 N to nothing in half the hold time.
+/// From row to row the force falls no faster than 3 N in half the hold time.
 void expect_no_step_down(Ring<TickRecord>& records) {
   const double fastest = 3.0 / (0.5 * SessionParameters{}.hold_time);  // [N/s]
   TickRecord row, before;
@@ -129,9 +129,9 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   EXPECT_EQ(last.held.force(), Vec3::Zero());
   const ServoStatistics& s = run.servo.statistics();
   EXPECT_EQ(last.index, s.samples);
-  EXPECT_EQ(s.answered, s.samples);  // the last reply was waited for
+  EXPECT_EQ(s.answered, s.samples);  // the loop waited for the last reply
   EXPECT_EQ(s.samples,
-            run.result->wakeup_late.count() + 1);  // one tick a deadline met, and the release
+            run.result->wakeup_late.count() + 1);  // a tick per kept deadline, and the release
   EXPECT_EQ(run.transport.statistics().sent, s.samples + 3);
 
   std::uint64_t rows = 0;
@@ -147,8 +147,7 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   ASSERT_TRUE(run.statuses.pop(status));
 }
 
-/// A tool is let down before the release: only once the servo's own force is gone, and tick by
-/// tick.
+/// The loop lets a tool down before the release, tick by tick, after the servo's own force is gone.
 TEST(ServoLoop, LetsAToolDownBeforeTheRelease) {
   LoopRun run({.duration = std::chrono::milliseconds(60)}, 1u << 20, 20);
   run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
@@ -196,7 +195,7 @@ TEST(ServoLoop, EndsWithTheServersGoodbye) {
   expect_no_step_down(run.records);
 }
 
-/// A device that says it holds something whatever it is told is not waited for.
+/// The loop does not wait for a device that always reports a held force.
 TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
   class Stuck final : public Device {
    public:
@@ -246,7 +245,7 @@ TEST(ServoLoop, EndsWhenTheServerFallsSilent) {
 }
 
 TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
-  // One reading takes twenty periods; the loop must not make them up.
+  // A reading takes twenty periods; the loop must not make up for them.
   class SlowOnce final : public Device {
    public:
     const DeviceSpec& spec() const override { return spec_; }
@@ -289,7 +288,7 @@ TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
   EXPECT_EQ(result->records_dropped, servo.statistics().samples - 4);
 }
 
-/// Every tick so far is in one class, and every answer.
+/// Each tick and each answer so far is counted in exactly one class.
 TEST(ServoLoop, CountsItsWakeUpsAndRoundTripsForThoseWhoLookOn) {
   LoopRun run({});
   const auto total = [](const HandTimes::Counts& counts) {
@@ -313,8 +312,8 @@ TEST(ServoLoop, CountsItsWakeUpsAndRoundTripsForThoseWhoLookOn) {
   }
 }
 
-/// Each session numbers its changes from 1: what the one before wanted is done, and not reported to
-/// the next one's server, which would take it for its own.
+/// Each session numbers its changes from 1. The loop must not report a former session's change to
+/// the next server, which would take it for its own.
 TEST(ServoLoop, AChangeOfTheSessionBeforeIsNotReportedToTheNext) {
   ScenePeer first, second;
   Transport transport(first.session(), {}, false);

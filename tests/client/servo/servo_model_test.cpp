@@ -1,4 +1,4 @@
-// The servo with a local model: what it renders between the replies.
+// The forces of a servo with a local model between the replies.
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@ SessionParameters modelled(std::string_view mode = "none") {
   return p;
 }
 
-/// A floor at z = 0 that can be felt within 40 mm of where the tool is.
+/// A floor at z = 0 with a model that is valid within 40 mm of the tool.
 Reply floor_reply(std::uint64_t index, double z, double stiffness = 1000.0) {
-  Reply r = reply(index, elastic(0, 0, 7));  // what no tick at another height must give
+  Reply r = reply(index, elastic(0, 0, 7));  // no tick at another height may give this
   r.modelled = true;
   r.model.center = {0, 0, z};
   r.model.reach = 0.04;
@@ -56,7 +56,7 @@ TEST(ServoModel, FadesAsCommandsDo) {
   }
 }
 
-// Over the last quarter of the reach the reply's own command takes over, without a step.
+// Over the last quarter of the reach the force blends into the reply's command without a step.
 TEST(ServoModel, HandsOverToTheReplyWithoutAStep) {
   Bench bench(modelled());
   bench.tick();
@@ -93,7 +93,7 @@ TEST(ServoModel, AReplyWithoutOneEndsIt) {
   EXPECT_EQ(bench.tick(at(0, 0, -1e-3)).elastic, Vec3(0, 3, 0));
   bench.servo.take(floor_reply(3, 0.0), bench.now);
   EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).elastic.z(), 1.0, 1e-12);
-  bench.servo.reconnected(true);  // and so does a lost session, once its force has faded
+  bench.servo.reconnected(true);  // a lost session also drops it, after a fade
   double before = 1.0;
   for (int i = 0; i < 50; ++i) {
     const double now = bench.tick(at(0, 0, -1e-3)).elastic.z();
@@ -113,7 +113,7 @@ TEST(ServoModel, WithoutLocalModelItIsNotLookedAt) {
   EXPECT_EQ(bench.tick(at(0, 0, -1e-3)).elastic.z(), 7.0);
 }
 
-// The model is the scene's own force, also where the server's bound holds its replies back.
+// The model shows the scene's own force even if the server's bound reduces its replies.
 TEST(ServoModel, EndsTheWaitForSmallForce) {
   ServoOptions options;
   options.safety.force.small = 0.05;
@@ -122,18 +122,18 @@ TEST(ServoModel, EndsTheWaitForSmallForce) {
   Reply r = floor_reply(1, -2e-3);
   r.active = true;
   bench.servo.take(r, bench.now);
-  EXPECT_EQ(bench.tick(at(0, 0, -2e-3)).force(), Vec3::Zero());   // began inside: waits
-  EXPECT_EQ(bench.tick(at(0, 0, 0.2e-3)).force(), Vec3::Zero());  // out: free
+  EXPECT_EQ(bench.tick(at(0, 0, -2e-3)).force(), Vec3::Zero());   // waits: began inside
+  EXPECT_EQ(bench.tick(at(0, 0, 0.2e-3)).force(), Vec3::Zero());  // outside: free
   EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).elastic.z(), 1.0, 1e-12);
 }
 
-// A conveyor that comes up at 0.1 m/s: the floor is where it is by now, not where it was.
+// A conveyor rises at 0.1 m/s: the floor is rendered at its present height.
 TEST(ServoModel, MovesSurfacesByTheAgeOfTheirState) {
   Bench bench(modelled());
   bench.tick();
   Reply r = floor_reply(1, 0.0);
   r.model.patches[0].velocity = {0, 0, 0.1};
-  // Both ways 4 ms: the server looked 4 ms before the reply came.
+  // The round trip is 8 ms: the server's state is 4 ms old when the reply comes.
   r.server_receive_time = r.server_send_time = seconds(50.0);
   for (int i = 0; i < 8; ++i) bench.tick();
   bench.servo.take(r, bench.now);

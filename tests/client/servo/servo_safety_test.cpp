@@ -1,4 +1,4 @@
-// The safety stage in its place: between the servo's bound and the device.
+// The safety stage between the servo's bound and the device.
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ using testing::error_of;
 using ::testing::HasSubstr;
 
 TEST(ServoSafety, SlewLimitsTheRiseOnly) {
-  Bench bench(parameters("none"), {.safety = {.force = {.slew = 500.0}}});  // half a newton a tick
+  Bench bench(parameters("none"), {.safety = {.force = {.slew = 500.0}}});  // 0.5 N a tick
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 3, 4)), bench.now);
   for (const double expected : {0.5, 1.0, 1.5})
@@ -105,7 +105,7 @@ TEST(ServoSafety, WhatProtectsAHandGoesWithEveryMode) {
     }
 }
 
-/// The wait is for the scene's own word, and no other silence ends it.
+/// Only a small force of the scene itself ends the wait.
 TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
   const auto spoilt = [](auto spoil) {
     Reply r = reply(0, {});
@@ -113,24 +113,24 @@ TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
     return r;
   };
   const Reply not_it[] = {
-      spoilt([](Reply& r) { r.active = true; }),     // the server's bound gave nothing at first
-      spoilt([](Reply& r) { r.saturated = true; }),  // nor is what a limit has left
+      spoilt([](Reply& r) { r.active = true; }),     // the server's bound reduced it
+      spoilt([](Reply& r) { r.saturated = true; }),  // a limit reduced it
       spoilt([](Reply& r) { r.refused = true; }),
       spoilt([](Reply& r) { r.command.elastic.x() = kNan; }),
   };
   for (const Reply& nothing : not_it) {
     Bench bench(parameters("none"), {.safety = {.force = {.small = 0.05}}});
-    for (int i = 0; i < 10; ++i) bench.tick();  // nor that nobody has answered yet
+    for (int i = 0; i < 10; ++i) bench.tick();  // ticks without an answer do not end it
     Reply r = nothing;
     r.sample_index = bench.servo.sample().index;
     bench.servo.take(r, bench.now);
     bench.tick();
     bench.servo.take(reply(bench.servo.sample().index, {}), bench.now);
-    bench.tick({.pose = {}, .ok = false});  // nor what is not known to be of this place
+    bench.tick({.pose = {}, .ok = false});  // the reply's place is unknown after a fault
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero());
     EXPECT_EQ(bench.servo.statistics().waiting, 1u);
-    // This does.
+    // This small force ends the wait.
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 0.05)), bench.now);
     bench.tick();
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);

@@ -27,14 +27,14 @@ TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
   bench.servo.take(reply(1, elastic(0, 0, 4)), bench.now);
   bench.now += kPeriod;
   bench.servo.render(at(1, 2, 3), bench.now);
-  sample = bench.servo.hold(elastic(0, 0, 3));  // the device gave less than it was asked
+  sample = bench.servo.hold(elastic(0, 0, 3));  // the device gave less than asked
   EXPECT_EQ(sample->index, 2u);
   EXPECT_EQ(sample->held.elastic, Vec3(0, 0, 3));
   EXPECT_EQ(bench.servo.statistics().max_force, 3.0);
   EXPECT_EQ(bench.servo.statistics().samples, 2u);
 }
 
-/// The server sends a line: 2 N that fall by 40 N/s, and never below zero.
+/// The server sends a line: 2 N that fall by 40 N/s, but never below zero.
 TEST(Servo, ACommandIsCarriedOnAlongItsRatesForKeepAliveAtMost) {
   SessionParameters p = parameters("none");
   p.keep_alive = 0.02;
@@ -73,21 +73,21 @@ TEST(Servo, WithheldIsNotLost) {
     bench.tick();
     bench.servo.sent();
   }
-  EXPECT_EQ(bench.servo.lost(), 5u);  // five may have been withheld
+  EXPECT_EQ(bench.servo.lost(), 5u);  // five may be withheld
   EXPECT_EQ(bench.servo.lost_so_far(), 0u);
   answer(1, 0);
-  answer(8, 4);  // 2 to 7: four withheld, two lost
+  answer(8, 4);  // of 2 to 7 four are withheld and two lost
   EXPECT_EQ(bench.servo.statistics().withheld, 4u);
   EXPECT_EQ(bench.servo.lost_so_far(), 2u);
-  EXPECT_EQ(bench.servo.lost(), 2u);  // 9 and 10 may yet be withheld
+  EXPECT_EQ(bench.servo.lost(), 2u);  // 9 and 10 may be withheld
   EXPECT_TRUE(bench.servo.awaits_answer());
 
-  bench.servo.reconnected(true);  // another server counts from zero
+  bench.servo.reconnected(true);  // the new server counts from zero
   bench.tick();
   bench.servo.sent();
   answer(11, 0);
   EXPECT_EQ(bench.servo.statistics().withheld, 4u);
-  EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // 9 and 10 of the old one, too
+  EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // includes 9 and 10 of the old session
   answer(11, ~std::uint64_t{0});
   EXPECT_LE(bench.servo.lost(), 11u);
 }
@@ -123,13 +123,13 @@ TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
   const Nanoseconds arrived = bench.now;
   bench.tick({}, seconds(0.075));
   EXPECT_FALSE(bench.servo.take(reply(1, elastic(9, 9, 9)), bench.now));  // older
-  EXPECT_FALSE(bench.servo.take(reply(2, elastic(9, 9, 9)), bench.now));  // the same again
+  EXPECT_FALSE(bench.servo.take(reply(2, elastic(9, 9, 9)), bench.now));  // a repetition
   const Command given = bench.tick({}, Nanoseconds(0));
   EXPECT_EQ(bench.now - arrived, seconds(0.075));
   EXPECT_TRUE(given.elastic.isApprox(Vec3(0, 0, 1)));
   EXPECT_EQ(bench.servo.statistics().replies_stale, 2u);
   EXPECT_TRUE(bench.servo.take(reply(3, elastic(0, 3, 0)), bench.now));
-  // It comes back as slowly as it faded: 20 ms for each 40 %.
+  // It rises as slowly as it faded: 40 % in 20 ms.
   EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 0.9 * 3, 0)));
   EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 3, 0)));
 }
@@ -145,7 +145,7 @@ TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
   EXPECT_EQ(bench.servo.statistics().replies_refused, 4u);
   EXPECT_EQ(bench.servo.statistics().answered, 0u);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());
-  // And none of them locks the true one out.
+  // None of these blocks the true reply.
   EXPECT_TRUE(bench.servo.take(reply(1, elastic(0, 0, 1)), bench.now));
   EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 1));
 }
@@ -183,7 +183,7 @@ TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
     EXPECT_EQ(bench.tick(reading).force(), Vec3::Zero());
     EXPECT_EQ(bench.servo.sample().pose.position, Vec3(1, 2, 3));
     EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
-    // Recovered elsewhere: the jump did no work that could be known, so none is accounted.
+    // The hand moved during the fault. The work of that jump is unknown, so none is counted.
     const double before = bench.servo.port().delivered().total();
     bench.tick(at(9, 9, 9));
     EXPECT_EQ(bench.servo.port().delivered().total(), before);
@@ -227,7 +227,7 @@ TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
     const Command given = bench.servo.render(at(0, 0, -1e-3), bench.now += kPeriod);
     ASSERT_GT(given.force().z(), 0.0);
     bench.servo.hold(share * given);
-    // At rest the law allows exactly what was held.
+    // At rest the law allows exactly the force that was held.
     EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).force().z(), share * given.force().z(), 1e-12);
   }
 }
@@ -244,7 +244,7 @@ TEST(Servo, TheDevicesEndGivesNoForce) {
 }
 
 TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
-  // k = c = 2 b / T: pressed and let go again along the same normal.
+  // k = c = 2 b / T: press and release along a constant normal.
   Bench bench(parameters("contact_frame"));
   constexpr double kStiffness = 1000.0;
   double z = 0.0;
@@ -262,12 +262,12 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   Bench bench(parameters("contact_frame", BoundingSide::server));
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
-  EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // nothing has been burned yet
+  EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // no energy burned yet
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   EXPECT_EQ(bench.servo.account_cut(), 1.0);
   for (int n = 1; n <= 30; ++n) bench.tick(at(2e-3 * n, 0, 0));
   EXPECT_EQ(bench.tick(at(0.06, 0, 0)).force(),
-            Vec3(0, 0, 7));  // a client's bound would allow nothing at rest
+            Vec3(0, 0, 7));  // a client's bound allows none at rest
   EXPECT_EQ(bench.servo.account_cut(), 0.0);
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
   EXPECT_TRUE(
@@ -285,7 +285,7 @@ TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
   EXPECT_EQ(given.force(), Vec3(1, 0, 0));
   EXPECT_EQ(given.torque, Vec3::Zero());
   flat.hold(given);
-  EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // that is no error of direction
+  EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // the direction is right
 }
 
 TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
@@ -310,7 +310,7 @@ TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
   bench.servo.render({}, bench.now += kPeriod);
-  bench.servo.hold(elastic(1, 0, 1));  // a device that pulls aside by 45 degrees
+  bench.servo.hold(elastic(1, 0, 1));  // the device pulls 45 degrees aside
   bench.servo.render({}, bench.now += kPeriod);
   bench.servo.hold(elastic(0, 0, 1e-7));  // too small to have a direction
   const Histogram& h = bench.servo.statistics().direction_error;

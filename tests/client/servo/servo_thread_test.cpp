@@ -1,4 +1,4 @@
-// A servo thread that stands still, dies or crashes lets the device go.
+// If a servo thread stands still, ends or crashes, the device gets released.
 
 #include "client/servo/servo_thread.hpp"
 
@@ -28,8 +28,8 @@ using Verdict = TickWatch::Verdict;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(5), kHold = std::chrono::milliseconds(100);
 constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
 
-/// Looks as the watch of a servo thread does, and is woken late as it is told. The thread ticks
-/// until it stands still.
+/// Calls the watch as its thread does, late by a given time. The servo thread ticks until it stands
+/// still.
 struct Looks {
   TickWatch watch{kLate, kHold};
   Nanoseconds now = std::chrono::hours(3);
@@ -39,13 +39,13 @@ struct Looks {
     now += watch.pause() + late;
     return watch.look(now, life);
   }
-  /// The thread has ticked in every period up to now.
+  /// The servo thread ticked in every period so far.
   Verdict look_at_ticks(Nanoseconds late = {}) {
     now += watch.pause() + late;
     for (; life.tick + kTick <= now; life.tick += kTick) life.calls += 2;
     return watch.look(now, life);
   }
-  /// The time from the newest tick to the verdict that it stands still, if each look is that late.
+  /// The time from the newest tick to the verdict that it stands still, with looks late by `late`.
   Nanoseconds until_it_stands_still(Nanoseconds late = {}) {
     while (look(late) == Verdict::ticks && now < life.tick + std::chrono::minutes(1)) continue;
     return now - life.tick;
@@ -61,10 +61,10 @@ TEST(TickWatch, LetsGoWhenATickIsLateBySomePeriods) {
   while (looks.look() == Verdict::stands_still) continue;
   EXPECT_EQ(looks.now - still, TickWatch::kGrace);
   ++looks.life.calls;
-  EXPECT_EQ(looks.look(), Verdict::gone);  // a tick then changes nothing
+  EXPECT_EQ(looks.look(), Verdict::gone);  // a later tick changes nothing
 }
 
-/// A tick that is late by less is none of its business, however often.
+/// A tick that is less late does not count, however often it happens.
 TEST(TickWatch, LateTicksThatComeAreNoStandstill) {
   Looks looks;
   Nanoseconds next = looks.now;
@@ -79,16 +79,16 @@ TEST(TickWatch, LateTicksThatComeAreNoStandstill) {
   }
 }
 
-/// A read() that takes long every time: each of its calls returns, but late.
+/// Each read() returns, but late.
 TEST(TickWatch, ACallThatAlwaysTakesLongIsFound) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
-  looks.life.calls += 1;  // the write after a read of 20 ms has returned, and the next read began
+  looks.life.calls += 1;  // the write after a read of 20 ms returned; the next read began
   looks.life.tick = looks.now;
   EXPECT_EQ(looks.until_it_stands_still(), kLate);
 }
 
-/// It wakes some times in the time that it allows, not at every tick.
+/// It wakes once in several ticks, not at every tick.
 TEST(TickWatch, LooksSeldom) {
   Looks looks;
   const Nanoseconds began = looks.now;
@@ -96,7 +96,7 @@ TEST(TickWatch, LooksSeldom) {
   EXPECT_GE((looks.now - began) / 1000, kLate - kTick);
 }
 
-/// The lateness of looks does not add up: only that of the last one counts.
+/// Late looks do not add up: only the last one delays the verdict.
 TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
   for (const int late : {100, 1000, 3000, 5000}) {
     const Nanoseconds by = std::chrono::microseconds(late);
@@ -108,7 +108,7 @@ TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
   }
 }
 
-/// It was stopped together with the servo thread, which gets time to tick: once.
+/// The whole program was stopped. The servo thread gets some time to tick, but only once.
 TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
@@ -118,11 +118,11 @@ TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
   const Nanoseconds woke = looks.now;
   looks.until_it_stands_still();
   EXPECT_EQ(looks.now - woke, kLate);
-  Looks starved;  // so is a watch that is always woken so late
+  Looks starved;  // the watch is always woken late
   ASSERT_EQ(starved.look_at_ticks(), Verdict::ticks);
   ASSERT_EQ(starved.look(4 * kLate), Verdict::ticks);
   EXPECT_EQ(starved.look(4 * kLate), Verdict::stands_still);
-  Looks ticked;  // it ticked once more between the last look and the stop
+  Looks ticked;  // it ticked between the last look and the stop
   ASSERT_EQ(ticked.look_at_ticks(), Verdict::ticks);
   ticked.life.tick = ticked.now;
   ticked.life.calls += 2;
@@ -140,7 +140,7 @@ TEST(TickWatch, WaitsLongerWhereNothingIsHeld) {
   EXPECT_LE(looks.now - looks.life.tick, TickWatch::kIdle + kLate);
 }
 
-/// The servo takes the force off by itself where the device's tick does not come.
+/// Without a device tick the servo itself removes the force.
 TEST(TickWatch, ATickOfTheDeviceIsWaitedForAsLongAsTheServoDoes) {
   Looks looks;
   looks.life.awaits = true;
@@ -154,7 +154,7 @@ TEST(TickWatch, AForceThatComesLateIsHeldNoLonger) {
   Looks looks;
   looks.life.pulls = false;
   for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(), Verdict::ticks);
-  looks.life.pulls = true;  // a write that does not return
+  looks.life.pulls = true;  // this write does not return
   const Nanoseconds began = looks.now;
   looks.until_it_stands_still();
   EXPECT_LE(looks.now - began, kLate);
@@ -165,12 +165,12 @@ TEST(TickWatch, TheTimeIsAFewPeriodsUnlessTheUserHasAnother) {
   EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.0, false), 20e-3);
   EXPECT_DOUBLE_EQ(let_go_time(1e-4, 0.1, 0.0, true), 5e-4);
   EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.03, true), 0.03);
-  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1.0, true), 0.1);    // no longer than a command holds
-  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1e-5, true), 2e-3);  // nor before a tick can be late
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1.0, true), 0.1);    // at most the hold time
+  EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 1e-5, true), 2e-3);  // at least two periods
   EXPECT_DOUBLE_EQ(let_go_time(0.1, 0.1, 0.0, true), 0.2);
 }
 
-/// Holds what it was told last, and has the test do something in the middle of read() or write().
+/// Holds the last force, and runs a function of the test within read() or write().
 class Driver final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -183,7 +183,7 @@ class Driver final : public Device {
     told.store(on_hand.force().norm());
     return on_hand;
   }
-  /// Does not latch, although it should: the guard does.
+  /// Does not block later writes as a driver should: the guard does that.
   void release() noexcept override { told.store(0.0); }
 
   std::function<void()> in_read, in_write;
@@ -222,7 +222,7 @@ TEST(DeviceGuard, AWriteThatWasUnderWayIsTakenBack) {
   EXPECT_EQ(driver.told, 0.0);
 }
 
-/// The last force is on the hand until the write of none has come back.
+/// The last force stays on the hand until the zero write has returned.
 TEST(DeviceGuard, PullsWhileTheForceIsBeingTakenOff) {
   Driver driver;
   DeviceGuard guard(driver);
@@ -234,12 +234,12 @@ TEST(DeviceGuard, PullsWhileTheForceIsBeingTakenOff) {
   EXPECT_FALSE(guard.pulls());
 }
 
-/// A thread whose loop gets 3 N from a peer until its device stops answering.
+/// A thread whose loop gets 3 N from a peer until its device blocks.
 struct StuckRun {
   ScenePeer peer;
   Driver* driver = new Driver;
   std::shared_ptr<ServoTask> task;
-  /// The thread may outlive the test.
+  /// Shared, for the thread may outlive the test.
   struct Turns {
     std::binary_semaphore stuck{0}, go_on{0};
     std::atomic<bool> taken{false};
@@ -255,7 +255,7 @@ struct StuckRun {
                                        ServoOptions{});
     task->let_go_after = p.hold_time;
   }
-  /// From the first force on the next read or write does not come back.
+  /// The next read or write after the first force does not return.
   std::function<void()> block() {
     return [turns = turns, driver = driver] {
       if (driver->told.load() == 0.0 || turns->taken.exchange(true)) return;
@@ -279,7 +279,7 @@ struct StuckRun {
     EXPECT_EQ(driver->told, 0.0);
     EXPECT_EQ(task->result.end, EndReason::failed);
     EXPECT_TRUE(task->result.stood_still);
-    turns->go_on.release();  // to stop for good in the guard
+    turns->go_on.release();  // the guard then blocks it for good
     EXPECT_EQ(driver->told, 0.0);
   }
 };
@@ -302,8 +302,8 @@ TEST(ServoThread, ADeviceThatDoesNotWriteIsLetGo) {
   run.expect_let_go(thread, DeviceCall::write);
 }
 
-/// One that comes back in time for a proper end, but later than the hold time, gets no force any
-/// more, and has failed.
+/// A thread returns later than the hold time, but in time for an orderly end. It gets no more
+/// force, and the run has failed.
 TEST(ServoThread, AThreadThatComesBackLateEndsWithoutForce) {
   StuckRun run;
   run.driver->in_write = run.block();
@@ -327,7 +327,7 @@ TEST(ServoThread, EndsWhenAskedAndLeavesTheDeviceReleased) {
   EXPECT_FALSE(run.task->result.stood_still);
 }
 
-/// Says in memory that outlives the process what it was told last.
+/// Keeps the last force in memory that outlives the process.
 class SharedDevice final : public Device {
  public:
   SharedDevice()
@@ -350,7 +350,7 @@ class SharedDevice final : public Device {
   std::atomic<double>* force_;
 };
 
-#ifndef FELTWIRE_SANITIZED  // whose handlers are their own
+#ifndef FELTWIRE_SANITIZED  // a sanitizer has its own handlers
 TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGUSR1, SIGALRM}) {
     SharedDevice device;
@@ -366,15 +366,15 @@ TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
   }
 }
 
-/// A signal with its number that nothing but the kernel's default handles.
+/// True for signals whose default action ends the program.
 bool ends_programs(int signal) {
   constexpr std::array kOthers = {SIGKILL,  SIGSTOP, SIGCHLD, SIGCONT, SIGURG,
                                   SIGWINCH, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
   return std::ranges::find(kOthers, signal) == kOthers.end();
 }
 
-/// Sent by another process, as `kill -NUMBER` does. The signals that the C library keeps to itself
-/// (32 and 33) end nothing, and the device goes on.
+/// Another process sends the signal, as `kill -NUMBER` does. The C library ignores its own signals
+/// (32 and 33), so the device keeps its force.
 TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
   for (int signal = 1; signal <= 64; ++signal) {
     if (!ends_programs(signal)) continue;
@@ -382,7 +382,7 @@ TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
     SharedDevice device;
     EXPECT_EXIT(
         {
-          // The program that runs these tests may ignore some signals.
+          // The test's parent may ignore some signals.
           if (!own) ::signal(signal, SIG_DFL);
           DeviceGuard guard(device);
           const CrashRelease release(guard);
@@ -400,7 +400,7 @@ TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
   }
 }
 
-/// A handler of another part of the program stays, and all is as before afterwards.
+/// The handler of another part of the program stays, and afterwards all handlers are restored.
 TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
   SharedDevice device;
   EXPECT_EXIT(
@@ -421,7 +421,7 @@ TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
       ::testing::KilledBySignal(SIGIO), "");
 }
 
-/// A driver whose library has no call for a signal handler: its thread takes the force off.
+/// The driver's library has no call that is safe in a signal handler: its thread removes the force.
 class LettingGoDevice final : public Device {
  public:
   explicit LettingGoDevice(SharedDevice& device)

@@ -1,5 +1,5 @@
-// Servo, datagrams, server, all in process and by a clock of the test's own: what becomes of a hand
-// and its session under each fault (PROTOCOL.md, "Faults").
+// Servo, datagrams and server in one process with a simulated clock: a hand and its session under
+// each fault (PROTOCOL.md, "Faults").
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -20,10 +20,10 @@ namespace {
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 constexpr Nanoseconds kSilence = std::chrono::seconds(2);
 constexpr std::uint64_t kSession = 0x700, kOther = 0x800;
-constexpr int kHoldTicks = 100;  // of the hold time
+constexpr int kHoldTicks = 100;  // in the hold time
 
 using Datagram = std::vector<std::uint8_t>;
-/// A fault changes a datagram; empty: it does not arrive.
+/// A fault changes a datagram, or returns nothing to lose it.
 using Fault = std::function<Datagram(const Datagram&)>;
 
 const Fault kNone = [](const Datagram& d) { return d; };
@@ -39,7 +39,7 @@ Scene floor_scene() {
   return Scene("floor", {plane});
 }
 
-/// A hand that presses slowly into the floor, for ever.
+/// A hand that presses slowly into the floor.
 struct Hand {
   DeviceSpec spec = builtin_device("simulated");
   Servo servo;
@@ -121,7 +121,7 @@ struct World {
   }
 };
 
-/// A session well under way, with a force on the hand.
+/// Runs a session until the hand has a force.
 void press(World& world) {
   world.run(400);
   ASSERT_GT(world.hand.force(), 1.0);
@@ -129,7 +129,7 @@ void press(World& world) {
   world.hand.fastest_fall = 0.0;
 }
 
-/// The newest sample's position made no number.
+/// Replaces the newest sample's position by NaN.
 Datagram with_nan(const Datagram& datagram) {
   SampleBatch batch;
   const Guarded guarded = guard(datagram, 0b1110);
@@ -166,8 +166,8 @@ std::vector<Case> faults() {
           {"replies to samples never sent", kNone, reply_to_the_future}};
 }
 
-// For any cause that takes the answers away: the force is gone within the hold time, by no step,
-// and a session that is found again in time goes on.
+// Whatever stops the answers, the force fades within the hold time without a step. A session whose
+// answers come back in time goes on.
 TEST(SessionFault, WithoutAnswersTheForceFadesAndASessionInTimeGoesOn) {
   for (const Case& fault : faults()) {
     for (const BoundingSide side : {BoundingSide::server, BoundingSide::both}) {
@@ -214,7 +214,7 @@ TEST(SessionFault, WhatIsDroppedIsCountedUnderItsName) {
 TEST(SessionFault, SilenceIsEvictedAndSaysSo) {
   World world;
   press(world);
-  world.up = with_nan;  // what is dropped is no sign of life
+  world.up = with_nan;  // dropped samples are no sign of life
   world.run(1999);
   EXPECT_EQ(world.server->size(), 1u);
   world.run(1);
@@ -223,7 +223,7 @@ TEST(SessionFault, SilenceIsEvictedAndSaysSo) {
   EXPECT_EQ(world.hand.reason, GoodbyeReason::evicted);
 }
 
-/// A server that was started anew knows nobody: it answers nothing, and the hand is let go.
+/// A restarted server does not know the session, so it does not answer and the force fades.
 TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   World world;
   press(world);
@@ -231,7 +231,7 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   world.run(kHoldTicks + 1);
   EXPECT_EQ(world.hand.force(), 0.0);
   EXPECT_EQ(world.drops(DropReason::session), static_cast<std::uint64_t>(kHoldTicks + 1));
-  // The next session is another one; the hand goes on with its own count.
+  // The next session is new. The hand keeps its sample count.
   world.join(kOther);
   world.hand.datagrams.resume(kOther, test::keys(kOther));
   world.hand.servo.reconnected(true);
@@ -240,7 +240,7 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   EXPECT_EQ(world.hand.answers, before + 50);
 }
 
-/// Forwards a jump is a gap: one long step, and on. Backwards nothing is newer any more.
+/// A jump forwards is a gap: one long step. After a jump backwards all samples are stale.
 TEST(SessionFault, SampleIndicesThatJump) {
   World forward;
   press(forward);
@@ -272,7 +272,7 @@ TEST(SessionFault, SampleIndicesThatJump) {
   backward.run(kHoldTicks + 1);
   EXPECT_EQ(backward.hand.force(), 0.0);
   EXPECT_EQ(backward.drops(DropReason::stale), static_cast<std::uint64_t>(kHoldTicks + 1));
-  backward.run(249);  // there the count has caught up with what was taken
+  backward.run(249);  // then the count has caught up
   const std::uint64_t before = backward.hand.answers;
   backward.down = [](const Datagram& d) {
     return changed(d, [](Reply& r) { r.sample_index += 350; });
@@ -281,8 +281,8 @@ TEST(SessionFault, SampleIndicesThatJump) {
   EXPECT_EQ(backward.hand.answers, before + 10);
 }
 
-/// Client times that stand still, run back or are absurd: answered, finite, and no more force than
-/// the same samples with good times are given.
+/// Client times stand still, run back or are absurd. The server answers with finite forces, no
+/// larger than for good times.
 TEST(SessionFault, ClientTimesThatRunBackEarnNothing) {
   World good, bad;
   std::uint64_t n = 0;
@@ -308,7 +308,7 @@ TEST(SessionFault, ClientTimesThatRunBackEarnNothing) {
   EXPECT_EQ(bad.hand.servo.port().violations(), 0u);
 }
 
-/// A clock of the server's that runs back ends nobody's session.
+/// A server clock that runs back evicts no session.
 TEST(SessionFault, AServersClockThatRunsBackEvictsNobody) {
   World world;
   press(world);
@@ -316,10 +316,10 @@ TEST(SessionFault, AServersClockThatRunsBackEvictsNobody) {
   EXPECT_EQ(world.server->size(), 1u);
 }
 
-// Two programs with one session, by whatever mistake.
+// Two programs use one session by mistake.
 
-/// The second begins its count when the first is far ahead: not one of its datagrams is answered,
-/// and the first feels what it would feel alone.
+/// The second starts when the first is far ahead. The server answers none of its datagrams, and the
+/// first feels no difference.
 TEST(TwoOfOneSession, WhoComesLaterIsNotHeard) {
   World both, alone;
   Hand late(kSession, both.parameters);
@@ -337,14 +337,14 @@ TEST(TwoOfOneSession, WhoComesLaterIsNotHeard) {
   EXPECT_EQ(both.server->counters().samples.duplicates, 500u);
 }
 
-/// Both from the same start: whose datagram is there first has the answer of that number, the
-/// other's is counted as seen before. Neither hand gets more than it burned, whoever wins.
+/// Both start together. The server answers the earlier datagram of each number and counts the other
+/// as a duplicate. Neither hand gets more than it burned.
 TEST(TwoOfOneSession, OfTwoAtOnceTheFasterIsAnswered) {
   test::Random random(11);
-  for (const double share : {0.0, 0.5, 1.0}) {  // of the ticks that the second wins
+  for (const double share : {0.0, 0.5, 1.0}) {  // of the ticks in which the second is earlier
     World world;
     Hand second(kSession, world.parameters);
-    second.z = -2e-3;  // elsewhere
+    second.z = -2e-3;  // at another depth
     std::uint64_t answered = 0;
     for (int n = 0; n < 2000; ++n) {
       world.now += kPeriod;
@@ -371,10 +371,10 @@ TEST(TwoOfOneSession, OfTwoAtOnceTheFasterIsAnswered) {
   }
 }
 
-/// A name is for people: two that join with one are two.
+/// A name is no identity: two clients with one name have two sessions.
 TEST(TwoOfOneName, AreTwoSessions) {
   World both, alone;
-  both.join(kOther);  // the same name, device and scene
+  both.join(kOther);  // equal name, device and scene
   Hand other(kOther, both.parameters);
   EXPECT_EQ(both.server->size(), 2u);
   for (int n = 0; n < 500; ++n) {

@@ -1,8 +1,8 @@
-// Through the network: a session at the server, a servo at the client, and between them a link that
-// delays, loses, doubles and reorders both ways, while the parameters change and the hand takes all
-// it can.
+// Session and servo over a lossy link: it delays, loses, doubles and reorders both ways, while the
+// parameters change and the hand takes the most energy. The port must not deliver more than it
+// burns.
 //
-// ctest runs it with the seed 1 and with a random one; others as tests/core/script.hpp says.
+// ctest runs it with seed 1 and with a random seed; tests/core/script.hpp has the other options.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -21,13 +21,13 @@
 namespace feltwire {
 namespace test {
 
-/// One servo period.
+/// The events of a servo period.
 struct NetworkTick {
-  double share = 0.0;                  // of the movement that takes most from what is held
-  Vec3 moves = Vec3::Zero();           // [m] on top of it
+  double share = 0.0;                  // of the greediest movement
+  Vec3 moves = Vec3::Zero();           // [m] added to it
   int up = 0, down = 0;                // [ticks] late; -1: lost
-  int up_again = -1, down_again = -1;  // and once more, so late; -1: not
-  int change = -1;                     // of the server's parameters, to this one; -1: none
+  int up_again = -1, down_again = -1;  // [ticks] delay of a duplicate; -1: no duplicate
+  int change = -1;                     // index of the server's next parameters; -1: none
   friend bool operator==(const NetworkTick&, const NetworkTick&) = default;
 };
 struct NetworkScript {
@@ -100,7 +100,7 @@ rc::Gen<NetworkScript> network_scripts(int changes) {
   };
 }
 
-/// A stiff floor with friction and contact damping, and a ball on it.
+/// A stiff floor with friction and contact damping, and a ball.
 Scene room() {
   Object floor;
   floor.name = "floor";
@@ -130,7 +130,7 @@ DeviceSpec arm() {
   return spec;
 }
 
-/// The parameters that promise that no hand takes more than was burned.
+/// Parameters that promise that no hand takes more energy than was burned.
 std::vector<SessionParameters> passive(BoundingSide side) {
   std::vector<SessionParameters> all;
   for (const Projection projection : {Projection::joint, Projection::cone})
@@ -145,7 +145,7 @@ std::vector<SessionParameters> passive(BoundingSide side) {
     p.mode = mode;
     all.push_back(p);
   }
-  // And with fewer datagrams: what is held meanwhile is the client's own making.
+  // With fewer datagrams the client itself makes the force between them.
   const SessionParameters usual;
   for (const Predictor predictor : {Predictor::level, Predictor::linear})
     for (const int interval : {1, 4}) {
@@ -163,7 +163,7 @@ std::vector<SessionParameters> passive(BoundingSide side) {
   return all;
 }
 
-/// All that a server may be told meanwhile, whatever the client does.
+/// Any parameters that a server may get meanwhile, independent of the client.
 std::vector<SessionParameters> anything() {
   std::vector<SessionParameters> all;
   for (const std::string_view mode :
@@ -183,7 +183,7 @@ std::vector<SessionParameters> anything() {
   return all;
 }
 
-/// The hand: how it moves while `held` acts on it, kept within 0.2 m of the floor's middle.
+/// Moves the hand while `held` acts on it, within 0.2 m of the origin.
 Vec3 moved(const NetworkTick& t, const Vec3& position, const Vec3& held, double damping) {
   Vec3 to = position + t.share * greediest(held, 1e-3, damping) + t.moves;
   if (to.norm() > 0.2) to *= 0.2 / to.norm();
@@ -252,7 +252,7 @@ RC_GTEST_PROP(SessionProperty, NoLinkAndNoChangeGivesTheHandMoreThanWasBurned, (
   }
 }
 
-// The same hands win where nobody bounds: else the property above is blind.
+// These hands must win without a bound, or the property above cannot fail.
 TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   SessionParameters nobody = passive(BoundingSide::server)[0];
   nobody.mode = "none";
@@ -270,11 +270,11 @@ TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   EXPECT_GT(lost, 0u);
   EXPECT_EQ(kept, 0u);
   EXPECT_GT(from_model, 100.0);
-  EXPECT_GT(rendered, 100.0);  // [N] summed: a port that renders nothing proves nothing
+  EXPECT_GT(rendered, 100.0);  // [N] summed: without any force the test proves nothing
 }
 
-// A device that holds what the server answers, at once: the server's bound alone, over changes of
-// the law while a force is held.
+// The device holds each server command at once. Only the server's bound acts, while the law changes
+// under a held force.
 RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   const auto laws = passive(BoundingSide::server);
   const NetworkScript script = *network_scripts(static_cast<int>(laws.size()));
@@ -300,12 +300,12 @@ RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   }
 }
 
-/// The answers to a hand that presses straight down; the change comes at sample 21.
+/// The answers to a hand that presses straight down. The law changes at sample 21.
 TEST(SessionChange, ANewLawIsNotCreditedTheMovementThatTheOldOneHasPaidFor) {
   for (const SessionParameters& next : passive(BoundingSide::server)) {
     const Scene scene = room();
     SessionParameters first = passive(BoundingSide::server)[1];
-    first.operator_damping = 0.2;  // so that every change is one
+    first.operator_damping = 0.2;  // so that every law differs
     Session session({"tester", "room", arm(), first}, scene);
     Sample sample;
     const auto press = [&] {

@@ -1,7 +1,6 @@
-// The usual session, `shaped` with its account, against a hand that means harm: a server, a link
-// that loses, delays and doubles, a servo, and a handle with a mass that moves as physics has it.
-// The energy that the hand took is summed here over the whole path, not by the servo's own
-// observer.
+// The usual session, `shaped` with its account, against a hostile hand. It has a server, a link
+// that loses, delays and doubles, a servo, and a handle that moves by Newton's law. The test sums
+// the hand's energy over the whole path itself and does not use the servo's observer.
 
 #include <gtest/gtest.h>
 
@@ -29,20 +28,20 @@ constexpr int kSessions = 60;  // forty times as slow there
 constexpr int kSessions = 240;
 #endif
 
-/// The numbers of device and hand that the session is told, as shares of the truth.
+/// Ratios of the numbers that the session is told to the true numbers.
 struct Told {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
-  double damping = 0.0;           // [N s/m] of the operator, told as the device's own
-  double operator_damping = 0.0;  // [N s/m] told as what it is
+  double damping = 0.0;           // [N s/m] of the operator, claimed as the device's
+  double operator_damping = 0.0;  // [N s/m] claimed as the operator's
 };
 
-/// The trouble of a session beside its hand.
+/// Further disturbances of a session.
 struct Trouble {
-  double strength = 1.0;  // the hand's largest force over what is true of it
-  double longest = 1.0;   // [T] of the holds
+  double strength = 1.0;  // the hand's largest force over its true limit
+  double longest = 1.0;   // [T] longest hold
 };
 
-/// Any device and any hand, over three decades.
+/// Any device and hand, with numbers over three decades.
 DeviceSpec any_device(Random& random) {
   DeviceSpec spec;
   spec.name = "any";
@@ -66,7 +65,7 @@ DeviceSpec as_told(DeviceSpec spec, const Told& told) {
   return spec;
 }
 
-/// A floor, and a wall that stands on it, both stiff and rough; a ball in the corner.
+/// A stiff, rough floor with a wall on it, and a ball in the corner.
 Scene any_room(Random& random) {
   Object floor;
   floor.name = "floor";
@@ -86,7 +85,7 @@ Scene any_room(Random& random) {
   return Scene("room", {floor, wall, ball}, {.position = {0.0, 0, 0}, .normal = {0, 0, 2}});
 }
 
-/// The link, one way: late, lost, doubled.
+/// A one-way link that delays, loses and doubles.
 template <class Datagram>
 class Way {
  public:
@@ -112,16 +111,16 @@ class Way {
 };
 
 struct Outcome {
-  double least = 0.0;      // [J] burned less delivered, from the whole path
+  double least = 0.0;      // [J] least of burned minus delivered, over the whole path
   double exchanged = 0.0;  // [J]
   double rendered = 0.0;   // [N] summed
   std::uint64_t near = 0, late = 0, cut = 0, violations = 0;
   AccountStatistics account;
   bool force_in_debt = false;
-  double share_of_excess = 0.0;  // largest debt over what a hand that is too strong can overdraw
+  double share_of_excess = 0.0;  // largest debt over the most that a too strong hand can overdraw
 };
 
-/// The force of the hand: in the air it goes where the surfaces are.
+/// The hand's force. Without a held force it moves to the surfaces.
 Vec3 hand(Grip grip, Random& random, const Vec3& held, const Vec3& to_surface, double strength,
           double part) {
   if (held.isZero(0.0)) return strength * to_surface;
@@ -143,7 +142,7 @@ SessionParameters any_change(Random& random, const SessionParameters& usual) {
   return p;
 }
 
-/// Forces and surfaces as no scene would give them, turned another way in each reply.
+/// Forces and surfaces that no scene would give, in another direction in each reply.
 void make_hostile(Random& random, Reply& reply, const Vec3& position) {
   reply.command = random_command(random);
   reply.command.torque.setZero();
@@ -220,7 +219,7 @@ Outcome attack(std::uint64_t seed, const Told& told, const Trouble& trouble) {
     Command given = servo.render(device, now);
     outcome.force_in_debt |=
         in_debt_before && servo.account()->in_debt() && !given.force().isZero(0.0);
-    if (random.chance(0.05)) given = random.uniform(0.0, 1.0) * given;  // a device that gives less
+    if (random.chance(0.05)) given = random.uniform(0.0, 1.0) * given;  // the device gives less
     const Sample* sample = servo.hold(given);
     outcome.rendered += given.force().norm();
     strongest = std::max(strongest, given.force().norm());
@@ -250,7 +249,7 @@ Outcome attack(std::uint64_t seed, const Told& told, const Trouble& trouble) {
 }
 
 struct Sum {
-  double worst = 0.0;     // least balance over what was exchanged
+  double worst = 0.0;     // least balance over the exchanged energy
   double rendered = 0.0;  // [N] mean
   double share_of_excess = 0.0;
   int losers = 0;  // sessions in which energy was made
@@ -278,8 +277,8 @@ Sum attack_all(int sessions, const Told& told, const Trouble& trouble = {}) {
   return sum;
 }
 
-// Greedy, reversing and noisy hands as strong as was told, in every session that a link, a fault, a
-// reload, a change of the server's bound and a server that means harm make of it.
+// Greedy, reversing and noisy hands with the declared strength, in sessions with link faults,
+// device faults, reloads, changes of the server's bound and a hostile server.
 TEST(ShapedAdversary, NoSessionGivesTheHandMoreThanWasBurned) {
   const Sum sum = attack_all(kSessions, {});
   EXPECT_EQ(sum.losers, 0);
@@ -287,7 +286,7 @@ TEST(ShapedAdversary, NoSessionGivesTheHandMoreThanWasBurned) {
   EXPECT_EQ(sum.violations, 0u);
   EXPECT_EQ(sum.overdrawn, 0u);
   EXPECT_EQ(sum.strong_hand, 0u);
-  // A run that renders nothing, or never reaches its limit, proves nothing.
+  // Force must have been rendered and limited, or the run proves nothing.
   EXPECT_GT(sum.rendered, 0.05);
   EXPECT_GT(sum.near, 1000u);
   EXPECT_GT(sum.late, 1000u);
@@ -300,7 +299,7 @@ TEST(ShapedAdversary, AnOperatorsDampingIsNoneOfTheAccounts) {
   EXPECT_EQ(sum.violations, 0u);
 }
 
-// Knowledge that errs to the safe side costs force only.
+// Errors of the declared numbers to the safe side only cost force.
 TEST(ShapedAdversary, ALighterHandleAndAStrongerHandThanIsTrueAreSafe) {
   const Sum sum = attack_all(kSessions / 2, {.mass = 0.75, .hand = 1.25, .quantum = 2.0});
   EXPECT_EQ(sum.losers, 0);
@@ -308,7 +307,7 @@ TEST(ShapedAdversary, ALighterHandleAndAStrongerHandThanIsTrueAreSafe) {
 }
 
 TEST(ShapedAdversary, AHandThatIsTooStrongOverdrawsABoundedDebtAndIsSeen) {
-  constexpr int kEnough = 240;  // of 60 none comes so far
+  constexpr int kEnough = 240;  // 60 sessions are too few
   const Sum sum = attack_all(kEnough, {}, {.strength = 1.5});
   EXPECT_GT(sum.overdrawn, 0u);
   EXPECT_GT(sum.strong_hand, 0u);
@@ -322,8 +321,8 @@ TEST(ShapedAdversary, AHoldOfFiftyPeriodsIsADebtThatIsRepaidBeforeAnyForce) {
   EXPECT_FALSE(sum.force_in_debt);
 }
 
-// --- The mutants: with one thing told wrong the same hands win, so the tests above can fail. Few
-// sessions come that close to the limit (3 of 960, 7 of 480), too many for a sanitizer's pace.
+// --- Mutants: with one false number the hands must win, which shows that the tests above can fail.
+// Few sessions reach the limit (3 of 960, 7 of 480), so a sanitizer would take too long.
 
 #ifndef FELTWIRE_SANITIZED
 TEST(ShapedAdversaryMutant, AMassThatIsToldAQuarterTooLargeLoses) {

@@ -1,5 +1,5 @@
-// The servo behind a method that shapes: it asks the local model half a sample ahead, the account
-// stands last, and nothing makes the force step.
+// A servo with a shaping method: it asks the local model half a sample ahead, the account is the
+// last stage, and the force does not step.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ SessionParameters modelled(std::string_view mode = "shaped") {
   return p;
 }
 
-/// A floor at z = 0, felt within `reach` of the origin.
+/// A floor at z = 0 with a model that is valid within `reach` of the origin.
 Reply floor_reply(std::uint64_t index, double stiffness = kStiffness, double reach = 0.04) {
   Reply r = reply(index, elastic(0, 0, 1));
   r.modelled = true;
@@ -34,7 +34,7 @@ Reply floor_reply(std::uint64_t index, double stiffness = kStiffness, double rea
   return r;
 }
 
-/// The hand moves to and fro in the air, so that the device burns energy, and ends at z = 0.
+/// Moves the hand to and fro in free space, so that the device burns energy, and ends at z = 0.
 void burn(Bench& bench) {
   for (int n = 0; n < 400; ++n) bench.tick(at(0, 0, 0.01 * (1.0 + std::cos(0.05 * n))));
   for (int n = 100; n > 0; --n) bench.tick(at(0, 0, 1e-4 * n));
@@ -55,7 +55,7 @@ TEST(Shaped, AsksTheLocalModelHalfASampleAhead) {
     EXPECT_EQ(bench.servo.statistics().account_cut, 0u);
     EXPECT_EQ(bench.servo.port().violations(), 0u);
   }
-  // A method that bounds by itself asks where the device is.
+  // A method that bounds by itself asks at the device's place.
   Bench plain(modelled("none"));
   plain.tick();
   plain.servo.take(floor_reply(1), plain.now);
@@ -67,7 +67,7 @@ TEST(Shaped, ADeviceThatHasBurnedNothingGivesNothing) {
   bench.tick(at(0, 0, 1e-6));
   bench.servo.take(floor_reply(1, 4e4), bench.now);
   bench.tick(at(0, 0, 1e-6));
-  EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // 0.14 N are asked for
+  EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // the scene asks for 0.14 N
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   EXPECT_GT(bench.servo.account_cut(), 0.9);
   EXPECT_LE(bench.servo.account_cut(), 1.0);
@@ -81,7 +81,7 @@ TEST(Shaped, BeyondTheModelItIsCreditedWithTheDampingOfAHand) {
   bench.tick(at(0, 0, 0));
   EXPECT_TRUE(bench.servo.near());
   const std::uint64_t before = bench.servo.statistics().hand_overs;
-  // The reply's 1 N alone, which rises by 2 (b + a) / T for every metre.
+  // The reply's 1 N alone; it rises by 2 (b + a) / T per metre.
   const double c = 2.0 * (0.5 + 1.5) / 1e-3;
   EXPECT_EQ(bench.tick(surely_at(0.01, 0, 0)).elastic.z(), 0.0);
   EXPECT_FALSE(bench.servo.near());
@@ -102,7 +102,7 @@ TEST(Shaped, TheStiffestSurfaceLimitsHowFastALateForceRises) {
     for (int n = 0; n < 2; ++n) bench.tick(at(0, 0, 0));  // the hand rests
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 1)), bench.now);
     bench.tick(at(0, 0, 0));
-    if (reloaded) {  // nothing is known of the new surfaces
+    if (reloaded) {  // the new surfaces are unknown
       Reply next = reply(bench.servo.sample().index, elastic(0, 0, 1));
       next.reloads = 1;
       bench.servo.take(next, bench.now);
@@ -180,8 +180,8 @@ TEST(Shaped, AWallThatBecomesStifferUnderAHandThatRestsRisesSlowly) {
   EXPECT_TRUE(whole);
 }
 
-// A balance that is spent to its limit would pay for a hold of 2 T with most of the force, for the
-// seconds that a late tick is remembered.
+// The servo remembers a late tick for seconds. If the balance were spent to its limit, the reserve
+// for holds of 2 T would cost most of the force.
 TEST(Shaped, ALateTickCostsLittleForce) {
   Bench bench(modelled());
   bench.tick(at(0, 0, 1e-3));
@@ -194,7 +194,7 @@ TEST(Shaped, ALateTickCostsLittleForce) {
     }
     return force;
   };
-  while (z > -2e-3) {  // cold, so that the account cuts
+  while (z > -2e-3) {  // without burned energy, so that the account cuts
     z -= 2e-5;
     rest(1);
   }
@@ -214,7 +214,7 @@ TEST(Shaped, AFaultLosesTheBalance) {
   lost.ok = false;
   bench.tick(lost);
   EXPECT_EQ(bench.servo.account()->balance(), 0.0);
-  bench.tick(at(0, 0, 0.2));  // where it went meanwhile, nobody saw
+  bench.tick(at(0, 0, 0.2));  // the movement during the fault is unknown
   EXPECT_EQ(bench.servo.account()->balance(), 0.0);
   bench.tick(at(0, 0, 0.2001));
   EXPECT_GT(bench.servo.account()->balance(), 0.0);
@@ -229,7 +229,7 @@ TEST(Shaped, TheAccountKnowsNothingOfTheOperatorsDamping) {
   EXPECT_EQ(told.servo.hand_credit()->damping, 5.0);
   EXPECT_EQ(told.servo.account()->balance(), bench.servo.account()->balance());
   EXPECT_EQ(told.servo.port().burned(), bench.servo.port().burned());
-  // Nor does it behind a bound that counts on it.
+  // A bound that counts on it does not change the account either.
   claimed.mode = "contact_frame";
   Bench bound(claimed);
   burn(bound);
@@ -274,7 +274,8 @@ TEST(Shaped, PerAxisNeedsNoAccount) {
     Vec3 position = Vec3::Zero();
     bench.tick(at(0, 0, 0));
     for (int n = 0; n < 4000; ++n) {
-      // Pressed into a wall of 3 kN/m on each axis, and shaken; sometimes carried off by the force.
+      // The hand presses walls of 3 kN/m on each axis and shakes. Every third tick the force
+      // moves it.
       const Vec3 way =
           n % 3 == 0 ? Vec3(1e-3 * bench.servo.held().force())
                      : Vec3(3e-4 * normal(random), 3e-4 * normal(random), 3e-4 * normal(random));

@@ -1,5 +1,5 @@
-// Contact with fetched geometry is measured before the servo uses it, and refused where it takes
-// too long.
+// The client measures contact with fetched geometry before the servo uses it. It refuses geometry
+// that takes too long.
 
 #include "client/transport/contact_cost.hpp"
 
@@ -28,10 +28,10 @@ FetchedScene ring() {
   return {.objects = {3}, .surfaces = mesh_surfaces(1, {data}), .body = nullptr};
 }
 
-/// A clock by which each evaluation takes this time. To read it takes none.
+/// A clock on which each evaluation takes this time and a reading takes none.
 ComputingClock each_takes(Nanoseconds time) {
   return [=, now = Nanoseconds(0), reads = 0]() mutable {
-    // After the readings that find what a reading takes, every second one ends an evaluation.
+    // The first readings measure the clock itself; then every second one ends an evaluation.
     constexpr int kFirst = 9;
     if (++reads > kFirst && (reads - kFirst) % 2 == 0) now += time;
     return now;
@@ -53,13 +53,13 @@ TEST(ContactCost, WhatTakesLongerIsRefusedWithItsTimeItsPlaceAndARemedy) {
   EXPECT_THAT(too_costly(cost, kPeriod),
               Optional(AllOf(HasSubstr("object 3 "), HasSubstr("250 us"), HasSubstr("312 us"),
                              HasSubstr("fewer triangles"), HasSubstr("--rate"))));
-  // That is fine for a slower servo, and too much for a faster one.
+  // Accept this time for a slower servo, and refuse it for a faster one.
   EXPECT_EQ(too_costly(cost, 2 * kPeriod), std::nullopt);
   const ContactCost fast = contact_cost(ring(), 1e-4, each_takes(std::chrono::microseconds(30)));
   EXPECT_THAT(too_costly(fast, 1e-4), Optional(HasSubstr("25 us")));
 }
 
-/// A slow machine's units are longer, so fewer of them fit a tick.
+/// A slow machine's work units take longer, so fewer of them fit into a tick.
 TEST(ContactCost, AUnitIsAsLongAsItWasMeasured) {
   const ContactCost fast = contact_cost(ring(), kPeriod, each_takes(Nanoseconds(1)));
   EXPECT_EQ(fast.unit, kUsualUnit);
@@ -70,7 +70,7 @@ TEST(ContactCost, AUnitIsAsLongAsItWasMeasured) {
             units_within(contact_budget(kPeriod)));
 }
 
-/// However fast the machine says that it is: what would be cut off in the servo is not taken.
+/// Geometry that the servo would cut off is refused, however fast the machine claims to be.
 TEST(ContactCost, WhatALyingServerSendsIsRefusedOnEveryMachine) {
   constexpr std::size_t kTriangles = 20'000;
   SurfaceData ball = test::through_a_point(kTriangles);

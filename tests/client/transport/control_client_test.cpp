@@ -76,7 +76,7 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   EXPECT_EQ(join_request->parameters.mode, "per_axis");
 }
 
-// A server of before there were tools takes no notice of the wish.
+// An older server without tools ignores the requested tool.
 TEST(Join, AToolThatTheServerDoesNotGiveIsNoSession) {
   control::JoinAccepted accepted;
   accepted.session = 77;
@@ -114,13 +114,13 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
     const char* said;
   };
   const std::vector<Case> cases = {
-      {{}, "no answer"},                              // closed without a word
-      {{8, 0, 0, 0, 1, 2}, "no answer"},              // broken off
+      {{}, "no answer"},                              // closed without an answer
+      {{8, 0, 0, 0, 1, 2}, "no answer"},              // cut off
       {{0, 0, 0, 0}, "no feltwire message"},          // empty
-      {{255, 255, 255, 255}, "no feltwire message"},  // absurdly long
+      {{255, 255, 255, 255}, "no feltwire message"},  // far too long
       {framed({1, 2, 3, 4, 5, 6, 7, 8}), "no feltwire message"},
       {{'H', 'T', 'T', 'P', '/', '1', '.', '1'}, "no feltwire message"},
-      {control::encode(control::SceneList{}), "no feltwire message"},  // another question's answer
+      {control::encode(control::SceneList{}), "no feltwire message"},  // answers another question
       {control::encode(portless), "no feltwire message"},
       {control::encode(impossible), "granted parameters that cannot be: hold_time"},
   };
@@ -144,7 +144,7 @@ TEST(Join, AnUnreachableServerIsSaid) {
 }
 
 TEST(Join, AServerThatNeverAnswersTimesOut) {
-  // Bound and listening, but nobody accepts: the connection stands, the answer never comes.
+  // A bound, listening socket that never accepts: the connection exists, but no answer comes.
   const testing::LocalSocket deaf(SOCK_STREAM);
   ::listen(deaf.descriptor(), 1);
   EXPECT_THAT(refusal(test::access(deaf.port()), milliseconds(20)), HasSubstr("within 20 ms"));

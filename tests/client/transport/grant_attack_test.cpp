@@ -1,4 +1,4 @@
-// A server that is trusted and lies: it grants another session than the one that was asked for.
+// A trusted server lies: it grants another session than the client asked for.
 
 #include <gmock/gmock.h>
 
@@ -107,7 +107,7 @@ TEST(LyingServer, ALongerHoldTimeIsRefusedWithTheOptionThatAllowsIt) {
       said_of(offer(longer), request()),
       AllOf(HasSubstr("hold_time: asked 0.1, granted 0.3"), HasSubstr("--longest-hold-time")));
   EXPECT_EQ(said_of(offer(longer), request(), {.hold_time = 0.3}), "");
-  longer.mode = "none";  // it does not stand before another one
+  longer.mode = "none";  // the option applies only to a bounded mode
   EXPECT_THAT(said_of(offer(longer), request(), {.hold_time = 0.3}), HasSubstr("mode: "));
 }
 
@@ -119,8 +119,8 @@ TEST(LyingServer, ASessionWithoutANumberIsNone) {
               HasSubstr("no feltwire message"));
 }
 
-// The loop of a hand goes on with the parameters that it has, so a session that is joined anew has
-// to have them all, those that a first join leaves to the server included.
+// A hand's loop keeps its parameters, so a rejoined session must have all of them. That includes
+// parameters that a first join leaves to the server.
 TEST(LyingServer, ASessionJoinedAnewHasTheParametersOfTheOneBefore) {
   for (const auto& change : test::parameter_changes()) {
     ControlPeer peer(control::encode(offer(change.granted)));

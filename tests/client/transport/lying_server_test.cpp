@@ -1,5 +1,5 @@
-// A server that lies, or that answers without end: what a client asks of it and keeps is bounded,
-// and the reason is told.
+// A server lies or answers without end. The client's questions and memory have bounds, and the
+// client names the reason.
 
 #include <gmock/gmock.h>
 
@@ -28,7 +28,7 @@ using ::testing::Lt;
 
 constexpr std::uint64_t kSession = 7;
 
-/// Its points are no two alike.
+/// A part with distinct points.
 control::SurfacePart part(std::size_t vertices, std::size_t triangles) {
   control::SurfacePart made;
   for (std::size_t i = 0; i < vertices; ++i)
@@ -51,7 +51,7 @@ control::SolidEntry solid(std::uint16_t object) {
   return entry;
 }
 
-/// The things that a server offers, and how it answers to the questions for parts.
+/// The geometry that a server offers, and its answers to requests for parts.
 struct Offer {
   control::SurfaceList surfaces{.version = 1, .surfaces = {}};
   control::SolidList solids{.version = 1};
@@ -69,8 +69,8 @@ struct Offer {
 
 class FetchAttack : public ::testing::Test {
  protected:
-  /// Asks once, if a question is due, and takes the outcome. The clock goes on by an hour, so that
-  /// no wait is waited out.
+  /// Asks once if a question is due, and takes the outcome. The clock advances by an hour, so the
+  /// fetch never waits.
   void ask(SceneFetch& fetch, const ScenePlace& place = {kSession, 0}) {
     fetch.look(place, now_ += 1h);
     test::eventually("the end of the questions", [&] {
@@ -78,7 +78,7 @@ class FetchAttack : public ::testing::Test {
       return !fetch.asking();
     });
   }
-  /// Fetches, and expects that the server is asked for so many parts, and then no more.
+  /// Fetches, and expects this number of requests for parts and no more.
   void expect_refused(const Offer& offer, std::size_t parts, const std::string& reason) {
     AnsweringPeer peer(offer);
     SceneFetch fetch(peer.access(), ready_, {.timeout = 5s});
@@ -103,7 +103,7 @@ class FetchAttack : public ::testing::Test {
 TEST_F(FetchAttack, AMeshThatNeverEndsIsNotFetched) {
   struct Lie {
     control::SurfacePart part;
-    std::size_t parts;  // that are asked for
+    std::size_t parts;  // requests for parts
     const char* reason;
   };
   for (const Lie& lie : {Lie{part(1, 0), 4, "more vertices of object 3 than the 3"},
@@ -137,11 +137,11 @@ TEST_F(FetchAttack, AnObjectThatIsListedTwiceIsNotFetched) {
 TEST_F(FetchAttack, ASceneThatCannotBeIsNotFetchedAgain) {
   Offer offer;
   offer.surfaces.surfaces = {surface(3, 3, 2)};
-  offer.part = part(3, 2);  // both on the same corners
+  offer.part = part(3, 2);  // both with equal corners
   expect_refused(offer, 1, "sent a scene that cannot be: the surface of object 3");
 }
 
-/// Things that are announced and have no room are not asked for.
+/// The client does not ask for announced geometry that has no room.
 TEST_F(FetchAttack, AnnouncedCountsTakeNoMemory) {
   constexpr std::uint32_t kAll = 0xFFFFFFFF, kMost = FetchRoom::kMostTriangles;
   for (const auto& [vertices, triangles] : {std::pair{kAll, kAll}, std::pair{3u, kMost + 1},
@@ -163,7 +163,7 @@ TEST_F(FetchAttack, AnnouncedCountsTakeNoMemory) {
   EXPECT_TRUE(peer.of_kind<control::GetBodyPoints>().empty());
 }
 
-/// Four triangles make a grid as large as four thousand do.
+/// The grid of four triangles is as large as the grid of four thousand.
 TEST_F(FetchAttack, GridsOfManySmallMeshesHaveABound) {
   Offer offer;
   offer.solids.body.emplace();
@@ -178,8 +178,8 @@ TEST_F(FetchAttack, GridsOfManySmallMeshesHaveABound) {
   EXPECT_EQ(objects.size(), FetchRoom::kMostGrids);
 }
 
-/// Scenes that the servo does not use yet are held. A server that has another one with each
-/// question fills no memory with them.
+/// The client keeps scenes that the servo does not use yet. A server with a new scene per question
+/// must not fill the memory.
 TEST_F(FetchAttack, ScenesThatAreHeldHaveABound) {
   std::uint32_t version = 0;
   AnsweringPeer peer([&version](const control::Message& question) -> control::Message {
@@ -204,7 +204,7 @@ TEST_F(FetchAttack, ScenesThatAreHeldHaveABound) {
   EXPECT_EQ(fetched(10), 1u);
 }
 
-/// A surface of waves as large as a client fetches at most, and an honest server of it.
+/// An honest server of a wavy surface of the largest size that a client fetches.
 class HonestServer {
  public:
   HonestServer() {
@@ -244,7 +244,7 @@ class HonestServer {
   std::vector<Triangle> triangles_;
 };
 
-/// A server of one surface that is as large as announced may be. It sends parts of these sizes.
+/// A server of a surface of the largest announced size, which sends parts of these sizes.
 AnsweringPeer::Answer endless(std::size_t vertices, std::size_t triangles) {
   Offer offer;
   offer.surfaces.surfaces = {surface(0, 3 * FetchRoom::kMostTriangles, FetchRoom::kMostTriangles)};
@@ -260,7 +260,7 @@ AnsweringPeer::Answer endless_points() {
   return offer;
 }
 
-/// Each of so many surfaces has its share of what fits.
+/// As many surfaces as allowed; each has an equal share of the room.
 AnsweringPeer::Answer many_surfaces() {
   constexpr std::uint32_t kEach = FetchRoom::kMostTriangles / control::kMaxSurfaces;
   Offer offer;
@@ -270,8 +270,8 @@ AnsweringPeer::Answer many_surfaces() {
   return offer;
 }
 
-/// [bytes] The most of the heap that is taken meanwhile, beyond what was before. The server of the
-/// test is in the same process.
+/// [bytes] The peak of the heap during `work`, less the heap before it. The test's server is in
+/// this process.
 template <class Work>
 std::size_t taken_by(const char* name, const AnsweringPeer& peer, Work work) {
   const std::size_t before = test::heap_held();
@@ -303,7 +303,7 @@ TEST_F(FetchAttack, NoLieTakesMuchMoreMemoryThanAnHonestSurface) {
   EXPECT_THAT(taken("triangles without end", endless(0, control::kMaxPart)), below(1.0));
   EXPECT_THAT(taken("a hundred vertices of 200 surfaces", many_surfaces()), below(1.0));
   EXPECT_THAT(taken("points without end", endless_points()), below(1.0));
-  // It comes whole, with as many vertices as its triangles can have.
+  // This surface is complete, with as many vertices as its triangles can have.
   EXPECT_THAT(taken("all triangles on the same corners", endless(control::kMaxPart, 400)),
               below(1.5));
 }
@@ -332,7 +332,7 @@ TEST(LyingLists, SessionsWithoutEndAreNotKept) {
   EXPECT_LE(peer.questions().size(), kRoomOfServer / (kOfOne * std::size_t{4000}) + 1);
 }
 
-/// The program has some 14 MB without them, and stays below one and a half times that.
+/// The program takes some 14 MB without the lists, and less than 1.5 times that with them.
 constexpr std::size_t kMostOfLists = 5'000'000;  // [bytes]
 
 TEST(LyingLists, SessionsWithoutEndTakeLittleMemory) {
@@ -357,7 +357,7 @@ TEST(LyingLists, SessionsWithoutEndTakeLittleMemory) {
   }
 }
 
-/// The text of as many sessions as have room.
+/// The printed text of as many sessions as have room.
 TEST(LyingLists, AsManySessionsAsHaveRoomArePrintedInLittleMemory) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer has an allocator of its own";
@@ -431,7 +431,7 @@ TEST(LyingLists, MoreScenesThanAServerHasAreNone) {
               HasSubstr("listed 257 scenes"));
 }
 
-/// A server whose scene has so many objects with each answer, and describes so many of them.
+/// A server whose scene grows with each answer, and which describes `materials` objects at a time.
 struct Described {
   std::uint32_t objects, more_objects;
   std::size_t materials;
@@ -450,9 +450,9 @@ TEST(LyingLists, MaterialsWithoutEndAreNotKept) {
     std::size_t asked, got;
     const char* reason;
   };
-  for (const Case& c : {Case{{3, 0, 1}, 3, 3, ""},        // honest, one after the other
-                        Case{{1000, 1, 1000}, 1, 0, ""},  // another scene than ours
-                        Case{{3, 1, 1}, 2, 0, ""},        // one that grows
+  for (const Case& c : {Case{{3, 0, 1}, 3, 3, ""},        // honest, one at a time
+                        Case{{1000, 1, 1000}, 1, 0, ""},  // a scene of another size
+                        Case{{3, 1, 1}, 2, 0, ""},        // a growing scene
                         Case{{3, 0, 4}, 1, 0, "described 4 materials"},
                         Case{{3, 0, 2}, 2, 0, "described 2 materials of scene 'floor', where 1"},
                         Case{{3, 0, 0}, 1, 0, "described 0 materials"}}) {

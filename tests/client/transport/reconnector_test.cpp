@@ -1,4 +1,4 @@
-// Which refusals end a client at once, and which it waits out.
+// Some refusals end a client at once; it waits others out.
 
 #include "client/transport/reconnector.hpp"
 
@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 
 control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
 
-/// Looks, hours apart by its clock, until it has given up or has asked once more; why it gave up.
+/// Looks, hours apart by its clock, until it gives up or asks again; returns the refusal.
 std::string given_up(const ServerAccess& access) {
   Ring<SessionAddress> sessions(2);
   Reconnector reconnector(access, anyone(), sessions, {.timeout = 10s});
@@ -30,7 +30,7 @@ std::string given_up(const ServerAccess& access) {
     reconnector.look(false, now += 1h);
     return !reconnector.refusal().empty() || reconnector.attempts() >= 2;
   });
-  test::eventually("the end of the last attempt", [&] {  // it runs on its own
+  test::eventually("the end of the last attempt", [&] {  // it runs in its own thread
     if (!reconnector.asking()) return true;
     reconnector.look(true, now);
     return false;
@@ -40,7 +40,7 @@ std::string given_up(const ServerAccess& access) {
   if (reconnector.refusal().empty()) return {};
   EXPECT_EQ(reconnector.attempts(), 1u);
   reconnector.look(false, now += 1h);
-  EXPECT_EQ(reconnector.attempts(), 1u);  // nothing more is asked
+  EXPECT_EQ(reconnector.attempts(), 1u);  // no further attempt
   return reconnector.refusal();
 }
 
@@ -89,7 +89,7 @@ TEST(Reconnector, OtherParametersEndIt) {
                         "asked 3, granted 2)"));
 }
 
-/// A session that was asked for before the law changed has the law before: it is not taken.
+/// The law changed after the request, so the granted session has the old law: it is not taken.
 TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   control::JoinAccepted accepted;
   accepted.session = 7;
@@ -118,7 +118,7 @@ TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   }
 }
 
-/// Attempts that the system has no descriptors for have failed like others, and go on.
+/// An attempt that gets no descriptors has failed like others, and the next one follows.
 TEST(Reconnector, WithoutDescriptorsItIsTriedAgain) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";

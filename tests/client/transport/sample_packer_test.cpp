@@ -1,4 +1,4 @@
-// The samples that are sent: by the clock of packet_interval, and by the deadband.
+// Selects the samples to send, by packet_interval and by the deadband.
 
 #include "client/transport/sample_packer.hpp"
 
@@ -103,7 +103,7 @@ TEST(SamplePacker, ABatchIsEvenlySpacedWithTheNewest) {
   EXPECT_EQ(batch->previous, 3u);
 }
 
-/// For any numbers the checks of the codec and the promises of PROTOCOL.md hold.
+/// The codec's checks and PROTOCOL.md hold for all parameters.
 TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
   for (int interval : {1, 2, 3, 7, 20})
     for (int batch = 1; batch <= std::min(interval, kMaxRedundancy + 1); ++batch)
@@ -113,7 +113,7 @@ TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
           p.position_deadband = fraction;
           p.keep_alive = 0.05;
           SamplePacker packer(p, false);
-          std::vector<std::uint64_t> travelled;  // rising
+          std::vector<std::uint64_t> travelled;  // ascending
           for (std::uint64_t i = 1; i <= 300; ++i) {
             const Vec3 position(0.05 * std::sin(0.02 * static_cast<double>(i)), 0, 0);
             const SampleBatch* made = packer.add(sample(i, position));
@@ -124,7 +124,7 @@ TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
             if (!travelled.empty()) {
               ASSERT_GE(i - travelled.back(), static_cast<unsigned>(interval));
             }
-            // New ones, as many as a batch has, and of the known ones the newest, without a hole.
+            // A batch has its new samples first, then the newest known samples without a gap.
             std::size_t fresh = 0;
             while (fresh < all.size() && (travelled.empty() || all[fresh] > travelled.back()))
               ++fresh;
@@ -156,7 +156,7 @@ TEST(SamplePacker, ANewSessionHasMissedNothing) {
   EXPECT_THAT(indices(*batch), ElementsAre(13u, 12u, 10u));
 }
 
-/// The samples that travel of a movement.
+/// The indices of a movement's samples that are sent.
 std::set<std::uint64_t> sent(const SessionParameters& p, const PositionScale& scale,
                              const std::function<Sample(std::uint64_t)>& at, int count,
                              bool rotation = false) {
@@ -169,7 +169,7 @@ std::set<std::uint64_t> sent(const SessionParameters& p, const PositionScale& sc
 
 TEST(PositionDeadband, AHandAtRestIsHeardOfOnceAKeepAlive) {
   const PositionScale scale{1e-5, 1000.0};
-  // Resting on an edge between two quanta.
+  // The hand rests at the edge between two quanta.
   const auto rest = [](std::uint64_t i) {
     return sample(i, Vec3(0, 0, 1e-5 * static_cast<double>(i % 2)));
   };
@@ -182,7 +182,7 @@ TEST(PositionDeadband, AHandAtRestIsHeardOfOnceAKeepAlive) {
   EXPECT_EQ(all.size(), 51u);
 }
 
-/// In free space a level goes k tau after the position that is known, whatever the speed.
+/// In free space the level predictor sends k tau after the last sent position, at any speed.
 TEST(PositionDeadband, InFreeSpaceTheServerIsLateByKTau) {
   for (const double k : {0.13, 0.22, 0.47})
     for (const double speed : {0.05, 0.5}) {
@@ -201,7 +201,7 @@ TEST(PositionDeadband, InFreeSpaceTheServerIsLateByKTau) {
     }
 }
 
-/// Of what the server does not know follows a force: no more than k of what is felt.
+/// The position that the server does not know changes the force by at most k of the felt force.
 TEST(PositionDeadband, InContactTheElasticForceIsWithinKOfWhatIsFelt) {
   const double stiffness = 800.0, force = 2.0, k = 0.1;
   SamplePacker packer(deadband(k, 0.05), false, {1e-6, stiffness});
@@ -236,14 +236,14 @@ TEST(PositionDeadband, ALineIsSilentWhileTheHandMovesEvenly) {
   p.predictor = Predictor::linear;
   p.local_model = true;
   validate(p);
-  const auto turn = [](std::uint64_t i) {  // even, and at sample 100 the other way
+  const auto turn = [](std::uint64_t i) {  // even; back from sample 100 on
     const double way = static_cast<double>(std::min<std::uint64_t>(i, 100)) -
                        static_cast<double>(std::max<std::uint64_t>(i, 100) - 100);
     return sample(i, Vec3(2e-4 * way, 0, 0));
   };
   const auto all = sent(p, {1e-6, 1000.0}, turn, 150);
   EXPECT_LE(all.size(), 12u);
-  EXPECT_GE(all.count(101) + all.count(102), 1u);  // the turn is told
+  EXPECT_GE(all.count(101) + all.count(102), 1u);  // the reversal is sent
   p.predictor = Predictor::level;
   EXPECT_GT(sent(p, {1e-6, 1000.0}, turn, 150).size(), 45u);
 }

@@ -1,4 +1,4 @@
-// Whom a client trusts, whom a server lets in, and what for: our two ends over real sockets.
+// Trust between client and server: certificates, tokens and roles over real sockets.
 
 #include <gmock/gmock.h>
 
@@ -81,16 +81,16 @@ TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
   access.credentials.key = stranger.key;
   EXPECT_THAT(refusal(access), HasSubstr("does not take the certificate in --certificate"));
   access.credentials.certificate = client.certificate;
-  EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));  // another's key
+  EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));  // the key of another certificate
   access.credentials.key = client.key;
-  // A certificate is no token.
+  // A certificate does not replace the token.
   access.credentials.token = issue_token("x", "*", Role::admin, std::nullopt).text;
   EXPECT_THAT(refusal(access), HasSubstr("needs a token"));
   access.credentials.token = test::admin_token().text;
   EXPECT_NO_THROW(join(access, request(), kPatience));
 }
 
-/// A server of an older TLS is no server.
+/// The client refuses a server with an older TLS version.
 TEST(Tls, NothingOlderIsSpoken) {
   testing::LocalSocket socket(SOCK_STREAM);
   ::listen(socket.descriptor(), 1);
@@ -105,7 +105,7 @@ TEST(Tls, NothingOlderIsSpoken) {
 }
 
 TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
-  // By our client and, at the other end, by OpenSSL alone.
+  // Join with feltwire's client, and with OpenSSL alone.
   const Joined ours = join(endpoint, request(), kPatience);
   test::ControlClient raw(server->control_port());
   const test::JoinedBy one = raw.join(request()), two = raw.join(request());
@@ -114,7 +114,7 @@ TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
                                  one.keys.down, two.keys.up,    two.keys.down};
   for (std::size_t i = 0; i < keys.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(keys[i], keys[j]);
-  // The suite is in the keys, too: who changed it in the answer would have others.
+  // The keys depend on the suite: a changed suite in the answer gives other keys.
   const auto other = one.accepted.suite == CipherSuite::aes_256_gcm ? CipherSuite::chacha20_poly1305
                                                                     : CipherSuite::aes_256_gcm;
   EXPECT_NE(export_keys(*raw.tls().native(), one.accepted.session, other).up, one.keys.up);
@@ -150,7 +150,7 @@ TEST(Keys, WhatTheServerExportsTheClientHas) {
   thread.join();
 }
 
-/// A server with tokens for who may what.
+/// A server with a token for each role.
 class Roles : public ::testing::Test {
  protected:
   static IssuedToken token(Role role, const char* scene = "*",
@@ -270,10 +270,10 @@ TEST(Limits, SessionsAndJoinsOfAClient) {
   const std::uint64_t session = join(here, request(), kPatience).accepted.session;
   join(here, request(), kPatience);
   EXPECT_THAT(refusal(here), HasSubstr("client 'tester' joins too often"));
-  // Nobody else is kept out by it.
+  // Others can still join.
   EXPECT_NO_THROW(
       join(test::access(slow.control_port(), "127.0.0.1", berta.text), request(), kPatience));
-  // Changes of parameters have a limit of their own.
+  // Parameter changes have a separate limit.
   const control::SetParameters change{session, request().parameters};
   EXPECT_NO_THROW(ask(here, change, kPatience));
   EXPECT_NO_THROW(ask(here, change, kPatience));
@@ -283,7 +283,7 @@ TEST(Limits, SessionsAndJoinsOfAClient) {
   EXPECT_EQ(slow.control_summary().requests.too_many, 2u);
 }
 
-/// Another client behind the same address may guess as much as it likes.
+/// Wrong tokens of another client behind the same address do not lock out a good token.
 TEST(Limits, WrongTokensKeepNoGoodOneOut) {
   ServerConfig config = testing::any_ports();
   config.join_burst = 6;  // of a network; one host has half of it
@@ -301,7 +301,7 @@ TEST(Limits, WrongTokensKeepNoGoodOneOut) {
   EXPECT_EQ(server.control_summary().requests.too_many, 20u);
 }
 
-/// The token goes, and with it the session; the bad file between changes nothing.
+/// A revoked token ends its session. A bad token file before that changes nothing.
 TEST(Revocation, EndsASessionThatRuns) {
   const TemporaryFolder folder;
   const auto file = folder / "tokens.json";
@@ -319,7 +319,7 @@ TEST(Revocation, EndsASessionThatRuns) {
   EXPECT_EQ(hand.result->end, EndReason::server_goodbye);
   EXPECT_EQ(hand.result->goodbye, GoodbyeReason::evicted);
   EXPECT_THAT(refusal(access), HasSubstr("needs a token"));
-  // A connection that had been let in, too.
+  // An open connection loses its access, too.
   EXPECT_EQ(open.ask<control::Refused>(control::ListScenes{}).code,
             control::RefusalCode::unauthenticated);
   EXPECT_TRUE(open.closed());

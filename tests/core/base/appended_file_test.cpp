@@ -1,4 +1,4 @@
-// A file of a person's data: its owner alone reads it.
+// A file with a person's data: only its owner may read it.
 
 #include "core/base/appended_file.hpp"
 
@@ -37,7 +37,7 @@ TEST(AppendedFile, ClosesToOthersOneThatWasOpenToThem) {
   }
 }
 
-/// A pipe or a device is as it is.
+/// The mode of a pipe or a device stays unchanged.
 TEST(AppendedFile, LeavesADeviceAsItIs) {
   const auto before = mode_of("/dev/null");
   AppendedFile("/dev/null", "the recording", "--record").append("hand");

@@ -37,13 +37,13 @@ TEST(Choice, AnErrorListsTheChoices) {
   EXPECT_EQ(choices(kLines, "|", &Line::name), "lan|wan");
 }
 
-/// A name is the whole of it; case counts.
+/// A name must match completely, including its case.
 TEST(Choice, WhatIsNearlyANameIsNone) {
   for (const std::string_view given : {"", "re", "reds", " red", "Red", "red green"})
     EXPECT_EQ(find_choice(kColours, given), nullptr) << given;
 }
 
-/// As one that was read from a datagram may be.
+/// A value from a datagram may have no name.
 TEST(Choice, AValueWithoutANameIsUnknown) {
   EXPECT_EQ(name_among(kColours, static_cast<Colour>(3)), "unknown");
   EXPECT_EQ(name_among(kColours, static_cast<Colour>(-1)), "unknown");

@@ -77,7 +77,7 @@ TEST(Csv, OnlyWholeNumbersAreNumbers) {
 }
 
 TEST(Csv, StreamsRowByRow) {
-  // The first row is there before anything is wrong with the second.
+  // The reader gives the first row before it meets the error in the second.
   std::istringstream in("t,x\n1,2\n3,oops\n");
   CsvReader reader(in, "f.csv", {"t", "x"});
   std::array<double, 2> row{};

@@ -109,7 +109,7 @@ TEST(JsonDocument, WritesWhatTheTextSays) {
     EXPECT_TRUE(flatbuffers::GenerateText(parser, document.buffer(), &text));
     return text;
   };
-  // As FlatBuffers itself reads and writes them.
+  // The document reads and writes these as FlatBuffers itself does.
   for (const char* same : {
            R"({"title": "", "parts": [], "large": 18446744073709551615,
                "part": {"port": 65535, "offset": -2147483648, "ratio": 0.1, "level": "loud",

@@ -1,4 +1,4 @@
-// A file that is replaced in one step, on a system that interrupts, takes half, or has no room.
+// A file replaced in one step, on a system that interrupts, writes in part, or has no room.
 
 #include "core/base/pending_file.hpp"
 
@@ -34,7 +34,7 @@ bool interrupts() {
 
 namespace test_of = feltwire::pending_file_test;
 
-// In the place of the C library's, for this program.
+// Replace the functions of the C library in this program.
 extern "C" ssize_t write(int descriptor, const void* data, std::size_t size) {
   if (test_of::interrupts()) return -1;
   if (test_of::interrupting && size > 3) size = 3;
@@ -62,7 +62,7 @@ mode_t mode_of(const fs::path& file) {
   return status.st_mode & 0777u;
 }
 
-/// For this process, until it is destroyed.
+/// Sets the umask of this process until it is destroyed.
 class Umask {
  public:
   explicit Umask(mode_t mask) : before_(::umask(mask)) {}
@@ -157,7 +157,7 @@ TEST(PendingFile, ReplacesOnlyRegularFiles) {
   EXPECT_EQ(folder.entries(), 2u);
 }
 
-/// The parts of other files, and what has a like name, stay.
+/// Leftovers of other files and files with similar names stay.
 TEST(PendingFile, LeftoversOfOneFileAreRemoved) {
   const TemporaryFolder folder;
   for (const char* name : {"state", "state.part-000000", "state.part-a9Xk2Z", "state.part-1",

@@ -33,7 +33,7 @@ TEST(RegularFile, IsReadByteForByteUpToItsLimit) {
   EXPECT_THAT(error_of(file), HasSubstr("is larger than 1000 bytes; is it the right file?"));
 }
 
-/// These would wait for ever, or never end.
+/// To read these would block or never end.
 TEST(RegularFile, PipesDevicesAndFoldersAreRefusedAtOnce) {
   const testing::TemporaryFolder folder;
   const auto pipe = folder / "pipe";
@@ -44,7 +44,7 @@ TEST(RegularFile, PipesDevicesAndFoldersAreRefusedAtOnce) {
             (folder / ".").string() + ": is a directory; name a regular file");
 }
 
-/// A file of 1 TB that takes no room on the disk is not read first.
+/// A sparse file of 1 TB is refused before it is read.
 TEST(RegularFile, AHugeFileIsRefusedByItsSize) {
   const testing::TemporaryFolder folder;
   const auto file = folder / "huge";
@@ -53,7 +53,7 @@ TEST(RegularFile, AHugeFileIsRefusedByItsSize) {
   EXPECT_THAT(error_of(file), HasSubstr("is larger than 1000 bytes"));
 }
 
-/// Of size 0 as the system says, and yet there is something in it.
+/// The system gives the size of this file as 0, yet the file has content.
 TEST(RegularFile, WhatTheSystemMakesUpIsReadToItsEnd) {
   EXPECT_THAT(read_regular_file("/proc/self/status", 1 << 20), HasSubstr("VmRSS"));
   EXPECT_THAT(testing::error_of<FileError>([] { read_regular_file("/proc/self/status", 10); }),

@@ -1,4 +1,4 @@
-// Times by class.
+// Counts of times by class.
 
 #include "core/base/time_counts.hpp"
 

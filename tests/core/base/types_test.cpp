@@ -34,7 +34,7 @@ TEST(RotationBetween, IsAxisTimesAngleInTheWorldFrame) {
     const Vec3 rotation = rotation_between(from, to);
     EXPECT_LT((rotation - angle * axis).norm(), 1e-13);
     EXPECT_LT((rotation_between(to, from) + rotation).norm(), 1e-13);
-    // Sign and norm of either quaternion say nothing.
+    // The sign and the norm of a quaternion do not change the rotation.
     const Quaternion minus_to(-to.coeffs()), long_from(3.0 * from.coeffs()),
         short_to(1e-3 * to.coeffs());
     EXPECT_LT((rotation_between(from, minus_to) - rotation).norm(), 1e-13);

@@ -1,5 +1,5 @@
 // Hands that try to take more from the account than the device burned: random devices over three
-// decades, walls and commands as no scene would give them, encoders, delays and late ticks.
+// decades, walls and unphysical commands, encoders, delays and late ticks.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using namespace test;
 
 constexpr double kPeriod = 1e-3;  // [s]
 #ifdef FELTWIRE_SANITIZED
-constexpr int kDevices = 80;  // forty times as slow there
+constexpr int kDevices = 80;  // sanitizers make a run forty times as slow
 constexpr double kShareOfExcess = 0.03;
 #else
 constexpr int kDevices = 800;
@@ -27,7 +27,7 @@ constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so fa
 struct Told {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double operator_damping = 0.0;  // [N s/m] told on top of the device's own
-  bool late = true;               // how late the device takes forces up
+  bool late = true;               // whether the account knows how late the device takes forces up
 };
 
 struct Device {
@@ -57,7 +57,7 @@ struct Device {
   }
 };
 
-/// The source of commands: a stiff wall that answers late, or a command that nothing binds.
+/// The source of commands: a stiff wall that answers late, or random unphysical commands.
 struct Environment {
   bool wall;
   double stiffness;   // [N/m]
@@ -85,9 +85,9 @@ struct Outcome {
   double share_of_excess = 0.0;  // largest debt over what a hand that is too strong can overdraw
 };
 
-/// `strength`: the hand's largest force, in shares of the device's outside_force. `lag`: the
-/// samples by which it takes a force up late. `promised` [T]: the holds that the account is told
-/// of.
+/// `strength`: the hand's largest force as a share of the device's outside_force. `lag`: the
+/// samples by which the device takes forces up late. `promised` [T]: the hold time that the
+/// account reckons with.
 Outcome attack(std::uint64_t seed, const Told& told, double strength, double longest,
                std::size_t lag, double promised) {
   Random random(seed);
@@ -101,8 +101,8 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength, double lon
   Outcome outcome;
   Vec3 shown = encoded(device.handle.position, q);
   Command held;
-  // The truth's own sums, from the whole path: what viscous damping burned at least as the encoder
-  // shows it, what dry friction burned, what was delivered.
+  // The true sums over the whole path: the least that viscous damping burned (from the encoder's
+  // readings), the path for dry friction, and the delivered energy.
   double burned = 0.0, delivered = 0.0, dry_path = 0.0, strongest = 0.0;
   Grip grip = Grip::none;
   for (int n = 0; n < 1500; ++n) {
@@ -116,7 +116,7 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength, double lon
       device.handle.move(held.force() + hand, hold / kParts);
       dry_path += (device.handle.position - before).norm();
     }
-    // A hand is not everywhere: it turns back at 0.1 m.
+    // The workspace of a hand is limited: it turns back at 0.1 m.
     if (device.handle.position.norm() > 0.1) grip = Grip::push;
     const Vec3 now = encoded(device.handle.position, q);
     const Vec3 dx = now - shown;
@@ -142,7 +142,7 @@ Outcome attack(std::uint64_t seed, const Told& told, double strength, double lon
     strongest = std::max(strongest, held.force().norm());
   }
   outcome.seen = account.statistics();
-  // f (F - F_h) 3 T^2 / (2 m): the reach that the hand has beyond the one that was told.
+  // f (F - F_h) 3 T^2 / (2 m): the energy from the reach beyond the one that was told.
   const double excess = hand_force_limit - device.truth.outside_force;
   outcome.share_of_excess = outcome.seen.largest_debt /
                             (strongest * excess * 1.5 * kPeriod * kPeriod / device.truth.mass);
@@ -154,7 +154,7 @@ struct Sum {
   double share_of_excess = 0.0;
   double rendered = 0.0;  // [N] mean
   std::uint64_t overdrawn = 0, strong_hand = 0;
-  int losers = 0;  // devices at whose port energy was made
+  int losers = 0;  // devices whose port gave energy
   bool force_in_debt = false;
 };
 
@@ -184,7 +184,7 @@ TEST(AccountAttack, NoHandTakesMoreThanTheDeviceBurned) {
   EXPECT_GT(sum.rendered, 0.1);
 }
 
-/// A device that takes forces up late, and says so.
+/// The device takes forces up late, and the account knows it.
 TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
   for (const std::size_t lag : {1U, 2U, 4U}) {
     const Sum sum = attack_all(kDevices / 2, {}, 1.0, 1.0, lag);
@@ -196,7 +196,7 @@ TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
   }
 }
 
-/// Nor where ticks are late, as late as was reckoned with.
+/// Ticks are late, but no later than the account reckons with.
 TEST(AccountAttack, NorFromTicksThatAreAsLateAsTheyLatelyWere) {
   for (const double longest : {1.3, 1.5, 2.0}) {
     const Sum sum = attack_all(kDevices / 2, {}, 1.0, longest, 0, longest);

@@ -19,25 +19,25 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// How a true motor follows: each is within a MotorLag.
+/// How a true motor follows its command. Each response stays within a MotorLag.
 enum class Response { delay, mean, jitter, filter, mixed };
 
 /// A motor in continuous time. It holds commands as they were written.
 class Motor {
  public:
-  /// `delayed`: the part of the lag that is a delay, of a mixed one.
+  /// `delayed`: the part of a mixed lag that is a pure delay.
   Motor(Response response, double lag, double delayed)
       : response_(response), lag_(lag), delayed_(delayed) {}
 
   void write(double now, const Vec3& force, double random) {
-    // A delay that varies never lets an older command overtake.
+    // A varying delay never lets an older command overtake a newer one.
     delay_ = response_ == Response::jitter  ? random * lag_
              : response_ == Response::mixed ? delayed_
                                             : lag_;
     written_.push_back({now, std::max(now + delay_, acts_), force});
     acts_ = written_.back().acts;
   }
-  /// The force at `now`, after the last call by `step` [s].
+  /// The force at `now`. `step` [s]: the time since the last call.
   Vec3 force(double now, double step) {
     while (written_.size() > 1 && written_[1].acts <= now - lag_) written_.pop_front();
     if (response_ == Response::filter) {
@@ -72,14 +72,14 @@ class Motor {
   Vec3 filtered_ = Vec3::Zero();
 };
 
-/// A device drawn at random, with a hand and commands that try to make energy at its motor.
+/// A random device, with a hand and commands that try to make energy at its motor.
 struct Adversary {
   std::mt19937_64 random;
   AccountConfig config;
   double friction, hand;
   Response response;
   double true_lag, delayed;
-  bool flat;  // along one line
+  bool flat;  // movements along a single line only
 
   double draw(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -92,7 +92,7 @@ struct Adversary {
     config.translation.mass = draw_log(0.02, 0.5);
     config.translation.coulomb_friction = friction = draw(0.0, 1.0) < 0.5 ? 0.0 : draw(0.01, 0.3);
     config.translation.outside_force = draw(2.0, 15.0);
-    hand = 0.9 * config.translation.outside_force;  // the steps of the motion round off
+    hand = 0.9 * config.translation.outside_force;  // a margin: the motion is integrated in steps
     response = static_cast<Response>(seed % 5);
     const bool filter = response == Response::filter, mixed = response == Response::mixed;
     const double lag = draw(0.05, filter || mixed ? 0.9 : 2.5) * kPeriod;
@@ -105,7 +105,7 @@ struct Adversary {
     flat = draw(0.0, 1.0) < 0.5;
   }
 
-  /// [J] the most that the motor gave beyond what the device burned, at any time.
+  /// [J] the most that the motor gave beyond what the device burned, up to any time.
   double most_made(AccountStatistics& statistics) {
     constexpr int kSteps = 100, kSamples = 480;
     constexpr double kStep = kPeriod / kSteps;
@@ -145,7 +145,7 @@ struct Adversary {
     const Vec3 any(draw(-1, 1), flat ? 0.0 : draw(-1, 1), flat ? 0.0 : draw(-1, 1));
     return flat ? Vec3(Vec3::UnitX()) : direction(any);
   }
-  /// A spring, a force along the movement, against it, or at random: whatever might be worth most.
+  /// Commands by turns: along the movement, a spring, along the velocity, or random.
   Command wanted(int n, const Vec3& moved, const Vec3& v, const Vec3& line) {
     constexpr double kMost = 10.0;
     switch ((n / 60) % 4) {
@@ -186,11 +186,11 @@ TEST(AccountLag, NoMotorWithinItsLagMakesEnergy) {
     EXPECT_EQ(statistics.strong_hand, 0u) << seed;
     reduced += statistics.reduced;
   }
-  EXPECT_GT(reduced, 480u * 100u);  // they did ask for more
+  EXPECT_GT(reduced, 480u * 100u);  // the commands exceed the bound often
 }
 
-/// The mean over a sample of `time` from `age` on of what a step has not yet done: `delayed` of the
-/// lag is a delay, and the rest a first-order lag.
+/// The mean share of a step that is still missing over a sample of `time` that begins `age` after
+/// the step. `delayed` is the pure delay; the rest of the lag is first-order.
 double share_left(double age, double time, double lag, double delayed) {
   const double full = std::clamp(delayed - age, 0.0, time), from = std::max(age, delayed);
   if (!(age + time > from) || !(lag - delayed > 1e-12)) return full / time;
@@ -207,7 +207,7 @@ TEST(AccountLag, AMixedLagIsWorstAtOneEnd) {
     const LaggingForces forces({.time = lag, .kind = LagKind::mixed});
     for (int k = 0; k <= 60; ++k) {
       const double age = 4.0 * kPeriod * k / 60;
-      if (age >= forces.lag().rest()) break;  // later it counts as nothing
+      if (age >= forces.lag().rest()) break;  // later the account counts it as nothing
       for (int i = 0; i <= kParts; ++i)
         EXPECT_LE(share_left(age, kPeriod, lag, lag * i / kParts),
                   forces.share(age, 0.0, kPeriod) + 1e-12)
@@ -216,13 +216,13 @@ TEST(AccountLag, AMixedLagIsWorstAtOneEnd) {
   }
 }
 
-/// [J] of a change of force by `change` [N] in a share of a period.
+/// [J] that a change of the force by `change` [N] can give in a share of a period.
 double turn_energy(const PortBalance& port, double change, double strongest, double share) {
   return port.turn_limit(strongest, kPeriod).energy(change, TurnLimit::spread(share));
 }
 
-/// A delay of 0.3 T: over an even movement three tenths of it are the older force's. What a hand
-/// adds that turns within the sample is charged on top.
+/// A delay of 0.3 T: over an even movement the older force acts for three tenths. The account
+/// charges on top what a hand adds that turns within the sample.
 TEST(AccountLag, AnEvenMovementIsChargedByShares) {
   AccountConfig config = handle(2.0);
   config.lag = {.time = 0.3 * kPeriod};
@@ -239,7 +239,7 @@ TEST(AccountLag, AnEvenMovementIsChargedByShares) {
   EXPECT_GT(turns, 0.0);
   EXPECT_NEAR(account.balance(),
               before + 2.0 * dx * dx / kPeriod - (0.7 * 0.2 + 0.3 * 0.5) * dx - turns, 1e-15);
-  // Against a force that grows, the newer one counts.
+  // When the force grows, the account charges the newer one.
   const Command third = account.step(sample(Vec3::Zero(), push(Vec3(0.5, 0, 0))));
   ASSERT_EQ(third.elastic.x(), 0.5);
   const double then = account.balance();
@@ -248,18 +248,18 @@ TEST(AccountLag, AnEvenMovementIsChargedByShares) {
               then + 2.0 * dx * dx / kPeriod - 0.5 * dx - turn_energy(port, 0.5, 0.5, 0.3), 1e-15);
 }
 
-/// An adversary with a pure delay d and a force that changes by c at the right time gets c^2 h/(4
-/// b) d/h (1 - d/h) beyond the mean: the closed form, and no more.
+/// A hand against a pure delay d and a force that changes by c at the right time gets at most
+/// c^2 h/(4 b) d/h (1 - d/h) beyond the mean: the closed form.
 TEST(AccountLag, ATurnWithinASampleGivesWhatIsCharged) {
   const double b = 0.5, change = 3.0;
   AccountConfig config;
   config.translation.damping = b;
   const PortBalance port(config.translation, kPeriod);
   for (const double share : {0.1, 0.3, 0.5, 0.8, 1.0}) {
-    double most = 0.0;  // over all delays up to it and both speeds of a hand that goes out and back
+    double most = 0.0;  // over delays up to `share` and both speeds of a hand, out and back
     for (int d = 1; d <= 100; ++d) {
       const double delay = std::min(share, 0.01 * d) * kPeriod;
-      const double out = change / (2.0 * b) * (1.0 - delay / kPeriod);  // [m/s] the best
+      const double out = change / (2.0 * b) * (1.0 - delay / kPeriod);  // [m/s] the best speed
       const double way = out * delay;
       most = std::max(most, change * way - b * way * way * (1.0 / delay + 1.0 / (kPeriod - delay)));
     }
@@ -291,7 +291,7 @@ TEST(AccountLag, TheSpecificationOfTheDeviceTells) {
   }
 }
 
-/// Else there would be nothing to pay for: the same hands win where the lag is not told.
+/// Cross-check: the same hands win when the account does not know the lag.
 TEST(AccountLag, UntoldItMakesEnergy) {
   int won = 0;
   for (std::uint64_t seed = 0; seed < 480; ++seed) {

@@ -1,4 +1,4 @@
-// Devices that take a force up samples late: all that is still to come is paid for first.
+// Devices that take a force up samples late: the account first pays for all coming forces.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// A device of which only the damping is known, which takes forces up `late` samples late.
+/// A device with only its damping known, which takes forces up `late` samples late.
 AccountConfig damped(int late) {
   AccountConfig config;
   config.period = kPeriod;
@@ -24,7 +24,7 @@ AccountConfig damped(int late) {
   return config;
 }
 
-/// [J] of any hand.
+/// [J] that a force needs against any hand.
 double need(double force) { return force * force * kPeriod / (4.0 * 0.5); }
 
 TEST(AccountLate, AForceIsOnTheHandSamplesAfterItIsGiven) {
@@ -46,7 +46,7 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
   PortAccount account(damped(1));
   account.step(sample(Vec3(2e-3, 0, 0), {}));
   const double balance = account.balance();
-  // A third of it, then more than the rest.
+  // First ask for a third of the balance, then for more than the rest.
   const double first = std::sqrt(balance / 3.0 * 4.0 * 0.5 / kPeriod);
   const Command given = account.step(sample(Vec3::Zero(), push(Vec3(first, 0, 0))));
   EXPECT_EQ(given.elastic.x(), first);
@@ -56,8 +56,8 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
   EXPECT_NEAR(need(third.elastic.x()), 0.5 * balance, 1e-9 * balance) << "and so it stays";
 }
 
-/// A hand that stands still and asks for far more than is paid for: the force settles, and each is
-/// as large as the one before. With the share of the wanted force's needs it swung by 20 to 55 %.
+/// A hand that stands still asks for far more than the balance pays for: the force settles. When
+/// the account shared by the needs of the wanted force, the force swung by 20 to 55 %.
 TEST(AccountLate, AForceAtItsLimitDoesNotSwing) {
   for (DeviceSpec spec : builtin_devices()) {
     if (!(spec.least_mass > 0.0)) continue;
@@ -88,7 +88,7 @@ TEST(AccountLate, WhereTheComingOnesNeedAllNothingIsGiven) {
   const double most = std::sqrt(0.499 * account.balance() * 4.0 * 0.5 / kPeriod);
   account.step(sample(Vec3::Zero(), push(Vec3(most, 0, 0))));
   account.step(sample(Vec3::Zero(), push(Vec3(most, 0, 0))));
-  // The hand takes all that the first can give it: the second needs the rest.
+  // The hand takes all that the first force can give: the second needs the rest of the balance.
   const double worst = most * kPeriod / (2.0 * 0.5);
   const Command given = account.step(sample(Vec3(worst, 0, 0), push(Vec3(most, 0, 0))));
   EXPECT_LT(given.elastic.x(), 0.1 * most);

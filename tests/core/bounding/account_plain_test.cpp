@@ -1,5 +1,5 @@
-// The account leaves out what cannot change its result, keeps what seldom changes and multiplies
-// where its formulas divide. What it gives is what its arithmetic written out gives.
+// The account skips what cannot change its result, stores what seldom changes and multiplies by
+// stored reciprocals. Its results equal those of its arithmetic written out.
 
 #include <gtest/gtest.h>
 
@@ -17,9 +17,9 @@ namespace {
 using namespace test;
 
 constexpr std::uint64_t kAccounts = rounds(400);
-constexpr double kOff = 1e-9;  // of the command, of the balance
+constexpr double kOff = 1e-9;  // share of the command and of the balance
 
-/// Knowledge of any kind: damping of each kind or none, each other thing known or not.
+/// Random knowledge: damping of each kind or none; every other quantity known or not.
 PortKnowledge any_knowledge(Random& random, double scale) {
   PortKnowledge known;
   const auto some = [&](double least, double most) {
@@ -41,7 +41,7 @@ PortKnowledge any_knowledge(Random& random, double scale) {
   return known;
 }
 
-/// A hand that goes on as it did, and at times does not; its encoder.
+/// A hand, seen by an encoder, that mostly goes on as before.
 struct Movement {
   Vec3 step = Vec3::Zero();
   Vec3 next(Random& random, double quantum) {

@@ -1,4 +1,4 @@
-// The account of a handle of which a largest speed is known.
+// The account of a handle with a known largest speed.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// f v T - b v^2 T beyond 2 b v, the storage of any hand below, whatever else is not known.
+/// A force above 2 b v needs f v T - b v^2 T, a smaller one the storage of any hand.
 TEST(Account, AHandOfKnownSpeedTakesNoMoreThanItsWay) {
   PortKnowledge known;
   known.damping = 0.05;
@@ -27,14 +27,14 @@ TEST(Account, AHandOfKnownSpeedTakesNoMoreThanItsWay) {
       EXPECT_NEAR(balance.need(Vec3(0, f, 0), kPeriod).at(s),
                   searched_need(s * f, 0.05, 0.5 * kPeriod), 1e-9 * expected);
   }
-  known.damping = 0.0;  // then there is no storage, and the way alone limits it
+  known.damping = 0.0;  // then there is no storage: only the largest movement limits it
   EXPECT_NEAR(PortBalance(known, kPeriod).need(Vec3(0, 3, 0), kPeriod).at(1.0), 3.0 * 0.5 * kPeriod,
               1e-15);
 }
 
 TEST(Account, OfInertiaAndSpeedWhatAllowsLessIsTaken) {
   PortKnowledge heavy = handle().translation, fast = heavy;
-  heavy.speed = 100.0;  // says nothing beside the mass
+  heavy.speed = 100.0;  // the mass allows less
   fast.speed = 0.05;
   const auto need = [](const PortKnowledge& known, double share) {
     PortBalance balance(known, kPeriod);
@@ -47,7 +47,7 @@ TEST(Account, OfInertiaAndSpeedWhatAllowsLessIsTaken) {
   }
 }
 
-/// A hand that was just faster than was told is not counted on.
+/// The account does not rely on a speed that the hand has just exceeded.
 TEST(Account, AHandThatIsTooFastIsSeenAndMayDoAnything) {
   PortKnowledge known;
   known.damping = 0.05;
@@ -66,7 +66,7 @@ TEST(Account, AHandThatIsTooFastIsSeenAndMayDoAnything) {
   EXPECT_EQ(need(), slow);
 }
 
-/// Any movement of at most v h, as an encoder shows it: the greediest takes all that was reserved.
+/// Any movement of at most v h, as an encoder shows it. The greediest takes the whole reserve.
 TEST(Account, NoHandOfKnownSpeedTakesMoreThanTheDeviceBurned) {
   double least = 1.0, rendered = 0.0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {

@@ -70,7 +70,7 @@ TEST(Account, TheNeedAlongADirectionCountsItsOwnDamping) {
     EXPECT_NEAR(balance.need(2.0 * Vec3::Unit(axis), kPeriod).at(1.0), 4.0 * kPeriod / (4.0 * b),
                 1e-15);
   }
-  // f' B^-1 f T / 4 in any direction.
+  // f' B^-1 f T / 4 for any direction of the force.
   const Vec3 f(1.0, -2.0, 0.5);
   EXPECT_NEAR(balance.need(f, kPeriod).at(1.0),
               f.dot(known.damping.matrix().inverse() * f) * kPeriod / 4.0, 1e-15);
@@ -140,8 +140,8 @@ TEST(Account, BehindABoundThatIsPassiveByItselfItLooksAtTheBalanceOnly) {
   EXPECT_NEAR(need, account.balance(), 1e-9 * need);
 }
 
-/// To pay in advance for a tick that comes after the time of the watch (five periods) would take
-/// about ten times the energy: docs/bounding.md, "A stall".
+/// If the account paid in advance for a tick that comes after the watchdog time (five periods), it
+/// would need about ten times the energy: docs/bounding.md, "A stall".
 TEST(Account, AHoldOfFivePeriodsNeedsTenTimesTheEnergy) {
   for (const DeviceSpec& spec : builtin_devices()) {
     if (!(spec.least_mass > 0.0)) continue;
@@ -231,7 +231,7 @@ TEST(Account, AForceThatWillBeHeldLongerNeedsMore) {
 }
 
 TEST(Account, APartAboutWhichNothingIsKnownIsNotRendered) {
-  PortAccount account(handle());  // of rotation nothing is told
+  PortAccount account(handle());  // nothing is known of the rotation
   account.step(sample(Vec3(5e-3, 0, 0), {}));
   const Command given =
       account.step(sample(Vec3::Zero(), {Vec3(0.1, 0, 0), Vec3::Zero(), Vec3(0.1, 0, 0)}));
@@ -270,11 +270,11 @@ TEST(Account, TheCapHoldsWhileNothingIsHeld) {
   PortAccount account(config);
   for (int i = 0; i < 2000; ++i) account.step(sample(Vec3(1e-3, 0, 0), {}));
   EXPECT_DOUBLE_EQ(account.balance(), config.cap);
-  // That is what a resting handle needs for its largest force.
+  // The cap is what a resting handle needs for its largest force.
   account.step(sample(Vec3::Zero(), push(Vec3(1e-9, 0, 0))));
   const Command full = account.step(sample(Vec3::Zero(), push(Vec3(8.5, 0, 0))));
   EXPECT_NEAR(full.elastic.x(), 8.5, 0.8);
-  // A spring that is pressed in may hold more than the cap.
+  // A spring that the hand presses in may hold more than the cap.
   for (int i = 0; i < 10; ++i) account.step(sample(Vec3(-1e-3, 0, 0), push(Vec3(8.5, 0, 0))));
   EXPECT_GT(account.balance(), 2.0 * config.cap);
 }
@@ -329,7 +329,7 @@ TEST(Account, ABadSampleLosesTheBalanceAndRendersNothing) {
   PortAccount account = start();
   EXPECT_EQ(account.step(sample(Vec3::Zero(), push(nan))), Command{});
   EXPECT_GT(account.balance(), 0.0) << "a bad command says nothing of the handle";
-  // And it goes on: movement earns again, and force comes back.
+  // Afterwards movement earns again, and the force comes back.
   for (int i = 0; i < 3; ++i) account.step(sample(Vec3(5e-3, 0, 0), {}));
   EXPECT_EQ(account.step(sample(Vec3::Zero(), push(Vec3(1, 0, 0)))), push(Vec3(1, 0, 0)));
 }
@@ -372,7 +372,7 @@ TEST(Account, AnotherLawsAccountGoesOnWithWhatIsLeftAndWhatIsOwed) {
     after.go_on_from(before);
     EXPECT_EQ(after.balance(), before.balance());
     EXPECT_EQ(after.statistics().largest_debt, before.statistics().largest_debt);
-    // The forces that a late device was given are still to come on the hand.
+    // The forces that a late device already has will still act on the hand.
     for (PortAccount* account : {&before, &after}) account->step(sample(Vec3(1e-4, 0, 0), {}));
     EXPECT_EQ(after.balance(), before.balance());
     const Command wanted = push(Vec3(1, 0, 0));

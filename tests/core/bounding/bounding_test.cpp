@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPeriod = test::kModePeriod;
 
 const std::vector<std::string_view> kModes = bounding_method_names();
-/// Those that only ever hold a command back.
+/// Modes that never render more than the command.
 constexpr std::string_view kLimiters[] = {
     "none", "total_energy", "per_axis", "per_axis_projected", "contact_frame", "energy_tank"};
 
@@ -111,7 +111,7 @@ TEST(Bounding, WhatIsNoNumberGivesNoForce) {
         if (input < 5) {
           (*vectors[input])[static_cast<int>(std::abs(std::fmod(x, 3.0)) > 1.0)] = x;
         } else {
-          if (x == -1e300) continue;  // shorter than T
+          if (x == -1e300) continue;  // a hold shorter than T is valid
           s.hold_time = x;
         }
         const Bounded out = bounding.step(s);
@@ -122,15 +122,15 @@ TEST(Bounding, WhatIsNoNumberGivesNoForce) {
         for (int n = 0; n < 10; ++n) {
           const Command after = bounding.step(good).rendered;
           EXPECT_TRUE(after.finite());
-          // A coupling gives what its tool is pulled by, not what the scene commands.
+          // A coupling renders its own spring, not the scene's command.
           if (mode == "virtual_coupling") continue;
           EXPECT_LE(after.force().norm(), good.command.force().norm() * (1.0 + 1e-12));
         }
       }
 }
 
-// However long it really was: 1 N held for 5 T while the hand takes all it can overdraws the port
-// by 2 mJ, and crediting the movement as one of T would have called that a gain.
+// The bound must assume the worst: 1 N held for 5 T while the hand takes all it can overdraws the
+// port by 2 mJ. Taken as a hold of T, the same movement would count as a gain.
 TEST(Bounding, AHoldTimeThatIsNoNumberEarnsNoCredit) {
   for (const std::string_view mode : {"contact_frame", "energy_tank"})
     for (const double told : {kNan, kInfinity, -kInfinity, 1e300}) {
@@ -156,8 +156,8 @@ void stays_finite(const BoundingConfig& c) {
   }
 }
 
-// A stiffness or a period that float can't hold would make its products infinite, and zero times
-// that no number.
+// A stiffness or a period beyond the range of float would make products infinite, and infinity
+// times zero is not a number.
 TEST(Bounding, TheLargestConfigurationIsFiniteInFloat) {
   for (const std::string_view mode : kModes) {
     BoundingConfig c = config(mode);
@@ -261,8 +261,8 @@ TEST(Bounding, NoneIsTheIdentityAndOnlyThatNeedsNoDamping) {
   }
 }
 
-// The hand that takes most from what is held, at the port as it really is: f(n-1).dx(n) against b/T
-// dx^2.
+// Violations under a hand that takes most from the held force. The observer compares
+// f(n-1).dx(n) at the real port against b/T dx^2.
 std::uint64_t violations(std::string_view mode) {
   std::uint64_t total = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -288,8 +288,8 @@ std::uint64_t violations(std::string_view mode) {
   return total;
 }
 
-// (E) and (H) together make the real port passive, and so is what the default makes; the other
-// modes are not, which is what they are there to show.
+// (E) and (H) together make the real port passive, and so does the default mode. The other modes
+// are not passive: they exist to show this.
 TEST(Bounding, OnlyPerAxisAndContactFrameKeepTheRealPortPassive) {
   EXPECT_EQ(violations("per_axis"), 0u);
   EXPECT_EQ(violations("contact_frame"), 0u);

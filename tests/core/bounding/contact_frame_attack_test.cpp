@@ -14,14 +14,14 @@ namespace {
 
 using namespace test;
 
-/// The movement of a hand until the next sample, under the force on it. The shares are of the
+/// The movement of a hand until the next sample, under the held force. Its shares refer to the
 /// greediest movement.
 struct Movement {
   Vec3 displacement, rotation;
 };
 using Hand = std::function<Movement(Random&, const Command& held, double hold_time)>;
 
-/// Takes all that one sample can give; exactly, or with a perturbation, or by another's share.
+/// Takes all that one sample can give: exactly, with a perturbation, or scaled by a random factor.
 Movement greedy(Random& random, const Command& held, double time, double exact = 0.5) {
   Movement m{greediest(held.force(), time, kDamping),
              greediest(held.torque, time, kRotationalDamping)};
@@ -50,7 +50,7 @@ Movement one_channel(Random& random, const Command& held, double time) {
   return m;
 }
 
-/// Moves as it likes.
+/// Moves at random.
 Movement restless(Random& random, const Command&, double) {
   return {random.vector(-8.0, -2.0), random.vector(-8.0, -1.0)};
 }
@@ -67,8 +67,8 @@ struct Outcome {
   double rendered = 0.0;  // [N] sum of magnitudes: a bound that renders nothing proves nothing
 };
 
-/// Commands that nothing binds, and a hand that knows what is held: `reduce` is what the device
-/// makes of a command.
+/// Plays random unphysical commands against a hand that knows the held force. `reduce`: what the
+/// device makes of a command.
 Outcome attack(const BoundingConfig& bound, const Hand& hand, std::uint64_t seed, int steps,
                const std::function<Command(Random&, const Command&)>& reduce = {}) {
   Random random(seed);
@@ -127,8 +127,8 @@ TEST(ContactFrame, NoHandTakesMoreThanTheDeviceBurned) {
   }
 }
 
-// The same hands must win where the bound credits damping that the device does not have; else the
-// test above is blind.
+// Cross-check of the test above: these hands must win when the bound credits damping that the
+// device does not have.
 TEST(ContactFrame, TheSameHandWinsAgainstFivePercentTooMuchDamping) {
   for (std::uint64_t variant = 0; variant < 4; ++variant) {
     BoundingConfig boasting = any_config(variant);
@@ -149,11 +149,11 @@ TEST(ContactFrame, TheSameHandWinsAgainstFivePercentTooMuchDamping) {
 TEST(ContactFrame, WhateverTheDeviceMakesSmallerStaysPassive) {
   const std::function<Command(Random&, const Command&)> reductions[] = {
       [](Random& r, const Command& c) { return r.uniform(0.0, 1.0) * c; },  // fade, saturation
-      [](Random& r, const Command& c) {  // each part by itself, or dropped
+      [](Random& r, const Command& c) {  // scales or drops each part by itself
         return Command{r.uniform(0.0, 1.0) * c.elastic, (r.chance(0.5) ? 0.0 : 1.0) * c.frictional,
                        r.uniform(-1.0, 1.0) * c.torque};
       },
-      [](Random& r, const Command& c) {  // bent into any direction, and reported in any parts
+      [](Random& r, const Command& c) {  // bends the force any way, reports it in any parts
         const Vec3 force = c.force().norm() * r.direction();
         const Vec3 elastic = force.norm() * r.uniform(0.0, 3.0) * r.direction();
         return Command{elastic, force - elastic, c.torque.norm() * r.direction()};
@@ -178,8 +178,7 @@ TEST(ContactFrame, SaturationStaysPassive) {
     }
 }
 
-/// The ledger of a port, kept apart from the code: what the device burned less what the hand got,
-/// in true values.
+/// The test's own ledger of a port in true values: what the device burned minus what the hand got.
 struct Ledger {
   double damping;
   double balance = 0.0;    // [J] burned - delivered
@@ -189,17 +188,17 @@ struct Ledger {
     balance += burned - force.dot(displacement);
     exchanged += burned + std::abs(force.dot(displacement));
   }
-  /// Everything that the hand can take during the next sample, had it lasted T.
+  /// The most that the hand can take during the next sample if it lasts T.
   double at_stake(const Vec3& force) const {
     return force.squaredNorm() * kPeriod / (4.0 * damping);
   }
 };
 
-// Faults overdraw; nobody can hinder that. What must hold all the same: a force is rendered only
+// Faults overdraw the port; no bound can prevent that. Even so, the bound renders a force only
 // when the ledger pays for the worst that the hand can do with it.
 struct Faults {
   double longest_hold = 1.0;    // [T]
-  double skipped_writes = 0.0;  // probability that the device goes on holding the force before
+  double skipped_writes = 0.0;  // probability that the device keeps the previous force
   double lost_movements = 0.0;  // probability that the bound is told NaN
 };
 void no_force_on_credit(const Faults& faults) {
@@ -213,7 +212,7 @@ void no_force_on_credit(const Faults& faults) {
       const double hold_time =
           random.chance(0.1) ? kPeriod * random.uniform(1.0, faults.longest_hold) : kPeriod;
       Movement moved = kAttacks[seed % std::size(kAttacks)].hand(random, held, hold_time);
-      if (random.chance(0.5)) moved = restless(random, held, hold_time);  // repays
+      if (random.chance(0.5)) moved = restless(random, held, hold_time);  // repays debts
       force.account(held.force(), moved.displacement, hold_time);
       torque.account(held.torque, moved.rotation, hold_time);
       BoundingStep told{moved.displacement, moved.rotation, hold_time, random_command(random)};

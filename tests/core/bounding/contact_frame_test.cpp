@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-/// One step of a bound that has just rendered `held`, from rest.
+/// A step of a bound that has just rendered `held`, from rest.
 Bounded next(const BoundingConfig& c, const Command& held, const BoundingStep& step) {
   Bounding bounding(c);
   // A displacement that allows any force, split in the frame of `held`.
@@ -33,7 +33,7 @@ Bounded next(const BoundingConfig& c, const Command& held, const BoundingStep& s
 
 double square(double x) { return x * x; }
 
-// Law (C) against its energy form, channel by channel, from numbers only.
+// Checks law (C) against its energy form, channel by channel, by numbers only.
 TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
   Random random(7);
   int cut = 0;
@@ -73,7 +73,7 @@ TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
         out.rendered.torque.squaredNorm(),
         std::max(0.0, tq) + 1e-11 * (held.torque.squaredNorm() + square(c_r * s.rotation.norm())));
 
-    // And no more is taken than the laws ask for: something is at its bound, or the command is
+    // The bound takes no more than the laws ask for: a channel is at its bound, or the command is
     // rendered whole.
     const Vec3 u = direction(s.command.elastic);
     const double along_normal = s.command.frictional.dot(u);
@@ -98,7 +98,7 @@ TEST(ContactFrame, JointKeepsTheDirectionExactly) {
   for (int n = 0; n < test::rounds(100'000); ++n) {
     BoundingStep s{random.vector(-6.0, -2.0), random.vector(-4.0, 0.0), kPeriod,
                    random_command(random)};
-    // Canonical parts, for a command that would pull is shortened by its pull.
+    // Make the parts orthogonal: the bound shortens a pulling command by its pull.
     s.command.frictional -= along(s.command.frictional, direction(s.command.elastic));
     const Bounded out = bounding.step(s);
     if (out.rendered.force().norm() > 0.0) {
@@ -132,7 +132,7 @@ TEST(ContactFrame, ConeKeepsTheNormalForceAndFrictionInItsCone) {
       EXPECT_LT(angle(c.elastic, normal), 1e-12);
     }
     joint.set_held(c);
-    cone.set_held(c);  // from the same store in the next step too
+    cone.set_held(c);  // the next step starts from the same store too
     more_normal_force += c.elastic.norm() > 1.001 * j.elastic.norm();
   }
   EXPECT_GT(more_normal_force, 1000);
@@ -153,7 +153,7 @@ TEST(ContactFrame, ContactDampingCountsAsElasticAndNeverPulls) {
   EXPECT_EQ(out.rendered.elastic.norm(), 0.0);
 }
 
-// Orthogonalising leaves a friction of some 1e-17 N where there is none. It must not be bounded:
+// Orthogonalising leaves a friction of some 1e-17 N where there is none. The bound must ignore it:
 // with no tangential movement to pay for it, the joint factor would take the whole force.
 TEST(ContactFrame, RoundingIsNoFriction) {
   Random random(10);
@@ -177,8 +177,8 @@ TEST(ContactFrame, ContactLostDropsTheForceAtOnce) {
   EXPECT_EQ(bounding.step(s).rendered.force().norm(), 0.0);
 }
 
-/// A hand that presses `depth` deep into a spring and, when `release`, out again; least |rendered|
-/// / |commanded|.
+/// Least |rendered| / |commanded| while a hand presses `depth` into a spring and, when `release`,
+/// moves out again.
 double least_ratio(double stiffness, bool release) {
   Bounding bounding(contact_frame());
   const Vec3 up = Vec3(1, 2, 2) / 3.0;
@@ -204,14 +204,14 @@ TEST(ContactFrame, ASpringIsRenderedUndiminishedUpToColgatesLimit) {
   EXPECT_NEAR(least_ratio(2.0 * kColgate, false), 0.5, 1e-3);
 }
 
-// The price of a store of one force: what a soft spring holds beyond F^2 / (2 c) is forgotten as
-// soon as it is pressed, so it comes back with the slope c, not k (docs/bounding.md, known
-// weakness).
+// The price of a store for one force only: a soft spring holds more than F^2 / (2 c). The bound
+// forgets the rest at once, so on release the force falls with the slope c, not k
+// (docs/bounding.md, known weakness).
 TEST(ContactFrame, ASoftSpringIsForgottenOnRelease) {
   EXPECT_LT(least_ratio(0.25 * kColgate, true), 0.01);
 }
 
-/// Samples of free movement until no debt is left.
+/// Counts the samples of free movement until no debt is left.
 int samples_to_repay(Bounding& bounding, BoundingStep free) {
   free.hold_time = kPeriod;
   free.command = {};
@@ -227,7 +227,7 @@ TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
   s.displacement = -0.001 * up;
   s.command.elastic = 1.0 * up;  // allowed: c * 1 mm = 1 N
   EXPECT_NEAR(bounding.step(s).rendered.elastic.y(), 1.0, 1e-12);
-  // Held for 10 T while the hand goes with it as far as pays most: 1 N * h / (2 b).
+  // Hold for 10 T while the hand moves along the force as far as pays most: 1 N * h / (2 b).
   s.hold_time = 10 * kPeriod;
   s.displacement = greediest(up, s.hold_time, kDamping);
   const double debt = kDamping / s.hold_time * s.displacement.squaredNorm() - s.displacement.y() +
@@ -246,8 +246,8 @@ TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
   EXPECT_NEAR(bounding.step(s).rendered.elastic.y(), 1.0, 1e-12);
 }
 
-// The worst over a hold of h takes f^2 h / (4 b): h/T times what is stored. All but the one stored
-// is owed.
+// The worst movement over a hold of h takes f^2 h / (4 b): h/T times the stored energy. The port
+// owes all of it but the stored part.
 TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
   for (const bool rotation : {false, true}) {
     const double b = rotation ? kRotationalDamping : kDamping, c = 2.0 * b / kPeriod;
@@ -266,7 +266,7 @@ TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
     EXPECT_NEAR(samples_to_repay(bounding, step(away, kPeriod)) * each, debt, 1.5 * each);
     EXPECT_FALSE(bounding.step(step(press, kPeriod)).active);
 
-    // Held no longer than T, the storage covers the worst and nothing is owed.
+    // In a hold no longer than T the storage covers the worst: nothing is owed.
     EXPECT_FALSE(bounding.step(step(unknown, kPeriod)).in_debt);
     EXPECT_FALSE(bounding.step(step(press, kPeriod)).active);
   }
@@ -289,9 +289,9 @@ TEST(ContactFrame, HoldsShorterThanThePeriodEarnNoMoreThanThePeriod) {
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.elastic.y(), 0.5 * kColgate * 1e-3);
 }
 
-// Friction held without an elastic force, then a normal parallel to it: the held force must be
-// split in the new frame, or the elastic channel starts with damping that the friction has already
-// spent.
+// Friction is held without an elastic force, then a normal parallel to it appears. The bound must
+// split the held force in the new frame; otherwise the elastic channel would start with damping
+// that the friction has already spent.
 TEST(ContactFrame, FrictionHeldWithoutContactIsSplitInTheNewFrame) {
   Bounding bounding(contact_frame());
   BoundingStep s;

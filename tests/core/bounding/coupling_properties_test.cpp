@@ -11,8 +11,8 @@ namespace {
 
 using namespace test;
 
-/// The stiffest coupling of that share of the largest stiffness 2 b / T, and all the damping that
-/// is left: b = k T / 2 + b_c.
+/// `share` of the largest stiffness 2 b / T, and all the damping that is left:
+/// b = k T / 2 + b_c.
 BoundingConfig coupling(double share, double mass, double factor = 1.0) {
   BoundingConfig c = config("virtual_coupling", factor * 0.5);
   c.rotational_damping = factor * 1e-3;
@@ -21,11 +21,11 @@ BoundingConfig coupling(double share, double mass, double factor = 1.0) {
   return c;
 }
 
-/// Port energy, with what the scene gave the tool.
+/// Energy margin at the port, including the work of the scene on the tool.
 template <class Real>
 struct ToolMargin {
   Margin margin;
-  Vec3 tool = Vec3::Zero(), orientation = Vec3::Zero();  // from where both began
+  Vec3 tool = Vec3::Zero(), orientation = Vec3::Zero();  // from the common start
   Vec3 device = Vec3::Zero(), turned = Vec3::Zero();
 
   void account(const Played<Real>& p, const BasicBounding<Real>& bounding) {
@@ -38,7 +38,7 @@ struct ToolMargin {
     const Command scene = p.told.command.template cast<double>();
     margin.translation.add(scene.force(), now - tool);
     margin.rotation.add(scene.torque, now_turned - orientation);
-    // The place of the tool is a difference: its ulps are the device's.
+    // The tool's place is a difference: it rounds like the device's place.
     slack += (scene.force().norm() * device.norm() + scene.torque.norm() * turned.norm()) * 64.0 *
              std::numeric_limits<Real>::epsilon();
     tool = now;
@@ -76,7 +76,7 @@ RC_GTEST_PROP(Property, CouplingInFloat, ()) {
   RC_ASSERT(holds<float>(script, coupling(share, mass)));
 }
 
-/// The sampled spring's worst: a tool too heavy to move, a hand that trembles.
+/// The worst case of a sampled spring: a tool too heavy to move and a hand that trembles.
 Script tremble() {
   Script script;
   for (int n = 0; n < 200; ++n) script.ticks.push_back({.hand = Hand::trembles});

@@ -1,5 +1,5 @@
-// credited and shaped in closed form: how steeply a force may rise and fall, when the credit is
-// taken back, and which commands pass.
+// credited and shaped in closed form: how steeply a force may rise and fall, when the credit
+// shrinks, and which commands pass.
 
 #include "core/bounding/credited.hpp"
 
@@ -28,7 +28,7 @@ BoundingStep step(const Vec3& dx, const Command& command) {
 }
 Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// It is a spring of c at z(n), and one of c' - c half a sample on, at z(n) + (z(n) - z(n-1)) / 2.
+/// A spring of c at z(n), plus one of c' - c half a sample ahead, at z(n) + (z(n) - z(n-1)) / 2.
 TEST(Credited, AStiffWallRisesAndFallsByTheStiffnessThatIsCredited) {
   auto credited = law();
   double z = 0.0;
@@ -42,7 +42,7 @@ TEST(Credited, AStiffWallRisesAndFallsByTheStiffnessThatIsCredited) {
   EXPECT_NEAR(at_rest.elastic.z(), -kStiffness * z, 1e-12);
 }
 
-/// Half a sample on is half a period on at the same speed, however long a sample was held.
+/// Half a sample ahead is half a period at the same speed, however long a sample was held.
 TEST(Credited, LooksHalfAPeriodAheadAlsoAfterALongHold) {
   auto credited = law();
   credited.step(step(Vec3(0, 0, -1e-5), push(50.0)));
@@ -52,10 +52,10 @@ TEST(Credited, LooksHalfAPeriodAheadAlsoAfterALongHold) {
               1e-12);
 }
 
-/// A handle with the damping that it has, in a hand that has none, pushed against a wall that is
-/// stiffer by far. Its swing grows by a quarter in three seconds: the speed is that of the last
-/// sample. Asked at z(n) alone the limit would take 1.2 N s/m more than there is, and multiply the
-/// swing by 1.2 each period.
+/// A handle with its own damping only, in a hand that adds none, pushes against a far stiffer
+/// wall. The law uses the speed of the last sample, so the swing grows by a quarter in three
+/// seconds. If it looked at z(n) alone, 1.2 N s/m of damping would be missing, and the swing would
+/// grow by a factor of 1.2 each period.
 TEST(Credited, AnUndampedHandDoesNotSwingItselfUp) {
   constexpr double kMass = 0.1, kPush = 3.0, kBegin = 2e-4;  // [kg], [N], [m] less than a swing
   Credited<double> credited(kForce, kTorque, kPeriod, 1e-3, false);  // no swing counts
@@ -126,10 +126,10 @@ TEST(Credited, AHandThatSwingsLosesHalfOfItsCredit) {
   EXPECT_GT(fast.hand_credit().steps_down, 2u);
   EXPECT_NEAR(fast.hand_credit().damping, 1.2 * std::pow(0.5, fast.hand_credit().steps_down),
               0.1 * fast.hand_credit().damping);
-  auto slow = law();  // as a hand moves by itself
+  auto slow = law();  // as fast as a hand moves on purpose
   swing(slow, 5e-3, 10.0, 2.0);
   EXPECT_EQ(slow.hand_credit().steps_down, 0u);
-  auto small = law();  // what an encoder shows of a hand that rests
+  auto small = law();  // like the encoder of a resting hand
   swing(small, 1.9 * kQuantum, 100.0, 2.0);
   EXPECT_EQ(small.hand_credit().steps_down, 0u);
 }
@@ -185,7 +185,7 @@ TEST(Shaped, ACommandMadeAtTheDevicePassesAndALateOneIsCredited) {
   BoundingStep s = step(Vec3(0, 0, -1e-5), push(8.0));
   s.local = true;
   EXPECT_EQ(shaped.step(s), s.command);
-  s.local = false;  // it goes on from what was held
+  s.local = false;  // continues from the held force
   s.command = push(50.0);
   EXPECT_NEAR(shaped.step(s).elastic.z(), 8.0 + kStiffness * 1e-5, 1e-12);
 }

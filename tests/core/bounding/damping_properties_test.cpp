@@ -1,5 +1,5 @@
-// A damping that differs by direction: what holds for a number holds for a matrix, in the metric of
-// its inverse.
+// A damping that differs by direction: the properties of a scalar damping hold for a matrix, in
+// the metric of its inverse.
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ using namespace test;
 
 constexpr double kWorstCondition = 1e4;
 
-/// The four contact frames and the tank.
+/// Four variants of the contact frame, and the tank.
 constexpr int kLaws = 5;
 BoundingConfig law_of(int which, const Damping& damping, const Damping& rotational) {
   BoundingConfig c = config("contact_frame");
@@ -43,7 +43,7 @@ void never_more_than_burned(const Script& script, const BoundingConfig& law, con
   });
 }
 
-// Not bent: as long in a direction that is damped less, a force can take more.
+// The device does not bend forces here: bent to a less damped direction, a force takes more.
 RC_GTEST_PROP(DampingProperty, DeliveredIsNeverMoreThanBurned, ()) {
   const int which = random_law();
   const Port port = random_port();
@@ -68,7 +68,7 @@ RC_GTEST_PROP(DampingProperty, AlongTheAxesToo, ()) {
                                  law_of(random_law(), port.damping, port.rotational_damping), port);
 }
 
-// Each axis counts the least damping of a matrix that couples them.
+// For a matrix that couples the axes, each axis counts its least damping.
 RC_GTEST_PROP(DampingProperty, PerAxisIsPassiveUnderAMatrix, ()) {
   const Port port = random_port();
   BoundingConfig c = law_of(0, port.damping, port.rotational_damping);
@@ -76,7 +76,7 @@ RC_GTEST_PROP(DampingProperty, PerAxisIsPassiveUnderAMatrix, ()) {
   never_more_than_burned<double>(*scripts({.reduces = true}), c, port);
 }
 
-// The mutant: told five percent too much, along every direction.
+// The mutant: the law is told five percent too much along every direction.
 TEST(DampingMutant, FivePercentTooMuchOfAMatrixLoses) {
   for (int which = 0; which < kLaws; ++which) {
     bool won = false;
@@ -97,8 +97,8 @@ TEST(DampingMutant, FivePercentTooMuchOfAMatrixLoses) {
   }
 }
 
-/// Two bounds that are told the same, and what each is held to before the next sample: what the
-/// first one rendered, so that rounding does not add up.
+/// Plays a script to two bounds and compares their forces. After each sample both hold what the
+/// first one holds, so that rounding does not add up.
 template <class Same>
 void same_forces(const Script& script, const BoundingConfig& a, const BoundingConfig& b,
                  const Mat3& turned, Same same) {
@@ -116,8 +116,8 @@ void same_forces(const Script& script, const BoundingConfig& a, const BoundingCo
   });
 }
 
-/// A force is a root of an energy: next to an empty store the root of its rounding is left, 1e-8 of
-/// the largest force there has been.
+/// A force is the square root of an energy. Next to an empty store the root of the rounding error
+/// remains: 1e-8 of the largest force so far.
 struct Close {
   double condition, force = 0.0, torque = 0.0;
   void operator()(const Command& got, const Command& expected, const Played<double>& p) {
@@ -179,7 +179,7 @@ RC_GTEST_PROP(DampingProperty, JointKeepsTheDirection, ()) {
        });
 }
 
-// The tests' greediest hand, found without the metric, is the metric's, and nothing beats it.
+// greediest() needs no metric. It equals the metric's worst movement, and no movement takes more.
 RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
   const Damping damping(*random_damping(0.5, kWorstCondition));
   const Metric<double> metric(damping);
@@ -200,7 +200,7 @@ RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
     return damping.quadratic(moved) / h + f.norm() * moved.norm();
   };
   RC_ASSERT(margin(worst + dx) >= margin(worst) - eps * (magnitude(worst) + magnitude(dx)));
-  // Work stays work, and the damping becomes the number b.
+  // The metric keeps work unchanged and turns the damping into the number b.
   const Vec3 y = metric.movement(dx), g = metric.force(f);
   RC_ASSERT(std::abs(g.dot(y) - f.dot(dx)) <= eps * f.norm() * dx.norm());
   RC_ASSERT(std::abs(metric.damping() * y.squaredNorm() - damping.quadratic(dx)) <=

@@ -44,7 +44,7 @@ TEST(EbaAxis, BothLawsHoldOverTwelveDecades) {
   }
 }
 
-// The inequalities again at their edge: nothing that they allow is taken.
+// The inequalities again, at their edge: the law takes nothing that they allow.
 TEST(EbaAxis, NothingThatTheLawsAllowIsTaken) {
   Random random(12);
   int inside = 0, outside = 0;
@@ -111,7 +111,7 @@ TEST(EbaAxis, ThePrintedRadicalBreaksTheEnergyLawTheSquaredOneNever) {
     printed_breaks += broken(printed_form(a, a.c.c2));
   }
   EXPECT_GT(printed_breaks, 100);
-  // One by hand: c2 = 0.25 N/m, dx = 1 m, no force held. The law allows 0 .. 0.5 N; the printed
+  // A case by hand: c2 = 0.25 N/m, dx = 1 m, no force held. The law allows 0 .. 0.5 N, the printed
   // radical up to 0.75 N.
   const AxisCase a{9.0, 1.0, 0.0, {.c1 = 9.0, .c2 = 0.25}};
   EXPECT_DOUBLE_EQ(eba_axis(a.command, a.dx, a.held, a.c), 0.5);
@@ -156,8 +156,8 @@ TEST(EbaAxis, SmallAndLargeNumbersStayInOrder) {
           const ForceInterval allowed = eba_interval(dx, held, c);
           ASSERT_FALSE(std::isnan(allowed.lo) || std::isnan(allowed.hi))
               << c1 << ' ' << dx << ' ' << held;
-          // The energy law alone always allows zero; the hold can ask to keep a part of what is
-          // held.
+          // The energy law alone always allows zero; the hold may ask for a part of the held
+          // force.
           ASSERT_LE(allowed.lo, std::max(0.0, held + c1 * dx));
           ASSERT_GE(allowed.hi, std::min(0.0, held + c1 * dx));
           for (const double command : values) {
@@ -170,7 +170,7 @@ TEST(EbaAxis, SmallAndLargeNumbersStayInOrder) {
         }
 }
 
-// Next to cancellation: c2 dx so much larger than the held force that a - h loses all its digits.
+// Near cancellation: c2 dx is so much larger than the held force that a - h loses all its digits.
 TEST(EbaAxis, NoCancellation) {
   const EbaConstants c{.c1 = 1e6, .c2 = 1e6};
   EXPECT_NEAR(eba_interval(1.0, 1e-6, c).lo, -5e-19, 1e-33);

@@ -1,4 +1,4 @@
-// Storage::elastic: what the hand pressed into a spring comes back, and nothing else does.
+// Storage::elastic: only the energy that the hand pressed into a spring comes back.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using namespace test;
 
 BoundingConfig elastic() { return contact_frame(Projection::cone, Storage::elastic); }
 
-/// A hand that wanders in and out of a spring on the plane z = 0; each sample's command and answer.
+/// A hand wanders in and out of a spring on the plane z = 0; `look` sees each command and answer.
 template <class ShellQuery>
 void wander(const BoundingConfig& c, double stiffness, std::uint64_t seed, ShellQuery look) {
   Random random(seed);
@@ -35,8 +35,8 @@ TEST(ElasticStorage, EverySpringUpToColgatesLimitIsRenderedWhole) {
   for (const double share : {0.01, 0.1, 0.25, 0.5, 0.99, 1.0}) {
     wander(elastic(), share * kColgate, 1, [&](const BoundingStep& s, const Command& rendered) {
       const double wanted = s.command.elastic.z();
-      // The sample that enters the surface moved partly in the air: less was pressed in than the
-      // movement says, never more.
+      // The sample that enters the surface moved partly in the air: the hand pressed in less than
+      // the movement says, never more.
       ASSERT_NEAR(rendered.elastic.z(), wanted, 1e-9 * (1.0 + wanted)) << share;
     });
   }
@@ -53,7 +53,7 @@ TEST(ElasticStorage, MinimalStorageLosesTheSameSpring) {
 }
 
 TEST(ElasticStorage, AStiffSpringGetsWhatMinimalStorageGivesIt) {
-  // Above the limit every force is at its bound: nothing is spare, and both laws are one.
+  // Above the limit every force is at its bound: no energy is spare, and both laws agree.
   for (const double share : {1.5, 4.0, 40.0}) {
     Bounding minimal(contact_frame(Projection::cone, Storage::minimal)), spare(elastic());
     for (int n = 1; n < 2000; ++n) {
@@ -69,8 +69,7 @@ TEST(ElasticStorage, AStiffSpringGetsWhatMinimalStorageGivesIt) {
   }
 }
 
-/// The force that a spring four times too stiff is given 1 mm deep, after `before` has happened in
-/// the same contact.
+/// The force of a spring four times too stiff, 1 mm deep, after `before` ran in the same contact.
 template <class Before>
 double stiff_force_after(Before before) {
   Bounding bounding(elastic());
@@ -78,7 +77,7 @@ double stiff_force_after(Before before) {
     return bounding.step({Vec3(along, 0.0, -in), Vec3::Zero(), kPeriod, command}).rendered;
   };
   before(step);
-  // 1 mm in against a spring that asks for all it can get.
+  // Press 1 mm in against a spring that asks for all it can get.
   Command rendered;
   for (int n = 0; n < 100; ++n)
     rendered = step(1e-5, 0.0, {Vec3(0, 0, 1e6), Vec3::Zero(), Vec3::Zero()});
@@ -97,9 +96,9 @@ TEST(ElasticStorage, FrictionFillsNoReservoir) {
 }
 
 TEST(ElasticStorage, DampingFillsNoReservoir) {
-  // 1 mm deep in a soft spring, the hand trembles: the device's own damping burns, and a contact
-  // damper beside it. What is stored stays the spring's k d^2 / 2, and that is all that a suddenly
-  // stiff command can turn into force: sqrt(2 c E).
+  // The hand trembles 1 mm deep in a soft spring: the device's damping and a contact damper burn
+  // energy. The store still holds only the spring's k d^2 / 2. A suddenly stiff command can turn
+  // no more than that into force: sqrt(2 c E).
   constexpr double kStiffness = 0.25 * kColgate, kDepth = 1e-3, kTremble = 1e-5;
   Bounding bounding(elastic());
   const auto step = [&](double in, const Command& command) {
@@ -114,7 +113,7 @@ TEST(ElasticStorage, DampingFillsNoReservoir) {
   while (depth < kDepth - 1e-9) soft(kTremble);
   for (int n = 0; n < 4000; ++n) soft(n % 40 < 20 ? -kTremble : kTremble);
   const Command stiff = step(0.0, {Vec3(0, 0, 1e6), Vec3::Zero(), Vec3::Zero()});
-  // At most that; a little is lost where the damper's force lags behind the reversals by a sample.
+  // No more than that; a little less, as the damper's force lags the reversals by a sample.
   EXPECT_LE(stiff.elastic.z(), kDepth * std::sqrt(kStiffness * kColgate) + 1e-9);
   EXPECT_GE(stiff.elastic.z(), kStiffness * kDepth);
 }
@@ -129,7 +128,7 @@ TEST(ElasticStorage, ALostContactEmptiesIt) {
 }
 
 TEST(ElasticStorage, AFadedForceKeepsNoMoreThanItsSpringDid) {
-  // Half of the command is held throughout, as a fade does: half of the spring's work comes back.
+  // Hold half of the command throughout, like a fade: half of the spring's work comes back.
   Bounding bounding(elastic());
   double delivered = 0.0, taken = 0.0, held = 0.0;
   for (int n = 1; n <= 2000; ++n) {

@@ -16,7 +16,7 @@ BoundingConfig tank() {
   c.mode = "energy_tank";
   return c;
 }
-/// `in` into the surface z < 0, along x; elastic and frictional force commanded.
+/// Moves `in` into the surface z < 0 and `along` x, and commands both forces.
 Command push(Bounding& bounding, double in, double along, double elastic, double friction = 0.0) {
   return bounding
       .step({Vec3(along, 0, -in),
@@ -27,7 +27,7 @@ Command push(Bounding& bounding, double in, double along, double elastic, double
 }
 
 TEST(EnergyTank, FromRestItGivesColgatesSlope) {
-  // E = b/T dx^2, |f| = sqrt(4 b E / T) = 2 b/T dx; and held, F dx pays for the next the same way.
+  // E = b/T dx^2, |f| = sqrt(4 b E / T) = 2 b/T dx. A held F adds F dx to the next sample's E.
   Bounding bounding(tank());
   EXPECT_NEAR(push(bounding, 1e-3, 0.0, 1e6).elastic.z(), kColgate * 1e-3, 1e-12);
   EXPECT_NEAR(push(bounding, 2e-3, 0.0, 1e6).elastic.z(), kColgate * 3e-3, 1e-12);
@@ -36,8 +36,8 @@ TEST(EnergyTank, FromRestItGivesColgatesSlope) {
 }
 
 TEST(EnergyTank, KeepsWhatTheDampingBurnedWhileTheContactLasts) {
-  // 0.1 N all the while; 100 samples of 1 mm, in and out, burn 100 b/T dx^2, and one way out
-  // more than in at 0.1 N (the first way in held nothing) costs 0.1 mJ.
+  // 0.1 N throughout: 100 samples of 1 mm, in and out, burn 100 b/T dx^2. The first way in holds
+  // no force, so at 0.1 N there is one way out more than in: it costs 0.1 mJ.
   Bounding bounding(tank());
   for (int n = 0; n < 100; ++n) push(bounding, n % 2 ? -1e-3 : 1e-3, 0.0, 0.1);
   const double energy = 100 * kDamping / kPeriod * 1e-6 - 0.1e-3;
@@ -57,7 +57,7 @@ TEST(EnergyTank, ALostContactEmptiesIt) {
 TEST(EnergyTank, FrictionFillsItsOwnOnly) {
   Bounding bounding(tank());
   for (int n = 0; n < 1000; ++n) push(bounding, n == 0 ? 1e-5 : 0.0, 1e-4, 1e-3, 2.0);
-  // The elastic one holds what 10 um burned; 1 mm burns more, and its 1 mN took 1 uJ in.
+  // The elastic tank holds what 10 um burned. 1 mm burns more, and pressing 1 mN adds 1 uJ.
   const double energy = kDamping / kPeriod * (1e-10 + 1e-6) + 1e-6;
   EXPECT_NEAR(push(bounding, 1e-3, 0.0, 1e6).elastic.z(),
               std::sqrt(4.0 * kDamping / kPeriod * energy), 1e-9);
@@ -75,7 +75,7 @@ TEST(EnergyTank, AnOverlongHoldIsOwed) {
               std::sqrt(4.0 * kDamping / kPeriod * (0.2 - 0.0945)), 1e-9);
 }
 
-// On the same history it never allows less: it keeps what the contact frame throws away.
+// It never allows less on the same history: it keeps what the contact frame throws away.
 TEST(EnergyTank, AllowsAtLeastWhatTheContactFrameDoes) {
   double more = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -33,7 +33,7 @@ TEST(HoldReserve, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
   EXPECT_NEAR(reserve.hold_time_of_any_hand(), 2.0 * kPeriod, 1e-15);
 }
 
-/// The need of any hand is reckoned with at once where no force is held or the hand moves.
+/// If no force is held or the hand moves, the reserve follows the need of any hand at once.
 TEST(HoldReserve, FollowsAtOnceWhereNoHandWouldFeelIt) {
   HoldReserve reserve(kPeriod);
   reserve.saw(1.3 * kPeriod, false);
@@ -50,8 +50,8 @@ TEST(HoldReserve, BeginsATickAfterTheLateOne) {
   EXPECT_NEAR(reserve.hold_time(), 1.005 * kPeriod, 1e-15);
 }
 
-/// A need of h^2 and one of h, of a force whose square needs as much, grow by less than a force of
-/// which a hand feels no step: 5 % a tick.
+/// The need grows with h^2, for any hand with h. In a tick it grows by less than a force step that
+/// a hand feels: 5 %.
 TEST(HoldReserve, FollowsLittleByLittle) {
   HoldReserve reserve(kPeriod);
   double before = reserve.hold_time(), any_before = reserve.hold_time_of_any_hand();

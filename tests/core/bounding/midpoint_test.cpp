@@ -1,5 +1,5 @@
-// midpoint near the device: where the scene is asked, and how much of the force a hand gets that
-// swings, in closed form.
+// midpoint near the device, in closed form: where the scene is asked, and how much of the force a
+// swinging hand gets.
 
 #include "core/bounding/midpoint.hpp"
 
@@ -21,8 +21,8 @@ BoundingStep step(double dz, const Command& command) {
 }
 Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// A hand that swings along the normal by `amplitude` [m], which falls by `decay` [1/s], at
-/// `frequency` [Hz]. `command` is asked for at each height [m].
+/// A hand swings along the normal by `amplitude` [m], decaying by `decay` [1/s], at `frequency`
+/// [Hz]. `command` gives the command at each height [m].
 template <class Law, class AskedFor>
 void swing(Law& law, double amplitude, double decay, double frequency, double time,
            AskedFor command) {
@@ -47,7 +47,7 @@ TEST(Midpoint, AsksHalfASampleAhead) {
   EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
 }
 
-/// 100 reversals a second: twelve of them, and each twelve more, are a step.
+/// 100 reversals a second: every twelve reversals are one step down.
 TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 1.0);
@@ -69,7 +69,7 @@ TEST(Midpoint, ATenthOfTheForceIsLeftToAHandThatIsShaken) {
   EXPECT_NEAR(midpoint.hand_credit().near_share, 0.1, 0.01);
 }
 
-/// It loses a tenth and more with each movement.
+/// The swing loses about a tenth of its length with each movement.
 TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 5e-3, 10.0, 50.0, 0.5);
@@ -80,7 +80,7 @@ TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
 TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
   const Midpoint<double> fresh(kQuantum, kPeriod);
   Midpoint<double> slow = fresh, small = fresh, in_the_air = fresh, along = fresh;
-  swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves by itself
+  swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves on purpose
   swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // less than two quanta between its ends
   swing(in_the_air, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{}; });
   swing(along, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{.elastic = Vec3(5, 0, 0)}; });
@@ -90,7 +90,7 @@ TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
     EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
 }
 
-/// A swing of 25 Hz has 50 movements a second: six of them, and each six more, are a step.
+/// A swing of 25 Hz has 50 movements a second: every six movements are one step.
 TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
   constexpr double kTold = 0.2e-3;  // [s]
   Midpoint<double> midpoint(kQuantum, kPeriod, kTold);
@@ -107,8 +107,8 @@ TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
   EXPECT_EQ(midpoint.hand_credit().near_share, 1.0);
 }
 
-/// A swing that loses 40 % of its length within three movements comes to rest by itself. A swing
-/// of less than four quanta is what readings make of a hand that presses on a stiff wall.
+/// A swing that loses 40 % of its length within three movements comes to rest by itself. Encoder
+/// steps make a swing of less than four quanta when a hand presses on a stiff wall.
 TEST(Midpoint, ASlowSwingThatDiesAwayOrIsSmallTellsOfNoLag) {
   const Midpoint<double> fresh(kQuantum, kPeriod);
   Midpoint<double> dying = fresh, small = fresh, tapping = fresh;
@@ -119,7 +119,7 @@ TEST(Midpoint, ASlowSwingThatDiesAwayOrIsSmallTellsOfNoLag) {
     EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
 }
 
-/// To and fro between two readings of an encoder, from anywhere, 100 reversals a second.
+/// First moves far, then to and fro between two encoder readings: 100 reversals a second.
 TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
   for (const int quanta : {1, 2}) {
     Midpoint<double> midpoint(kQuantum, kPeriod);
@@ -132,7 +132,7 @@ TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
   }
 }
 
-/// Half of each swing is outside of the wall.
+/// Half of each swing is outside the wall.
 TEST(Midpoint, ASwingThatLeavesTheWallCountsToo) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 0.5,
@@ -153,7 +153,7 @@ TEST(Midpoint, TheShareGrowsBackToTheWholeCommand) {
   EXPECT_EQ(midpoint.step(step(0.0, push(5.0))), push(5.0));
 }
 
-/// Every command of `bound` comes late.
+/// Marks every command of `bound` as late.
 struct Late {
   Bounding& bound;
   void step(BoundingStep s) noexcept {
@@ -162,8 +162,8 @@ struct Late {
   }
 };
 
-/// A swing under near forces lowers the share of near forces alone, a swing under late forces the
-/// credit of late ones alone.
+/// A swing under near forces lowers only the share of near forces. A swing under late forces
+/// lowers only the credit of late forces.
 TEST(Midpoint, ShapedLearnsNearAndLateApart) {
   BoundingConfig config;
   config.mode = "shaped";

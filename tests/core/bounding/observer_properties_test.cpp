@@ -1,5 +1,5 @@
 // The promises of the laws that do not bound the port's energy: none, per_axis_projected,
-// total_energy and the passivity controllers, each against a model of its promise kept apart.
+// total_energy and the passivity controllers. A separate model checks each promise.
 
 #include <array>
 #include <cmath>
@@ -24,15 +24,15 @@ Command commanded(const Played<Real>& p) {
   return p.told.command.template cast<double>();
 }
 
-/// A force is a sum of parts that may nearly cancel: its ulps are those of the longest part.
+/// A force is a sum of parts that may nearly cancel: it rounds by the ulps of the longest part.
 double longest(const Command& c) { return c.elastic.norm() + c.frictional.norm(); }
 
-/// Whether `a` is along `b`, each known to `ulp`.
+/// Whether `a` is along `b`, each with an error up to `ulp`.
 bool in_line(const Vec3& a, const Vec3& b, double ulp) {
   return a.cross(b).norm() <= ulp * (a.norm() + b.norm());
 }
 
-/// A force and a torque are reported in parts and added up again.
+/// The rounding of a force or torque that is reported in parts and added up again.
 template <class Real>
 constexpr double kUlps = 64.0 * std::numeric_limits<Real>::epsilon();
 
@@ -49,7 +49,7 @@ RC_GTEST_PROP(Property, NoneIsTheIdentity, ()) {
   identity<float>(script);
 }
 
-/// Held forces of a reference that is told the same.
+/// A per-axis bound with the same held forces, as reference.
 template <class Real>
 PerAxisBound<Real> per_axis_reference(const Command& held) {
   const auto c = static_cast<Real>(0.5 / kModePeriod);
@@ -109,8 +109,8 @@ struct Observed {
   bool following;
   Sum energy;  // W - E; in `zero` E is 0
 
-  /// `command`, `command_before`, `held`, `held_before` times dx(n). Returns by how much the energy
-  /// is missing, > 0, before the controller acts.
+  /// `command`, `command_before` and `held_before` are forces times dx(n). Returns the missing
+  /// energy, > 0, before the controller acts.
   double missing(double command, double command_before, double held_before) {
     if (following) {
       energy.add(held_before);
@@ -120,8 +120,8 @@ struct Observed {
     }
     return -(energy.value + command);
   }
-  /// After the controller. `zero`: its damper counts at once. `following`: what is held counts when
-  /// it has acted, so here it is what the sum would be if the hand moved on as it did.
+  /// The energy after the controller acts. `zero`: its damper counts at once. `following`: a held
+  /// force counts after it has acted, so this is the sum for a hand that moves on as before.
   double after(double command, double held) {
     if (following) return energy.value + (held - command);
     energy.add(held);
@@ -138,12 +138,12 @@ PassivityReference random_reference() {
   return *rc::gen::arbitrary<bool>() ? PassivityReference::following : PassivityReference::zero;
 }
 
-/// A damper over a movement of next to nothing is an impulse (its known weakness); at 1e12 N it is
-/// limited, and from there on nothing is promised.
+/// A damper over a tiny movement is an impulse (its known weakness). The limit is 1e12 N; beyond
+/// it the law promises nothing.
 bool beyond_any_force(const Command& c) {
   return c.force().norm() > 0.9e12 || c.torque.norm() > 0.9e12;
 }
-// Nor does the hand follow the force here: greedy, it would run away with such an impulse.
+// The hand is not greedy here: it would run away with such an impulse.
 constexpr ScriptOptions kNoGreed{.greedy = false, .largest = 1.0};
 
 template <class Real>
@@ -248,7 +248,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
   play<Real>(
       script, {controller("passivity_control_parallel", reference)}, kPort,
       [&](const Played<Real>& p, const auto& bounding) {
-        RC_ASSERT(p.out.rendered == p.told.command);  // the force is never touched
+        RC_ASSERT(p.out.rendered == p.told.command);  // the force stays untouched
         const auto probe = bounding.probe(Vector3<Real>(p.told.displacement), p.told.rotation);
         const Command wanted = commanded(p);
         if (p.told.command.force().isZero(0)) {
@@ -273,7 +273,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
           if (!axis.following) axis.energy.add(part(wanted) * dx);
           const double dissipated = -shift * part(wanted);
           axis.energy.add(dissipated);
-          // The shift is found as a difference of offsets.
+          // The shift is a difference of offsets.
           slack[i] += ulp * std::abs(part(wanted));
           const double rounding = 16.0 * (axis.energy.terms + 8) *
                                       std::numeric_limits<Real>::epsilon() *
@@ -282,7 +282,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
           RC_ASSERT(dissipated >= -rounding);
           RC_ASSERT(dissipated <=
                     std::max(0.0, missing) + rounding);  // and no more than was missing
-          // Nothing is missing any more, or the whole movement of the hand was held back.
+          // Either no energy is missing now, or the law held the hand's whole movement back.
           if (part(wanted) != 0.0 && std::abs(shift) < std::abs(dx) - ulp)
             RC_ASSERT(axis.energy.value >= -rounding);
         }

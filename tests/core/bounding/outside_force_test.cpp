@@ -1,4 +1,4 @@
-// The force from outside, learned from the movement it causes.
+// The outside force, learned from the movement that it causes.
 
 #include "core/bounding/outside_force.hpp"
 
@@ -27,7 +27,7 @@ PortKnowledge known(double quantum = 0.0) {
   return k;
 }
 
-/// A handle without friction, and what is learned of the hand on it.
+/// A frictionless handle, and the outside force that is learned from it.
 struct Trial {
   PortKnowledge knowledge;
   OutsideForce learned{knowledge, kPeriod};
@@ -35,7 +35,7 @@ struct Trial {
   Vec3 shown = Vec3::Zero();
   int sample = 0;
 
-  /// `hand` and `held` [N] of each sample. Returns the bound at the end.
+  /// `hand` and `held` give the forces [N] of each sample. Returns the bound at the end.
   template <class Hand, class Held>
   double after(int samples, const Hand& hand, const Held& held) {
     for (const int end = sample + samples; sample < end; ++sample) {
@@ -50,20 +50,20 @@ struct Trial {
 
 Vec3 nothing(int) { return Vec3::Zero(); }
 
-/// 8 Hz, so that a handle without friction stays where it is.
+/// 8 Hz, so that a frictionless handle stays near its place.
 Vec3 swinging(int i) { return 4.0 * std::cos(2.0 * M_PI * 8e-3 * i) * Vec3(0.6, 0.0, 0.8); }
 
 TEST(OutsideForce, IsTheLargestThatWasSeenAndAHalfMore) {
   Trial trial{known()};
   EXPECT_EQ(trial.learned.bound(), 10.0);
   EXPECT_EQ(trial.after(2 * kWindow - 1, swinging, nothing), 10.0);  // not yet
-  // Two windows; over 16 samples a cosine of 8 Hz keeps 0.987 of its peak.
+  // Two windows; over 16 samples the estimate keeps 0.987 of the peak of an 8 Hz cosine.
   const double bound = trial.after(1, swinging, nothing);
   EXPECT_LT(bound, 1.5 * 4.0);
   EXPECT_GT(bound, 1.5 * 4.0 * 0.98);
 }
 
-/// The force of the device itself is no force from outside, even if it changes with every sample.
+/// The device's own force is not an outside force, even if it changes with every sample.
 TEST(OutsideForce, HeldForcesAreTakenOff) {
   const auto held = [](int i) {
     return Vec3(3.0 * ((i * 7919) % 13 - 6) / 6.0, i % 2 == 0 ? 2.0 : -2.0, 0.0);
@@ -73,7 +73,7 @@ TEST(OutsideForce, HeldForcesAreTakenOff) {
   EXPECT_NEAR(bound, 1.5 * 4.0 * 0.99, 0.1);
 }
 
-/// Two readings of a block's ends are wrong by q at most; 30 um and 75 g over 8 ms: 0.12 N.
+/// The two end readings of a block err by at most q; 30 um and 75 g over 8 ms: 0.12 N.
 TEST(OutsideForce, AnEncoderMakesItLargerNeverSmaller) {
   Trial exact{known()}, coarse{known(30e-6)};
   const double truth = exact.after(2 * kWindow, swinging, nothing);
@@ -98,7 +98,7 @@ TEST(OutsideForce, AStrongerForceIsBelievedAtOnce) {
   EXPECT_LT(trial.after(1, swinging, nothing), 6.0);
 }
 
-/// A late tick, a movement that is not known: the blocks begin anew, and nothing is seen in them.
+/// A sample of another length begins new blocks: nothing is learned from the broken ones.
 TEST(OutsideForce, SamplesOfOtherLengthsSayNothing) {
   OutsideForce learned(known(), kPeriod);
   for (int i = 0; i < 4 * kWindow; ++i)  // a jump every 15 samples, none in two whole blocks
@@ -109,8 +109,8 @@ TEST(OutsideForce, SamplesOfOtherLengthsSayNothing) {
   EXPECT_EQ(learned.bound(), 2.5);
 }
 
-/// The account with it: a calm hand learns it less, and a hand that then pulls harder overdraws at
-/// most once before what was told holds again.
+/// The account uses it: a calm hand lowers the learned force. A hand that then pulls harder
+/// overdraws at most once before the told force applies again.
 TEST(OutsideForce, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
   AccountConfig config;
   config.period = kPeriod;
@@ -134,7 +134,7 @@ TEST(OutsideForce, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
   EXPECT_LT(account.outside_force(), 5.0);
   EXPECT_EQ(account.statistics().strong_hand, 0u);
   EXPECT_GE(account.balance(), 0.0);
-  // Pulls with whatever force is there, as hard as was told.
+  // The hand pulls along the held force, as hard as the account was told.
   run(kWindow / 2, [](int, const Vec3& held) {
     return Vec3(10.0 * (held.norm() > 0.0 ? Vec3(held.normalized()) : Vec3::UnitX()));
   });

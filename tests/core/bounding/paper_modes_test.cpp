@@ -53,7 +53,7 @@ TEST(PerAxis, TheWholeForceIsBoundedAndReportedInItsParts) {
   const Bounded out = bounding.step(s);
   EXPECT_FALSE(out.active);
   EXPECT_NEAR(out.rendered.elastic.y(), 0.3,
-              1e-15);  // what friction has along the normal is elastic
+              1e-15);  // the part of friction along the normal is elastic
   EXPECT_NEAR(out.rendered.frictional.x(), 0.1, 1e-15);
   s.command.elastic = Vec3(0, 900, 0);  // no more than F_p + c1 dx: 0.3 + 0.5 N
   const Bounded cut = bounding.step(s);
@@ -70,11 +70,11 @@ TEST(PerAxis, WhatWasHeldIsWhatCounts) {
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 0.5);
   bounding.set_held({Vec3(0.1, 0, 0), Vec3::Zero(), Vec3::Zero()});
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 0.6);
-  bounding.set_held({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3::Zero()});  // says nothing
+  bounding.set_held({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3::Zero()});  // ignored: not a number
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 1.1);
 }
 
-// Any environment: the running total is what Eq. (1) says, kept here apart from the code.
+// Any environment: the test keeps the running total of Eq. (1) apart from the code.
 TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItWouldNot) {
   Random random(22);
   int identical = 0, clamped = 0;
@@ -112,8 +112,8 @@ TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItW
   EXPECT_GT(clamped, 1000);
 }
 
-// The paper's Fig. 2 in miniature: y alternates and gives out energy every sample, x pays for it
-// with friction.
+// The paper's Fig. 2 in miniature: y alternates and gives out energy every sample; friction on x
+// pays for it.
 TEST(TotalEnergy, FrictionOnXKeepsItSilentWhileYOscillates) {
   for (const bool friction : {true, false}) {
     Bounding total(config("total_energy")), axes(config("per_axis"));
@@ -181,8 +181,8 @@ TEST(Projected, IsParallelToTheCommandAndEquationThree) {
   EXPECT_GT(cut, 1000);
 }
 
-// Known weakness, worked: friction on x is free (the hand moves against it), force on y is not. The
-// per-axis bound takes all of y; the projection gives a half of it back.
+// Known weakness, by example: friction on x is free (the hand moves against it), force on y is
+// not. The per-axis bound removes all of y; the projection gives half of it back.
 TEST(Projected, TheProjectedForceLeavesItsPerAxisInterval) {
   Bounding axes(config("per_axis")), projected(config("per_axis_projected"));
   BoundingStep s;

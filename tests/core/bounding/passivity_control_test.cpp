@@ -82,15 +82,15 @@ TEST(PassivityControl, TheDamperOfFollowingIsAtMostTheDevicesOwn) {
 }
 
 TEST(PassivityControl, WhatTheDeviceCannotHoldIsNotMissing) {
-  // A spring of 1 kN/m on a device of 1 N: beyond 1 mm the environment that is followed is flat.
+  // A spring of 1 kN/m on a device of 1 N: beyond 1 mm the followed environment is flat.
   BoundingConfig c = test::config("passivity_control", 2.0);
   c.reference = PassivityReference::following;
   c.max_force = 1.0;
   Bounding b(c);
   x_step(b, 0.0, 0.0);
   for (int n = 1; n <= 10; ++n) x_step(b, 1e-3, 1.0 * n);
-  // In: 9 mJ were held, 9.5 are the reference of the flat spring; out of it nothing more is owed
-  // than this and what the turn costs.
+  // Way in: the device held 9 mJ, and the reference of the flat spring is 9.5 mJ. Way out: the
+  // device owes only this difference and the cost of the turn.
   EXPECT_NEAR(x_step(b, -1e-3, 9.0), 1.0, 1e-12);
   EXPECT_NEAR(x_step(b, -1e-3, 8.0), 1.0, 1e-12);
 }
@@ -106,7 +106,7 @@ TEST(PassivityControl, DirectionalSharesByWhatEachExchanged) {
   Command r = b.step(s).rendered;
   EXPECT_NEAR(r.force().x(), 4.0, 1e-12);
   EXPECT_NEAR(r.torque.z(), 0.1, 1e-12);
-  // Out: 6 mJ and 2 mJ, 3 mJ are missing: 3/4 of it from the force, 1/4 from the torque.
+  // Out: 6 mJ and 2 mJ, 3 mJ are missing: the force gives 3/4 of them, the torque 1/4.
   s.displacement = Vec3(2e-3, 0, 0);
   s.rotation = Vec3(0, 0, 0.02);
   s.command = {Vec3(3, 0, 0), Vec3::Zero(), Vec3(0, 0, 0.1)};

@@ -1,7 +1,7 @@
 #pragma once
-// The account's arithmetic written out step by step, with nothing kept and nothing left out, by
-// lengths and directions. The product's account is quicker, multiplies where this one divides, and
-// must give the same up to rounding (account_plain_test.cpp).
+// The account's arithmetic written out step by step, by lengths and directions: it stores and
+// skips nothing. The product's account is quicker, multiplies where this one divides, and must
+// give the same up to rounding (account_plain_test.cpp).
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ struct PlainNeed {
   }
 };
 
-/// One port of it: what a sample earns, and what the next one can take.
+/// A port of the account: what a sample earns, and what the next one can take.
 class PlainPort {
  public:
   PlainPort(const PortKnowledge& known, double period, bool learns)
@@ -137,14 +137,14 @@ class PlainPort {
       most = std::min(most, speed_after(together(past_[1], last), 2, u));
     return std::max(least, most);
   }
-  /// At the end of `p`, before which past_[before] lies.
+  /// The largest speed along u at the end of `p`. past_[before] is the sample before `p`.
   double speed_after(const Past& p, std::size_t before, const Vec3& u) const {
     const double g = driven(p, u), way = p.dx.dot(u) + known_.quantum * u.lpNorm<1>();
     double since = p.time;
     if (before < past_.size() && past_[before].time > 0.0) {
       const double braked = std::max(0.0, driven(p, -u));
       const double against = speed_after(past_[before], before + 1, -u);
-      // The time at which what it must have moved along u is all that it can have moved.
+      // Whether a drive along u for `s` moves the handle farther than it can have moved.
       const auto too_long = [&](double s) {
         const double left = p.time - s;
         return 0.5 * std::max(0.0, g) * s * s > way + against * left + 0.5 * braked * left * left;
@@ -169,7 +169,7 @@ class PlainPort {
   double period_;
   CertainPath path_;
   std::optional<OutsideForce> learned_;
-  std::array<Past, 3> past_;  // the last is the first
+  std::array<Past, 3> past_;  // newest first
   bool too_fast_ = false, strong_ = false;
 };
 

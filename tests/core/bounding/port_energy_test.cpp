@@ -1,4 +1,4 @@
-// The observer against closed forms.
+// The port energy observer against closed forms.
 
 #include "core/bounding/port_energy.hpp"
 
@@ -34,9 +34,9 @@ TEST(PortEnergy, DryFrictionBurnsOverThePathThatIsCertain) {
   EXPECT_NEAR(port.burned(), kFriction * (1e-3 - kQuantum) / std::sqrt(3.0), 1e-15);
 }
 
-// A spring k sampled and held, pressed by `depth` in equal steps and released: every sample acts
-// with the force of the one before, so each step d delivers k d^2 / 2 beyond the spring's own
-// energy, both ways.
+// A spring k, sampled and held, is pressed by `depth` in equal steps and released. Every sample
+// acts with the force of the previous one, so each step d delivers k d^2 / 2 beyond the spring's
+// own energy, both ways.
 TEST(PortEnergy, ASampledSpringCycleDeliversTheHoldsEnergy) {
   const double k = 1000.0, step = 1e-4;
   const int steps = 100;
@@ -57,7 +57,7 @@ TEST(PortEnergy, ASampledSpringCycleDeliversTheHoldsEnergy) {
   EXPECT_NEAR(port.least_margin(), -2 * steps * 0.5 * k * step * step, 1e-12);
 }
 
-// The same cycle at Colgate's damping b = k T / 2 is exactly paid for.
+// At Colgate's damping b = k T / 2 the device pays exactly for this cycle.
 TEST(PortEnergy, AtColgatesDampingTheSpringCycleIsPaidFor) {
   const double k = 1000.0, step = 1e-4, b = 0.5 * k * kPeriod;
   for (const double share : {1.0, 0.99}) {
@@ -116,7 +116,7 @@ TEST(PortEnergy, WhatIsNotFiniteIsLeftOutAndCounted) {
     port.step({v, Vec3::Zero(), Vec3::Zero()}, Vec3::Zero(), Vec3::Zero(), kPeriod);
     EXPECT_EQ(port.refused(), expected += 7);
   }
-  port.step({1e300 * one, one, one}, 1e300 * one, one, kPeriod);  // finite, the energy is not
+  port.step({1e300 * one, one, one}, 1e300 * one, one, kPeriod);  // finite input, infinite energy
   EXPECT_EQ(port.refused(), ++expected);
   EXPECT_EQ(port.delivered().total(), 0.0);
   EXPECT_EQ(port.burned(), 0.0);

@@ -1,5 +1,5 @@
-// The laws that promise it: the hand never takes more than the device burned, whatever it, the
-// scene and the network do.
+// The passive laws: the hand never takes more than the device burned, whatever the hand, the scene
+// and the network do.
 
 #include <cmath>
 
@@ -26,7 +26,7 @@ std::vector<BoundingConfig> passive_laws() {
   for (int i = 0; i < kPassiveLaws; ++i) all.push_back(passive_law(i));
   return all;
 }
-/// The law told that there is more damping than there is.
+/// The law, told more damping than the device has.
 BoundingConfig boasting(BoundingConfig c, double factor) {
   c.damping = factor * c.damping.least();
   c.rotational_damping = factor * c.rotational_damping.least();
@@ -61,7 +61,7 @@ RC_GTEST_PROP(Property, SaturationChangesNothing, ()) {
   never_more_than_burned<double>(*scripts({.reduces = true}), {c});
 }
 
-// Upper bounds of magnitude only: a device may even bend what it holds.
+// These laws bound only the magnitude: a device may even bend the held force.
 RC_GTEST_PROP(Property, BendingChangesNothing, ()) {
   const int which = *rc::gen::inRange(0, kPassiveLaws - 1);  // not per_axis
   never_more_than_burned<double>(*scripts({.reduces = true, .bends = true}), {passive_law(which)});
@@ -73,7 +73,7 @@ RC_GTEST_PROP(Property, NoChangeOfTheLawAtRunTimeGivesEnergy, ()) {
   never_more_than_burned<float>(script, passive_laws());
 }
 
-// Eq. (2) on every axis by itself, at the real port.
+// Eq. (2) on every single axis, at the real port.
 template <class Real>
 void every_axis_pays_for_itself(const Script& script, const std::vector<BoundingConfig>& laws,
                                 const Vec3& damping, const Vec3& rotational) {
@@ -88,7 +88,7 @@ void every_axis_pays_for_itself(const Script& script, const std::vector<Bounding
       axes[i + 3].add(rotational[k] / time * p.rotation[k] * p.rotation[k]);
       axes[i + 3].add(-p.before.torque[k] * p.rotation[k]);
     }
-    // The parts that a force is reported in, and its sum, round by ulps of the longest part.
+    // A force's parts and their sum round by the ulps of the longest part.
     for (const Sum& s : axes) RC_ASSERT(s.value >= -s.rounding<Real>());
   });
 }
@@ -103,8 +103,8 @@ RC_GTEST_PROP(Property, PerAxisEveryAxisPaysForItself, ()) {
   every_axis_pays_for_itself<float>(script, {c, c}, damping, rotational);
 }
 
-// Faults overdraw; nobody can hinder that. A force is rendered only when what was burned pays for
-// the worst that the hand can do with it.
+// Faults overdraw the port; no law can prevent that. The law renders a force only when the burned
+// energy pays for the worst that the hand can do with it.
 template <class Real>
 void no_force_on_credit(const Script& script, const BoundingConfig& law, const Port& port,
                         double condition = 1.0) {
@@ -157,9 +157,9 @@ TEST(Mutant, FivePercentTooMuchDampingLoses) {
   }
 }
 
-// Per axis, the storage F^2 T / (2 b) is twice what one sample can take: to empty it a hand needs
-// patience. It presses in steps so small that they burn nothing, and then yields in steps of 6 % of
-// F T / b while the scene commands all it can.
+// Per axis, the storage F^2 T / (2 b) is twice what one sample can take, so a hand needs many
+// samples to empty it. It presses in steps so small that they burn nothing, then yields in steps
+// of 6 % of F T / b while the scene commands all it can.
 double taken_from_per_axis(double factor) {
   BoundingConfig c = config("per_axis");
   c.c1 = c.c2 = factor * 0.5 / kModePeriod;

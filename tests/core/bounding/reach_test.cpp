@@ -16,7 +16,7 @@ using namespace test;
 
 constexpr double kPeriod = 1e-3;  // [s]
 #ifdef FELTWIRE_SANITIZED
-constexpr std::uint64_t kDevices = 80;  // forty times as slow there
+constexpr std::uint64_t kDevices = 80;  // sanitizers make a run forty times as slow
 #else
 constexpr std::uint64_t kDevices = 400;
 #endif
@@ -29,7 +29,7 @@ PortKnowledge knowledge(double mass, double outside, double quantum = 0.0) {
   return k;
 }
 
-/// [m] along x over a period in which `force` [N] is held along x.
+/// [m] the reach along x over a period in which `force` [N] is held along x.
 double along_x(const Reach& reach, double force) {
   return reach.along(Vec3::UnitX(), 1.0, Vec3(force, 0, 0), kPeriod);
 }
@@ -107,7 +107,7 @@ struct Used {
   long broken = 0, samples = 0;
 };
 
-/// `told`: what of the mass, of the hand's force and of the quantum the reach is told.
+/// The `told_` arguments are the told shares of the true mass, hand force and quantum.
 Used attack(std::uint64_t seed, double told_mass, double told_force, double told_quantum) {
   Random random(seed);
   Handle handle;
@@ -119,8 +119,8 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
   Reach reach(knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
   Used used;
   Vec3 shown = encoded(handle.position, quantum), held = Vec3::Zero();
-  const bool even = random.chance(0.4);       // holds that last all the same
-  const bool deadlines = random.chance(0.5);  // or are late now and then, as behind deadlines
+  const bool even = random.chance(0.4);       // every hold lasts a period
+  const bool deadlines = random.chance(0.5);  // late ticks, each next one at its deadline
   double late = 0.0;
   for (int n = 0; n < 400; ++n) {
     double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
@@ -180,7 +180,7 @@ TEST(Reach, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
   }
 }
 
-/// The hand pushed the handle in, and friction let it turn round within the tick.
+/// The hand pushed the handle in, and friction allowed it to turn round within the tick.
 TEST(Reach, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
   const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
   Reach reach(knowledge(mass, hand, q));
@@ -190,7 +190,7 @@ TEST(Reach, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
   Reach stands(knowledge(mass, hand, q));
   stands.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
   EXPECT_GT(turned, 1.1 * along_x(stands, force));
-  // G0 h0 h, as if nothing were known of how it moved, is more.
+  // G0 h0 h, the reach without any knowledge of its movement, is more.
   const double acceleration = (force + hand) / mass;
   EXPECT_LT(turned, 0.9 * (2.0 * acceleration * kPeriod * kPeriod + q));
 }
@@ -199,7 +199,7 @@ TEST(Reach, NoHandGoesFarther) {
   const Used used = attack_all(1.0, 1.0, 1.0);
   EXPECT_EQ(used.broken, 0);
   EXPECT_GT(used.samples, static_cast<long>(500 * kDevices));
-  EXPECT_GT(used.most, 0.98);  // sharp: some hand uses nearly all of it
+  EXPECT_GT(used.most, 0.98);  // sharp: a hand uses nearly all of it
 }
 
 TEST(Reach, IsBrokenWhenToldWrong) {

@@ -1,5 +1,5 @@
-// A hand that rests between two readings of an encoder: when it is said to rest, where the scene is
-// asked then, and that a stiff wall takes nothing from it.
+// A hand that rests between two encoder readings: when the law detects the rest, where it then asks
+// the scene, and that a stiff wall takes nothing from such a hand.
 
 #include "core/bounding/resting_place.hpp"
 
@@ -17,7 +17,7 @@ constexpr double kQuantum = 2e-5;  // [m]
 constexpr int kUntilRest = 50;     // samples of RestingPlace::kRest
 constexpr double kAhead = 0.5;     // [samples]
 
-/// To and fro between two readings, a sample each. Returns the offset after the last of them.
+/// Moves to and fro between two readings, one sample each. Returns the last offset.
 double dither(RestingPlace& place, int samples, double first = kQuantum) {
   double offset = 0.0, by = first;
   for (int n = 0; n < samples; ++n, by = -by) {
@@ -39,7 +39,7 @@ TEST(RestingPlace, AMovingHandIsAskedForHalfASampleAhead) {
 TEST(RestingPlace, AHandThatDithersBetweenTwoReadingsIsAskedForBetweenThem) {
   RestingPlace place(kQuantum);
   dither(place, kUntilRest);
-  // Asked at a share s of the quantum above the lower reading: s -> s + kStep (1 - s), then less.
+  // s is the share of the quantum above the lower reading: s -> s + kStep (1 - s), then less.
   const double settled = dither(place, 200);  // after a step down
   const double s = (1.0 - RestingPlace::kStep) / (2.0 - RestingPlace::kStep);
   EXPECT_NEAR(settled, s * kQuantum, 1e-12);

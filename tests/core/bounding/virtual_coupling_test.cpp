@@ -1,4 +1,4 @@
-// The coupling against closed forms.
+// The virtual coupling against closed forms.
 
 #include <gmock/gmock.h>
 
@@ -57,7 +57,7 @@ TEST(VirtualCoupling, AStillHandHoldsTheScenesForceAtStretchFOverK) {
 }
 
 TEST(VirtualCoupling, WhatIsNotGivenIsTheStiffestThatIsPassive) {
-  // k = 2 b/T = 1000, which leaves no damping; a tool too heavy to move answers k dx.
+  // k = 2 b/T = 1000 leaves no damping; a tool too heavy to move answers k dx.
   Bounding bounding(coupling({{}, {}, 1e12}));
   EXPECT_NEAR(bounding.step(step(1e-3)).rendered.force().x(), -1000.0 * 1e-3, 1e-12);
   // With b_c given, k = 2 (b - b_c) / T = 600 is left: (k + b_c / h) dx.

@@ -1,4 +1,4 @@
-// A ball in the hand on meshes.
+// A ball as the tool, on meshes.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using test::object;
 using test::placed;
 using test::Wanderer;
 
-// To the bit: friction, damping, shading, both sides, and what it is itself thick.
+// Equal to the bit: with friction, damping, smooth normals, both sides and the mesh's own radius.
 TEST(BallOnMesh, IsFeltAsAMeshOfThatRadius) {
   const std::vector<TriangleSoup> soups = {test::icosphere(0.05, 3),
                                            test::box({0.05, 0.04, 0.03}, 4),
@@ -50,7 +50,7 @@ TEST(BallOnMesh, IsFeltAsAMeshOfThatRadius) {
   EXPECT_GT(in_all, 10'000);
 }
 
-// Against the closed form: a ball on a box is a point on the box with rounded edges and corners.
+// Closed form: a ball on a box feels like a point on a box with rounded edges and corners.
 TEST(BallOnMesh, RoundsTheEdgesOfABox) {
   const Vec3 half(0.05, 0.04, 0.03);
   Scene scene("s", {mesh_object(test::box(half, 5), {}, {.stiffness = 1000.0})});
@@ -59,7 +59,7 @@ TEST(BallOnMesh, RoundsTheEdgesOfABox) {
   test::Random random(11);
   int faces = 0, rounded = 0;
   for (int run = 0; run < 300; ++run) {
-    // Down onto a place of the surface, along its normal or between those of an edge or a corner.
+    // The ball comes down on a surface place, along a normal of a face, an edge or a corner.
     Vec3 foot, out = Vec3::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       const double sign = random.chance(0.5) ? 1.0 : -1.0;
@@ -90,7 +90,7 @@ TEST(BallOnMesh, OnASphereOfFacetsIsOnASphereWithinTheFacets) {
   for (const int level : {3, 5}) {
     Scene scene("s", {mesh_object(test::icosphere(kRadius, level), {}, {.stiffness = kStiffness})});
     scene.set_tool({.radius = kBall, .body = nullptr});
-    const double corner = 0.77 / std::pow(2.0, level);  // [rad] a facet is off at most
+    const double corner = 0.77 / std::pow(2.0, level);  // [rad] largest error of a facet
     const double sagitta = kRadius * (1.0 - std::cos(corner));
     TouchMemory memory = scene.memory();
     for (int n = 0; n < 2000; ++n) {
@@ -105,7 +105,7 @@ TEST(BallOnMesh, OnASphereOfFacetsIsOnASphereWithinTheFacets) {
   }
 }
 
-// Found by the tree, as when each is asked.
+// The tree finds the objects: the force is the sum over all objects asked one by one.
 TEST(BallOnMesh, AmongManyObjectsIsTheSumOfThem) {
   std::vector<Object> objects;
   const auto mesh = std::make_shared<MeshSurface>(TriangleMesh(test::icosphere(0.012, 2)));

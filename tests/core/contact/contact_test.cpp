@@ -37,7 +37,7 @@ Quaternion random_rotation(std::mt19937& random) {
   return Quaternion(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A hand that wanders about in a ball of some centimetres with steps of a fraction of a
+/// A hand that wanders within a ball of some centimetres, with steps of a fraction of a
 /// millimetre.
 class Wanderer {
  public:
@@ -142,9 +142,9 @@ TEST(Contact, SticksToStaticAndSlipsAtDynamicFriction) {
     EXPECT_NEAR(c.frictional.x(), -0.4 * pressed, 1e-12);
     EXPECT_EQ(c.frictional.z(), 0.0);
   }
-  // Back: sticks at once, the spring unloads from -0.4 N through zero to +0.6 N, and breaks again.
+  // Back: sticks at once; the spring unloads from -0.4 N through zero to +0.6 N and slips again.
   const double anchor = memory.anchor.x();
-  EXPECT_NEAR(anchor, last - 0.4e-3, 1e-15);  // dragged along at the end of the spring
+  EXPECT_NEAR(anchor, last - 0.4e-3, 1e-15);  // dragged along by the end of the spring
   for (double x = anchor + 0.399e-3; x > anchor - 0.599e-3; x -= 1e-5) {
     EXPECT_NEAR(friction(x).frictional.x(), -1000 * (x - anchor), 1e-12);
     EXPECT_FALSE(memory.slipping);
@@ -160,7 +160,7 @@ TEST(Contact, LettingGoOfTheSurfaceShrinksTheCone) {
   touch(wall, at(Vec3(0, 0, -0.001)), memory);
   EXPECT_NEAR(touch(wall, at(Vec3(0.0005, 0, -0.001)), memory).frictional.x(), -0.5, 1e-12);
   EXPECT_NEAR(touch(wall, at(Vec3(0.0005, 0, -0.0005)), memory).frictional.x(), -0.2, 1e-12);
-  touch(wall, at(Vec3(0.0005, 0, 0.001)), memory);  // off, and on again: a new stick point
+  touch(wall, at(Vec3(0.0005, 0, 0.001)), memory);  // lifts off, then a new stick point
   EXPECT_EQ(touch(wall, at(Vec3(0.0005, 0, -0.001)), memory).frictional, Vec3::Zero());
 }
 
@@ -197,7 +197,7 @@ TEST(Contact, SlidingRoundABallIsHeldBackAllTheWay) {
     const double angle = i * 2.0 * M_PI / 2000;
     const Vec3 out(std::cos(angle), std::sin(angle), 0), forward(-out.y(), out.x(), 0);
     const Command c = touch(ball, at((radius - depth) * out), memory);
-    if (i < 100) continue;  // the spring is stretched first
+    if (i < 100) continue;  // stretches the spring first
     EXPECT_TRUE(memory.slipping);
     EXPECT_NEAR((c.frictional + 1.0 * forward).norm(), 0.0, 1e-6);
     EXPECT_NEAR((c.elastic - 2.0 * out).norm(), 0.0, 1e-12);
@@ -235,7 +235,7 @@ TEST(Contact, MovingAndTurningEverythingTurnsTheForce) {
       const Command b = touch(
           there, at(there.pose.orientation * p + there.pose.position, there.pose.orientation * v),
           memory_there);
-      // A sample on the very border may fall to either side; rounding must not do more than that.
+      // A sample exactly on the border may fall to either side; rounding must change no more.
       if (memory_here.touching != memory_there.touching) continue;
       if (memory_here.slipping != memory_there.slipping) break;
       EXPECT_NEAR((there.pose.orientation * a.elastic - b.elastic).norm(), 0.0, 1e-9);

@@ -1,4 +1,4 @@
-// The proxy of a solid remembers its side: what is thin holds, however hard and fast a hand comes.
+// The proxy of a solid remembers its side: thin solids hold, however hard and fast a hand comes.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using test::kWeightless;
 using test::moving;
 using test::object;
 
-/// Evenly from -most to most.
+/// Uniform from -most to most.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
@@ -37,12 +37,12 @@ class Random {
 struct Flat {
   const char* name;
   Shape shape;
-  Vec3 out;     // of the face
-  double half;  // [m] that the face is from the middle
-  Vec3 beside;  // [m] a place on it
+  Vec3 out;     // normal of the face
+  double half;  // [m] from the middle to the face
+  Vec3 beside;  // [m] a place on the face
 };
 
-/// Each flat face of what is 1 mm thin.
+/// Each flat face of solids that are 1 mm thin.
 std::vector<Flat> flat_faces() {
   std::vector<Flat> all;
   for (int axis = 0; axis < 3; ++axis) {
@@ -76,7 +76,7 @@ TEST(ProxySide, AThinPlateHoldsAtAnyDepthAndLetsGoWhereItWasEntered) {
       }
       for (; height < 0.0123; height += step)
         ASSERT_NEAR(at(height).depth, std::max(0.0, face.half - height), 1e-12) << face.name;
-      // Beside the plate nothing holds it, and from below it is the other face.
+      // Beside the plate nothing holds the hand. From below it then touches the other face.
       const Vec3 out = 0.06 * (face.out.cross(Vec3(1, 2, 3))).normalized() * std::sqrt(2.0);
       EXPECT_EQ(surface_point(face.shape, Side::outside, out, memory).depth, 0.0);
       EXPECT_EQ(surface_point(face.shape, Side::outside, out - 0.03 * face.out, memory).depth, 0.0);
@@ -94,7 +94,7 @@ const Solid kSolids[] = {{"box", Box{Vec3(0.02, 0.03, 5e-4)}}, {"ball", Sphere{0
                          {"disc", Cylinder{0.02, 5e-4}},       {"wire", Cylinder{5e-4, 0.02}},
                          {"cone", Cone{0.01, 0.015}},          {"needle", Cone{2e-3, 0.03}}};
 
-/// Half way through the solid, from all sides, with steps as of 10 m/s at 1 kHz and less.
+/// From all sides half way through the solid, with steps of up to 10 m/s at 1 kHz.
 TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {
   Random random(5);
   for (const Solid& solid : kSolids)
@@ -118,7 +118,7 @@ TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {
     }
 }
 
-/// A hand that goes to and fro at random never meets a force that its own way has not built up.
+/// A hand moves to and fro at random: the force grows no faster than its own movement builds it up.
 TEST(ProxySide, NoForceRisesFasterThanTheHandMoves) {
   for (const Solid& solid : kSolids) {
     int touched = 0;
@@ -145,7 +145,7 @@ TEST(ProxySide, NoForceRisesFasterThanTheHandMoves) {
   }
 }
 
-/// The same by the tree of a scene of many objects, for a ball as for a point.
+/// A scene that finds its objects by a tree gives this result too, for balls and points.
 TEST(ProxySide, InScenesLargeAndSmallForPointsAndBalls) {
   for (const int others : {0, 40})
     for (const double radius : {0.0, 0.003}) {
@@ -165,7 +165,7 @@ TEST(ProxySide, InScenesLargeAndSmallForPointsAndBalls) {
     }
 }
 
-/// A plate of 1 mm that falls at the hand, up to 20 m/s fast: it takes the hand along.
+/// A plate of 1 mm meets the hand at up to 20 m/s: it takes the hand along.
 TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0})
     for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] its edge is at 0.05
@@ -188,7 +188,7 @@ TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
     }
 }
 
-/// The client's own contact with a model of the plate holds as the server's does.
+/// The client's contact with a local model of the plate holds like the server's.
 TEST(ProxySide, HoldsInALocalModel) {
   const Scene scene("s", {object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1000.0})});
   for (const double first : {0.0015, 0.0045}) {

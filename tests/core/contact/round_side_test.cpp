@@ -1,5 +1,5 @@
-// The proxy of a round solid remembers its side too: a hand that is pressed on through the middle
-// is held where it came in, and one that goes round goes on sliding.
+// The proxy of a round solid remembers its side too. A hand pressed through the middle is held at
+// the side from which it came; a hand that moves around the solid slides.
 
 #include <gtest/gtest.h>
 
@@ -25,12 +25,12 @@ const double kSteps[] = {1e-4, 1e-3, 1e-2};  // [m] a sample: at 1 kHz 0.1, 1 an
 struct Approach {
   const char* name;
   Shape shape;
-  Vec3 middle;  // [m] that the hand is pressed through,
-  Vec3 out;     // against this, unit
-  double half;  // [m] the surface is before the middle
+  Vec3 middle;  // [m] the hand passes through it
+  Vec3 out;     // unit vector against the hand's direction
+  double half;  // [m] from the middle to the surface
 };
 
-/// Straight through the middle of a ball, and through the axes of what has one.
+/// Straight through the middle of a ball, or through the axis of another solid.
 Approach approach(int n, Random& random) {
   const double angle = random.uniform(-M_PI, M_PI), along = random.uniform(-0.018, 0.018);
   const Vec3 across(std::cos(angle), std::sin(angle), 0.0);
@@ -62,8 +62,8 @@ TEST(RoundSide, AHandPressedThroughTheMiddleIsPushedBackAtAnyDepthAndSpeed) {
       double nearest = 1.0;  // [m] to the middle, so far
       const auto check = [&] {
         nearest = std::min(nearest, std::abs(height));
-        // So far turn rounding the normal (of places of centimetres, near the middle), and the
-        // memory of a ring's part, which is good for 2^-32 turns.
+        // Rounding turns the normal by at most this much (places of centimetres, near the middle).
+        // The memory of a ring's part adds 2^-32 turns.
         const double rounding = 2e-17 / nearest + 3e-9;
         const SurfacePoint s =
             surface_point(a.shape, Side::outside, a.middle + height * a.out, memory);
@@ -82,8 +82,8 @@ TEST(RoundSide, AHandPressedThroughTheMiddleIsPushedBackAtAnyDepthAndSpeed) {
   }
 }
 
-/// No hand is steady to the last bit. Its proxy has turned by some 30 degrees when the hand is past
-/// the middle, and so lets go where the hand is beside the solid as seen from there.
+/// A real hand misses the middle a little. When it has passed the middle, its proxy has turned by
+/// some 30 degrees. It lets go when, seen from the proxy, the hand is beside the solid.
 TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
   for (const std::uint64_t seed : test::seeds(2, 1, 1)) {
     Random random(seed);
@@ -103,7 +103,7 @@ TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
           ASSERT_GT(s.normal.dot(a.out), 0.7) << a.name << " " << n << " " << height;
         }
       }
-      // Beside the ball nothing holds it any more.
+      // Beside the ball nothing holds the hand any more.
       EXPECT_EQ(
           surface_point(a.shape, Side::outside, a.middle - 0.03 * a.out + 80.0 * aside, memory)
               .depth,
@@ -113,8 +113,8 @@ TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
   }
 }
 
-/// Down to three quarters of the radius the proxy is the nearest point of the surface, to the bit,
-/// however fast the hand goes around.
+/// Down to three quarters of the radius the proxy is the nearest surface point, to the bit, however
+/// fast the hand moves around the solid.
 TEST(RoundSide, AHandThatGoesRoundSlides) {
   for (const std::uint64_t seed : test::seeds(3, 1, 1)) {
     Random random(seed);
@@ -129,7 +129,7 @@ TEST(RoundSide, AHandThatGoesRoundSlides) {
       FeatureMemory memory;
       surface_point(shape, Side::outside, 2.0 * kRadius * start, memory);
       for (int i = 0; i < 100; ++i) {
-        // The chord from one to the next comes nearer to the middle than both.
+        // The chord between two places comes nearer to the middle than either place.
         const double in = 0.25 / std::cos(0.5 * turn);
         const double distance = kRadius * random.uniform(in, 0.999);
         const double angle = i * turn;
@@ -146,7 +146,7 @@ TEST(RoundSide, AHandThatGoesRoundSlides) {
   }
 }
 
-/// On the way to and fro through a solid a hand never gets more work out of it than it has put in.
+/// On a random path through a solid a hand never gets out more work than it has put in.
 TEST(RoundSide, NoWayThroughASolidGivesEnergy) {
   for (const std::uint64_t seed : test::seeds(4, 1, 1)) {
     Random random(seed);
@@ -160,7 +160,7 @@ TEST(RoundSide, NoWayThroughASolidGivesEnergy) {
       const Vec3 home = p;
       surface_point(shape, Side::outside, p, memory);
       Vec3 force = Vec3::Zero();
-      double work = 0.0, most = 0.0;  // [J] by the hand, of a stiffness of 1
+      double work = 0.0, most = 0.0;  // [J] work by the hand, for a stiffness of 1
       const auto go = [&](const Vec3& to) {
         const int steps = 1 + static_cast<int>((to - p).norm() / 5e-6);
         const Vec3 way = (to - p) / steps;
@@ -176,14 +176,14 @@ TEST(RoundSide, NoWayThroughASolidGivesEnergy) {
       for (int leg = 0; leg < 12; ++leg)
         go(random.uniform(0.0, 1.5) * kRadius * random.direction());
       go(home + 10.0 * kRadius * random.direction());
-      if (surface_point(shape, Side::outside, p, memory).depth > 0.0) continue;  // it holds still
-      // Half a step's work at each end of a contact is what sampling cannot tell.
+      if (surface_point(shape, Side::outside, p, memory).depth > 0.0) continue;  // still held
+      // Sampling can miss half a step's work at each end of a contact.
       EXPECT_GE(work, -2e-3 * most) << n << " seed " << seed;
     }
   }
 }
 
-/// The same in a scene that finds its objects by a tree, for balls in the hand as for points.
+/// A scene that finds its objects by a tree gives this result too, for balls and points.
 TEST(RoundSide, InScenesLargeAndSmallForPointsAndBalls) {
   for (const int others : {0, 40})
     for (const double radius : {0.0, 0.003})
@@ -203,7 +203,7 @@ TEST(RoundSide, InScenesLargeAndSmallForPointsAndBalls) {
       }
 }
 
-/// A ball that falls at the hand, up to 20 m/s fast: it takes the hand along.
+/// A ball meets the hand at up to 20 m/s: it takes the hand along.
 TEST(RoundSide, ABallThatMovesNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0}) {
     const Vec3 begin(0, 0, -0.5);
@@ -225,7 +225,7 @@ TEST(RoundSide, ABallThatMovesNeverPassesAHand) {
   }
 }
 
-/// The client's own contact with a model of it holds as the server's does.
+/// The client's contact with a local model of the solid holds like the server's.
 TEST(RoundSide, HoldsInALocalModel) {
   for (const Shape& shape :
        {Shape(Sphere{kRadius}), Shape(Capsule{kRadius, 0.02}), Shape(Cylinder{kRadius, 0.02})}) {

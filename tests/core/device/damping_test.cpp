@@ -1,4 +1,4 @@
-// Damping as a number, along the axes and as a matrix.
+// Damping as a scalar, along the axes and as a matrix.
 
 #include "core/device/damping.hpp"
 
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr double kPeriod = test::kModePeriod;
 
-/// Eigenvalues 1, 3 in the plane, 5 along z.
+/// Eigenvalues 1 and 3 in the plane, 5 along z.
 Mat3 coupled() {
   Mat3 m;
   m << 2, 1, 0, 1, 2, 0, 0, 0, 5;
@@ -93,7 +93,7 @@ TEST(Damping, WhereAnAxisHasNoneTheLawsThatNeedItSaySo) {
     }
   }
   c.mode = "per_axis";
-  Bounding bounding(c);  // that axis gets no force
+  Bounding bounding(c);  // the undamped axis gets no force
   const Command r = bounding
                         .step({Vec3(-1e-3, -1e-3, 0),
                                Vec3::Zero(),

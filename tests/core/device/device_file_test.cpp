@@ -33,7 +33,7 @@ class DeviceFile : public ::testing::Test {
     return "none";
   }
 
-  // Of this test alone: others run beside it.
+  // For this process only: other tests run in parallel.
   const std::filesystem::path file_ = std::filesystem::path(::testing::TempDir()) /
                                       ("feltwire_" + std::to_string(::getpid()) + "_device.json");
 };
@@ -82,10 +82,10 @@ TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
               AllOf(HasSubstr("actuation_lag: "), HasSubstr("late_ticks 0")));
 }
 
-/// If a number differs by direction, the account counts on the least.
+/// If a number depends on the direction, the account counts on the smallest.
 TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
   const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";
-  // Two eigenvalues of [[0.05, 0.01], [0.01, 0.05]]: 0.04 and 0.06.
+  // The eigenvalues of [[0.05, 0.01], [0.01, 0.05]] are 0.04 and 0.06.
   const DeviceSpec spec = load("{" + rest + R"("damping": [0.5, 0.1, 0, 0.1, 0.5, 0, 0, 0, 0.7],
       "least_mass_matrix": [0.05, 0.01, 0, 0.01, 0.05, 0, 0, 0, 0.09],
       "least_inertia_matrix": [3e-5, 2e-5, 4e-5], "hand_torque": 0.4})");
@@ -115,7 +115,7 @@ TEST_F(DeviceFile, WhatIsNotGiven) {
   EXPECT_EQ(spec.translation_dof, 3);
   EXPECT_EQ(spec.rotation_sensed, 0);
   EXPECT_EQ(spec.max_torque, 0.0);
-  EXPECT_EQ(spec.least_mass, 0.0);  // of which nothing is known
+  EXPECT_EQ(spec.least_mass, 0.0);  // unknown
   EXPECT_EQ(spec.least_friction, 0.0);
   EXPECT_EQ(spec.hand_force, 10.0);
   EXPECT_EQ(spec.hand_speed, 0.0);
@@ -155,7 +155,7 @@ TEST_F(DeviceFile, ACommandLineNamesADeviceOrAFile) {
   EXPECT_EQ(device_spec(file_.string()).name, "mine");
 }
 
-/// Every number of the built-in devices has a source, and those that were assumed say so.
+/// Every number of the built-in devices has a source, and assumed numbers are marked.
 TEST_F(DeviceFile, BuiltInNumbersHaveSources) {
   ASSERT_EQ(sourced_builtin_devices().size(), builtin_devices().size());
   for (const SourcedSpec& described : sourced_builtin_devices()) {
@@ -179,7 +179,7 @@ TEST_F(DeviceFile, AFileSaysItsSources) {
   const std::string table = spec_table(described);
   EXPECT_THAT(table, HasSubstr("0.2, 0.3, 0.4"));
   EXPECT_THAT(table, HasSubstr("N s/m     identify, 2026-11-23"));
-  EXPECT_THAT(table, HasSubstr("no source told"));  // of the largest force
+  EXPECT_THAT(table, HasSubstr("no source told"));  // for the largest force
   EXPECT_THAT(error(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],
 "sources": {"colour": "the maker"}})"),
               HasSubstr(":2: "));
@@ -196,7 +196,7 @@ TEST_F(DeviceFile, ACommandLineOverrulesNumbers) {
   EXPECT_EQ(told.spec.least_mass, 0.2);
   EXPECT_EQ(told.spec.apparent_mass, 0.2);
   EXPECT_EQ(told.sources.at("least_mass"), "--mass");
-  // Only what is still assumed is said.
+  // It names only what is still assumed.
   EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("least_friction")));
   EXPECT_THROW(requested_spec({.name_or_file = {}, .damping = -1.0, .mass = {}}, "touch"),
                DeviceSpecError);

@@ -1,4 +1,4 @@
-// Which movements of a reading a hand can have made.
+// Which movements between readings a hand can have made.
 
 #include "core/device/possible_movement.hpp"
 
@@ -15,7 +15,7 @@ constexpr double kPeriods[] = {1e-5, 1e-4, 2.5e-4, 1e-3, 2e-3, 0.01, 0.1};  // [
 constexpr double kJust = 1e-9;
 
 MovementBounds bounds() { return position_bounds(builtin_device("simulated")); }
-/// [m] the farthest of one tick, after a tick at the speed `before` [m/s] the same way.
+/// [m] the farthest movement of a tick, after a tick at the speed `before` [m/s] the same way.
 double farthest(const MovementBounds& b, double time, double before = 0.0) {
   return std::min(b.fastest, before + b.knock + b.pull * time) * time + 2.0 * b.error;
 }
@@ -47,7 +47,7 @@ TEST(PossibleMovement, AHandThatMovesAlreadyMayGoFarther) {
 TEST(PossibleMovement, AHandMayBeStoppedAndThrownBackAtOnce) {
   for (const double T : kPeriods) {
     PossibleMovement moves(bounds());
-    for (double v = 0.0; v < 6.0; v += 0.25)  // a strong hand takes off
+    for (double v = 0.0; v < 6.0; v += 0.25)  // a strong hand accelerates
       ASSERT_TRUE(moves.made(Vec3(v * T, 0, 0), T)) << v;
     PossibleMovement thrown_back = moves;
     EXPECT_TRUE(thrown_back.made(Vec3(-3.0 * T, 2.0 * T, 0), T)) << T;
@@ -56,11 +56,11 @@ TEST(PossibleMovement, AHandMayBeStoppedAndThrownBackAtOnce) {
   }
 }
 
-/// A bit of an encoder that comes and goes: the first steps may be a knock, the rest are no hand.
+/// A flickering encoder bit: the first steps may be a knock, later ones cannot be a hand.
 TEST(PossibleMovement, AFlickerIsNoHandAfterAFewTicks) {
   const MovementBounds b = bounds();
   for (const double T : kPeriods) {
-    if (b.pull * T >= b.knock) continue;  // so slow that a hand may shake so far
+    if (b.pull * T >= b.knock) continue;  // so slow that a hand may shake this far
     const double d = 0.9 * farthest(b, T);
     PossibleMovement moves(b);
     double earned = 0.0;  // [J] at 0.5 N s/m
@@ -85,8 +85,8 @@ TEST(PossibleMovement, NumbersThatAreNoneAreNoMovement) {
     EXPECT_FALSE(PossibleMovement(bounds()).made(Vec3(0, bad, 0), 1e-3));
 }
 
-/// Hands that shake, strike, stop and are late, with the encoder's quanta: none is a jump. 5 m/s
-/// and 250 m/s^2 are more than a person does at a desk.
+/// Hands that shake, strike, stop and come late, with the encoder's quanta: no movement is a jump.
+/// 5 m/s and 250 m/s^2 are more than a person does at a desk.
 TEST(PossibleMovement, FastHonestHandsAreNoJump) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(0.0, 1.0);
@@ -99,7 +99,7 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
       const double w = peak / amplitude;
       double t = 0.0;
       const auto place = [&](double at) {
-        // A stop throws it back as fast as it came.
+        // A stop throws the hand back as fast as it came.
         const double swing = amplitude * std::cos(w * at) + 0.5 * amplitude;
         const double z = meets_a_stop ? std::abs(swing) : swing;
         const double y = 0.5 * amplitude * std::sin(0.7 * w * at);
@@ -107,7 +107,7 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
       };
       Vec3 before = place(0.0);
       for (int n = 0; n < 20000; ++n) {
-        // Ticks come late now and then, also by several periods.
+        // Some ticks come late, even by several periods.
         const double elapsed = any(random) < 0.02 ? T * (1.0 + 8.0 * any(random)) : T;
         t += elapsed;
         const Vec3 now = place(t);
@@ -118,7 +118,7 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
   }
 }
 
-/// In a scene that a device is mapped into, ten times as far is the same hand.
+/// In a scene that maps the device, ten times the movement is still the same hand.
 TEST(PossibleMovement, TheLimitIsThatOfTheHandleNotOfTheScene) {
   DeviceSpec spec = builtin_device("simulated");
   const MovementBounds plain = position_bounds(spec);

@@ -1,4 +1,4 @@
-// A body in the hand against what moves.
+// A body in the hand against moving objects.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ Scene floating_ball() {
                                 {test::body("ball", kMass)}, test::kWeightless));
 }
 
-/// A hand with a body: each step a sample, its push, and a tick.
+/// A hand with a body: each step touches, pushes and runs a tick.
 struct Holder {
   explicit Holder(World& in) : world(in), contacts(in.contact_state()) {}
   Command touch(const Pose& hand) {
@@ -40,8 +40,8 @@ struct Holder {
   BodyContactState contacts;
 };
 
-// Newton's third law to rounding: what the hands were given, the ball got the opposite of, and the
-// moment of it about the origin.
+// Newton's third law to rounding: the ball gets the opposite of the hands' forces, and of their
+// moment about the origin.
 TEST(BodyWorld, TakesTheMomentumThatTheHandsAreRefused) {
   const Scene scene = floating_ball();
   World world(scene);
@@ -89,8 +89,8 @@ TEST(BodyWorld, ItPushesABallAlongAndItsSpeedIsTheHands) {
   EXPECT_LT(world.objects()[0].pose.position.x(), hand.memory.pose.position.x() - 0.05);
 }
 
-// A block carried along by what lies on it: no normal push, friction alone. It swings on the
-// coupling, about the hand's speed, by no more than the jerk that it began with.
+// Friction alone, without a normal push, draws a block along. The block swings on the coupling
+// about the hand's speed, by no more than the initial jerk.
 TEST(BodyWorld, FrictionDrawsABlockAlongASlide) {
   Body block = test::body("block", kMass);
   block.joint = Joint::slide;
@@ -122,7 +122,7 @@ TEST(BodyWorld, AHandThatIsSilentStandsAndNothingAllocates) {
   const std::size_t before = test::allocations();
   hand.touch({Vec3(0.059, 0, 0), Quaternion::Identity()});
   for (int n = 0; n < 500; ++n) {
-    hand.push();  // no sample: the same hand, the ball where it is now
+    hand.push();  // no sample: the hand stays, the ball is where it is now
     ASSERT_TRUE(world.step());
   }
 #ifndef FELTWIRE_SANITIZED
@@ -130,7 +130,7 @@ TEST(BodyWorld, AHandThatIsSilentStandsAndNothingAllocates) {
 #else
   static_cast<void>(before);
 #endif
-  // Pushed off by what the hand pressed in, and then left alone.
+  // The pressed-in spring pushes the ball off; then the hand leaves it alone.
   EXPECT_LT(world.objects()[0].pose.position.x(), -1e-3);
   EXPECT_EQ(hand.contacts.forces[0], Vec3::Zero());
 }

@@ -1,4 +1,4 @@
-// Meshes that move: their mass, what a hand feels of them, and what they run into.
+// Moving meshes: their mass, what a hand feels of them, and what they run into.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ void expect_same(const MassProperties& a, const MassProperties& b, double relati
   EXPECT_LE((a.inertia - b.inertia).norm(), relative * b.inertia.norm());
 }
 
-// The integral over a polyhedron is exact: a box is a box however it is cut, wherever it stands.
+// The integral over a polyhedron is exact for a box, however it is cut and wherever it is.
 TEST(MassProperties, OfATessellatedBoxIsTheBoxs) {
   Random random(1);
   for (int run = 0; run < 20; ++run) {
@@ -75,7 +75,7 @@ TEST(MassProperties, KnowConvexFromHollow) {
   EXPECT_TRUE(is_convex(TriangleMesh(test::icosphere(0.05, 3))));
   EXPECT_FALSE(is_convex(TriangleMesh(test::torus(0.05, 0.02, 20, 10))));
   EXPECT_FALSE(is_convex(TriangleMesh(test::sheet(0.05))));
-  // Two that are, are not.
+  // Two convex meshes together are not convex.
   EXPECT_FALSE(is_convex(TriangleMesh(test::joined(
       test::icosphere(0.01, 2), test::moved(test::icosphere(0.01, 2), Vec3(0.05, 0, 0))))));
 }
@@ -87,7 +87,7 @@ Scene one_body(const Shape& shape, const Material& material = {},
       {0, -1}, {body("thing", 0.3, at)}, options);
 }
 
-// Given a spin it turns as the box does: mass, centre and inertia are the same to MuJoCo.
+// Given a spin, the mesh turns like the box: MuJoCo gets equal mass, centre and inertia.
 TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   const Vec3 half(0.05, 0.03, 0.02);
   const Material slick{.stiffness = 1000};
@@ -98,12 +98,12 @@ TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   Hand left(a), right(b);
   double felt = 0.0;
   for (int n = 0; n < 1500; ++n) {
-    // A hand that pushes it off beside its middle and lets go.
+    // A hand pushes it beside its middle and lets go.
     const Vec3 place = n < 150 ? Vec3(0.04, -0.01, 0.0199 - 1e-5 * n) : Vec3(0.0, 0.0, 1.0);
     const Vec3 force = left.step(place).force();
     EXPECT_LE((right.step(place).force() - force).norm(), 1e-9);
     felt += force.norm();
-    // MuJoCo keeps a mesh about its own axes of inertia, found by iteration.
+    // MuJoCo stores a mesh in its axes of inertia, which it finds by iteration.
     EXPECT_LE((b.objects()[1].pose.position - a.objects()[1].pose.position).norm(), 1e-8);
     EXPECT_LE(b.objects()[1].pose.orientation.angularDistance(a.objects()[1].pose.orientation),
               1e-7);
@@ -113,7 +113,7 @@ TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   EXPECT_GT(a.objects()[1].pose.orientation.angularDistance(Quaternion::Identity()), 0.5);
 }
 
-// Dropped on a floor it comes to rest as the box does, by its hull.
+// Dropped on a floor the mesh comes to rest like the box, by its hull.
 TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   const Vec3 half(0.05, 0.03, 0.02);
   const Scene analytic = one_body(Box{half}), cut = one_body(mesh(test::box(half, 2)));
@@ -125,7 +125,7 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   EXPECT_NEAR(b.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
   EXPECT_LE((b.objects()[1].pose.position - a.objects()[1].pose.position).norm(), 2e-4);
   EXPECT_LE(b.objects()[1].pose.orientation.angularDistance(a.objects()[1].pose.orientation), 2e-3);
-  // A closed mesh that stands carries it likewise.
+  // A static closed mesh carries a box too.
   const Scene on_mesh = moving(
       {object("table", mesh(test::moved(test::box(Vec3(0.2, 0.2, 0.05), 2), Vec3(0, 0, -0.15)))),
        object("thing", Box{half})},
@@ -135,7 +135,7 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   EXPECT_NEAR(c.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
 }
 
-// A shape that MuJoCo has no geom for rests on the geoms that stand for it.
+// A shape without a MuJoCo geom rests on the geoms that replace it.
 TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
   const struct {
     Shape shape;
@@ -151,7 +151,7 @@ TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
   }
 }
 
-// Newton's third law to rounding, and no tunnelling: two hands stroke and press a tumbling ring.
+// Newton's third law to rounding, without tunnelling: two hands stroke and press a tumbling ring.
 TEST(MovingMesh, TakesTheMomentumThatTheHandsAreRefused) {
   const Material grippy{
       .stiffness = 1000, .damping = 1.0, .static_friction = 0.8, .dynamic_friction = 0.6};
@@ -185,7 +185,7 @@ TEST(MovingMesh, TakesTheMomentumThatTheHandsAreRefused) {
   EXPECT_NEAR((world.momentum() + given).norm(), 0.0, 1e-12 * pushed);
 }
 
-// A mesh that flies at 10 m/s at a hand that stands still does not pass it.
+// A mesh that flies at 10 m/s at a resting hand does not pass it.
 TEST(MovingMesh, ComesToTheHandAndIsFelt) {
   const Scene scene =
       moving({object("plate", mesh(test::box(Vec3(0.05, 0.05, 1e-3))), {.stiffness = 500})}, {0},
@@ -220,7 +220,7 @@ TEST(MovingMesh, IsRefusedWithoutAVolume) {
   EXPECT_EQ(error(test::icosphere(0.05, 1)), "no error");
 }
 
-// Its patches move with it.
+// The patches move with the mesh.
 TEST(MovingMesh, IsInTheLocalModelWithItsVelocity) {
   const Scene scene = moving({object("ball", mesh(test::icosphere(0.05, 4)), {.stiffness = 1000})},
                              {0}, {body("ball", 0.3)}, {.gravity = Vec3(0, 0, -1.0)});

@@ -1,5 +1,5 @@
-// A simulation has room for what it needs, takes more where that is too little, and nobody can
-// tell.
+// A simulation has room for its usual need, takes more when that is too little, and gives the same
+// results either way.
 
 #include "core/dynamics/mujoco_buffers.hpp"
 
@@ -25,7 +25,7 @@ using mujoco::Simulation;
 
 constexpr double kHalf = 0.02;  // [m]
 
-/// The first a millimetre above a table, the others at a height [m].
+/// Boxes: the first one a millimetre above a table, the others at `height` [m].
 std::string boxes(int count, const std::string& size, double height) {
   std::string xml = "<mujoco>" + size +
                     "<option timestep='0.001' cone='elliptic' noslip_iterations='5'/><worldbody>"
@@ -72,7 +72,7 @@ TEST(MujocoRoom, FewBodiesTakeLittle) {
   }
 }
 
-// Fifty boxes on a table have two hundred contacts, MuJoCo by itself has room for a hundred: the
+// Fifty boxes on a table have two hundred contacts; MuJoCo's default room holds a hundred. The
 // other boxes would fall through.
 TEST(MujocoRoom, NoneFallsThroughForWantOfRoom) {
   std::vector<Object> objects{test::object("table", Plane{})};
@@ -93,7 +93,7 @@ TEST(MujocoRoom, NoneFallsThroughForWantOfRoom) {
   EXPECT_EQ(world.counters().warnings, 0u);
 }
 
-// Room that was taken on the way, contacts and stack, or beforehand: the same bits.
+// Room for contacts and stack, taken on the way or beforehand: the same bits.
 TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
   const auto small = model_of(100);
   const auto large = model_of(100, "<size nconmax='1000' njmax='3500' nstack='30000000'/>");
@@ -110,14 +110,14 @@ TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
   EXPECT_NEAR(lowest(a), kHalf, 1e-3);
 }
 
-// The one exception to "nothing in a tick allocates", which docs/moving.md states: a tick in which
-// more touches than in any before it takes more room from the heap. Every other tick takes none.
+// The only exception to "nothing in a tick allocates" (docs/moving.md): a tick with more contacts
+// than any tick before takes more room from the heap. All other ticks take none.
 TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer brings its own malloc";
 #endif
   const std::size_t counting = test::allocations();
-  mju_free(mju_malloc(8));  // the counter sees MuJoCo
+  mju_free(mju_malloc(8));  // the counter counts MuJoCo's memory too
   EXPECT_EQ(test::allocations(), counting + 2);
 
   const auto model = model_of(100);
@@ -139,8 +139,8 @@ TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// A thread's first sort takes its room, and nothing to have it freed by: where glibc has no memory
-/// for that it ends the program.
+/// A thread's first sort allocates its room only, and registers nothing that frees the room: glibc
+/// ends the program if it has no memory for such a registration.
 TEST(MujocoSort, AThreadTakesMemoryOnceAndForItsRoomOnly) {
   std::array<std::size_t, 2> taken{};
   std::vector<int> numbers(1000);
@@ -164,7 +164,7 @@ TEST(MujocoSort, AThreadTakesMemoryOnceAndForItsRoomOnly) {
 }
 #endif
 
-// One box comes down among a hundred in the air: Newton's matrices find the stack too small.
+// A single box lands, a hundred are in the air: Newton's matrices find the stack too small.
 TEST(MujocoRoom, AStackThatTheSolverFindsTooSmallGrows) {
   const auto small = model_of(100, {}, 5.0);
   const auto large = model_of(100, "<size nconmax='300' njmax='900' nstack='5000000'/>", 5.0);
@@ -184,10 +184,10 @@ TEST(MujocoRoom, WhatAFileSaysStays) {
   EXPECT_EQ(simulation.room().rows, 40);
   EXPECT_EQ(simulation.room().stack, 200000);
   EXPECT_GT(simulation.data()->warning[mjWARN_CONTACTFULL].number, 0);
-  EXPECT_LT(lowest(coordinates), 0.0);  // as it wants to have it
+  EXPECT_LT(lowest(coordinates), 0.0);  // the file wants it so
 }
 
-// At the end of what there is it leaves out, says so, and goes on; the stack it still takes.
+// At the memory limit the simulation drops contacts, warns and goes on; the stack still fits.
 TEST(MujocoRoom, AtTheMostItIsFull) {
   const auto model = model_of(100);
   Simulation simulation(*model, 0.5 * bytes(*model, first_room(*model)));

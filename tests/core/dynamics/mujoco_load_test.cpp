@@ -1,4 +1,4 @@
-// A fault of MuJoCo's loader by a bad file stays in the process that reads the file.
+// If a bad file makes MuJoCo's loader fail, only the process that reads the file fails.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ const std::string kGood = "<mujoco><worldbody><geom size='1'/></worldbody></mujo
 // The product of rows and columns overflows: MuJoCo 2.2 fails while it holds its loader's lock.
 const std::string kNoMemory =
     "<mujoco><asset><hfield name='h' nrow='65535' ncol='65535' size='1 1 1 1'/></asset></mujoco>";
-// MuJoCo 2.2 reads beyond its vertices.
+// MuJoCo 2.2 reads beyond the vertices of this mesh.
 const std::string kCrash =
     "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' "
     "face='0 1 99999999 1 2 3 0 2 3 0 1 3'/></asset>"
@@ -47,7 +47,7 @@ TEST(MujocoLoad, AfterAnErrorTheNextFileIsRead) {
   for (int n = 0; n < 3; ++n) {
     const std::string wrong = load_text(kNoMemory).error;
     EXPECT_NE(wrong, "");
-#ifndef FELTWIRE_SANITIZED  // which end the program before MuJoCo says why
+#ifndef FELTWIRE_SANITIZED  // sanitizers end the program before MuJoCo says why
     EXPECT_THAT(wrong, HasSubstr("Could not allocate memory"));
 #endif
     const mujoco::Loaded good = load_text(kGood);
@@ -59,7 +59,7 @@ TEST(MujocoLoad, AfterAnErrorTheNextFileIsRead) {
 TEST(MujocoLoad, AFileThatCrashesTheLoaderIsAnError) {
   const mujoco::Loaded crashed = load_text(kCrash);
   EXPECT_EQ(crashed.model, nullptr);
-#ifndef FELTWIRE_SANITIZED  // which answers a signal by an end of its own
+#ifndef FELTWIRE_SANITIZED  // sanitizers handle the signal themselves
   EXPECT_THAT(crashed.error, HasSubstr("crashed on it (signal 11)"));
 #endif
 }
@@ -88,7 +88,7 @@ TEST(MujocoLoad, ManyThreadsLoadAtOnce) {
   EXPECT_THAT(errors, ::testing::Each(std::string()));
 }
 
-/// As slow to load as 10000 bodies are: some minutes.
+/// A model that loads as slowly as 10000 bodies: some minutes.
 std::string slow_model() {
   std::string text = "<mujoco><size nconmax='16' njmax='48' nstack='200000000'/><worldbody>";
   for (int i = 0; i < 10000; ++i)
@@ -97,7 +97,7 @@ std::string slow_model() {
   return text + "</worldbody></mujoco>";
 }
 
-/// The processes that this one has started and not waited for.
+/// The child processes that this process has not yet waited for.
 std::vector<pid_t> children() {
   std::vector<pid_t> all;
   for (const auto& process : std::filesystem::directory_iterator("/proc")) {
@@ -134,7 +134,7 @@ TEST(MujocoLoad, ALoadThatIsCancelledEndsItsProcess) {
     loading.join();
     EXPECT_TRUE(cancelled) << at_once;
     EXPECT_THAT(children(), ::testing::IsEmpty());
-    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);  // it has been waited for too
+    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);  // the child was waited for too
     EXPECT_EQ(errno, ECHILD);
   }
 }
@@ -147,7 +147,7 @@ TEST(MujocoLoad, ALoadThatIsNotCancelledIsTheSame) {
   EXPECT_NE(load_text("no XML").error, "");
 }
 
-/// Scenes in a folder, and files outside of it that they name by links.
+/// Scenes in a folder, and files outside that the scenes name by links.
 class ShownErrors : public ::testing::Test {
  protected:
   ShownErrors()
@@ -237,7 +237,7 @@ TEST_F(ShownErrors, NorThoseThatMuJoCoQuotesOfAnIncludedFile) {
   }
 }
 
-/// A file that nobody writes to, or that never ends, is not waited for, wherever it is named.
+/// The loader never waits for a pipe or reads an endless file, whichever element names it.
 TEST_F(ShownErrors, FilesThatAreNoRegularOnesAreRefused) {
   for (const char* name : {"pipe.xml", "pipe.stl", "pipe.png", "pipe.bin"})
     ASSERT_EQ(mkfifo((root_ / "scenes" / name).c_str(), 0600), 0);
@@ -275,7 +275,7 @@ TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
   EXPECT_THAT(error_of_mjcf("none.xml"), HasSubstr("none.xml: cannot be opened"));
 }
 
-/// A URI is a name like others: what is missing is said to be, not to lie elsewhere.
+/// A URI is a name like others: a missing file is reported as missing, not as outside.
 TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
   for (const std::string uri : {"package://pkg/meshes/none.stl", "file:///nowhere/none.stl"}) {
     write("scenes/r.urdf", "<robot name='r'><link name='l'><collision><geometry><mesh filename='" +
@@ -283,7 +283,7 @@ TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
     EXPECT_THAT(error_of_mjcf("r.urdf"),
                 HasSubstr("it names '" + uri + "', which does not exist; correct the name"));
   }
-  // Also where the scene is named from its own folder.
+  // This holds also when the scene is named from its own folder.
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(root_ / "scenes");
   std::string message;
@@ -299,7 +299,7 @@ TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
 constexpr const char* kTriangles =
     "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
-/// MuJoCo looks for the file without its folder, and its message does not say why.
+/// MuJoCo looks for the file without its folder; its own message does not say so.
 TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
   std::filesystem::create_directories(root_ / "scenes" / "meshes");
   write("scenes/meshes/part.obj", kTriangles);
@@ -320,7 +320,7 @@ TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
   EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("dropped the folder of 'meshes/part.obj'"));
 }
 
-/// MuJoCo takes it for its hull, and says nothing.
+/// MuJoCo silently uses the hull of an open mesh.
 TEST_F(ShownErrors, AnOpenMeshOfAModelIsWarnedOf) {
   const auto warnings = [&](const std::string& faces) {
     write("scenes/part.obj", "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\n" + faces);
@@ -346,7 +346,7 @@ TEST_F(ShownErrors, FeltwiresOwnReasonsAreShownWhateverTheModelNames) {
   EXPECT_THAT(error_of_mjcf("a/egg.xml"),
               AllOf(HasSubstr("geom 'egg' of body 'world': only plane, sphere"),
                     Not(HasSubstr("not shown"))));
-  // Names that stand in a text outside of the folder are not.
+  // Names in a text outside the folder are not shown.
   write("secret/topsecret.xml",
         "<mujoco><worldbody><geom name='topsecret' type='ellipsoid' size='1 1 2'/></worldbody>"
         "</mujoco>");
@@ -441,12 +441,12 @@ TEST_F(ShownErrors, MeshesOfAUrdfFileAreFoundInTheirFolders) {
       EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error") << name << more;
     }
   }
-  // Its own compiler's word about paths stays as it is.
+  // A meshdir in the file's own compiler element stays in force.
   write("scenes/urdf/r.urdf", urdf("x/y/part.stl", "<mujoco><compiler meshdir='own'/></mujoco>"));
   EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error");
   write("scenes/urdf/r.urdf", urdf("own/none.stl"));
   EXPECT_THAT(error_of_mjcf("urdf/r.urdf"), HasSubstr("own/none.stl"));
-  // Recordings keep the meshes, too.
+  // Recordings keep the meshes too.
   write("scenes/urdf/r.urdf", urdf("../meshes/part.stl"));
   write("scenes/s.json", R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
                              "mjcf": {"file": "urdf/r.urdf", "material": "m"}})");

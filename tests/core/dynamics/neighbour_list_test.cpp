@@ -1,5 +1,5 @@
-// A hand asks only the moving objects near it: the same bits as asking all of them always, and none
-// is passed through, however fast hand and object meet.
+// A hand asks only the moving objects near it. The result equals, to the bit, that of asking all
+// objects always, and no object passes a hand, however fast they meet.
 
 #include "core/dynamics/neighbour_list.hpp"
 
@@ -25,7 +25,7 @@ using test::object;
 TEST(NeighbourSearch, AListHoldsUntilToolAndObjectsHaveComeAsFarAsItsMargin) {
   const std::vector<Object> two = {object("a", Sphere{0.02}, {}, {0, 0, 0}),
                                    object("b", Sphere{0.02}, {}, {1, 0, 0})};
-  NeighbourSearch reach(two, 0.01);  // 30 mm each, and so is the margin
+  NeighbourSearch reach(two, 0.01);  // each reaches 30 mm; the margin is 30 mm too
   NeighbourList near;
   EXPECT_FALSE(near.known());
   EXPECT_FALSE(reach.holds(near, Vec3::Zero()));
@@ -38,7 +38,7 @@ TEST(NeighbourSearch, AListHoldsUntilToolAndObjectsHaveComeAsFarAsItsMargin) {
   EXPECT_TRUE(near.known());
   EXPECT_TRUE(reach.holds(near, start + Vec3(0, 0.0299, 0)));
   EXPECT_FALSE(reach.holds(near, start + Vec3(0, 0.0301, 0)));
-  // Each step takes the way of the object that goes farthest, whichever it is.
+  // Each step counts the movement of the object that moves farthest.
   const auto moved = [&](double first, double second) {
     reach.place(0, {Vec3(first, 0, 0), Quaternion::Identity()});
     reach.place(1, {Vec3(1, second, 0), Quaternion::Identity()});
@@ -75,20 +75,20 @@ TEST(NeighbourSearch, TheBallIsAboutTheMiddleHoweverTheObjectIsTurned) {
   EXPECT_TRUE(reach.is_outside(0, Vec3(0, 0.5, 1) + 1.01 * half));
 }
 
-/// Swings from its place, 0, to 2 `rest` and back, at `rest` times `turn` [rad/s] in the middle.
+/// Swings from its place, 0, to 2 `rest` and back; its speed in the middle is `rest` times `turn`.
 Body swinging(const char* name, Joint joint, const Vec3& axis, double rest, double turn,
               const Vec3& position) {
   Body b = body(name, 1.0, position);
   b.joint = joint;
   b.axis = axis;
   b.rest = rest;
-  b.stiffness = turn * turn;  // of 1 kg
+  b.stiffness = turn * turn;  // for 1 kg
   b.collides = false;
   return b;
 }
 
-/// Thin plates that fly to and fro at up to 10 m/s, doors that swing, a ring, a box that is no
-/// mesh. So soft that they hardly feel the hands.
+/// Thin plates that fly to and fro at up to 10 m/s, swinging doors, a ring, and a box that is not a
+/// mesh. All are so soft that they hardly feel the hands.
 Scene crowd(double radius) {
   const Material soft{.stiffness = 1.0},
       rough{.stiffness = 2.0, .damping = 1e-3, .static_friction = 0.6, .dynamic_friction = 0.4};
@@ -113,7 +113,7 @@ Scene crowd(double radius) {
   return moving(objects, {0, 1, 2, 3, 4, 5, 6}, bodies, kWeightless);
 }
 
-/// Asks everything at every sample, and at every tick without one.
+/// Asks every object at every sample, and at every tick without a sample.
 struct Asker {
   explicit Asker(World& in) : world(in), memory(in.objects().size()) {}
   Command ask(const Tool& tool) {
@@ -130,8 +130,8 @@ struct Asker {
   std::vector<ContactMemory> memory;
 };
 
-/// Goes through one thing after the other, seen from that, at up to 10 m/s; where it may jump it is
-/// at the next at once.
+/// Passes through the objects one after the other, in their frames, at up to 10 m/s. If it may
+/// jump, it reaches the next object at once.
 class Wanderer {
  public:
   Wanderer(const World& world, std::uint64_t seed, bool jumps)
@@ -165,7 +165,7 @@ class Wanderer {
 TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
   std::size_t felt = 0, began = 0, asked = 0, samples = 0;
   for (const std::uint64_t seed : test::seeds(1, 8, 2)) {
-    // A ball's proxy takes short steps: after a jump it goes on for some samples, if it was asked.
+    // A ball's proxy takes short steps: after a jump it goes on for samples only if it was asked.
     const bool jumps = seed % 2 == 0;
     const Scene scene = crowd(jumps ? 0.0 : 1e-3);
     World world(scene);
@@ -188,7 +188,7 @@ TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
       ++samples;
       world.push(hand.contacts, hand.memory, 1.0);
       ASSERT_TRUE(world.step());
-      const int silent = n % 40 == 0 ? 3 : 0;  // ticks of a hand that says nothing
+      const int silent = n % 40 == 0 ? 3 : 0;  // ticks without a sample from the hand
       for (int i = 0; i < silent; ++i) {
         world.push(hand.contacts, hand.memory, 1.0);
         asker.ask({place, Vec3::Zero()});
@@ -203,11 +203,11 @@ TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
   }
   EXPECT_GT(felt, samples / 20);
   EXPECT_GT(began, test::rounds(50u));
-  EXPECT_LT(asked, 4 * samples);  // of seven
+  EXPECT_LT(asked, 4 * samples);  // of seven objects
 }
 
-// A plate of 1 mm that comes at 10 m/s, the hand standing, fleeing or coming towards it, from far
-// out of its reach: it takes the hand along and never lets it through.
+// A plate of 1 mm comes at 10 m/s from far away; the hand stands, flees or comes towards it. The
+// plate takes the hand along and never lets it through.
 TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0})
     for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] its edge is at 0.05
@@ -222,7 +222,7 @@ TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
         const Vec3 place(beside, 0.7 * beside, std::max(-0.3, 0.05 + speed * kDefaultTick * n));
         const double above = place.z() - world.objects()[0].pose.position.z();
         const double force = hand.step(place).elastic.z();
-        // The force of the depth behind the plate's upper face.
+        // The force for the depth below the plate's upper face.
         EXPECT_NEAR(force, std::max(0.0, 5e-4 - above), 1e-9) << speed << " " << n;
         felt += force > 0.0 ? 1 : 0;
       }
@@ -230,8 +230,8 @@ TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
     }
 }
 
-// A hand that jumps at a plate from far beside it, while the plate comes up: the plate sees it come
-// from above.
+// A hand jumps at a plate from far beside it while the plate comes up: for the plate, the hand
+// comes from above.
 TEST(NeighbourSearch, AJumpIsSeenFromWhereThePlateWas) {
   const Vec3 begin(0, 0, -0.5);
   const Scene scene =
@@ -256,7 +256,7 @@ TEST(NeighbourSearch, AJumpIsSeenFromWhereThePlateWas) {
   EXPECT_NEAR((felt.elastic - Vec3(0, 0, 3e-4)).norm(), 0.0, 1e-9);
 }
 
-// From far on one side to far on the other at once, whether it was looked for before or not.
+// The hand jumps from one side to the other, with or without the plate in its list.
 TEST(NeighbourSearch, AJumpThroughAPlateIsCaught) {
   const Vec3 begin(0, 0, -0.5);
   const Scene scene =
@@ -271,7 +271,7 @@ TEST(NeighbourSearch, AJumpThroughAPlateIsCaught) {
   }
 }
 
-// A hand that leaves a thing in one jump has let go of it. When it comes back it sticks anew.
+// A hand that leaves an object in one jump lets go of it. When it comes back it sticks anew.
 TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   const Material rough{.stiffness = 100.0, .static_friction = 0.6, .dynamic_friction = 0.4};
   const Scene scene = moving({object("box", Box{Vec3::Constant(0.03)}, rough)}, {0},
@@ -288,7 +288,7 @@ TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   EXPECT_EQ(back.frictional, Vec3::Zero());
 }
 
-// The next sample finds the bodies that moved while nobody pushed.
+// The next sample finds the bodies that moved without a push from the hand.
 TEST(NeighbourSearch, AHandThatIsSilentForLongFindsWhatMovedMeanwhile) {
   const Scene scene =
       moving({object("ball", Sphere{0.02}, {.stiffness = 100.0})}, {0},

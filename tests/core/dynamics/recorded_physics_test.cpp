@@ -1,7 +1,7 @@
-// Runs of what moves give the bits that they gave when they were recorded, not only the same bits
-// twice. What bits those are depends on the compiler, on MuJoCo, and on the functions that the C
-// library chooses for the processor, so they are recorded for each of these in
-// tests/core/recorded_physics.txt. To record those of a machine that the file does not know:
+// Moving scenes give the recorded bits, not only the same bits twice. The bits depend on the
+// compiler, on MuJoCo, and on the functions that the C library chooses for the processor. So
+// tests/core/recorded_physics.txt has a record for each of these. To record a machine that the
+// file does not know:
 //
 //   build/debug/tests/core/scene_test --gtest_filter='RecordedPhysics.*' | grep '^physics ' >>
 //   tests/core/recorded_physics.txt
@@ -31,7 +31,7 @@ using test::object;
 class Hash {
  public:
   void add(double value) {
-    // Zeros of either sign are the same place.
+    // Zeros of either sign are equal.
     std::uint64_t bits = std::bit_cast<std::uint64_t>(value + 0.0);
     for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash_ = (hash_ ^ (bits & 0xFF)) * kPrime;
   }
@@ -49,14 +49,14 @@ class Hash {
   std::uint64_t hash_ = 14695981039346656037ull;
 };
 
-/// The compiler, processor and libraries on which the bits depend.
+/// The compiler, processor and libraries that determine the bits.
 std::string machine() {
 #if defined(__clang__)
   std::string text = "clang-" + std::to_string(__clang_major__);
 #else
   std::string text = "gcc-" + std::to_string(__GNUC__);
 #endif
-#if defined(__FMA__)  // a * b + c rounded once, wherever the compiler likes
+#if defined(__FMA__)  // a * b + c is rounded once, where the compiler chooses
   text += "-fma";
 #endif
 #if defined(__x86_64__)
@@ -72,7 +72,7 @@ std::string machine() {
   return text + " glibc-" + gnu_get_libc_version() + " mujoco-" + mj_versionString();
 }
 
-/// The hash that was recorded; empty: none.
+/// The recorded hash; empty if there is none.
 std::string recorded(const std::string& run) {
   std::ifstream file(FELTWIRE_SOURCE_DIR "/tests/core/recorded_physics.txt");
   const std::string begin = "physics " + machine() + " " + run + " ";
@@ -82,13 +82,13 @@ std::string recorded(const std::string& run) {
   return found;
 }
 
-/// Steps of a world while a hand goes round in it, and all that comes of it.
+/// Hash of the results of a world's steps while a hand moves in it.
 std::string hash_of(const Scene& scene, int steps, const Vec3& start, const Vec3& reach) {
   World world(scene);
   test::Hand hand(world);
   Hash hash;
   for (int n = 0; n < steps; ++n) {
-    // A triangle's way to and fro, in exact numbers: no sine of the C library's.
+    // The hand follows a triangle wave in exact numbers: no sine of the C library.
     const double part = static_cast<double>(n % 512) / 256.0 - 1.0;
     const Command felt = hand.step(start + (1.0 - std::abs(part)) * reach);
     hash.add(felt.elastic);
@@ -115,7 +115,7 @@ void judge(const std::string& run, const std::string& hash) {
 
 constexpr Material kWood{.stiffness = 800.0, .static_friction = 0.5, .dynamic_friction = 0.4};
 
-/// Boxes, balls and a can that fall on each other, and a hand that stirs them.
+/// Boxes, balls and a can fall on each other while a hand stirs them.
 TEST(RecordedPhysics, Pile) {
   std::vector<Object> objects = {object("floor", Plane{}, kWood)};
   std::vector<int> body_of = {-1};
@@ -133,7 +133,7 @@ TEST(RecordedPhysics, Pile) {
   judge("pile", hash_of(moving(objects, body_of, bodies), 2000, {0.06, 0.0, 0.03}, {-0.07, 0, 0}));
 }
 
-/// A door with a spring, a stop and dry friction, pushed open again and again.
+/// A door with a spring, a stop and dry friction, pushed open repeatedly.
 TEST(RecordedPhysics, Hinge) {
   Body door = body("door", 0.4);
   door.joint = Joint::hinge;
@@ -147,7 +147,7 @@ TEST(RecordedPhysics, Hinge) {
   judge("hinge", hash_of(scene, 3000, {0.15, -0.02, 0.0}, {0.0, 0.09, 0.01}));
 }
 
-/// Three bodies without weight, struck off their middles.
+/// Three weightless bodies, struck beside their middles.
 TEST(RecordedPhysics, Floating) {
   std::vector<Object> objects;
   std::vector<Body> bodies;

@@ -1,4 +1,4 @@
-// Thin bodies that fall onto thin bodies: what the loader says, and what the simulation does.
+// Thin bodies that fall onto thin bodies: the loader's warnings, and the simulation's behaviour.
 #include "core/dynamics/thin_contacts.hpp"
 
 #include <gmock/gmock.h>
@@ -21,9 +21,9 @@ constexpr double kGravity = 9.81;
 
 struct Drop {
   Shape shape = Box{Vec3(0.05, 0.05, 0.0005)};
-  double half = 0.0005;  // [m] of its height
+  double half = 0.0005;  // [m] half of the plate's height
   double board = 0.001;  // [m] thickness
-  double height = 0.25;  // [m] from the board to its lowest point
+  double height = 0.25;  // [m] from the board to the plate's lowest point
   double tick = 1e-3;    // [s]
   Quaternion turn = Quaternion::Identity();
 };
@@ -40,7 +40,7 @@ Scene scene_of(const Drop& drop) {
                       {.tick = drop.tick});
 }
 
-/// Whether it lies on the board after the fall, or has left it over the edge.
+/// Whether the plate lies on the board after the fall, or has left it over the edge.
 bool holds(const Drop& drop) {
   const Scene scene = scene_of(drop);
   World world(scene);
@@ -64,7 +64,7 @@ std::vector<std::string> thin_warnings(const Drop& drop) {
 
 TEST(ThinContacts, APlateThatFallsThroughABoardIsSaidWithNumbersAndRemedy) {
   Drop drop;
-  // A tick may find the plate in the board or beyond it: where it begins decides.
+  // Its start decides whether a tick finds the plate in the board or beyond it.
   int fell = 0;
   for (int i = 0; i < 8; ++i) {
     drop.height = 0.25 + 0.0003 * i;
@@ -80,7 +80,7 @@ TEST(ThinContacts, APlateThatFallsThroughABoardIsSaidWithNumbersAndRemedy) {
                         HasSubstr("or give a tick of at most"), HasSubstr("begin at most"))));
 }
 
-/// Bodies that are not warned of hold, for any shape, size, tick and height; each remedy is one.
+/// Bodies without a warning hold, for any shape, size, tick and height. Each remedy helps.
 TEST(ThinContacts, WhatIsNotWarnedOfHolds) {
   int warned = 0, silent = 0;
   const auto look = [&](const Drop& drop) {
@@ -105,7 +105,7 @@ TEST(ThinContacts, WhatIsNotWarnedOfHolds) {
   EXPECT_GT(silent, 30);
 }
 
-/// Plates, coins and rods in every attitude: an edge comes first, and the rest slaps down.
+/// Plates, coins and rods in every attitude: an edge lands first, then the rest slaps down.
 /// Cylinders below 8 mm are left out: docs/moving.md.
 TEST(ThinContacts, WhatFallsOnAnEdgeAndIsNotWarnedOfHolds) {
   test::Random random(7);
@@ -196,7 +196,7 @@ TEST(ThinContacts, OnlyWhatFallsOntoSomethingThinIsNamed) {
   EXPECT_THAT(
       test::moving(objects, {-1, -1, 0}, {test::body("plate", 0.1, {0, 0, 0.3})}).warnings(),
       IsEmpty());
-  // In a scene without weight nothing falls.
+  // In a weightless scene nothing falls.
   objects[0].pose.position.x() = 0.0;
   EXPECT_THAT(
       test::moving(objects, {-1, -1, 0}, {test::body("plate", 0.1, {0, 0, 0.3})}, test::kWeightless)

@@ -1,4 +1,4 @@
-// A simulation that comes to nothing sane: the scene goes back, the hand feels zero.
+// A simulation fails: the scene goes back, the hand feels zero.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(WorldFaults, AStiffLightBodyIsWarnedOf) {
   // k < m / T^2, m > k T^2, T < sqrt(m / k)
   EXPECT_THAT(warnings[0], HasSubstr("at most 100 N/m"));
   EXPECT_THAT(warnings[0], HasSubstr("at least 1e+04 g"));
-  // 3.16e-06 s, which a scene may not have
+  // 3.16e-06 s: shorter than a scene may have
   EXPECT_THAT(warnings[0], HasSubstr("no tick that a scene may have is short enough"));
 }
 
@@ -71,14 +71,14 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   EXPECT_EQ(hand.touch(place).force(), Vec3::Zero());
   // Static objects are felt as before.
   EXPECT_EQ(hand.touch({0.1, 0, -0.001}).elastic, Vec3(0, 0, 1));
-  // And then little by little: the whole is 500 N/mm.
+  // Then the force grows little by little: the full force has 500 N/mm.
   hand.touch(place);
   for (int n = 0; n < 10; ++n) world.step();
   const double felt = hand.touch(place).force().norm();
   EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
 }
 
-// The push of a hand before a reset does not continue after it, near the pushed body or not.
+// A hand's push before a reset does not continue after it, whether the hand is near or not.
 TEST(WorldFaults, NoPushOutlivesAReset) {
   const Scene scene = explosive();
   for (const double beside : {0.05, 0.5}) {
@@ -91,12 +91,12 @@ TEST(WorldFaults, NoPushOutlivesAReset) {
   }
 }
 
-// A client that makes the force itself makes none either.
+// A client that renders the force itself gets none either.
 TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   const Scene scene = explosive();
   World world(scene);
   Hand hand(world);
-  const Vec3 place(0, 0, 0.2 - 0.0305);  // beside ball and table: both are near
+  const Vec3 place(0, 0, 0.2 - 0.0305);  // between ball and table: both are near
   EXPECT_FALSE(world.recovering());
   const auto stiffness = [&](std::size_t object) {
     const LocalModel model = local_model(world, place, hand.memory);
@@ -117,8 +117,8 @@ TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   EXPECT_EQ(stiffness(1), 1e7);
 }
 
-/// The bodies that a broken body touched belong to it, and those that are tied to them by contacts.
-/// A static object ties nothing together.
+/// A fault spreads to all bodies that touch the broken body, directly or through other bodies. A
+/// static object does not spread it.
 TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
   const auto box = [](const char* name, const Vec3& at) {
     return object(name, Box{Vec3::Constant(0.02)}, {.stiffness = 1000}, at);
@@ -143,8 +143,8 @@ TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
   EXPECT_FALSE(broken.has(parts[2].body));
 }
 
-/// The hand that pushed what broke is blamed, with its force; one that holds another body is not,
-/// nor one that let go long before.
+/// The hand that pushed the broken body is blamed, with its force. A hand on another body is not,
+/// nor a hand that let go long before.
 TEST(WorldFaults, WhoPushedWhatBrokeIsToBlame) {
   const Material soft{.stiffness = 1000};
   const Scene scene = moving(
@@ -170,7 +170,7 @@ TEST(WorldFaults, WhoPushedWhatBrokeIsToBlame) {
   EXPECT_EQ(world.blame(gone.contacts), 0.0);
 }
 
-// A ball that falls is at each step where it never was before: its height says how far back a reset
+// A falling ball has a different height at each step, so its height tells how far back a reset
 // went. States are kept every 0.1 s.
 TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
   const Vec3 start(0, 0, 20);
@@ -190,7 +190,7 @@ TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
   while (went_back_to.size() < 15) {
     const std::uint64_t resets = world.counters().resets;
     hand.touch(world.objects()[1].pose.position - Vec3(0, 0, 0.031));
-    // Soon enough that no state since the last reset is old enough to be taken.
+    // Fails before any state since the last reset is old enough to be used.
     for (int steps = 0; world.counters().resets == resets; ++steps) {
       ASSERT_LT(steps, 150);
       hand.step(world.objects()[1].pose.position - Vec3(0, 0, 0.0299));
@@ -210,7 +210,7 @@ TEST(WorldFaults, AToolThatIsNotFinitePushesNothing) {
   EXPECT_EQ(world.momentum(), Vec3::Zero());
 }
 
-/// A body deep in another is a mistake of whoever wrote the scene.
+/// A body deep in another is a mistake in the scene.
 TEST(WorldFaults, BodiesThatBeginInsideEachOtherAreWarnedOf) {
   const Scene scene = moving({object("table", Plane{}), object("box", Box{Vec3::Constant(0.02)})},
                              {-1, 0}, {body("box", 0.5)});

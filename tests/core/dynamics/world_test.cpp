@@ -47,8 +47,8 @@ TEST(World, BodiesFallByTheClosedFormOfTheIntegrator) {
   }
 }
 
-/// Newton's third law to rounding: what the hand was given, the ball got the opposite of, and the
-/// moment of it about the origin.
+/// Newton's third law to rounding: the ball gets the opposite of the hand's force, and of its
+/// moment about the origin.
 TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   constexpr double kMass = 0.2, kRadius = 0.03;
   const Scene scene = floating_ball(kMass);
@@ -57,7 +57,7 @@ TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   Vec3 given = Vec3::Zero(), moment = Vec3::Zero();
   double pushed = 0.0;
   for (int n = 0; n < 2000; ++n) {
-    // Two hands that follow the ball about, each in it now and then, sliding over it.
+    // Two hands follow the ball, touch it now and then and slide over it.
     const Vec3 centre = world.objects()[0].pose.position;
     const double t = 1e-3 * n;
     const std::array<Vec3, 2> places = {
@@ -78,7 +78,7 @@ TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   EXPECT_NEAR((world.momentum() + given).norm(), 0.0, 1e-12 * pushed);
   const Vec3 angular = test::angular_momentum_of_ball(world, kMass, kRadius);
   EXPECT_NEAR((angular + moment).norm(), 0.0, 1e-13);
-  EXPECT_GT(angular.norm(), 1e-6);  // there was something to get wrong
+  EXPECT_GT(angular.norm(), 1e-6);  // the test can detect an error
 }
 
 TEST(World, ASpringHasItsPeriod) {
@@ -109,7 +109,7 @@ double complete_elliptic_integral(double modulus) {
   return 0.5 * std::numbers::pi / a;
 }
 
-/// A rod that is let go level: the physical pendulum at an amplitude of 90 degrees.
+/// A rod is let go level: the physical pendulum at an amplitude of 90 degrees.
 TEST(World, AHingeSwingsWithItsPeriod) {
   constexpr double kLength = 0.2, kMass = 0.1, kRadius = 0.005;
   Body arm = body("arm", kMass);
@@ -160,7 +160,7 @@ TEST(World, ASliderStopsAtTheEndOfItsRange) {
 }
 
 TEST(World, ABodyRestsOnWhatStands) {
-  // A hollow box is six planes to a body; a table stands in it.
+  // A hollow box becomes six planes for the bodies; a table stands in it.
   Object room = object("room", Box{Vec3::Constant(0.2)}, kGrippy);
   room.felt_from = Side::inside;
   const Scene scene =
@@ -168,7 +168,7 @@ TEST(World, ABodyRestsOnWhatStands) {
               object("table", Box{Vec3(0.05, 0.05, 0.01)}, kGrippy, {0, 0, -0.01}),
               object("ball", Sphere{0.02}, kGrippy, {0.15, 0, 0})},
              {0, -1, -1, 1}, {body("dice", 0.05, {0, 0, 0.05}), body("ball", 0.05)});
-  EXPECT_EQ(scene.objects()[0].name, "room");  // what stands comes first
+  EXPECT_EQ(scene.objects()[0].name, "room");  // static objects come first
   World world(scene);
   for (int n = 0; n < 1500; ++n) ASSERT_TRUE(world.step());
   EXPECT_NEAR(world.objects()[2].pose.position.z(), 0.02, 2e-4);   // on the table
@@ -195,7 +195,7 @@ TEST(World, TheHandFeelsWhereTheBodyIsAndHowItMoves) {
   EXPECT_NEAR((model.patches[0].point - (centre + Vec3(0.03, 0, 0))).norm(), 0.0, 1e-9);
 }
 
-/// The stick point is the body's: it comes along when the body does.
+/// The stick point belongs to the body and moves with it.
 TEST(World, FrictionRidesAlong) {
   const Scene scene = floating_ball(0.2, {.stiffness = 1000, .static_friction = 5.0});
   World world(scene);
@@ -250,7 +250,7 @@ TEST(World, StepAndTouchNeverAllocate) {
   EXPECT_GT(felt, 0.0);
 }
 
-/// Every moving object asked at every sample, each with a memory of its own.
+/// The reference asks every moving object at every sample, each with its own memory.
 TEST(World, WhatIsOutOfReachIsLeftAloneAndChangesNoBit) {
   const Material soft{.stiffness = 400.0, .static_friction = 0.5, .dynamic_friction = 0.4};
   const std::array<Shape, 4> shapes = {Sphere{0.02}, Box{Vec3(0.03, 0.01, 0.015)},
@@ -287,7 +287,7 @@ TEST(World, WhatIsOutOfReachIsLeftAloneAndChangesNoBit) {
     ASSERT_EQ(hand.touch(tool.position, tool.velocity), sum) << n;
     felt += sum.elastic.isZero(0.0) ? 0 : 1;
     world.push(hand.contacts, hand.memory, 1.0);
-    // A tick without a sample: then the memory of those in reach goes on.
+    // A tick without a sample: the memory of the near objects goes on.
     if (n % 50 == 0) {
       world.step();
       world.push(hand.contacts, hand.memory, 1.0);

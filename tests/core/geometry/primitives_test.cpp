@@ -1,5 +1,5 @@
-// The members of every shape with a formula agree with its own signed distance, and the distance
-// with its surface: one test for all of them, by the list of the shapes.
+// For every shape with a formula, its members agree with its signed distance, and the distance
+// agrees with its surface. A single test covers the list of the shapes.
 
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@ namespace feltwire::primitives_test {
 namespace {
 
 #ifdef FELTWIRE_SANITIZED
-constexpr int kEach = 1, kWays = 3;  // forty times as slow there
+constexpr int kEach = 1, kWays = 3;  // sanitizers make a run forty times as slow
 #else
-constexpr int kEach = 6, kWays = 10;  // solids of each kind, ways through each of them
+constexpr int kEach = 6, kWays = 10;  // solids of each kind, paths through each of them
 #endif
 
 using test::Random;
@@ -53,8 +53,8 @@ TEST(Primitives, HaveNamesOfTheirOwn) {
   EXPECT_EQ(names.size(), std::variant_size_v<Primitives::And<>>);
 }
 
-/// No two places differ in distance by more than the way between them, and down the gradient by the
-/// distance is the surface.
+/// The distances of two places differ by no more than the places are apart. The distance along the
+/// gradient leads down to the surface.
 TEST(Primitives, ADistanceIsOne) {
   for_each_solid([](const auto& solid, Random& random) {
     for (int i = 0; i < 20000; ++i) {
@@ -69,7 +69,7 @@ TEST(Primitives, ADistanceIsOne) {
   });
 }
 
-/// A convex solid has the middle of any two of its points; in another one some middles are outside.
+/// A convex solid contains the middle of any two of its points; other solids miss some middles.
 TEST(Primitives, AreConvexIfTheySaySo) {
   for_each_solid([](const auto& solid, Random& random) {
     const auto point_within = [&] {
@@ -78,7 +78,7 @@ TEST(Primitives, AreConvexIfTheySaySo) {
         if (solid.signed_distance(p).distance < 0.0) return p;
       }
     };
-    double most = -std::numeric_limits<double>::infinity();  // [m] of the middles' distances
+    double most = -std::numeric_limits<double>::infinity();  // [m] largest distance of the middles
     for (int i = 0; i < 5000; ++i) {
       const Vec3 middle = 0.5 * (point_within() + point_within());
       most = std::max(most, solid.signed_distance(middle).distance);
@@ -124,7 +124,7 @@ TEST(Primitives, BoxAndBallHoldTheSolidAndTouchIt) {
   });
 }
 
-/// Against the sum over small cubes.
+/// The reference is the sum over small cubes.
 TEST(Primitives, MassIsThatOfTheSolid) {
   constexpr int kCells = 80;
   for_each_solid([](const auto& solid, Random&) {
@@ -150,7 +150,7 @@ TEST(Primitives, MassIsThatOfTheSolid) {
   });
 }
 
-/// The triangles are closed, turned outwards, on the surface, and nearly all of the volume.
+/// The triangles are closed, turned outwards, on the surface, and fill nearly all of the volume.
 TEST(Primitives, TrianglesAreTheSurface) {
   for_each_solid([](const auto& solid, Random&) {
     const TriangleSoup soup = solid.triangles(192);
@@ -185,7 +185,7 @@ TEST(Primitives, TheLargestBallWithinHasTheRadiusOfTheRoom) {
   });
 }
 
-/// A ball is as deep as its surface is in the solid, from either side.
+/// A ball's depth equals the depth of its surface in the solid, from either side.
 TEST(Primitives, ABallIsAPointThatIsThick) {
   for_each_solid([](const auto& solid, Random& random) {
     const double radius = 0.3 * solid.room();
@@ -196,7 +196,7 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
       const SurfacePoint out = ball_surface(solid, Side::outside, p, radius, memory);
       ASSERT_EQ(out.depth > 0.0, at.distance < radius) << p.transpose();
       if (out.depth > 1e-9) {
-        // It stands on the surface there, or touches it all round a hole that it is too large for.
+        // The ball rests on the surface, or all round a hole that is too small for it.
         ASSERT_GE(out.depth, radius - at.distance - 1e-15);
         ASSERT_LT((out.point - p - out.depth * out.normal).norm(), 1e-12);
         if (at.distance > 0.0) {
@@ -206,8 +206,8 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
           ASSERT_LT((out.normal - at.gradient).norm(), 1e-9);
         }
       }
-      // In a hollow the ball stands in edges and corners: no nearer to the free middle than that
-      // of the surface which is nearest, and free where the ball is.
+      // In a hollow the ball rests in edges and corners: its depth is at least that from the
+      // nearest surface, and it is free when the ball is free.
       memory = {};
       const SurfacePoint in = ball_surface(solid, Side::inside, p, radius, memory);
       ASSERT_GE(in.depth, std::max(0.0, radius + at.distance) - 1e-15);
@@ -218,7 +218,7 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
   });
 }
 
-/// [m] From a point to a geom.
+/// [m] the distance from a geom to a point.
 double distance_to(const PhysicsGeom& geom, const Vec3& p) {
   const Pose pose = geom.pose.value_or(Pose{});
   const Vec3 own = pose.orientation.conjugate() * (p - pose.position);
@@ -236,7 +236,7 @@ double distance_to(const PhysicsGeom& geom, const Vec3& p) {
   }
 }
 
-/// Bodies run into the solid, within the error that its header states: at most half a percent.
+/// The geoms match the solid within the error that its header states: at most half a percent.
 TEST(Primitives, GeomsStandForTheSolid) {
   for_each_solid([](const auto& solid, Random&) {
     const auto geoms = solid.geoms(Side::outside);
@@ -249,7 +249,7 @@ TEST(Primitives, GeomsStandForTheSolid) {
           nearest = std::min(nearest, distance_to(geom, v));
           continue;
         }
-        // The hull's corners are on the solid and reach as far as it does, all ways.
+        // The hull's corners lie on the solid and reach as far as the solid in every direction.
         Vec3 most = Vec3::Zero();
         for (const Vec3& corner : geom.hull) {
           EXPECT_NEAR(solid.signed_distance(corner).distance, 0.0, 1e-12);
@@ -263,13 +263,13 @@ TEST(Primitives, GeomsStandForTheSolid) {
   });
 }
 
-/// Straight back and forth through whatever is in the way, faster than it is thick: the proxy never
-/// gets ahead of the hand, and who has come in is held or goes round.
+/// Straight back and forth through the solid, in steps longer than it is thick: the proxy never
+/// gets ahead of the hand, and a hand that came in is held or moves around.
 TEST(Primitives, NothingIsPassedStraightThrough) {
   for_each_solid([](const auto& solid, Random& random) {
     int met = 0;
     for (int run = 0; run < 400; ++run) {
-      // Through a place deep in the solid, at right angles to its surface.
+      // Pass through a place deep in the solid, at right angles to its surface.
       Vec3 deep = random_in(solid.half_box(), 1.0, random);
       const FieldPoint at = solid.signed_distance(deep);
       if (!(at.distance < 0.0)) continue;
@@ -292,7 +292,7 @@ TEST(Primitives, NothingIsPassedStraightThrough) {
   });
 }
 
-/// A hand that goes to and fro at random never meets a force that its own way has not built up.
+/// A hand moves to and fro at random: the force grows no faster than its own movement builds it up.
 TEST(Primitives, NoForceRisesFasterThanTheHandMoves) {
   for_each_solid([](const auto& solid, Random& random) {
     int touched = 0;
@@ -319,14 +319,14 @@ TEST(Primitives, NoForceRisesFasterThanTheHandMoves) {
   });
 }
 
-/// On its way to and fro through a solid a hand never gets more work out of it than it has put in.
+/// On a random path through a solid a hand never gets out more work than it has put in.
 TEST(Primitives, NoWayThroughASolidGivesEnergy) {
   for_each_solid([](const auto& solid, Random& random) {
     for (int run = 0; run < kWays; ++run) {
       FeatureMemory memory;
       Vec3 p = 2.0 * solid.reach() * random.direction(), force = Vec3::Zero();
       solid.surface_point(Side::outside, p, memory);
-      double work = 0.0, most = 0.0;  // [J] by the hand, of a stiffness of 1
+      double work = 0.0, most = 0.0;  // [J] work by the hand, for a stiffness of 1
       const auto go = [&](const Vec3& to) {
         const int steps = 1 + static_cast<int>((to - p).norm() / 5e-6);
         const Vec3 way = (to - p) / steps;
@@ -342,14 +342,14 @@ TEST(Primitives, NoWayThroughASolidGivesEnergy) {
       for (int leg = 0; leg < 12; ++leg)
         go(random.uniform(0.0, 1.5) * solid.reach() * random.direction());
       go(20.0 * solid.reach() * random.direction());
-      if (solid.surface_point(Side::outside, p, memory).depth > 0.0) continue;  // it holds still
-      // Half a step's work at each end of a contact is what sampling cannot tell.
+      if (solid.surface_point(Side::outside, p, memory).depth > 0.0) continue;  // still held
+      // Sampling can miss half a step's work at each end of a contact.
       EXPECT_GE(work, -2e-3 * most) << run;
     }
   });
 }
 
-/// A ring's nearest part changes at once where a hand passes its axis; the proxy stays.
+/// The nearest part of a ring changes at once when a hand passes its axis; the proxy stays.
 TEST(Ring, HoldsAHandThatIsPressedThroughItsHole) {
   const Torus ring{0.03, 0.004};
   Random random(2);
@@ -359,7 +359,7 @@ TEST(Ring, HoldsAHandThatIsPressedThroughItsHole) {
     FeatureMemory memory;
     double before = 0.0;
     for (double x = 0.035 + random.uniform(0.0, step); x > -0.06; x -= step) {
-      const Vec3 p = x * out + 1e-5 * Vec3::UnitZ().cross(out);  // beside the axis by a little
+      const Vec3 p = x * out + 1e-5 * Vec3::UnitZ().cross(out);  // slightly beside the axis
       const SurfacePoint s = ring.surface_point(Side::outside, p, memory);
       ASSERT_GE(s.depth, before) << run << " at " << x;
       if (x > 0.034) continue;
@@ -367,12 +367,12 @@ TEST(Ring, HoldsAHandThatIsPressedThroughItsHole) {
       ASSERT_GT(s.normal.dot(out), 0.99) << run << " at " << x;
       before = s.depth;
     }
-    // Over the ring it is let go.
+    // Above the ring the hand is free.
     ASSERT_EQ(ring.surface_point(Side::outside, Vec3(0.0, 0.0, 0.01), memory).depth, 0.0);
   }
 }
 
-/// A hand drawn over the blunt tip of a cone goes on at the other side.
+/// A hand that moves over the blunt tip of a cone continues on the other side.
 TEST(Cone, LetsAHandSlideOverABluntTip) {
   const Cone hat{0.05, 0.005};
   FeatureMemory memory;

@@ -10,7 +10,7 @@ namespace {
 
 double distance_to(const Mesh&, const Vec3&) { return 0.0; }  // has tests of its own
 
-// Exact signed distances, written without a look at the code: negative inside.
+// Exact signed distances, written independently of the code: negative inside.
 double distance_to(const Plane&, const Vec3& p) { return p.z(); }
 double distance_to(const Sphere& s, const Vec3& p) { return p.norm() - s.radius; }
 double distance_to(const Box& b, const Vec3& p) {
@@ -26,7 +26,7 @@ double distance_to(const Cylinder& c, const Vec3& p) {
   const double end = std::abs(p.z()) - c.half_length;
   return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
 }
-/// Of a point (across, up) to a segment.
+/// The distance of a point (across, up) from a segment.
 double to_segment(Eigen::Vector2d p, Eigen::Vector2d a, Eigen::Vector2d b) {
   const double share = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
   return (p - a - share * (b - a)).norm();
@@ -91,8 +91,8 @@ TEST(Shapes, FirstContactIsTheNearestSurfacePointFromEitherSide) {
         EXPECT_NEAR(distance_to(shape, s.point), 0.0, 1e-15);
         EXPECT_NEAR(s.normal.norm(), 1.0, 1e-15);
         EXPECT_NEAR((p + s.depth * s.normal - s.point).norm(), 0.0, 1e-15);
-        // A little further along the normal is free; from the rim of a hollow cone, which is
-        // sharper than a right angle, it goes along the wall.
+        // Slightly further along the normal is free. The rim of a hollow cone is sharper than a
+        // right angle: there the normal leads along the wall.
         const double over = sign * distance_to(shape, s.point + 1e-6 * s.normal);
         const bool sharp = std::holds_alternative<Cone>(shape) && side == Side::inside;
         EXPECT_GT(over, sharp ? -1e-6 : 0.0);
@@ -150,7 +150,7 @@ TEST(Shapes, CentreOfASphereKeepsTheLastNormal) {
   const SurfacePoint s = surface_point(Sphere{1.0}, Side::outside, Vec3::Zero(), memory);
   EXPECT_EQ(s.normal, Vec3::UnitX());
   EXPECT_EQ(s.depth, 1.0);
-  // Entered there: any direction is right, but it must be one.
+  // The hand enters at the centre: any direction is right, but there must be one.
   EXPECT_DOUBLE_EQ(fresh(Sphere{1.0}, Side::outside, Vec3::Zero()).normal.norm(), 1.0);
 }
 
@@ -161,11 +161,11 @@ TEST(Shapes, CapsuleAxisPushesAcross) {
   const SurfacePoint s = surface_point(capsule, Side::outside, Vec3(0, 0, 0.3), memory);
   EXPECT_EQ(s.normal, Vec3::UnitY());
   EXPECT_EQ(s.point, Vec3(0, 0.5, 0.3));
-  // Entered exactly there, and entered through the end and along the axis.
+  // The hand enters exactly at the centre, then at the end on the axis.
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3::Zero()).normal.z(), 0.0);
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 1.0)).normal, Vec3::UnitZ());
-  // Of a hand that has come from nowhere nothing else is known; the end holds one that has come
-  // through it, as a cylinder's does.
+  // A hand without history is pushed across. A hand that came through the end is held by the end,
+  // as in a cylinder.
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 0.9)).depth, 0.5);
   memory = {};
   surface_point(capsule, Side::outside, Vec3(0, 0, 2.0), memory);
@@ -190,14 +190,14 @@ TEST(Shapes, CapsuleWithoutLengthIsASphere) {
 TEST(Shapes, ThinBoxDoesNotPopThrough) {
   const Box sheet{Vec3(1.0, 1.0, 0.001)};
   FeatureMemory memory;
-  // In from above by steps of 0.1 mm, to a hair before the lower face: always pushed up.
+  // From above in steps of 0.1 mm to just before the lower face: always pushed up.
   for (double z = 0.0009; z > -0.001; z -= 0.0001) {
     const SurfacePoint s = surface_point(sheet, Side::outside, Vec3(0.2, 0.3, z), memory);
     EXPECT_EQ(s.normal, Vec3::UnitZ());
     EXPECT_EQ(s.point, Vec3(0.2, 0.3, 0.001));
     EXPECT_DOUBLE_EQ(s.depth, 0.001 - z);
   }
-  // Out through the bottom too; only round the edge there is a way to the lower face.
+  // Out through the bottom too: only the way round the edge leads to the lower face.
   EXPECT_DOUBLE_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0011), memory).depth,
                    0.0021);
   EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(1.1, 0.3, -0.0011), memory).depth, 0.0);
@@ -214,8 +214,8 @@ TEST(Shapes, BoxKeepsItsFaceUntilLeftOverTheEdge) {
   };
   EXPECT_EQ(at(0.0, 0.9).normal, Vec3::UnitZ());
   EXPECT_EQ(at(0.99, 0.9).normal, Vec3::UnitZ());  // +x is nearer by now
-  EXPECT_EQ(at(1.01, 0.9).depth, 0.0);             // over the edge
-  const SurfacePoint again = at(0.99, 0.9);        // and in again through the other face
+  EXPECT_EQ(at(1.01, 0.9).depth, 0.0);             // beyond the edge
+  const SurfacePoint again = at(0.99, 0.9);        // back in through the other face
   EXPECT_EQ(again.normal, Vec3::UnitX());
   EXPECT_NEAR(again.depth, 0.01, 1e-15);
 }
@@ -264,7 +264,7 @@ TEST(Shapes, CylinderKeepsCapAndSide) {
   EXPECT_EQ(axis.normal, -Vec3::UnitY());
   EXPECT_EQ(axis.point, Vec3(0, -0.01, 0.2));
   EXPECT_EQ(surface_point(rod, Side::outside, Vec3(0, -0.001, 0.9995), memory).normal,
-            -Vec3::UnitY());  // near the end by now, still on the side
+            -Vec3::UnitY());  // now nearer to the end, still on the side
   EXPECT_EQ(fresh(rod, Side::outside, Vec3::Zero()).normal.z(), 0.0);
 }
 

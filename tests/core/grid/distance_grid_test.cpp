@@ -1,4 +1,4 @@
-// Grids of distances against closed forms.
+// Distance grids against closed forms.
 
 #include "core/grid/distance_grid.hpp"
 
@@ -34,10 +34,10 @@ Vec3 torus_normal(const Vec3& p, double ring) {
 struct Errors {
   double distance = 0.0;  // [m]
   double angle = 0.0;     // [rad]
-  double length = 0.0;    // of the gradient, from 1
+  double length = 0.0;    // error of the gradient's length, from 1
 };
 
-/// The worst over points of a ball's shell, from `in` inside the surface to `out` outside.
+/// The largest errors over a ball's shell, from `in` inside the surface to `out` outside.
 template <class Real>
 Errors sphere_errors(const DistanceGrid<Real>& grid, double radius, double in, double out) {
   Errors worst;
@@ -83,7 +83,7 @@ TEST(DistanceGrid, LinearIsCoarserAndItsNormalsJump) {
       const double a = 1e-4 * i;
       const Vec3 now =
           grid.at(kRadius * Vec3(std::cos(a), std::sin(a) * 0.8, std::sin(a) * 0.6)).gradient;
-      jump = std::max(jump, test::angle(last, now) - 1e-4);  // less what the ball itself turns
+      jump = std::max(jump, test::angle(last, now) - 1e-4);  // minus the turn of the ball itself
       last = now;
     }
     return jump;
@@ -111,7 +111,7 @@ TEST(DistanceGrid, FloatIsDoubleToItsLastDigits) {
     EXPECT_LT((a.gradient - b.gradient).norm(), 1e-5);
   }
   EXPECT_LT(worst, 1e-8);
-  EXPECT_GT(worst, 0.0);  // and yet it is float
+  EXPECT_GT(worst, 0.0);  // even though it is float
 }
 
 TEST(DistanceGrid, ATorus) {
@@ -129,7 +129,7 @@ TEST(DistanceGrid, ATorus) {
   }
 }
 
-// Flat faces are exact; edges and corners are rounded within two steps, and nowhere else.
+// Flat faces are exact; edges and corners are rounded only within two steps.
 TEST(DistanceGrid, ABoxIsExactButWithinTwoStepsOfItsEdges) {
   constexpr double h = 1e-3;
   const Box box{Vec3(0.03, 0.02, 0.025)};
@@ -142,7 +142,7 @@ TEST(DistanceGrid, ABoxIsExactButWithinTwoStepsOfItsEdges) {
       p[axis] = random.uniform(-1.0, 1.0) * (box.half_extents[axis] + 4 * h);
     const double exact = signed_distance(box, Side::outside, p).distance;
     if (std::abs(exact) > 4 * h) continue;
-    // A kink of the distance: an edge, and within the solid the planes between two faces.
+    // The distance has a kink at an edge, and inside the solid on the planes between two faces.
     Vec3 beyond = p.cwiseAbs() - box.half_extents;
     std::sort(beyond.begin(), beyond.end());
     const double to_kink = exact < 0.0 ? beyond[2] - beyond[1] : std::abs(beyond[1]);
@@ -165,7 +165,7 @@ TEST(DistanceGrid, TheGradientIsThatOfTheDistance) {
     Vec3 p;
     for (double& x : p) x = random.uniform(-0.02, 0.02);
     const FieldPoint point = grid.at(p);
-    if (std::abs(point.distance) > 7e-3) continue;  // beyond the band it may be cut off
+    if (std::abs(point.distance) > 7e-3) continue;  // beyond the band the distance may be cut off
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = kStep * Vec3::Unit(axis);
       const double slope =
@@ -193,7 +193,7 @@ TEST(DistanceGrid, BeyondTheBandItIsCoarseAndNeverOfTheWrongSign) {
     EXPECT_LE(grid.at_least(p, -1.0, kInfinity), -d + 1e-9);
     EXPECT_LE(grid.at_least(p, 1.0, -kInfinity), d + 1e-9);
   }
-  // Far away the bound says so.
+  // Far away the bound is large.
   EXPECT_GT(grid.at_least({1.0, 0.0, 0.0}, 1.0, 0.0), 0.9);
 }
 
@@ -214,7 +214,7 @@ TEST(DistanceGrid, WhatIsNoPlaceHasNoDistance) {
   EXPECT_GT(grid.at({1e300, -1e300, 1e300}).distance, 1e299);
 }
 
-/// Of a ball of 30 mm.
+/// Compares a group with single points, for a ball of 30 mm.
 template <class Real>
 void compare_group(const DistanceGrid<Real>& grid, FieldGroup group, double rounding) {
   FieldGroup least = group;
@@ -241,7 +241,7 @@ TEST(DistanceGrid, EightAtOnceAreEachItself) {
     const DistanceGrid<double> wide(ball, options);
     test::Random random(5);
     for (int i = 0; i < 300; ++i) {
-      // Near to each other at the surface, or anywhere, and then some outside or deep inside.
+      // Close together at the surface, or spread out: some outside, some deep inside.
       const Vec3 middle = random.uniform(0.02, 0.04) * random.direction();
       const double spread = i % 2 == 0 ? 2e-3 : 0.06;
       FieldGroup group;
@@ -290,7 +290,7 @@ TEST(DistanceGrid, RefusesWhatCannotBeSampled) {
     EXPECT_NE(error(ball, {.resolution = h}).find("more than the limit of 1024 MiB"),
               std::string::npos)
         << h;
-  // The resolution that the message names is one that works.
+  // The resolution that the message suggests works.
   const std::string small = error(ball, {.resolution = 0.2e-3, .max_bytes = 1 << 22});
   ASSERT_NE(small.find("give a larger one"), std::string::npos) << small;
   const double named = std::stod(small.substr(small.find("about ") + 6));
@@ -317,7 +317,7 @@ TEST(DistanceGrid, AskingNeverAllocates) {
   EXPECT_NE(sum, 0.0);
 }
 
-// The force -k d grad d has a potential: nobody gains by going round in it, in the solid too.
+// The force -k d grad d has a potential: no closed path gains energy, inside the solid too.
 TEST(DistanceGrid, AClosedPathGivesNoEnergy) {
   const Grid grid{std::make_shared<DistanceGrid<float>>(
       solid_of(Shape(Box{Vec3(0.02, 0.02, 0.02)})), GridOptions{.resolution = 1e-3})};

@@ -1,4 +1,4 @@
-// The surface of a distance field, against solids whose surface is known.
+// The surface of a distance field, against solids with known surfaces.
 
 #include "core/grid/isosurface.hpp"
 
@@ -12,7 +12,7 @@
 namespace feltwire::isosurface_test {
 namespace {
 
-/// It is closed, its normals point out, and it holds what the solid holds.
+/// The surface is closed, its normals point out, and it contains what the solid contains.
 TEST(Isosurface, HoldsTheSolid) {
   struct Case {
     Shape shape;

@@ -1,5 +1,4 @@
-// Guides behind the energy bound: what they give and take is no business of the surface beside
-// them.
+// Guides behind the energy bound: energy of a guide does not count for the surface beside it.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +12,7 @@ namespace feltwire::guide_bound_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
-const Damping kDamping(0.5);      // [N s/m]; a spring up to 1000 N/m comes through whole
+const Damping kDamping(0.5);      // [N s/m]; a spring up to 1000 N/m is rendered whole
 
 constexpr const char* kGroove = R"(
   {"name": "groove", "line": {}, "orientation": [0.7071067811865476, 0.7071067811865476, 0, 0],
@@ -33,7 +32,7 @@ Scene board(const std::string& guides) {
 }
 
 struct Felt {
-  double commanded = 0.0, rendered = 0.0;  // [N] mean along the board's normal while in it
+  double commanded = 0.0, rendered = 0.0;  // [N] mean along the board's normal during contact
   double across = 0.0;                     // [N] largest rendered along the board
   std::uint64_t violations = 0;
 };
@@ -89,14 +88,14 @@ TEST(GuideBound, NoSurfaceIsWeakerForAGuideBesideIt) {
       EXPECT_GT(guided.rendered, 0.99 * plain.rendered) << guide;
       EXPECT_GT(guided.rendered, 0.94 * guided.commanded)
           << guided.commanded << " N commanded, " << guided.rendered << " rendered: " << guide;
-      EXPECT_GT(guided.across, plain.across) << guide;  // nor does the surface take the guide
+      EXPECT_GT(guided.across, plain.across) << guide;  // nor does the surface use up the guide
       EXPECT_EQ(guided.violations, 0u);
     }
   }
 }
 
-/// Harder than the surface pushes, right through it: the force is the sum all the same, and no
-/// contact pulls.
+/// The guide pulls harder than the surface pushes: the force is still the sum, and no contact
+/// pulls.
 TEST(GuideBound, AGuideMayPullIntoASurface) {
   const Scene scene =
       board(R"({"name": "down", "constant": {"force": [0.3, 0, -2]}, "max_force": 9})");
@@ -106,7 +105,7 @@ TEST(GuideBound, AGuideMayPullIntoASurface) {
     const double push = 900.0 * std::max(0.0, depth);
     EXPECT_TRUE(command.force().isApprox(Vec3(0.3, 0.0, push - 2.0), 1e-12)) << depth;
     EXPECT_EQ(command.elastic, push > 2.0 ? Vec3(0.0, 0.0, push) : Vec3(Vec3::Zero())) << depth;
-    // Nor does the bound take it for one: a hand that moves against it feels all of it.
+    // The bound does not take it for a contact either: a hand that moves against it feels it all.
     Bounding bounding(contact_frame());
     const Vec3 against = -0.01 * command.force().normalized();
     const Command felt = bounding.step({against, Vec3::Zero(), kPeriod, command}).rendered;

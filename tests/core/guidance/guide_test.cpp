@@ -47,7 +47,7 @@ TEST(Guide, SpringTowardsAPointALineACurveAPlane) {
   GuideCurve corner{{{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.1, 0.1, 0.0}}, false};
   expect_near(elastic(guide(corner, spring), {0.05, -0.01, 0.0}), {0.0, 2.0, 0.0});
   expect_near(elastic(guide(corner, spring), {0.12, 0.05, 0.0}), {-4.0, 0.0, 0.0});
-  const Vec3 beside(0.045, 0.055, 0.0);  // nearest to the way that closing it adds
+  const Vec3 beside(0.045, 0.055, 0.0);  // nearest to the segment that closes the curve
   expect_near(elastic(guide(corner, spring), beside), {0.0, -11.0, 0.0});
   corner.closed = true;
   expect_near(elastic(guide(corner, spring), beside), {1.0, -1.0, 0.0});
@@ -84,7 +84,7 @@ TEST(Guide, MagnetFieldsAndMedia) {
   const Guide lift = guide(Everywhere{}, ConstantForce{{0.0, 0.0, 1.5}});
   expect_near(elastic(lift, {3.0, 2.0, 1.0}), {0.0, 0.0, 1.5});
   const Guide wind = guide(Box{{0.1, 0.1, 0.1}}, ConstantForce{{9.0, 12.0, 0.0}}, 5.0);
-  expect_near(elastic(wind, {0.05, 0.0, 0.0}), {3.0, 4.0, 0.0});  // max_force, its direction kept
+  expect_near(elastic(wind, {0.05, 0.0, 0.0}), {3.0, 4.0, 0.0});  // max_force in the same direction
   expect_near(elastic(wind, {0.15, 0.0, 0.0}), Vec3::Zero());
 
   const Guide honey = guide(Sphere{0.1}, Viscosity{10.0}, 4.0);
@@ -130,7 +130,7 @@ TEST(Guide, DampingActsAlongThePushAndNeverHoldsBack) {
   EXPECT_EQ(guide_force(wall, {inside, {0.0, 0.0, 9.0}}).force(), Vec3::Zero());
 }
 
-/// Evenly from -most to most.
+/// Uniform from -most to most.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
@@ -143,7 +143,7 @@ class Random {
   std::uint64_t seed_, drawn_ = 0;
 };
 
-/// All kinds of guide that have a potential, at odd poses.
+/// All kinds of guide with a potential, at arbitrary poses.
 std::vector<Guide> conservative() {
   std::vector<Guide> all;
   const Attract pull{.stiffness = 300.0, .damping = 2.0, .range = 0.3};
@@ -167,8 +167,8 @@ std::vector<Guide> conservative() {
 
 TEST(Guide, GivesNothingOverAClosedPathOutsideOfItsSolid) {
   for (const Guide& g : conservative()) {
-    // A loose knot round the place, more than 0.06 m off: no solid's inside, where the nearest face
-    // changes in a jump.
+    // A loose knot around the place, more than 0.06 m away from it: it avoids the inside of solids,
+    // where the nearest face jumps.
     const auto at = [](double t) {
       return Vec3(0.12 * std::cos(t), 0.1 * std::sin(t), 0.05 * std::sin(2.0 * t));
     };

@@ -1,5 +1,5 @@
-// What a local model says of a mesh that a ball touches: the triangles themselves and the ball's
-// radius, so that edges and corners are round.
+// The local model of a mesh for a ball: it has the triangles themselves and the ball's radius, so
+// edges and corners are round.
 
 #include <gtest/gtest.h>
 
@@ -20,11 +20,11 @@ const Material kDry{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_fr
 struct Rolled {
   int ticks = 0, spoke = 0, touched = 0, round = 0;
   double worst = 0.0;  // [N]
-  double slope = 0.0;  // largest part of the error beyond 0.1 mm in what the way would have made
+  double slope = 0.0;  // largest error beyond 0.1 mm, over the movement's force
 };
 
-/// Hands about places on a mesh, a model every 20 ticks; `direction_of` where from its middle.
-/// round: ticks at which the force is along none of the triangles' normals.
+/// Hands wander about places on a mesh, with a model every 20 ticks. `direction_of`: the direction
+/// of a place from the mesh's middle. round: ticks whose force is along no triangle's normal.
 template <class DirectionOf>
 Rolled roll(const Object& object, Random& random, DirectionOf direction_of, double from = 0.15) {
   const Scene scene("s", {object});
@@ -42,7 +42,7 @@ Rolled roll(const Object& object, Random& random, DirectionOf direction_of, doub
       ++sum.ticks;
       if (!hand.step(wanderer.step())) continue;
       ++sum.spoke;
-      // Where its middle comes near an edge, what is left of the scene's steps counts many times.
+      // Near an edge the ball's middle magnifies the error that the scene's steps leave.
       if (hand.truth().elastic.norm() > 0.6 * kBall * kStiffness) break;
       sum.worst = std::max(sum.worst, hand.error());
       const double way = kStiffness * (hand.tool().position - hand.asked()).norm();
@@ -61,8 +61,8 @@ Rolled roll(const Object& object, Random& random, DirectionOf direction_of, doub
   return sum;
 }
 
-// The scene's own ball stops where a step is below 1e-7 of its radius, less than half a micrometre
-// from where it would come to rest on an edge.
+// The scene's own ball stops when a step is below 1e-7 of its radius: less than half a micrometre
+// from its resting place on an edge.
 constexpr double kExact = 0.5e-6 * kStiffness;  // [N]
 
 TEST(BallPatches, FacesEdgesAndCornersOfABoxAreRound) {
@@ -85,7 +85,7 @@ TEST(BallPatches, FacesEdgesAndCornersOfABoxAreRound) {
   EXPECT_GT(edge.round, 3000);
 }
 
-/// Every corner of a box is three faces, for a point and for a ball.
+/// A corner of a box has three faces, for a point and for a ball.
 TEST(BallPatches, AtACornerAllThreeFacesAreKnown) {
   const Vec3 half(0.05, 0.04, 0.03);
   for (const double radius : {0.0, kBall}) {
@@ -104,8 +104,8 @@ TEST(BallPatches, AtACornerAllThreeFacesAreKnown) {
   }
 }
 
-// Pressed in over an edge until its middle is in the solid, a ball comes down on the side that the
-// scene's does.
+// A ball is pressed in over an edge until its middle is in the solid. It falls to the side to
+// which the scene's ball falls.
 TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
   Random random(4);
   const Vec3 half(0.05, 0.04, 0.03);
@@ -121,14 +121,14 @@ TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
       const auto corners = triangles.corners(t);
       const std::uint32_t other = triangles.neighbour(t, 0);
       const Vec3 a = triangle_normal(corners), b = triangle_normal(triangles.corners(other));
-      if (a.dot(b) > 0.9) continue;  // no edge
+      if (a.dot(b) > 0.9) continue;  // not an edge
       const Vec3 edge = 0.5 * (corners[0] + corners[1]), out = (a + b).normalized();
       const Vec3 aside = (a - b).normalized();
       test::FollowedHand hand(scene, 20);
       const double off = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(3e-5, 4e-4);
       for (double height = 6e-3; height > -2e-3; height -= 2e-5) {
         if (!hand.step({edge + height * out + off * aside, Vec3::Zero()})) continue;
-        // Over the edge itself a hair decides.
+        // Directly over the edge a tiny difference decides.
         if (height > -2e-4 && height < 1.2e-3) continue;
         ASSERT_LE(hand.error(), 0.02) << run << " height " << height << " off " << off;
         fell += height < 0.0 ? 1 : 0;
@@ -138,14 +138,14 @@ TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
   }
 }
 
-// In one sample from over the edge to behind it: not the face that was nearer above, nor the one
-// that is nearer below, but the one that the ball rolls down to; the scene's takes some samples.
+// The ball moves in one sample from over the edge to behind it. It rests on neither the nearest
+// face before nor the nearest face after, but rolls down; the scene's ball takes some samples.
 TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
   Random random(5);
   const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05), 2), {.radius = kBall},
                                             {.stiffness = kStiffness})});
   constexpr int kRuns = 200;
-  constexpr double kNear = 1e-4;  // [m] of the edge
+  constexpr double kNear = 1e-4;  // [m] from the edge
   int others = 0, crossed = 0;
   for (int run = 0; run < kRuns; ++run) {
     const Vec3 edge(0.05, 0.05, 0.012);
@@ -157,11 +157,11 @@ TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
     hand.step({edge + over, Vec3::Zero()});
     for (int n = 0; n < 300; ++n) hand.step({edge + behind, Vec3::Zero()});
     others += hand.error() > 0.1 * kBall * kStiffness ? 1 : 0;
-    // It came down at the lower of the two above.
+    // The ball came down at the farther of the two faces.
     crossed +=
         (over.x() > over.y()) != (hand.truth().elastic.x() > hand.truth().elastic.y()) ? 1 : 0;
   }
-  EXPECT_LE(others, kRuns / 50);  // a hair decides
+  EXPECT_LE(others, kRuns / 50);  // a tiny difference decides
   EXPECT_GT(crossed, kRuns / 10);
 }
 
@@ -178,7 +178,7 @@ TEST(BallPatches, InAHollowTheBallStandsOffAllWalls) {
   }
 }
 
-// Obtuse edges, and facets smaller than the ball.
+// Obtuse edges, and facets that are smaller than the ball.
 TEST(BallPatches, AnIcosahedronAndAFineSphere) {
   Random random(3);
   const auto anywhere = [&] { return random.direction(); };
@@ -197,7 +197,7 @@ TEST(BallPatches, AnIcosahedronAndAFineSphere) {
   }
 }
 
-// The triangles are where they are; the ball is what stands off them.
+// The model has the triangles at their places; the ball has an offset from them.
 TEST(BallPatches, AnnounceTheTrianglesAndTheBall) {
   const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05)), {.radius = kBall})});
   TouchMemory memory = scene.memory();
@@ -214,10 +214,10 @@ TEST(BallPatches, AnnounceTheTrianglesAndTheBall) {
     EXPECT_EQ(model.patches[0].touching, z < 0.054);
     EXPECT_TRUE(model.patches[0].faceted);
     EXPECT_FALSE(model.patches[0].rough);
-    // The far side of the box is hidden; nothing ends the reach but what was looked at.
+    // The far side of the box is hidden: only the searched region ends the reach.
     EXPECT_GT(model.reach, 0.04);
   }
-  // In a hollow that the ball does not fit into it rests on more than a model says.
+  // In a hollow that is too tight, the ball rests on more places than a model describes.
   const Scene bowl("s", {test::mesh_object(test::icosphere(1.5 * kBall, 4), {.radius = kBall}, {},
                                            Side::inside)});
   TouchMemory inside = bowl.memory();

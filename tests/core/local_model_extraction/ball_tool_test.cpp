@@ -1,4 +1,4 @@
-// A tool that is a ball: its local model is the scene that it was made of, as far as it reaches.
+// A ball as the tool: its local model equals its scene, within its reach.
 
 #include <gtest/gtest.h>
 
@@ -45,11 +45,11 @@ Scene scene_of(const Object& object) {
 struct Rolled {
   int ticks = 0, spoke = 0, touched = 0, slipped = 0, together = 0;
   double worst = 0.0;  // [N] the largest error
-  double slope = 0.0;  // the same, over the stiffness times the distance moved since the model
+  double slope = 0.0;  // largest error over the stiffness times the distance moved since the model
 };
 
-/// Hands about places of an object that they come to from the open. A model every 20 ticks.
-/// `deepest` [m]: hands that press deeper are left.
+/// Hands reach an object from free space and wander about it, with a model every 20 ticks.
+/// `deepest` [m]: a hand that presses deeper ends its run.
 Rolled roll(const Object& object, Random& random, double deepest = 1.0,
             const Vec3& core = Vec3::Zero()) {
   const Scene scene = scene_of(object);
@@ -81,8 +81,8 @@ void expect_rolled(const Rolled& rolled, const char* name) {
   EXPECT_GT(rolled.spoke, rolled.ticks / 3) << name;
 }
 
-// On a solid that keeps its kind when it grows, the model of a ball is as exact as that of a point,
-// friction included.
+// If a solid keeps its kind when it grows, a ball's model is as exact as a point's, friction
+// included.
 TEST(BallTool, SolidsThatGrowAreExact) {
   struct Felt {
     const char* name;
@@ -104,7 +104,7 @@ TEST(BallTool, SolidsThatGrowAreExact) {
   }
 }
 
-// Boxes and cans get round edges.
+// Boxes and cylinders get round edges.
 TEST(BallTool, RoundEdgesAreExact) {
   Random random(2);
   const Rolled box = roll(object_of(Box{Vec3(0.05, 0.04, 0.02)}), random, 0.9 * kBall);
@@ -168,7 +168,7 @@ TEST(BallTool, OnAMeshItIsTheMeshsOwnBall) {
   }
 }
 
-/// A client that comes while the ball rubs goes on with the server's stick point.
+/// A client that joins while the ball rubs continues with the server's stick point.
 TEST(BallTool, AContactThatTheServerHoldsIsTakenUp) {
   for (const Vec3& edge : {Vec3(0.0, 0.0, 0.0), Vec3(0.05, 0.0, 0.0)}) {  // a face, an edge
     Object object = object_of(Box{Vec3(0.05, 0.04, 0.02)});

@@ -29,7 +29,7 @@ TEST(Near, KnowsAWallBeforeItIsTouched) {
   EXPECT_EQ(model.patches[0].normal, Vec3::UnitZ());
   EXPECT_FALSE(model.patches[0].touching);
   EXPECT_EQ(model.reach, kModelReach);
-  // Farther than any model reaches there is nothing, and that is known too.
+  // Farther than a model's reach there is nothing, and the model knows it.
   const LocalModel far = local_model(floor, Vec3(0, 0, 0.11), floor.memory());
   EXPECT_EQ(far.count, 0);
   EXPECT_EQ(far.reach, kModelReach);
@@ -39,8 +39,8 @@ TEST(Near, KnowsAWallBeforeItIsTouched) {
   };
   EXPECT_EQ(faces(0.0, 0.151), 0);
   EXPECT_EQ(faces(0.0, 0.149), 1);   // the edges are farther than 0.1 m
-  EXPECT_EQ(faces(0.04, 0.149), 2);  // one of them is not
-  EXPECT_EQ(faces(0.06, 0.149), 2);  // beyond both: the edge itself
+  EXPECT_EQ(faces(0.04, 0.149), 2);  // an edge is nearer
+  EXPECT_EQ(faces(0.06, 0.149), 2);  // beyond both faces: the edge itself
   EXPECT_EQ(faces(0.06, 0.1495), 0);
 }
 
@@ -54,10 +54,10 @@ TEST(Near, ReachEndsBeforeWhatIsLeftOut) {
   const LocalModel model = local_model(scene, Vec3::Zero(), scene.memory());
   ASSERT_EQ(model.count, 3);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(model.patches[static_cast<std::size_t>(i)].object, i);
-  EXPECT_NEAR(model.reach, 0.04, 1e-15);  // of the fourth ball's surface
+  EXPECT_NEAR(model.reach, 0.04, 1e-15);  // from the fourth ball's surface
 }
 
-// Side and ends of a capsule are one smooth surface but no single patch.
+// The side and the ends of a capsule are one smooth surface, but not a single patch.
 TEST(Near, ReachEndsWhereACapsuleBendsAway) {
   const Scene scene = of({object("capsule", Capsule{0.02, 0.04})});
   const auto at = [&](double x, double z) {

@@ -1,4 +1,4 @@
-// The ends of the claims about a fitted surface: each reason by itself.
+// The limits of the claims about a fitted surface: each reason by itself.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using test::Random;
 
-// A cylinder's normal turns by k across it and not along it; a ball's turns alike.
+// A cylinder's normal turns by k across it and not along it; a ball's normal turns equally.
 TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
   Random random(1);
   for (int n = 0; n < 100; ++n) {
@@ -32,7 +32,7 @@ TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
     const Bend ball = bend(u, v, k, 0.0, k);
     EXPECT_NEAR(ball.curvature, k, 1e-9 * std::abs(k));
     EXPECT_TRUE(ball.axis.isZero(0.0));
-    // Three quarters of the curvature are nearer to a ball, a tenth to a cylinder.
+    // Three quarters of the curvature are nearer to a ball; a tenth is nearer to a cylinder.
     EXPECT_NEAR(bend(u, v, k, 0.0, 0.75 * k).curvature, 0.875 * k, 1e-9 * std::abs(k));
     EXPECT_NEAR(bend(u, v, k, 0.0, 0.1 * k).curvature, k, 1e-9 * std::abs(k));
   }
@@ -55,8 +55,8 @@ MeshFit plane_of(const MeshSurface& surface, const Vec3& place) {
   return fit;
 }
 
-// A ball falls away from its tangent plane by x^2 / 2R, which is x / 64 at R / 32; its hollow
-// rises.
+// A ball falls away from its tangent plane by x^2 / 2R: at R / 32 this is x / 64. A hollow ball
+// rises by as much.
 TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
   constexpr double kRadius = 0.05;
   const MeshSurface surface(TriangleMesh(test::icosphere(kRadius, 6)));
@@ -68,15 +68,15 @@ TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
     fits.add(fit);
     const auto other = fits.first_other(top, 0.0, 0.01);
     EXPECT_NE(other.triangle, TriangleMesh::kNone);
-    EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // a facet has 0.9 mm
+    EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // a facet measures 0.9 mm
   }
 }
 
-// Facets so fine that those which are looked at are as good as flat.
+// Facets so fine that the inspected ones are almost flat.
 TEST(MeshFits, AVeryFineBallIsABallAllTheSame) {
   constexpr double kRadius = 0.09;
   const Vec3 out = Vec3(0.2, 0.3, 0.93).normalized();
-  const TriangleSoup cap = [&] {  // what is near `out`, at four times the fineness
+  const TriangleSoup cap = [&] {  // the part near `out`, four times as fine
     TriangleSoup soup;
     const Vec3 u = out.unitOrthogonal(), v = out.cross(u);
     constexpr int kSide = 120;
@@ -101,7 +101,7 @@ TEST(MeshFits, AVeryFineBallIsABallAllTheSame) {
   EXPECT_GT(model.reach, 6e-3);
 }
 
-// A sheet's other side is no part of a patch, however thin it is.
+// The other side of a sheet does not belong to a patch, however thin the sheet is.
 TEST(MeshFits, WhatIsTurnedAwayIsNotDescribed) {
   const Vec3 half(0.02, 0.02, 1e-6);
   MeshSurface surface(TriangleMesh(test::box(half, 4)));
@@ -110,8 +110,8 @@ TEST(MeshFits, WhatIsTurnedAwayIsNotDescribed) {
   EXPECT_LT(fits.first_other(Vec3(1e-3, 2e-3, half.z()), 0.0, 0.01).distance, 1e-4);
 }
 
-// Corners and centroid of a triangle lie behind a hollow, and the middle of its longest side before
-// it.
+// The corners and the centroid of a triangle lie behind a hollow; the middle of its longest side
+// lies before it.
 TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
   constexpr double kHollow = 0.05, kReach = 0.02, kAbove = 2e-4;
   TriangleSoup soup;
@@ -120,7 +120,7 @@ TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
   const MeshSurface surface{TriangleMesh(soup)};
   MeshFits fits(surface, 1.0);
   MeshFit fit;
-  fit.point = -surface.mesh().origin();  // the hollow's lowest place
+  fit.point = -surface.mesh().origin();  // the hollow's lowest point
   fit.curvature = -1.0 / kHollow;
   fits.add(fit);
   EXPECT_EQ(fits.first_other(fit.point, 0.0, 0.03).triangle, 0u);
@@ -131,8 +131,8 @@ LocalModel model_over(const TriangleSoup& soup, const Vec3& position,
   return model_at(test::mesh_object(soup, options), position, position + 1e-3 * Vec3::UnitZ());
 }
 
-// Two blocks side by side: beyond the gap are planes that are known, but not as a part of the
-// first. One at the same height, one that is lower and hidden by the top alone.
+// Two blocks side by side. Beyond the gap are known planes that do not belong to the first block:
+// a plane at the same height, and a lower one that only the top hides.
 TEST(MeshFits, WhatAnotherPatchCutsOffIsNotDescribed) {
   const Vec3 half(0.02, 0.02, 0.02);
   for (const double lower : {0.0, 5e-3}) {
@@ -140,12 +140,12 @@ TEST(MeshFits, WhatAnotherPatchCutsOffIsNotDescribed) {
         test::joined(test::box(half), test::moved(test::box(half), Vec3(0.045, 0, -lower))),
         Vec3(0.019, 0.003, 0.0205));
     ASSERT_GE(model.count, 2);
-    // The gap of 5 mm begins a millimetre away.
+    // The gap of 5 mm begins 1 mm away.
     EXPECT_NEAR(model.reach, std::hypot(6e-3, lower > 0.0 ? lower + 5e-4 : 5e-4), 1e-4);
   }
 }
 
-/// A square from a corner along two sides, outside along u x v.
+/// A square with a corner and two sides; its outside is along u x v.
 void add_square(TriangleSoup& soup, const Vec3& corner, const Vec3& u, const Vec3& v) {
   const auto first = static_cast<std::uint32_t>(soup.vertices.size());
   soup.vertices.insert(soup.vertices.end(), {corner, corner + u, corner + u + v, corner + v});
@@ -153,7 +153,7 @@ void add_square(TriangleSoup& soup, const Vec3& corner, const Vec3& u, const Vec
   soup.triangles.push_back({first, first + 2, first + 3});
 }
 
-// At the foot of a block's edge two hollow edges meet a convex one.
+// At the foot of a block's edge two concave edges meet a convex one.
 TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
   const double s = 0.03;
   const Vec3 x = s * Vec3::UnitX(), y = s * Vec3::UnitY(), z = s * Vec3::UnitZ();
@@ -175,7 +175,7 @@ TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
   EXPECT_NEAR(edge.reach, 2.5e-3, 1e-9);  // to the plate
 }
 
-// Beyond the triangles that are looked at one by one: something above, a terrace.
+// Beyond the triangles that are inspected one by one: something above, a terrace.
 TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
   const TriangleSoup floor = test::sheet(0.15, 100);
   const Vec3 over(1e-3, 2e-3, 1e-3);
@@ -185,12 +185,12 @@ TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
       test::joined(floor, test::moved(test::icosphere(4e-3, 2), Vec3(0, 0, 0.034))), over);
   ASSERT_EQ(hung.count, 1);
   EXPECT_LT(hung.reach, 0.03);
-  // A ring round it, 20 mm above.
+  // A ring around it, 20 mm above.
   const LocalModel ringed = model_over(
       test::joined(floor, test::moved(test::torus(0.045, 3e-3, 60, 12), Vec3(0, 0, 0.02))), over);
   ASSERT_EQ(ringed.count, 1);
   EXPECT_LT(ringed.reach, 0.042);
-  // 30 mm of floor, then 5 mm lower.
+  // 30 mm of floor, then floor 5 mm lower.
   const LocalModel terrace = model_over(
       test::joined(test::sheet(0.03, 20), test::moved(test::sheet(0.15, 100), Vec3(0, 0, -5e-3))),
       over);
@@ -198,7 +198,7 @@ TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
   EXPECT_LE(terrace.reach, 0.03);
 }
 
-// All that is near is a radius nearer to a ball.
+// For a ball, everything near is closer by its radius.
 TEST(MeshBall, MeetsWhatIsNotDescribedARadiusEarlier) {
   constexpr double kRadius = 3e-3;
   const TriangleSoup sheet = test::sheet(0.03, 3);
@@ -206,7 +206,7 @@ TEST(MeshBall, MeetsWhatIsNotDescribedARadiusEarlier) {
   ASSERT_EQ(above.count, 1);
   EXPECT_NEAR(above.reach, std::hypot(0.01, 2e-3) - kRadius, 1e-9);
   EXPECT_NEAR(above.patches[0].radius, std::hypot(0.01, kRadius) - kRadius, 1e-9);
-  // From below nothing holds it, and nothing is said of what begins above.
+  // From below nothing holds the tool, and the model is silent about the sheet above.
   const Scene scene("s", {test::mesh_object(sheet, {.radius = kRadius})});
   const LocalModel below = local_model(scene, Vec3(0.01, 0.0, -5e-3), scene.memory());
   EXPECT_EQ(below.count, 0);
@@ -223,7 +223,7 @@ Object grid_of(const Solid& solid, double resolution, Side side = Side::outside)
 }
 
 TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
-  // 4 mm thick: deeper than half of that the other face is nearer.
+  // 4 mm thick: below the middle the other face is nearer.
   const Vec3 over(1e-3, 2e-3, 2.5e-3);
   const LocalModel plate =
       model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 2e-3)}), 5e-4), over, 2.0 * over);
@@ -232,7 +232,7 @@ TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
   const LocalModel block = model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.02)}), 1e-3),
                                     Vec3(1e-3, 2e-3, 0.0205), Vec3(1e-3, 2e-3, 0.03));
   EXPECT_GT(block.reach, 0.03);
-  // A room of 20 mm: half way up the ceiling is as near.
+  // A room 20 mm high: half way up, floor and ceiling are equally near.
   const Vec3 low(1e-3, 2e-3, -9.5e-3);
   const LocalModel room =
       model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.01)}), 1e-3, Side::inside), low, 0.9 * low);
@@ -240,7 +240,7 @@ TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
   EXPECT_LT(room.reach, 0.02);
 }
 
-// A rod in any direction is a cylinder along it.
+// A rod in any direction is fitted by a cylinder along it.
 TEST(GridRings, ARodIsACylinderWhicheverWayItPoints) {
   constexpr double kRadius = 0.02;
   Random random(2);

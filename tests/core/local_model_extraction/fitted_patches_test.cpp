@@ -1,5 +1,5 @@
-// What a local model says of meshes and grids: exact where they are flat, within a share of the way
-// where they are fitted, and nothing where it would not hold.
+// Local models of meshes and grids: exact for flat parts, off by a share of the hand's movement for
+// fitted parts, and empty where a fit would not hold.
 
 #include "core/local_model_extraction/fitted_patches.hpp"
 
@@ -46,10 +46,9 @@ struct Followed {
   double reach = 0.0;  // [m] mean
 };
 
-/// A hand that wanders where the surface is, with a model every 20 ticks; `core` [m] is
-/// within it. What the model says
-/// alone may differ from the scene by the stiffness times `slope` of the way since the model and of
-/// the depth, and `exact` [m].
+/// A hand wanders near the surface, with a model every 20 ticks; `core` [m] is within the surface.
+/// A model that answers alone may differ from the scene by the stiffness times `exact` [m], plus
+/// the stiffness times `slope` of the hand's distance since the model and of the depth.
 Followed follow(Object object, Random& random, double slope, double exact,
                 const Vec3& core = Vec3::Zero()) {
   constexpr int kEvery = 20;
@@ -87,8 +86,8 @@ Followed follow(Object object, Random& random, double slope, double exact,
   return sum;
 }
 
-// Flat faces and their edges are exact: convex ones with friction on them, hollow ones, obtuse
-// ones, however the faces are cut into triangles.
+// Flat faces and their edges are exact, however the faces are cut into triangles: convex edges
+// with friction, concave ones, obtuse ones.
 TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
   Random random(1);
   for (const int squares : {1, 5}) {
@@ -110,7 +109,7 @@ TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
   }
 }
 
-// Fitted, it is off by a share of the way that the hand has gone since, and by the facets.
+// A fit errs by a share of the hand's movement since the model, and by the facets.
 TEST(FittedPatches, FineMeshesAreCurvedPatches) {
   Random random(2);
   constexpr double kRadius = 0.05;
@@ -138,7 +137,7 @@ TEST(FittedPatches, GridsAreCurvedPatches) {
   EXPECT_GT(can.spoke, can.ticks / 3);
 }
 
-// Cones and rings bend in more ways than a patch does: as far as one holds.
+// Cones and rings bend in more ways than a patch can: the patch holds only near.
 TEST(FittedPatches, ConesAndRingsAreCurvedPatches) {
   Random random(4);
   const auto shown = [](const Shape& shape, Side side) {
@@ -160,7 +159,7 @@ TEST(FittedPatches, ConesAndRingsAreCurvedPatches) {
   }
 }
 
-/// A hand led round a ball of facets at a steady depth, across 20 of them and more.
+/// A hand moves round a faceted ball at a steady depth, across 20 facets and more.
 TEST(FittedPatches, FrictionRoundFacetsIsTheScenes) {
   constexpr double kRadius = 0.05, kStep = 1e-4;  // [m]
   for (const int level : {1, 2, 3, 5})
@@ -224,15 +223,15 @@ TEST(FittedPatches, ASphereIsABallOfItsRadius) {
   EXPECT_NEAR(std::abs(can.patches[0].axis.z()), 1.0, 1e-3);
 }
 
-// What bounds a claim: the border of a sheet, the far side of what the tool is not held by, other
-// parts of the mesh.
+// The limits of a claim: the border of a sheet, the far side of a surface that does not hold the
+// tool, other parts of the mesh.
 TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   const Scene sheet("s", {mesh(test::sheet(0.03, 3), kSmooth)});
   const LocalModel above = model_at(sheet, Vec3(0.02, 0.0, 1e-3));
   ASSERT_EQ(above.count, 1);
   EXPECT_NEAR(above.reach, std::hypot(0.01, 1e-3), 1e-9);
   EXPECT_NEAR(above.patches[0].radius, 0.01, 1e-9);
-  const LocalModel below = model_at(sheet, Vec3(0.02, 0.0, -1e-3));  // nothing holds it there
+  const LocalModel below = model_at(sheet, Vec3(0.02, 0.0, -1e-3));  // nothing holds the tool there
   EXPECT_EQ(below.count, 0);
   EXPECT_NEAR(below.reach, 1e-3, 1e-9);
 
@@ -250,7 +249,7 @@ TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   const LocalModel between = model_at(parts, Vec3(0.0, 0.0, 0.011));
   ASSERT_GE(between.count, 1);
   EXPECT_LE(between.reach, 4e-3 + 1e-9);
-  // Pushed through a plate of 2 mm, it is the upper face that holds.
+  // The tool is pushed through a plate of 2 mm: the upper face still holds it.
   const Scene plate("s", {mesh(test::box(Vec3(0.1, 0.1, 1e-3)), kSmooth)});
   TouchMemory memory = plate.memory();
   for (double z = 5e-3; z > -3e-3; z -= 1e-3)

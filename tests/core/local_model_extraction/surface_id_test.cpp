@@ -1,4 +1,4 @@
-// Two surfaces never have one name: nothing that is remembered of one is taken for the other's.
+// Two surfaces never share a name: the memory of one surface is never used for another.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST(SurfaceId, NoTwoFacesOfAMeshShareOne) {
   std::map<std::uint32_t, std::pair<int, int>> whose;
   for (int i = 0; i < kBoxes; ++i)
     for (int face = 0; face < 6; ++face)
-      for (const double off : {-0.011, 0.007}) {  // on several triangles of the face
+      for (const double off : {-0.011, 0.007}) {  // on several triangles of the same face
         const Vec3 out = (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(face / 2);
         const Vec3 place = Vec3(kApart * i, 0.0, 0.0) + (kHalf + 0.001) * out +
                            off * Vec3::Unit((face / 2 + 1) % 3);
@@ -60,7 +60,7 @@ TEST(SurfaceId, AFacetThatTheModelNoLongerHasLeavesNoStickPoint) {
     local.touch(on_box(0, 0.017, 1e-3), 0.0, 1e-3);
     ASSERT_GT(local.touch(on_box(0, 0.017, -5e-4), 0.0, 1e-3).command.elastic.z(), 0.4);
 
-    // The server has the tool on another box by now.
+    // Meanwhile the server has the tool on another box.
     for (const double height : {1e-3, 1e-3, -5e-4}) scene.touch(on_box(to, 0.017, height), memory);
     const Tool tool = on_box(to, 0.0171, -5e-4);
     const Command truth = scene.touch(tool, memory);
@@ -71,7 +71,7 @@ TEST(SurfaceId, AFacetThatTheModelNoLongerHasLeavesNoStickPoint) {
   }
 }
 
-// A reload brings other objects of the same names.
+// A reload brings other objects with the same names.
 TEST(SurfaceId, AnotherSceneTakesNothingOver) {
   Object block;
   block.name = "block";

@@ -1,4 +1,4 @@
-// A tree over boxes misses none, however it was built.
+// A tree over boxes finds every box, whichever way it was built.
 
 #include "core/mesh/box_tree.hpp"
 
@@ -16,14 +16,14 @@
 namespace feltwire::box_tree_test {
 namespace {
 
-/// -1 ... 1, draw i.
+/// A value from -1 to 1: the i-th draw.
 double draw(std::uint64_t i) {
   return static_cast<double>(splitmix::draw(5, i) >> 11) * 0x1p-52 - 1.0;
 }
 
 Vec3 place(std::uint64_t i) { return {draw(3 * i), draw(3 * i + 1), draw(3 * i + 2)}; }
 
-/// Sizes over four orders of magnitude, many at one place.
+/// Sizes over four orders of magnitude, with many boxes at one place.
 std::vector<Bounds> boxes(std::size_t count) {
   std::vector<Bounds> all(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,8 +65,8 @@ TEST(BoxTree, FewAndManyMissNone) {
   }
 }
 
-/// Things of which each is half as far as the one before: where every cut takes one thing off, the
-/// tree must not become so deep that a question has no room for its open nodes.
+/// Each box is half as far away as the one before. Every cut then takes off a single box; the tree
+/// must not become so deep that a query has no room for its open nodes.
 TEST(BoxTree, ThingsThatCrowdTowardsAPlaceMakeNoDeepTree) {
   constexpr std::size_t kCount = 20000;
   std::vector<Bounds> all(kCount);

@@ -1,4 +1,4 @@
-// Triangles that stand on the same three corners, looking to both sides.
+// Triangles on the same three corners that face both sides.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +21,7 @@ constexpr double kStiffness = 1000.0;  // [N/m]
 
 Triangle turned(const Triangle& t) { return {t[0], t[2], t[1]}; }
 
-/// [N] along z, of a point that comes down from above the place and ends `depth` [m] below
-/// `height`.
+/// [N] along z, on a point that comes from above `place` and ends `depth` [m] below it.
 double felt_from_above(const Object& object, const Vec3& place, double depth) {
   ContactMemory memory;
   touch(object, {place + Vec3(0, 0, 0.002), Vec3::Zero()}, memory);
@@ -34,7 +33,7 @@ double felt_from_below(const Object& object, const Vec3& place, double depth) {
   return -touch(object, {place + Vec3(0, 0, depth), Vec3::Zero()}, memory).elastic.z();
 }
 
-/// A cube of 20 mm whose top's first half stands twice, in either order; all mirrored at x.
+/// A 20 mm cube that has the first half of its top twice, in either order; `mirrored`: in x.
 std::string cube(bool turned_first, bool mirrored = false) {
   std::string text;
   for (const char* corner :
@@ -68,7 +67,7 @@ TEST(DoubledFaces, TheOneThatAgreesWithItsNeighboursIsKeptInEitherOrder) {
     }
 }
 
-/// Every face of a ball that `chosen` picks has company: copies of itself, or turned over.
+/// Adds copies, turned over or not, to a random `share` of a ball's faces.
 TriangleSoup with_company(const TriangleSoup& ball, std::mt19937& random, double share) {
   TriangleSoup soup{ball.vertices, {}};
   std::uniform_real_distribution<double> draw(0.0, 1.0);
@@ -99,7 +98,7 @@ TEST(DoubledFaces, PatchesOfThemAreDecidedByTheFacesRoundThem) {
     }
 }
 
-/// The corners that an STL file or rounding parts are joined first.
+/// Corners that an STL file or rounding separates are joined first.
 TEST(DoubledFaces, CornersThatAreWeldedCountToo) {
   std::mt19937 random(5);
   const TriangleSoup company = with_company(test::icosphere(0.05, 2), random, 0.5);
@@ -131,7 +130,7 @@ TEST(DoubledFaces, AWholeDoubledShellIsFeltFromBothSidesInAnyOrder) {
     std::uniform_real_distribution<double> draw(-0.02, 0.02);
     for (int n = 0; n < 200; ++n) {
       const double x = draw(random), y = draw(random);
-      // A ball of 2 subdivisions lies up to 1.5 mm inside of its corners' sphere.
+      // A ball of 2 subdivisions lies up to 1.5 mm inside the sphere through its corners.
       const Vec3 top(x, y, std::sqrt(0.0025 - x * x - y * y));
       ContactMemory memory;
       touch(shell, {1.05 * top, Vec3::Zero()}, memory);
@@ -140,7 +139,7 @@ TEST(DoubledFaces, AWholeDoubledShellIsFeltFromBothSidesInAnyOrder) {
       touch(shell, {0.9 * top, Vec3::Zero()}, memory);
       EXPECT_LT(touch(shell, {1.05 * top, Vec3::Zero()}, memory).elastic.dot(top), 0.0);
     }
-    // Meant to bound a solid, its outside is outwards.
+    // If the mesh must bound a solid, its outside is outwards.
     const TriangleMesh solid(soup, {}, true);
     EXPECT_TRUE(solid.report().closed());
     EXPECT_NEAR(solid.report().volume, TriangleMesh(ball).report().volume, 1e-15);
@@ -156,7 +155,7 @@ TEST(DoubledFaces, ASheetIsFeltFromBothSidesByAPointAndByABall) {
         soup.triangles.push_back(turned_first ? turned(t) : t);
         soup.triangles.push_back(turned_first ? t : turned(t));
         if (soup.triangles.size() % 3 == 0)
-          soup.triangles.push_back(t);  // a triple decides nothing
+          soup.triangles.push_back(t);  // a third copy decides nothing
       }
       const Object both = test::mesh_object(soup, {.radius = radius}, {.stiffness = kStiffness});
       const MeshReport& report = std::get<Mesh>(both.shape).surface->mesh().report();
@@ -173,7 +172,7 @@ TEST(DoubledFaces, ASheetIsFeltFromBothSidesByAPointAndByABall) {
     }
 }
 
-/// A ball that is found too near to a face with both sides is pushed to its own side.
+/// A ball that starts too near to a double-sided face is pushed to its own side.
 TEST(DoubledFaces, ABallThatBeginsTooNearIsPushedToItsOwnSide) {
   const TriangleSoup sheet = test::sheet(0.05);
   for (const bool turned_first : {false, true})
@@ -190,7 +189,7 @@ TEST(DoubledFaces, ABallThatBeginsTooNearIsPushedToItsOwnSide) {
     }
 }
 
-/// No choice suits all of a Moebius strip.
+/// For a Moebius strip no single choice of sides is right everywhere.
 TEST(DoubledFaces, AStripWithOneSideKeepsBoth) {
   constexpr int kAround = 16;
   TriangleSoup soup;

@@ -17,7 +17,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// A box whose faces are cut into squares, each face into another number of them.
+/// A box whose faces are cut into squares, a different number on each face.
 TriangleSoup cut_box(const Vec3& half, const std::array<int, 6>& cuts) {
   TriangleSoup soup;
   for (std::size_t face = 0; face < cuts.size(); ++face) {
@@ -46,7 +46,7 @@ TEST(EdgeSplits, ATopThatIsCutInTwoIsNoHole) {
   EXPECT_NO_THROW(solid_of(mesh));
 }
 
-/// Every edge of the box has corners of both of its faces, none of them shared.
+/// Every edge of the box has corners of both its faces; the faces share none of them.
 TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
   const Vec3 half(0.05, 0.04, 0.03);
   std::mt19937 random(3);
@@ -54,7 +54,7 @@ TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
        {std::array{1, 2, 3, 4, 5, 7}, std::array{1, 1, 1, 1, 1, 9}, std::array{2, 3, 2, 3, 5, 4},
         std::array{16, 1, 11, 13, 7, 3}}) {
     TriangleSoup soup = cut_box(half, cuts);
-    // Anywhere in space, in single precision as in an STL file, in any order.
+    // Anywhere in space, in single precision like an STL file, in any order.
     const Quaternion turn(0.3, 0.5, -0.2, 0.7);
     for (const bool rounded : {false, true}) {
       TriangleSoup placed = soup;
@@ -67,17 +67,17 @@ TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
       EXPECT_TRUE(mesh.report().closed()) << holes_text(mesh.report());
       EXPECT_NEAR(mesh.report().volume, 8 * half.prod(), (rounded ? 1e-5 : 1e-12) * half.prod());
       EXPECT_LE(mesh.report().split_farthest, 1e-6 * mesh.report().size);
-      // Made of its own triangles it is the same: a client does that.
+      // A mesh made of the result's triangles is equal: a client makes it so.
       const TriangleMesh again({mesh.vertices(), mesh.triangles()}, 0.0);
       EXPECT_EQ(again.triangles(), mesh.triangles());
     }
   }
 }
 
-/// A triangle without an area covers such a corner in files of some programs.
+/// In files of some programs a triangle without area covers such a corner.
 TEST(EdgeSplits, WhatADegenerateTriangleHeldTogetherStaysTogether) {
   TriangleSoup soup = test::box(Vec3(0.01, 0.01, 0.01));
-  // The middle of an edge, a sliver on it, and the triangle beyond cut in two.
+  // The middle of an edge, a sliver on it, and the neighbour triangle cut in two.
   const Triangle cut = soup.triangles[0];
   const Vec3 a = soup.vertices[cut[0]], b = soup.vertices[cut[1]];
   const auto m = static_cast<std::uint32_t>(soup.vertices.size());
@@ -99,7 +99,7 @@ TEST(EdgeSplits, AHandFeelsTheSameOnTheSeam) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
   for (int n = 0; n < 2000; ++n) {
-    // Round an edge between two faces.
+    // Points near an edge between two faces.
     const Vec3 at(0.05 + 0.003 * draw(random), 0.04 + 0.003 * draw(random), 0.029 * draw(random));
     ContactMemory one, other;
     touch(whole, {1.2 * at, Vec3::Zero()}, one);
@@ -116,22 +116,22 @@ TEST(EdgeSplits, HolesStayHoles) {
   EXPECT_EQ(open.holes, 1u);
   EXPECT_GE(open.boundary_edges, 3u);
   EXPECT_THROW(solid_of(TriangleMesh(box)), std::invalid_argument);
-  // A lid that is a tenth of a millimetre off.
+  // A lid that misses its place by a tenth of a millimetre.
   TriangleSoup lid = cut_box(Vec3(0.05, 0.04, 0.03), {1, 1, 1, 1, 1, 1});
   for (const std::uint32_t i : lid.triangles.back()) lid.vertices[i].z() += 1e-4;
   EXPECT_GT(TriangleMesh(lid).report().boundary_edges, 0u);
-  // A sheet is as open as it was, and nothing of it is split.
+  // A sheet stays as open as it was, and is not split.
   const MeshReport sheet = TriangleMesh(test::sheet(0.1, 5)).report();
   EXPECT_EQ(sheet.boundary_edges, 20u);
   EXPECT_EQ(sheet.split, 0u);
-  // Sheets that stand on the middle of each other's rims meet nowhere along an edge.
+  // Two sheets that meet only in the middle of each other's rims share no edge.
   TriangleSoup tee = test::sheet(0.1);
   tee.vertices.insert(tee.vertices.end(), {{0.1, 0.0, 0.0}, {0.3, 0.1, 0.0}, {0.3, -0.1, 0.0}});
   tee.triangles.push_back({4, 6, 5});
   EXPECT_EQ(TriangleMesh(tee).report().split, 0u);
 }
 
-/// Coordinates with few decimals put a corner beside its edge: the message says how far is enough.
+/// Coordinates with few decimals put a corner beside its edge: the message names the weld needed.
 TEST(EdgeSplits, RoundedCornersAreClosedByTheWeldThatIsNamed) {
   const Eigen::AngleAxisd turn(0.6, Vec3(1, 2, 3).normalized());
   int named = 0;
@@ -153,7 +153,7 @@ TEST(EdgeSplits, RoundedCornersAreClosedByTheWeldThatIsNamed) {
   EXPECT_EQ(mend_text(TriangleMesh(open).report()), "mend it");
 }
 
-/// Two doubled sheets that meet at a T: both sides of each face are split alike.
+/// Two doubled sheets meet at a T: both sides of each face are split alike.
 TEST(EdgeSplits, FacesWithBothSidesAreSplitToo) {
   TriangleSoup soup;
   soup.vertices = {{0, 0, 0}, {0.02, 0, 0}, {0.01, 0.02, 0}, {0.01, 0, 0}, {0.01, -0.02, 0}};
@@ -167,7 +167,7 @@ TEST(EdgeSplits, FacesWithBothSidesAreSplitToo) {
   EXPECT_EQ(mesh.report().boundary_edges, 4u);
 }
 
-/// A weld of a millimetre does not fold what is smaller.
+/// A weld of a millimetre does not fold features that are smaller.
 TEST(EdgeSplits, ALargeWeldFoldsNothing) {
   for (const double weld : {1e-4, 1e-3, 1e-2}) {
     const TriangleSoup box = cut_box(Vec3(0.005, 0.004, 0.003), {3, 5, 2, 7, 4, 2});

@@ -1,4 +1,4 @@
-// Mesh files as other programs write them, and what stands in their place now and then.
+// Mesh files as other programs write them, and other files that appear in their place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ std::string in_capitals(std::string text) {
   return text;
 }
 
-/// The ways in which a text means the same.
+/// Texts with the same meaning, written in different ways.
 std::vector<std::string> written_otherwise(const std::string& text) {
   return {kMark + text,
           "\n\n" + text,

@@ -1,4 +1,4 @@
-// A picture as relief: the closed form of a wave, no seam, nothing for nothing, and bad pictures.
+// A picture as relief: the closed form of a wave, no seams, plain pictures and bad ones.
 
 #include "core/mesh/height_map.hpp"
 
@@ -51,12 +51,12 @@ Vec3 force_at(const Object& object, const Vec3& position) {
   return touch(object, {position, Vec3::Zero()}, memory).elastic;
 }
 
-// Columns run along x on what faces z. The cut is A (1 - sin) / 2, the spring's energy
-// k (depth - cut)^2 / 2.
+// The columns run along x on a surface that faces z. The cut is A (1 - sin) / 2, the spring's
+// energy k (depth - cut)^2 / 2.
 TEST(HeightMap, AWaveIsItsClosedForm) {
   const Object object = sheet(std::make_shared<HeightMap>(wave(), kAmplitude, kSize));
   constexpr double kDepth = 1e-3;
-  // The spline reduces a wave of so many pixels to this share.
+  // The spline reduces a wave with so many pixels to this share.
   const double kept = 1.0 - 0.5 * (kPi / kPixels) * (kPi / kPixels);
   for (int i = 0; i < 100; ++i) {
     const double x = -0.031 + 7.3e-4 * i, k = 2.0 * kPi / kSize;
@@ -84,7 +84,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
     EXPECT_LE((here.slope - there.slope).norm(), 1e-9);
     EXPECT_GE(here.cut, 0.0);
     EXPECT_LE(here.cut, kAmplitude * (1.0 + 1e-6));
-    // Across every pixel's edge, the seam's too, value and slope go on.
+    // Value and slope are continuous across every pixel's edge, including the seam's.
     for (const Vec3& edge :
          {Vec3(kSize, 0.013, 0.0), Vec3((i % 16 + 0.5) * kSize / 16, 0.02, 0.0)}) {
       const Vec3 step(1e-10, 0.0, 0.0);
@@ -95,7 +95,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
               .norm(),
           1e-6);
     }
-    // The slope is that of the cut, on whatever side.
+    // The slope is the gradient of the cut, on any side.
     const double d = 1e-7;
     const Vec3 normal = i % 2 == 0 ? Vec3::UnitZ() : random.direction();
     const Vec3 slope = map.at(p, normal).slope;
@@ -107,7 +107,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
   }
 }
 
-// One grey all over is no relief, whichever grey, to the bit.
+// A picture of a single grey is no relief, to the bit.
 TEST(HeightMap, AConstantImageChangesNothing) {
   const Object plain = sheet(nullptr);
   for (const float grey : {0.0F, 0.3F, 1.0F}) {
@@ -121,7 +121,7 @@ TEST(HeightMap, AConstantImageChangesNothing) {
   }
 }
 
-// On each side of a body it is the picture; in between, a mixture whose shares make one.
+// Each side of a body shows the picture; between the sides the shares of the mixture add up to 1.
 TEST(HeightMap, LiesOnEverySideAlike) {
   const HeightMap map(wave(), kAmplitude, kSize);
   const double at = 0.0037;
@@ -131,7 +131,7 @@ TEST(HeightMap, LiesOnEverySideAlike) {
   EXPECT_NEAR(map.at(Vec3::Constant(at), Vec3(1, 1, 1).normalized()).cut, cut, 1e-15);
 }
 
-// A hand that is less deep than the relief is free; no force pulls; nothing allocates.
+// A hand above the relief's floor is free; no force pulls; nothing allocates.
 TEST(HeightMap, IsCutIntoTheSurface) {
   const Object object = sheet(std::make_shared<HeightMap>(wave(), kAmplitude, kSize));
   const double valley = 0.75 * kSize, ridge = 0.25 * kSize;
@@ -178,7 +178,7 @@ TEST(HeightMap, RefusesBadPicturesWithTheByte) {
   EXPECT_THAT(error_of_pgm("P2 2 1 10 3 -4"), HasSubstr("grey must be a number from 0 to 10"));
   const std::string good = "P5 # x\n3 2\n255\nabcdef";
   EXPECT_EQ(error_of_pgm(good), "no error");
-  for (std::size_t size = 0; size < good.size(); ++size)  // cut anywhere
+  for (std::size_t size = 0; size < good.size(); ++size)  // cut at any byte
     EXPECT_NE(error_of_pgm(good.substr(0, size)), "no error") << size;
 }
 

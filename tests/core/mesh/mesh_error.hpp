@@ -8,7 +8,7 @@
 
 namespace feltwire::test {
 
-/// what() of the error with which the file is refused; "no error" if it is read.
+/// The error text with which the file is refused; "no error" if it is read.
 inline std::string error_of(const std::string& bytes, const std::string& name) {
   try {
     parse_mesh(bytes, name, 1.0);

@@ -42,7 +42,7 @@ void append(std::string& bytes, T value, bool big = false) {
 
 std::string binary_stl() {
   std::string bytes(80, ' ');
-  bytes.replace(0, 5, "solid");  // as some programs write
+  bytes.replace(0, 5, "solid");  // some programs write this
   append(bytes, std::uint32_t{2});
   const std::array<std::array<float, 9>, 2> corners = {
       {{-1, -1, 0.5f, 1, -1, 0.5f, 1, 1, 0.5f}, {-1, -1, 0.5f, 1, 1, 0.5f, -1, 1, 0.5f}}};
@@ -141,7 +141,7 @@ TEST(MeshFile, ErrorsNameFileLineAndRemedy) {
   EXPECT_THROW(read_mesh("/no/such/file.obj", 1.0), FileError);
 }
 
-/// The same square in every format with one coordinate of its own, as it is written.
+/// A square in every format with one coordinate replaced by `x`, and how that is written.
 std::vector<std::pair<std::string, std::string>> squares_with(double x) {
   const std::string text = std::to_string(static_cast<long long>(x));
   std::string stl = binary_stl();
@@ -159,7 +159,7 @@ std::vector<std::pair<std::string, std::string>> squares_with(double x) {
            "far.ply"}};
 }
 
-// A scene reaches to 1e6 m.
+// A scene extends to 1e6 m.
 TEST(MeshFile, WhatIsFartherThanASceneReachesIsRefusedWhereItStands) {
   const std::vector<std::string> places = {
       "far.obj:3: ", "far.stl:5: ", "binary.stl: byte 120: ", "far.ply:12: "};
@@ -193,7 +193,7 @@ TEST(MeshFile, ACoordinateOfAPlyFileThatIsAListIsRefused) {
 }
 
 TEST(MeshFile, ALineOfAnObjFileGoesOnAfterABackslash) {
-  // The standard's own way to break long lines; a blank before the backslash may be missing.
+  // The standard's way to break long lines; the blank before the backslash may be missing.
   const std::string broken =
       "# a comment ends with its line \\\nv -1 -1 \\\n0.5\nv 1 \\\r\n -1\\\n0.5 \\\n 1.0\n"
       "v 1 1 0.5\nv -1 1 0.5\nvn 0 0 \\\n1\nusemtl \\\n\\\n red\nf 1//1 \\\n2/1/1\\\n -2\\\n 4/1\n";
@@ -214,7 +214,7 @@ TEST(MeshFile, BinaryFilesThatWereCutShortSaySoWhereverTheyEnd) {
     EXPECT_NE(error_of(ply.substr(0, n), "a.ply"), "no error") << n;
 }
 
-// Any file gives a surface or an error, and no index without its vertex.
+// Any file gives a surface or an error, and never an index without its vertex.
 TEST(MeshFile, FilesWithBytesTurnedAreReadOrRefused) {
   std::mt19937 random(1);
   const std::vector<std::pair<std::string, std::string>> files = {

@@ -1,6 +1,6 @@
-// The proxy on random meshes against what is true of all triangles, asked one by one: it is on the
-// surface, nothing on a triangle that it touches is nearer to the tool, and it holds the tool
-// exactly where that is in the solid.
+// The proxy on random meshes, checked against every single triangle: it is on the surface, no
+// point of a touched triangle is nearer to the tool, and it holds the tool exactly inside the
+// solid.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace feltwire::mesh_reference_test {
 namespace {
 
-/// A sphere of 0.1 m with corners moved at random: as many ridges as valleys.
+/// A sphere of 0.1 m with randomly moved corners: as many ridges as valleys.
 TriangleSoup bumpy(std::uint64_t seed, double least) {
   TriangleSoup soup = test::icosphere(0.1, 3);
   test::Random random(seed);
@@ -23,7 +23,7 @@ TriangleSoup bumpy(std::uint64_t seed, double least) {
   return soup;
 }
 
-/// By the crossings of a ray from p.
+/// Counts the crossings of a ray from p.
 bool is_inside(const MeshSurface& surface, const Vec3& p) {
   const Vec3 far = p + Vec3(0.513, 0.327, 0.811);
   int crossings = 0;
@@ -33,7 +33,7 @@ bool is_inside(const MeshSurface& surface, const Vec3& p) {
   return crossings % 2 == 1;
 }
 
-/// A hand that goes in and out and about.
+/// A hand that moves in, out and around.
 template <class Visit>
 void wander(std::uint64_t seed, double step, int samples, Visit visit) {
   test::Random random(seed);
@@ -102,7 +102,7 @@ TEST(MeshReference, ABallTouchesNoTriangleDeeperAndIsNoNearerThanTheyLet) {
       const double depth = (proxy - goal).norm();
       if (!(depth > 1e-6)) return;
       ++held;
-      // The triangles that hold it let it go no nearer.
+      // The triangles that hold the ball allow no nearer place.
       const Nearest aim = nearest_in(holding, goal, 1e-12);
       stuck += !aim.found || (aim.point - proxy).norm() > 0.02 * depth + 1e-6;
     });

@@ -1,5 +1,5 @@
-// Surfaces that are meant to be closed and are not quite: seams, poles and corners that miss each
-// other by rounding.
+// Surfaces that should be closed but are not quite: seams, poles and corners that miss each other
+// by rounding.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ using Number = std::function<double(double)>;
 double as_double(double x) { return x; }
 double as_float(double x) { return static_cast<double>(static_cast<float>(x)); }
 
-/// A ball as a program revolves a half circle: the last meridian is computed anew at 2 pi, and the
-/// poles at the radius sin(pi). A text STL file has no common vertices.
+/// A ball made by revolving a half circle, as programs do: the last meridian is computed anew at
+/// 2 pi, the poles have the radius sin(pi). A text STL file has no common vertices.
 std::string revolved_stl(int around, int along, const Number& rounded = as_double,
                          double turn = 2.0 * M_PI) {
   const auto at = [&](int i, int j) {
@@ -49,8 +49,8 @@ std::string revolved_stl(int around, int along, const Number& rounded = as_doubl
   return out + "endsolid\n";
 }
 
-/// The number of straight approaches that get through: each comes from outside, goes on to the
-/// middle, and must be pushed back there.
+/// The number of straight approaches that get through. Each comes from outside to the middle, and
+/// the ball must push it back there.
 int let_through(const Object& object, const std::vector<Vec3>& targets) {
   int passed = 0;
   for (const Vec3& target : targets) {
@@ -65,7 +65,7 @@ int let_through(const Object& object, const std::vector<Vec3>& targets) {
   return passed;
 }
 
-/// Places on the ball's seam (longitude 0), a little beside it, and at its poles.
+/// Places on the ball's seam (longitude 0), slightly beside it, and at its poles.
 std::vector<Vec3> on_the_seam(int count) {
   test::Random random(11);
   std::vector<Vec3> targets;
@@ -95,7 +95,7 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
     const MeshReport& report = mesh.report();
     EXPECT_TRUE(report.closed());
     EXPECT_EQ(report.holes, 0u);
-    // 23 places of the seam; at each pole those of a radius of sin(pi) or of rounding.
+    // 23 places on the seam; at each pole, the points at a radius of sin(pi) or of rounding.
     EXPECT_GE(report.joined, 23u);
     EXPECT_LT(report.joined_farthest, 1e-16);
     EXPECT_DOUBLE_EQ(report.weld, 1e-6 * report.size);
@@ -108,8 +108,8 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
   }
 }
 
-// The seam again, without joining and with cracks as wide as the proxy's skin lets them be: held
-// by the edges themselves.
+// The seam without joining, with cracks as wide as the proxy's skin allows: the edges themselves
+// hold.
 TEST(MeshSeam, CracksBelowTheSkinHoldWithoutBeingJoined) {
   for (const double turn : {2.0 * M_PI, 2.0 * M_PI - 1e-8, 2.0 * M_PI + 1e-8}) {
     const TriangleSoup soup = parse_mesh(revolved_stl(64, 24, as_double, turn), "ball.stl", 1.0);
@@ -121,23 +121,23 @@ TEST(MeshSeam, CracksBelowTheSkinHoldWithoutBeingJoined) {
 }
 
 TEST(MeshSeam, HolesAreMeasured) {
-  // A slit of a tenth of a millimetre along a meridian, tapering to the poles.
+  // A slit of a tenth of a millimetre along a meridian, narrowing to the poles.
   constexpr double kSlit = 1e-4;
   const TriangleMesh slit(
       parse_mesh(revolved_stl(64, 24, as_double, 2.0 * M_PI - kSlit / kRadius), "slit.stl", 1.0));
   EXPECT_EQ(slit.report().holes, 1u);
   EXPECT_NEAR(slit.report().widest_hole, 0.9 * kSlit, 0.1 * kSlit);
-  // A box without its lid, and one without one triangle of it.
+  // A box without its lid, and a box without one triangle.
   const Vec3 half(0.05, 0.04, 0.03);
   TriangleSoup box = test::box(half);
   box.triangles.resize(10);
   const MeshReport lid = TriangleMesh(box).report();
   EXPECT_EQ(lid.holes, 1u);
-  EXPECT_NEAR(lid.widest_hole, 0.09, 0.0101);  // between its sides
+  EXPECT_NEAR(lid.widest_hole, 0.09, 0.0101);  // between the box's sides
   box = test::box(half);
   box.triangles.pop_back();
   EXPECT_EQ(TriangleMesh(box).report().holes, 1u);
-  // Rings of a tube, each of its own.
+  // Separate rings of a tube.
   TriangleSoup tube;
   for (int i = 0; i < 64; ++i)
     for (const double z : {0.0, 0.1})
@@ -155,7 +155,7 @@ TEST(MeshSeam, HolesAreMeasured) {
               ::testing::ElementsAre(::testing::HasSubstr("the surface has holes, 2 holes 0.0")));
 }
 
-// A corner of one side in the middle of an edge of the other: no neighbours there, and no way in.
+// A corner of one side in the middle of an edge of the other: they are no neighbours, but no gap.
 TEST(MeshSeam, ACornerInTheMiddleOfAnEdgeLetsNothingThrough) {
   test::Random random(5);
   TriangleSoup soup;
@@ -185,7 +185,7 @@ TEST(MeshSeam, ACornerInTheMiddleOfAnEdgeLetsNothingThrough) {
 }
 
 TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
-  // The revolved ball, and a spike that reaches to the end of the world.
+  // The revolved ball, and a spike that extends to 1e6 m.
   TriangleSoup soup = parse_mesh(revolved_stl(37, 24), "ball.stl", 1.0);
   const auto n = static_cast<std::uint32_t>(soup.vertices.size());
   const std::size_t count = TriangleMesh(soup).triangles().size();
@@ -199,7 +199,7 @@ TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
               ::testing::Contains(::testing::HasSubstr("a vertex lies far away from the others")));
 }
 
-// A part that is left out of the surface is reported with its height.
+// A triangle that the surface leaves out is reported with its height.
 TEST(MeshSeam, ATriangleThatIsLeftOutIsMeasured) {
   TriangleSoup soup = test::sheet(0.1);
   const auto n = static_cast<std::uint32_t>(soup.vertices.size());

@@ -31,7 +31,7 @@ TEST(TriangleMesh, CornersThatStandOnEachOtherBecomeOne) {
   const TriangleMesh mesh(test::box(Vec3(0.05, 0.04, 0.03), 3));
   EXPECT_TRUE(mesh.report().closed());
   EXPECT_EQ(mesh.triangles().size(), 6u * 9 * 2);
-  EXPECT_EQ(mesh.vertices().size(), mesh.triangles().size() / 2 + 2);  // Euler
+  EXPECT_EQ(mesh.vertices().size(), mesh.triangles().size() / 2 + 2);  // Euler's formula
   EXPECT_NEAR(mesh.report().volume, 8 * 0.05 * 0.04 * 0.03, 1e-16);
 }
 
@@ -43,7 +43,7 @@ TEST(TriangleMesh, OriginIsTheMiddleWhereverTheSurfaceLies) {
 }
 
 TEST(TriangleMesh, NoSizeIsDegenerateAndNoSliverIsKept) {
-  // One triangle of a tenth of a nanometre, one of a megametre, in one surface.
+  // A triangle of a tenth of a nanometre and one of a megametre, in one surface.
   TriangleSoup soup;
   soup.vertices = {{0, 0, 0},   {1e-10, 0, 0}, {0, 1e-10, 0}, {1e6, 0, 0},
                    {0, 1e6, 0}, {1, 0, 0},     {2, 0, 0},     {3, 1e-18, 0}};

@@ -1,4 +1,4 @@
-// The points of a tool with a body, and their tree.
+// The points of a tool with a body, and the tree over them.
 
 #include "core/point_shell/point_shell.hpp"
 
@@ -27,10 +27,10 @@ TEST(PointShell, IsEvenOverTheSurface) {
       on[static_cast<std::size_t>(axis)] += beyond[axis] > -1e-12 ? 1 : 0;
   }
   EXPECT_LT(middle.norm(), 1e-4);
-  EXPECT_NEAR(on[0], count * 2 / 11, 2);  // 2 of 11 parts of the area
+  EXPECT_NEAR(on[0], count * 2 / 11, 2);  // 2 of 11 parts of the total area
   EXPECT_NEAR(on[1], count * 3 / 11, 2);
   EXPECT_NEAR(on[2], count * 6 / 11, 2);
-  // No hole: a point within three mean distances of everywhere on the large face.
+  // No hole: every place on the large face has a point within three mean distances.
   const double near = 3.0 * std::sqrt(shell.area / static_cast<double>(count));
   for (double x = -0.03; x <= 0.03; x += 0.003)
     for (double y = -0.02; y <= 0.02; y += 0.004) {
@@ -68,7 +68,7 @@ TEST(PointShell, ItsTreeHoldsEveryPointOnce) {
     }
     for (const int times : seen) EXPECT_EQ(times, 1);
     for (const int times : reached) EXPECT_EQ(times, 1);
-    EXPECT_EQ(leaves, (count + 7) / 8);  // all full but the last
+    EXPECT_EQ(leaves, (count + 7) / 8);  // all full except the last
   }
 }
 

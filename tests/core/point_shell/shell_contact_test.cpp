@@ -1,4 +1,4 @@
-// A shell against solids: closed forms, brute force, and what is not looked at.
+// A point shell against solids: closed forms, brute force, and points that are skipped.
 
 #include "core/point_shell/shell_contact.hpp"
 
@@ -35,7 +35,7 @@ TEST(ShellContact, ABoxFlatOnAPlane) {
     const PointShell shell = box_shell(count);
     const ShellContact c =
         contact(shell, {Vec3(0.1, 0.2, 0.01 - kDepth), Quaternion::Identity()}, plane, kFace);
-    const double share = 1.0 / std::sqrt(static_cast<double>(count));  // of the way to a neighbour
+    const double share = 1.0 / std::sqrt(static_cast<double>(count));  // of a neighbour's distance
     EXPECT_NEAR(c.wrench[2], force, 0.5 * share * force) << count;
     EXPECT_EQ(c.wrench.head<2>(), Eigen::Vector2d::Zero());
     EXPECT_NEAR(c.wrench[3], 0.0, 0.02 * share * force) << count;
@@ -46,15 +46,15 @@ TEST(ShellContact, ABoxFlatOnAPlane) {
   }
 }
 
-// Turned by a small angle about y: depth d + x sin a; torque k Iy sin a / A_c, Iy the face's second
-// moment of area.
+// A box turned by a small angle about y: depth d + x sin a, torque k Iy sin a / A_c, with Iy the
+// face's second moment of area.
 TEST(ShellContact, ABoxTurnedOnAPlane) {
   constexpr double a = 0.03, angle = 1e-3, d = 2e-4;
   const PointShell shell = box_shell(40000);
   const ShellContact c =
       contact(shell, {Vec3(0, 0, 0.01 - d), Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitY()))},
               object(Plane{}), kFace);
-  // To first order in the angle, the sides included.
+  // To first order in the angle, with the sides.
   const double second =
       0.04 * std::pow(2.0 * a, 3) / 12.0 + d * (0.08 * a * a + 4.0 / 3.0 * a * a * a);
   const double torque = kStiffness / kFace * second * angle;
@@ -62,11 +62,11 @@ TEST(ShellContact, ABoxTurnedOnAPlane) {
   EXPECT_NEAR(c.wrench[2], flat_force(d, kFace), 0.01 * flat_force(d, kFace));
 }
 
-// Pushed down off its centre the plane's answer is a torque: the contact's centre is off.
+// Pushed down off its centre, the box feels a torque from the plane: the contact is off-centre.
 TEST(ShellContact, TheForceActsWhereThePointsAre) {
   const double area = kFace;
   const PointShell shell = box_shell(20000);
-  // Only x > 0 of the bottom stands on the step.
+  // Only the part x > 0 of the bottom rests on the step.
   const Object step = object(Box{Vec3(0.05, 0.05, 0.05)}, Vec3(0.05, 0, -0.05));
   const ShellContact c =
       contact(shell, {Vec3(0, 0, 0.01 - 1e-4), Quaternion::Identity()}, step, area);
@@ -91,14 +91,14 @@ TEST(ShellContact, TheWrenchIsTheEnergysGradientAndTheStiffnessItsSecond) {
     const double scale = i < 3 ? 1.0 : 0.03;
     EXPECT_NEAR(c.wrench[i], -(up.energy - down.energy) / (2.0 * kStep),
                 3e-4 * c.wrench.head<3>().norm() * scale);
-    // The Gauss-Newton part leaves out what the field's own curvature does, depth over radius.
+    // The Gauss-Newton part ignores the field's own curvature, an effect of depth over radius.
     EXPECT_NEAR(c.stiffness(i, i), -(up.wrench[i] - down.wrench[i]) / (2.0 * kStep),
                 0.25 * c.stiffness.diagonal().head<3>().sum() * scale * scale);
   }
   EXPECT_LT((c.stiffness - c.stiffness.transpose()).norm(), 1e-9 * c.stiffness.norm());
 }
 
-/// Point after point, without tree and groups.
+/// Point by point, without the tree and groups.
 ShellContact brute_force(const PointShell& shell, const Pose& pose, const Object& o, double area) {
   ShellContact sum;
   const double scale =
@@ -145,7 +145,7 @@ TEST(ShellContact, IsThatOfEveryPointAlone) {
                         Quaternion(Eigen::AngleAxisd(random.uniform(-3, 3), random.direction()))};
         const ShellContact all = brute_force(shell, pose, o, 1e-3);
         const ShellContact felt = contact(shell, pose, o, 1e-3);
-        // A grid answers in float: a point within its rounding of the surface may be either.
+        // A grid answers in float: a point within its rounding of the surface may touch or not.
         const bool grid = std::holds_alternative<Grid>(shape);
         const double close = grid ? 1e-5 : 1e-12, size = all.wrench.norm();
         EXPECT_NEAR(static_cast<double>(felt.touching), static_cast<double>(all.touching),
@@ -176,7 +176,7 @@ TEST(ShellContact, FarPointsCostNothing) {
     const ShellContact touching =
         contact(shell, {Vec3(0, 0, top + 0.01 - 1e-4), Quaternion::Identity()}, o, 1e-3);
     EXPECT_GT(touching.touching, 2500u);   // the whole face
-    EXPECT_LT(touching.looked_at, 6000u);  // and little more than it
+    EXPECT_LT(touching.looked_at, 6000u);  // and few others
   }
 }
 

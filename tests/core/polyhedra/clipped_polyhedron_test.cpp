@@ -1,4 +1,4 @@
-// A polyhedron that is cut by planes: it stays closed, and keeps the volume below them.
+// A polyhedron cut by planes stays closed and keeps the volume below them.
 
 #include "core/polyhedra/clipped_polyhedron.hpp"
 
@@ -23,7 +23,7 @@ using test::random_solid;
 template <class Visit>
 void for_each_face(const ClippedPolyhedron& solid, const Visit& visit) {
   std::set<std::pair<std::size_t, std::size_t>>
-      seen;  // corners, and edges by which they were entered
+      seen;  // corners, each with the edge by which it was entered
   for (std::size_t begin = 0; begin < solid.corner_count(); ++begin)
     for (std::size_t entry = 0; entry < 3; ++entry) {
       std::vector<std::size_t> loop;
@@ -46,7 +46,7 @@ double volume(const ClippedPolyhedron& solid) {
   return six / 6.0;
 }
 
-/// Every directed edge of a face is the opposite one of another face.
+/// Every directed edge of a face is the reverse of an edge of another face.
 void expect_closed(const ClippedPolyhedron& solid) {
   std::map<std::pair<int, int>, int> edges;
   for_each_face(solid, [&](ClippedPolyhedron::Tag, std::span<const std::size_t> face) {
@@ -73,7 +73,7 @@ TEST(ClippedPolyhedron, IsTheWholeSolidAtFirst) {
   }
 }
 
-// A narrow face that is nearly in the plane of a wide one, tilted by more than what joins planes.
+// A narrow face, nearly in the plane of a wide one, tilted by more than the joining tolerance.
 TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
   std::vector<Vec3> corners;
   for (const double z : {0.0, 1.0})
@@ -86,7 +86,7 @@ TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
   EXPECT_NEAR(volume(whole), 1.0 - 5e-7, 1e-9);
 }
 
-// A dome of many corners that is flat but for less than what joins planes, as a fine mesh has it.
+// A dome of many corners, flat within the joining tolerance, as in a fine mesh.
 TEST(ClippedPolyhedron, ADomeThatIsNearlyFlatCloses) {
   for (const double bend : {1e-6, 1e-7, 1e-9, 1e-11, 1e-12}) {
     SCOPED_TRACE(bend);
@@ -142,13 +142,13 @@ TEST(ClippedPolyhedron, TheNewFaceHasTheTagAndTheOthersKeepTheirs) {
   EXPECT_EQ(tags.size(), 6u);
 }
 
-// Planes through corners, along edges and on faces, where only rounding decides the side.
+// Planes through corners, along edges and on faces: only rounding decides the side.
 TEST(ClippedPolyhedron, StaysClosedOnPlanesThatTouch) {
   const Polyhedron cube = polyhedron(box_corners(Vec3::Constant(0.01)));
   ClippedPolyhedron solid = placed(cube);
   EXPECT_TRUE(solid.cut(Vec3::UnitX(), 0.01, 0));  // its own face
   EXPECT_EQ(solid.corner_count(), 8u);
-  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 0.0), 0.0, 1));  // two edges
+  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 0.0), 0.0, 1));  // through two edges
   EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 1.0), 0.01, 2));
   EXPECT_TRUE(solid.cut(Vec3(1.0, -1.0, 0.0), 0.0, 3));
   EXPECT_TRUE(solid.cut(Vec3(1.0, 0.0, 1.0), 0.0, 4));

@@ -1,4 +1,4 @@
-// The cells of a polyhedron, against the same cells cut out one by one.
+// The cells of a polyhedron, against cells that are cut out one by one.
 
 #include "core/polyhedra/nearest_cells.hpp"
 
@@ -34,8 +34,8 @@ NearestCells cells_of(const ClippedPolyhedron& whole, const std::vector<Linear>&
   return cells;
 }
 
-/// Six times the signed volume of a triangle with the origin, summed up by faces, each as triangles
-/// that have its first corner in common.
+/// Six times the signed volume of tetrahedra between triangles and the origin, summed by faces:
+/// each face is a fan of triangles from its first corner.
 class Volume {
  public:
   explicit Volume(const Vec3& from) : from_(from) {}
@@ -74,7 +74,7 @@ double volume(const NearestCells& cells, std::size_t cell) {
   return sum.value();
 }
 
-/// The corners are below all functions, and on that of each cell that they are in.
+/// At each corner the stored value is the least of all functions, and equals those of its cells.
 void expect_least(const NearestCells& cells, const std::vector<Linear>& functions, double slack) {
   for (std::size_t i = 0; i < cells.corner_count(); ++i) {
     const Vec3 x = cells.corner(i);
@@ -88,7 +88,7 @@ void expect_least(const NearestCells& cells, const std::vector<Linear>& function
   }
 }
 
-/// Each cell as it is without the others: cut out of the whole.
+/// Cuts each cell out of the whole by itself, for comparison.
 void expect_as_cut(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
   const NearestCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-13);
@@ -128,19 +128,19 @@ TEST(NearestCells, OneFunctionIsLeastEverywhere) {
   const std::vector<Linear> functions = {{Vec3::UnitX(), 0.5}, {Vec3::UnitY(), 0.2}};
   const NearestCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-15);
-  EXPECT_EQ(volume(cells, 0), 0.0);  // the second one took all
+  EXPECT_EQ(volume(cells, 0), 0.0);  // the second cell took everything
   EXPECT_NEAR(volume(cells, 1), 8e-6, 1e-18);
   EXPECT_EQ(cells.corner_count(), 8u);
 }
 
-/// The faces' own planes: six pyramids meet in the middle, so that all that decides is rounding.
+/// The faces' own planes: six pyramids meet in the middle, and only rounding decides.
 TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
   for (const double size : {1e-4, 0.01, 3.0}) {
     const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(size))));
     std::vector<Linear> functions;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
       for (const double side : {-1.0, 1.0}) functions.push_back({side * way, size});
-    functions.push_back(functions[2]);  // and one of them twice
+    functions.push_back(functions[2]);  // one of them appears twice
     const NearestCells cells = cells_of(whole, functions);
     expect_least(cells, functions, 1e-13);
     for (std::size_t k = 0; k < 6; ++k)
@@ -149,7 +149,7 @@ TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
   }
 }
 
-/// Functions through the corners and along the edges of the whole.
+/// Functions that vanish at corners and along edges of the whole.
 TEST(NearestCells, FunctionsThatTouchLeaveItClosed) {
   test::Random random(12);
   for (int i = 0; i < 200; ++i) {

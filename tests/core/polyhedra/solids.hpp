@@ -1,5 +1,5 @@
 #pragma once
-// Solids for tests of polyhedra and of tools of polygons.
+// Solids for tests of polyhedra and of polygonal tools.
 
 #include <vector>
 
@@ -19,7 +19,7 @@ inline std::vector<Vec3> box_corners(const Vec3& half, const Vec3& at = Vec3::Ze
   return corners;
 }
 
-/// The hull of so many points, at 0.7 to 1 times `size` [m] from the origin.
+/// The hull of `corners` random points, at 0.7 to 1 times `size` [m] from the origin.
 inline Polyhedron random_solid(Random& random, double size, int corners = 20) {
   std::vector<Vec3> points;
   for (int i = 0; i < corners; ++i)
@@ -27,7 +27,7 @@ inline Polyhedron random_solid(Random& random, double size, int corners = 20) {
   return polyhedron(points);
 }
 
-/// A solid of one part, all of whose faces are felt.
+/// A solid with a single part; all its faces are felt.
 inline SolidParts one_part(const Polyhedron& shape) {
   SolidParts solid;
   solid.parts.resize(1);

@@ -1,4 +1,4 @@
-// The whole parts of damaged recordings.
+// The intact parts of damaged recordings.
 #include "core/recording/mcap_salvage.hpp"
 
 #include <gmock/gmock.h>
@@ -22,8 +22,8 @@ constexpr std::size_t kChunks = 8, kInChunk = 20;
 
 struct File {
   std::string bytes;
-  std::vector<std::size_t> begins, ends;  // of the chunks' records
-  std::size_t data_end = 0;               // where the last chunk's indexes end
+  std::vector<std::size_t> begins, ends;  // positions of the chunks' records
+  std::size_t data_end = 0;               // end of the last chunk's indexes
 };
 
 File file_of(bool zstd) {
@@ -42,7 +42,7 @@ File file_of(bool zstd) {
     }
     writer.end_chunk();
     file.bytes += writer.take();
-    // The chunk itself, without its indexes: its length stands in its head.
+    // The chunk without its indexes: its head contains its length.
     std::uint64_t length = 0;
     for (std::size_t i = 8; i > 0; --i)
       length = length << 8 | static_cast<std::uint8_t>(file.bytes[file.begins.back() + i]);
@@ -72,7 +72,7 @@ Salvaged salvage(const std::string& bytes) {
   return found;
 }
 
-/// The messages without those of some chunks.
+/// The messages, except those of the given chunks.
 std::vector<ReadMessage> without(const std::vector<ReadMessage>& all,
                                  std::set<std::size_t> chunks) {
   std::vector<ReadMessage> left;
@@ -91,12 +91,12 @@ TEST(McapSalvage, AWholeFileIsWhole) {
   }
 }
 
-/// Whichever byte is bad: every chunk that does not have it is there, and something is said.
+/// Whichever byte is bad, every chunk without it is found, and the damage is reported.
 TEST(McapSalvage, OneBadByteAnywhereTakesNoOtherChunk) {
   for (const bool zstd : {false, true}) {
     const File file = file_of(zstd);
     const auto all = test::read_mcap(file.bytes).messages;
-    // Each byte of two chunks, of what stands before them, and of the end; some of the others.
+    // Every byte of two chunks, of the part before them, and of the end; some of the others.
     const auto step = [&](std::size_t at) {
       return at > file.ends[1] + 300 && at < file.data_end ? std::size_t{11} : std::size_t{1};
     };
@@ -108,7 +108,7 @@ TEST(McapSalvage, OneBadByteAnywhereTakesNoOtherChunk) {
         std::set<std::size_t> lost;
         for (std::size_t c = 0; c < kChunks; ++c)
           if (at >= file.begins[c] && at < file.ends[c]) lost.insert(c);
-        // Times in a chunk's head are in no CRC: it is whole all the same.
+        // No CRC covers the times in a chunk's head: such a chunk is still whole.
         const auto& expected = found.messages.size() == all.size() ? all : without(all, lost);
         ASSERT_EQ(found.messages, expected) << at << " of " << file.bytes.size() << " ^ " << bits;
         ASSERT_FALSE(found.missing.empty()) << at << " ^ " << bits;
@@ -142,7 +142,7 @@ TEST(McapSalvage, ATruncatedFileGivesItsWholeChunks) {
       ASSERT_EQ(found.messages.size(), whole * kInChunk) << end;
       ASSERT_FALSE(found.missing.empty()) << end;
     }
-    // Truncated, and a bad chunk before.
+    // Truncated, with a bad chunk before the cut.
     std::string bytes = file.bytes.substr(0, file.ends[5] + 20);
     bytes[file.ends[2] - 3] ^= 0x40;
     EXPECT_EQ(salvage(bytes).messages,
@@ -159,7 +159,7 @@ TEST(McapSalvage, SeveralDamagedPartsAreEachMissed) {
     std::set<std::size_t> lost;
     for (int bad = 0; bad < 3; ++bad) {
       const std::size_t c = random() % kChunks;
-      // Behind the head of a chunk, or a length that leads anywhere.
+      // A byte after the head of a chunk, or of its length, which then leads anywhere.
       const std::size_t at =
           bad == 0 ? file.begins[c] + 1 + random() % 4
                    : file.begins[c] + 60 + random() % (file.ends[c] - file.begins[c] - 60);

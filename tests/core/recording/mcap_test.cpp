@@ -58,7 +58,7 @@ std::string error_of(const std::string& bytes, mcap::ReaderLimits limits = {}) {
   return {};
 }
 
-/// A file that begins right, and then has these records.
+/// A file that begins correctly and then has these records.
 std::string begun(const std::string& records) {
   mcap::Writer writer({.library = "test"});
   const auto schema = writer.add(mcap::Schema{"a.B", "protobuf", ""});
@@ -129,7 +129,7 @@ TEST(Mcap, AFileCutAtAnyByteGivesTheChunksThatAreWhole) {
       ASSERT_LE(*file.cut_at, size);
       std::size_t chunks = 0;
       while (chunks < small.chunk_ends.size() && small.chunk_ends[chunks] <= size) ++chunks;
-      // The indexes behind a chunk need not be there.
+      // The indexes after a chunk are optional.
       ASSERT_GE(file.messages.size(), 2 * chunks) << size;
       ASSERT_LE(file.messages.size(), 2 * chunks + 2) << size;
       for (std::size_t i = 0; i < file.messages.size(); ++i) ASSERT_EQ(file.messages[i], all[i]);
@@ -186,7 +186,7 @@ TEST(Mcap, LengthsAreNotBelieved) {
               HasSubstr("record that may not be in one"));
 }
 
-/// A chunk of zeros that would be large.
+/// A chunk of zeros that would decompress to a large size.
 TEST(Mcap, AChunkMayNotBeLargerThanTheLimitSays) {
   const std::string zeros(1 << 20, '\0');
   std::string small(ZSTD_compressBound(zeros.size()), '\0');
@@ -194,7 +194,7 @@ TEST(Mcap, AChunkMayNotBeLargerThanTheLimitSays) {
   const mcap::ReaderLimits limits{.chunk = 1 << 16};
   EXPECT_THAT(error_of(begun(chunk(zeros.size(), "zstd", small)), limits),
               HasSubstr("a chunk says that it has 1048576 bytes, and at most 65536 are read"));
-  // One that lies about it.
+  // A chunk that states a false size.
   EXPECT_THAT(error_of(begun(chunk(100, "zstd", small)), limits),
               HasSubstr("cannot be decompressed"));
 }

@@ -52,13 +52,13 @@ inline ReadFile read_mcap(const std::string& bytes, mcap::ReaderLimits limits = 
   return file;
 }
 
-/// If FELTWIRE_KEEP_RECORDINGS names a folder, leaves the file there.
+/// Keeps the file in the folder that FELTWIRE_KEEP_RECORDINGS names, if it does.
 inline void keep_recording(const std::string& name, const std::string& bytes) {
   if (const char* folder = std::getenv("FELTWIRE_KEEP_RECORDINGS"))
     std::ofstream(std::filesystem::path(folder) / name, std::ios::binary) << bytes;
 }
 
-/// Keeps a folder's newest file in the same way, as PROGRAM-TEST.mcap of the running test.
+/// Keeps a folder's newest file there too, as PROGRAM-TEST.mcap of the running test.
 inline void keep_recordings(const std::string& program, const std::filesystem::path& folder) {
   const char* keep = std::getenv("FELTWIRE_KEEP_RECORDINGS");
   if (keep == nullptr) return;

@@ -1,4 +1,4 @@
-// No hand can break the limits of the safety stage, whatever they are.
+// Whatever the limits of the safety stage are, no hand breaks them.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ TEST(SafetyAttack, OnlyEverScalesDownEachChannelByOneFactor) {
       const double torque_share = in_torque > 0.0 ? out.torque.norm() / in_torque : 0.0;
       ASSERT_LE(share, 1.0 + 1e-15);
       ASSERT_LE(torque_share, 1.0 + 1e-15);
-      if (in_force > 0.0) {  // else its two parts cancel, and there is nothing to limit
+      if (in_force > 0.0) {  // otherwise its two parts cancel: there is nothing to limit
         ASSERT_LE((out.elastic - share * in.elastic).norm(), 1e-12 * in.elastic.norm());
         ASSERT_LE((out.frictional - share * in.frictional).norm(), 1e-12 * in.frictional.norm());
       }
@@ -61,8 +61,8 @@ struct Attack {
   int limited = 0, slewed = 0, too_fast = 0, ramped = 0, waiting = 0, rendered = 0;
 };
 
-/// A hand that knows what is held takes all that a sample can give, now and then anything else,
-/// from a contact frame behind which the stage stands and that is told what was held.
+/// A hand that knows the held force takes all that a sample can give, or sometimes moves otherwise.
+/// The stage stands behind a contact frame, which is told the held force.
 void attack(std::uint64_t seed, Attack& sum) {
   Random random(seed);
   Bounding bounding(contact_frame(seed % 2 ? Projection::joint : Projection::cone,
@@ -111,13 +111,13 @@ TEST(SafetyAttack, BehindTheContactFrameNoHandTakesMoreThanTheDeviceBurned) {
   for (const std::uint64_t seed : test::seeds(0, 400, 40)) attack(seed, all);
   EXPECT_EQ(all.violations, 0u);
   EXPECT_LE(all.worst, 1e-12);
-  // And every limit had its part in it.
+  // Every limit was active.
   for (const int times : {all.limited, all.slewed, all.too_fast, all.ramped, all.waiting})
     EXPECT_GT(times, test::rounds(100));
   EXPECT_GT(all.rendered, test::rounds(100'000));
 }
 
-/// Presses in while the ramp gives next to nothing, rests until it gives all, and comes out again.
+/// Presses in while the ramp gives almost no force, rests until it gives all, and moves out again.
 PortEnergy out_of_the_ramp(bool told) {
   Bounding bounding(contact_frame());
   SafetyStage stage({.ramp_up = 0.1});
@@ -139,7 +139,7 @@ PortEnergy out_of_the_ramp(bool told) {
   return port;
 }
 
-// A bound that is not told builds on work that was never done.
+// A bound that does not learn the held force counts on work that was never done.
 TEST(SafetyAttack, WhatWasWithheldCannotBeTakenBackLater) {
   EXPECT_EQ(out_of_the_ramp(true).violations(), 0u);
   const PortEnergy untold = out_of_the_ramp(false);

@@ -19,7 +19,7 @@ using namespace test;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A sample of a port without a bound: everything commanded is let through.
+/// A sample of a port without a bound: the stage gets the whole command.
 SafetyStep step(const Command& command, const Vec3& displacement = Vec3::Zero()) {
   return {
       .commanded = command, .bounded = command, .displacement = displacement, .hold_time = kPeriod};
@@ -67,9 +67,9 @@ TEST(Safety, SlewLimitsTheRiseOnlyAndFromWhatWasHeld) {
     EXPECT_NEAR(force(out), 0.5 * n, 1e-12);
     EXPECT_NEAR(out.rendered.torque.x(), 0.02 * n, 1e-12);
   }
-  stage.set_held(push(0.2, 0.0));  // the device gave less
+  stage.set_held(push(0.2, 0.0));  // the device held less
   EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 0.7, 1e-12);
-  stage.set_held({.elastic = Vec3(kNan, 0, 0)});  // says nothing
+  stage.set_held({.elastic = Vec3(kNan, 0, 0)});  // ignored
   EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 1.2, 1e-12);
   const Safeguarded fallen = stage.apply(step(push(0.1)));
   EXPECT_EQ(fallen.rendered.force(), push(0.1).force());
@@ -97,7 +97,7 @@ TEST(Safety, AboveTheSpeedLimitTheShareFallsLinearlyToNothingAtTwice) {
     EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << speed;
     EXPECT_EQ(out.too_fast, speed > 1.0) << speed;
   }
-  // And each by its own movement.
+  // Force and torque are each limited by their own movement.
   SafetyStage stage({.force = {.speed = 1.0}, .torque = {.speed = 10.0}});
   Safeguarded out;
   for (int n = 0; n < 1000; ++n) out = stage.apply(step(push(3.0, 0.2), Vec3(0.005, 0, 0)));
@@ -105,8 +105,8 @@ TEST(Safety, AboveTheSpeedLimitTheShareFallsLinearlyToNothingAtTwice) {
   EXPECT_EQ(out.rendered.torque.x(), 0.2);
 }
 
-/// A hand in steady movement above the limit, read by encoders of 55 um: bare differences jump
-/// between two speeds 55 mm/s apart, 5.5 % of the force; the force may only breathe.
+/// A hand moves steadily above the limit, read by encoders of 55 um. Raw differences jump between
+/// two speeds 55 mm/s apart, 5.5 % of the force; the rendered force must vary less.
 TEST(Safety, NearTheSpeedLimitEncoderQuantaDoNotChatter) {
   constexpr double kQuantum = 55e-6;
   for (const double speed : {0.98, 1.0, 1.02, 1.3, 1.7}) {
@@ -131,17 +131,17 @@ TEST(Safety, TheFirstContactGrowsLinearly) {
     const double share = std::min(1.0, n * kPeriod / 0.1);
     EXPECT_NEAR(force(out), 4.0 * share, 1e-9) << n;
     EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << n;
-    if (n == 100) continue;  // there rounding decides
+    if (n == 100) continue;  // rounding decides here
     EXPECT_EQ(out.ramped, n < 100) << n;
   }
   stage.apply(step({}));
   const Safeguarded again = stage.apply(step(push(4.0)));
-  EXPECT_EQ(again.rendered.force(), push(4.0).force());  // only the first
+  EXPECT_EQ(again.rendered.force(), push(4.0).force());  // only the first contact has a ramp
   EXPECT_FALSE(again.ramped);
 }
 
-/// A hand that presses in at once and rests: what the bound lets through follows from what was
-/// held, so a share of *that* would be gone after a few samples.
+/// A hand presses in at once and rests. The bound's output depends on the held force, so a share of
+/// that output would vanish after a few samples.
 TEST(Safety, BehindABoundTheRampAndTheSpeedKeepWhatTheyLetThrough) {
   for (const bool ramp : {true, false}) {
     SafetyLimits limits;
@@ -178,20 +178,20 @@ TEST(Safety, NothingIsGivenUntilTheScenesOwnCommandHasBeenSmall) {
     EXPECT_TRUE(out.waiting);
     EXPECT_EQ(force(out) + out.rendered.torque.norm(), 0.0);
   }
-  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);  // both must be small
-  // A bound gives nothing at first, inside an object too: that is not the scene's word.
+  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);  // force and torque must both be small
+  // A bound gives nothing at first, even inside an object: this is not the scene's own command.
   SafetyStep changed = step({});
   changed.original = false;
-  EXPECT_FALSE(stage.apply(changed).waiting);  // nothing there to hold back
+  EXPECT_FALSE(stage.apply(changed).waiting);  // there is nothing to hold back
   EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);
-  // Small once: let go for good, and the ramp begins only now.
+  // Small once: the wait ends for good, and only now the ramp begins.
   EXPECT_FALSE(stage.apply(step(push(0.1, 0.01))).waiting);
   const Safeguarded out = stage.apply(step(push(4.0)));
   EXPECT_FALSE(out.waiting);
-  EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);  // one period of 0.1 s
+  EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);  // one period of the ramp's 0.1 s
 }
 
-/// One channel of a stage that waits, and a hand in it.
+/// The force channel of a waiting stage, and a hand in it.
 struct Waiting {
   explicit Waiting(bool reduces = true) : stage({.force = {.small = 0.05}}, reduces) {}
   double at(double commanded, double moved = 0.0) {
@@ -205,13 +205,13 @@ TEST(Safety, WhoBeginsInsideFeelsAtOnceWhatHeAdds) {
   EXPECT_EQ(w.at(4.0), 0.0);
   EXPECT_NEAR(w.at(4.5), 0.5, 1e-12);  // deeper
   EXPECT_EQ(w.at(4.0), 0.0);
-  EXPECT_EQ(w.at(3.0), 0.0);  // less deep: that is the floor from now on
+  EXPECT_EQ(w.at(3.0), 0.0);  // less deep: the new floor
   EXPECT_NEAR(w.at(4.0), 1.0, 1e-12);
-  EXPECT_LE(w.at(0.05), 0.05);  // out: the wait is over
+  EXPECT_LE(w.at(0.05), 0.05);  // out: the wait ends
   EXPECT_EQ(w.at(4.0), 4.0);
 }
 
-/// A field that is nowhere small comes in with the hand's way, without a jump; not by itself.
+/// A field that is nowhere small fades in without a jump as the hand moves, not by itself.
 TEST(Safety, AFieldThatIsNeverSmallIsLetInAsTheHandMoves) {
   Waiting w;
   for (int n = 0; n < 10'000; ++n) ASSERT_EQ(w.at(2.0), 0.0);
@@ -220,7 +220,7 @@ TEST(Safety, AFieldThatIsNeverSmallIsLetInAsTheHandMoves) {
   for (; before < 2.0 && way < 1.0; way += kStep) {
     const double given = w.at(2.0, kStep);
     ASSERT_GE(given, before);
-    // At its end the floor was small, and had this step to go.
+    // The floor ends small: the last step may rise by the threshold plus this movement's part.
     ASSERT_LE(given - before, 0.05 * (1.0 + kStep / SafetyLimits::kFloorWay) + 1e-12);
     before = given;
   }
@@ -228,8 +228,7 @@ TEST(Safety, AFieldThatIsNeverSmallIsLetInAsTheHandMoves) {
   EXPECT_NEAR(way, (2.0 - 0.05) / 0.05 * SafetyLimits::kFloorWay, 2e-3);  // the filter's delay
 }
 
-/// A mass that nobody holds, where it connected: 5 mm deep in a wall, and pushed by 2 mm/s to
-/// begin.
+/// A free mass that connects 5 mm deep in a wall, with an initial speed of 2 mm/s outwards.
 TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
   for (const bool waits : {true, false}) {
     SafetyStage stage({.force = {.small = waits ? 0.05 : kInfinity}});
@@ -249,7 +248,7 @@ TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
   }
 }
 
-// A law that also bounds from below must get nothing, or all.
+// A law that also bounds from below must get no force or all of it.
 TEST(Safety, BehindABoundThatAdmitsNoReductionAWaitGivesNothing) {
   Waiting w(false);
   for (const double commanded : {4.0, 4.5, 0.06, 3.0}) EXPECT_EQ(w.at(commanded, 1e-3), 0.0);
@@ -275,11 +274,11 @@ TEST(Safety, WhatIsNotFiniteGivesNothing) {
       EXPECT_TRUE(out.refused);
       EXPECT_EQ(out.rendered.force(), Vec3::Zero());
       EXPECT_EQ(out.rendered.torque, Vec3::Zero());
-      // It poisons nothing that comes after.
+      // The bad sample does not affect the next ones.
       EXPECT_EQ(stage.apply(step(push(2.0, 0.1))).rendered.force(), push(2.0).force());
     }
   }
-  // Finite numbers whose velocity or sum is not.
+  // Finite numbers with an infinite velocity or sum.
   SafetyStage stage;
   SafetyStep s = step(push(2.0), Vec3(1e300, 0, 0));
   s.hold_time = 1e-300;

@@ -1,5 +1,5 @@
-// Scenes and surfaces of many parts. What is quadratic in their number takes minutes here: the
-// time limit of the test is the judge.
+// Scenes and surfaces of many parts. A quadratic cost would take minutes here, and the test's time
+// limit would report it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST(LargeScene, FiftyThousandMaterialsAreFoundByTheirNames) {
     EXPECT_EQ(many.objects()[i].material.stiffness, static_cast<double>(kHalf - i));
 }
 
-/// A disc whose rim has so many corners, as one face.
+/// A disc as one face, with `corners` corners on its rim.
 std::string disc(int corners, double height = 0.0) {
   std::string text;
   for (int i = 0; i < corners; ++i) {
@@ -107,10 +107,10 @@ TEST(LargeScene, AFaceOfAHundredThousandCornersBecomesASurface) {
   TriangleMesh mesh(parse_obj(disc(kMany), "disc.obj", 1.0), 0.0);
   const MeshReport& report = mesh.report();
   const std::size_t count = mesh.triangles().size();
-  EXPECT_GT(count, static_cast<std::size_t>(kMany) * 9 / 10);  // some are flat: coordinates are cut
+  EXPECT_GT(count, static_cast<std::size_t>(kMany) * 9 / 10);  // some are flat by rounding
   EXPECT_EQ(report.non_manifold_edges, 0u);
   EXPECT_EQ(report.turned_edges, 0u);
-  // Every triangle of the fan has a neighbour to either side, but for the two at its ends.
+  // Every triangle of the fan has a neighbour on either side, except the two at its ends.
   std::size_t joined = 0;
   for (std::uint32_t t = 0; t < count; ++t)
     for (int k = 0; k < 3; ++k) {
@@ -130,18 +130,18 @@ TEST(LargeScene, AFaceOfAHundredThousandCornersBecomesASurface) {
 
 TEST(LargeScene, OneTriangleAHundredThousandTimesIsOne) {
   TriangleSoup soup{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {}};
-  for (std::uint32_t i = 0; i < kMany; ++i)  // turned and begun anew, it is the same
+  for (std::uint32_t i = 0; i < kMany; ++i)  // turned or rotated, it stays the same triangle
     soup.triangles.push_back(i % 2 == 0 ? Triangle{i % 3, (i + 1) % 3, (i + 2) % 3}
                                         : Triangle{(i + 1) % 3, i % 3, (i + 2) % 3});
   soup.triangles.push_back({0, 1, 3});
   const TriangleMesh mesh(soup);
   EXPECT_EQ(mesh.triangles().size(), 2u);
-  EXPECT_EQ(mesh.triangles()[0], (Triangle{2, 1, 0}));  // its neighbour runs from 0 to 1
+  EXPECT_EQ(mesh.triangles()[0], (Triangle{2, 1, 0}));  // its neighbour has the edge from 0 to 1
   EXPECT_EQ(mesh.report().duplicate, static_cast<std::size_t>(kMany - 1));
   EXPECT_EQ(mesh.report().boundary_edges, 4u);
 }
 
-/// Neighbours as their definition has them, for small surfaces of all kinds of edges.
+/// Neighbours by their definition, for small surfaces with all kinds of edges.
 TEST(LargeScene, NeighboursAreThoseThatShareAnEdgeTheOtherWayRound) {
   std::mt19937 random(11);
   for (int run = 0; run < 200; ++run) {
@@ -167,7 +167,7 @@ TEST(LargeScene, NeighboursAreThoseThatShareAnEdgeTheOtherWayRound) {
             others.push_back(u);
             agree = c == b;
           }
-        // The two sides of one face are no neighbours: its edges are open, and count once.
+        // The two sides of a face are no neighbours: its edges are open and count once.
         const bool two_sides =
             others.size() == 1 && std::ranges::is_permutation(triangles[others[0]], triangles[t]);
         const bool good = others.size() == 1 && agree && !two_sides;

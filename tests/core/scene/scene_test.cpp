@@ -19,7 +19,7 @@ Object object(const char* name, Shape shape, Material material = {}) {
   return o;
 }
 
-/// Two planes that meet at a right angle: solid below z = 0 and below x = 0.
+/// Two planes at a right angle: solid below z = 0 and below x = 0.
 std::vector<Object> corner() {
   Object floor = object("floor", Plane{}, {.stiffness = 1000});
   Object wall = object("wall", Plane{}, {.stiffness = 500});
@@ -48,7 +48,7 @@ TEST(Scene, RequiresOnlyWhatAnObjectNeeds) {
   EXPECT_TRUE(needs({.damping = 0.1}).velocity);
   EXPECT_TRUE(needs({.viscous_friction = 0.1}).velocity);
   EXPECT_FALSE(needs({.viscous_friction = 0.1}).friction);
-  EXPECT_EQ(needs({.stiffness = 2500.0}).stiffness, 2500.0);  // the stiffest, wherever it stands
+  EXPECT_EQ(needs({.stiffness = 2500.0}).stiffness, 2500.0);  // the stiffest material of all
   EXPECT_EQ(needs({.stiffness = 10.0}).stiffness, Material{}.stiffness);
 }
 
@@ -65,7 +65,7 @@ TEST(Scene, AToolThatIsNotFiniteGivesZeroAndIsForgotten) {
     EXPECT_TRUE(memory[0].touching);
     EXPECT_EQ(memory[0].anchor, Vec3(0.1, 0.2, 0.0));
   }
-  // The stick point is where it was: the next good sample goes on from it.
+  // The stick point stays: the next good sample continues from it.
   const Command c = scene.touch({Vec3(0.1005, 0.2, -0.001), Vec3::Zero()}, memory);
   EXPECT_NEAR(c.frictional.x(), -0.5, 1e-12);
 }

@@ -1,4 +1,4 @@
-// Bodies and MJCF out of files.
+// Bodies and MJCF from files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// The lines of a scene with one of them changed.
+/// A scene's text with some lines replaced.
 std::string scene_text(const std::string& bodies, const std::string& more = "",
                        const std::string& object = R"("body": "b")") {
   return "{ \"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 900 }],\n" + more +
@@ -103,7 +103,7 @@ TEST(LoadBodies, TheWorkshopIsSound) {
   ASSERT_NE(scene.mechanism(), nullptr);
   EXPECT_EQ(scene.mechanism()->bodies(), 6);
   EXPECT_THAT(scene.mechanism()->warnings(), ::testing::IsEmpty());
-  // Left alone everything stays where it is.
+  // Untouched, everything stays at its place.
   World world(scene);
   const auto before = world.objects();
   for (int n = 0; n < 1000; ++n) ASSERT_TRUE(world.step());
@@ -157,7 +157,7 @@ const char* const kRoom = R"(<mujoco>
 TEST_F(Mjcf, GeomsBecomeObjects) {
   write("room.xml", kRoom);
   const Scene scene = load();
-  ASSERT_EQ(scene.objects().size(), 3u);  // what collides with nothing is decoration
+  ASSERT_EQ(scene.objects().size(), 3u);  // a geom that does not collide is decoration
   EXPECT_EQ(scene.objects()[0].name, "floor");
   EXPECT_EQ(scene.objects()[0].material.stiffness, 900);
   EXPECT_EQ(scene.objects()[1].name, "cabin");
@@ -174,7 +174,7 @@ TEST_F(Mjcf, GeomsBecomeObjects) {
   EXPECT_NEAR(world.objects()[2].pose.position.x(), world.objects()[1].pose.position.x(), 1e-12);
 }
 
-/// MuJoCo resets everything in each of its steps: nothing would ever move.
+/// MuJoCo resets everything in each step: nothing would ever move.
 TEST_F(Mjcf, ASceneThatBreaksAtItsFirstStepIsWarnedOf) {
   const auto warnings = [&](const std::string& spring) {
     write("room.xml", R"(<mujoco><asset><material name="steel"/></asset><worldbody>
@@ -214,7 +214,7 @@ const char* const kWedge =
     "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\n"
     "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
-/// With a file that it includes, and a mesh beside the scene's folder.
+/// A model that includes a file and names a mesh beside the scene's folder.
 std::string room_of_files(const std::string& mesh) {
   return R"(<mujoco>
   <asset><material name="steel"/><mesh name="wedge" file=")" +
@@ -244,7 +244,7 @@ TEST_F(Mjcf, KeptFilesAreReadAgainWithoutTheDisk) {
   const Scene again = load_kept_scene(*scene.files());
   ASSERT_EQ(again.objects().size(), 1u);
   EXPECT_EQ(again.objects()[0].pose.position, scene.objects()[0].pose.position);
-  // To the bit.
+  // Equal to the bit.
   World first(scene), second(again);
   test::Hand one(first), other(second);
   for (int n = 0; n < 50; ++n)
@@ -269,13 +269,13 @@ TEST_F(Mjcf, KeptFilesReachNothingElseOnTheDisk) {
   };
   KeptFiles files = *scene.files();
   EXPECT_EQ(wrong_with(files), "no error");
-  // A recording of one who wants to know what else is on this disk.
+  // A recording whose author wants to read other files of this disk.
   const std::string place = (folder / "wedge.obj").string();
   files.files["room.xml"] = room_of_files(place);
   EXPECT_THAT(wrong_with(files), HasSubstr("was not kept, name the scene's own file"));
   files.files[place] = kWedge;
   EXPECT_THAT(wrong_with(files), HasSubstr("from the root of the file system"));
-  // Or to write to it.
+  // Or to write to the disk.
   files.files.erase(place);
   const std::filesystem::path target = folder / "written";
   files.files["../../../../../../../.." + target.string()] = "x";
@@ -302,7 +302,7 @@ TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
   write("room.xml",
         "<mujoco><asset><mesh name='m' vertex='0 0 0 1e30 0 0 0 1e30 0 0 0 1e30'/></asset>"
         "<worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>");
-  EXPECT_NE(error(), "no error");  // and no end of the process
+  EXPECT_NE(error(), "no error");  // and the process does not end
   write("room.xml", "<mujoco><worldbody/></mujoco>");
   EXPECT_THAT(error(), HasSubstr("has no geom and no material 'steel'"));
   write("room.xml", kRoom);

@@ -1,4 +1,4 @@
-// Scenes that are loaded while memory is short.
+// Scenes that are loaded while memory is scarce.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace feltwire::load_scene_fault_test {
 namespace {
 
 #ifndef FELTWIRE_SANITIZED
-/// Whether it loads, in a thread of its own: the one that asks is spared.
+/// Whether the scene loads, in a separate thread: refused memory does not affect the caller.
 bool loads(const std::string& file) {
   bool loaded = false;
   std::thread([&] {
@@ -20,14 +20,14 @@ bool loads(const std::string& file) {
       load_scene(file);
       loaded = true;
     } catch (const std::exception&) {
-      // That is how a load ends that has no memory.
+      // A load without memory ends here.
     }
   }).join();
   return loaded;
 }
 
-/// Every allocation of the loader is refused in turn: each ends in an exception, or is done
-/// without, and the next load is as good as the first.
+/// Refuses every allocation of the loader in turn. Each load ends in an exception or manages
+/// without the memory, and the next load works as the first.
 TEST(LoadSceneFaults, OfEveryAllocationEndTheLoadOnly) {
   int injected = 0, ended = 0;
   for (const std::string name : {"plane.json", "room.json", "workshop.json"}) {

@@ -20,7 +20,7 @@ using ::testing::StartsWith;
 
 const std::string kScenes = std::string(FELTWIRE_SOURCE_DIR) + "/scenes/";
 
-// Line by line, so that the tests below can say where the error is.
+// Line by line, so that the tests below can name the line of an error.
 const std::vector<std::string> kGood = {
     R"({)",                                                                  // 1
     R"(  "name": "s",)",                                                     // 2
@@ -114,12 +114,12 @@ TEST(LoadScene, StartIsWhereAHandBegins) {
 TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
   ASSERT_EQ(error_of(text_with(0, "")), "no error");
   struct Mistake {
-    int line;             // changed
-    std::string changed;  // to this
-    std::string error;    // begins with this
+    int line;             // the line to change
+    std::string changed;  // its new text
+    std::string error;    // the beginning of the error
   };
   const std::vector<Mistake> mistakes = {
-      // Errors of the meaning.
+      // Errors in the meaning.
       {11, R"("sphere": { "radius": -1 },)",
        "s.json:11: objects[1].sphere.radius: must be above zero [m], is -1; give a larger"},
       {11, R"("sphere": { "radius": 0 },)", "s.json:11: objects[1].sphere.radius: must be above"},
@@ -161,7 +161,7 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
        "s.json:5: materials[1].damping: must be at least zero [N s/m], is -1; "},
       {5, R"({ "name": "ice", "stiffness": 5, "dynamic_friction": 0.1 })",
        "s.json:5: materials[1].dynamic_friction: must not exceed static_friction = 0, is 0.1; "},
-      // Errors of the schema.
+      // Errors against the schema.
       {5, R"({ "name": "ice", "stifness": 5 })",
        "s.json:5: materials[1].'stifness': is no field here; the fields are: name, stiffness, "},
       {5, R"({ "stiffness": 5 })", "s.json:5: materials[1].name: is missing; add it"},
@@ -181,7 +181,7 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
       {12, R"("position": { "x": 1, "y": 2 },)", "s.json:12: objects[1].position.z: is missing"},
       {12, R"("position": [0, "1", 0],)", "s.json:12: objects[1].position.y: must be a number"},
       {13, "", "s.json:9: objects[1].material: is missing; add it"},
-      // Errors of JSON.
+      // Errors in the JSON.
       {12, R"("position": [0, 0, 1e999],)",
        "s.json:12: objects[1].position[2]: the number '1e999' is too large or too small"},
       {12, R"("position": [0, 0, 0x10],)",
@@ -337,7 +337,7 @@ TEST(LoadScene, RandomBytesNeverCrashAndErrorsPointIntoTheFile) {
       EXPECT_LE(line, lines + 5) << what;
     }
   }
-  EXPECT_GT(loaded, kTries / 100);  // hits in comments and digits
+  EXPECT_GT(loaded, kTries / 100);  // changes of comments and digits
   EXPECT_GT(refused, kTries / 2);
 }
 

@@ -1,4 +1,4 @@
-// A process that may have little memory says so; no library beneath the loader ends it by a signal.
+// A process with little memory reports it; no library below the loader ends it by a signal.
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -28,15 +28,15 @@ std::size_t address_space() {
 
 using Load = std::function<void()>;
 
-/// Loads a scene with so much address space more than the process has, and exits: 0 when it is
-/// loaded, 1 when the error speaks of memory, 3 when it does not.
+/// Loads a scene with `more` bytes of address space than the process has, and exits: 0 if the
+/// scene is loaded, 1 if the error mentions memory, 3 if it does not.
 [[noreturn]] void load_with(std::size_t more, const Load& load) {
   const rlimit limit{address_space() + more, RLIM_INFINITY};
   setrlimit(RLIMIT_AS, &limit);
   int status = 0;
   try {
     load();
-  } catch (const std::bad_alloc&) {  // none even for the words
+  } catch (const std::bad_alloc&) {  // no memory even for the text
     status = 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
@@ -45,7 +45,7 @@ using Load = std::function<void()>;
   _exit(status);
 }
 
-/// A scene of many boxes, which has a tree.
+/// A scene of many boxes, with a tree.
 std::string boxes() {
   std::string text = R"({"name":"many","materials":[{"name":"m","stiffness":1000}],"objects":[)";
   for (int i = 0; i < 2000; ++i)
@@ -55,12 +55,12 @@ std::string boxes() {
   return text + "]}";
 }
 
-/// Every so many megabytes until it has been loaded a few times. `little`: the least is too little.
+/// Raises the limit until the scene has loaded a few times. `little`: the first limit is too small.
 void load_within_limits(const Load& load, bool little) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer reserves more address space than any limit here";
 #endif
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // each in a process of its own
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // each in its own process
   int refused = 0, loaded = 0;
   const auto ended = [&](int status) {
     loaded += WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 1 : 0;

@@ -1,4 +1,4 @@
-// The convex parts of a mesh on the disk: whatever stands in the file, the scene is the same.
+// A file with the convex parts of a mesh: whatever its content is, the scene stays the same.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST_F(PartsCache, IsBesideTheMeshOneFileForEachUseOfIt) {
   EXPECT_EQ(status.st_mode & 0022, 0u);
   ring(R"(, "convex_parts": { "tolerance": 0.004, "most": 20 })");
   EXPECT_THAT(kept_in(scenes()), ElementsAre(scenes() / "ring.obj.m.0.004.20.convex", beside()));
-  // The mesh is another one now: its file is replaced.
+  // The mesh's file is replaced by another mesh.
   write("ring.obj", test::torus(0.05, 0.014, 7, 5));
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is of another mesh")));
   EXPECT_EQ(kept_in(scenes()).size(), 2u);
@@ -83,7 +83,7 @@ TEST_F(PartsCache, ADamagedOrForeignFileIsSaidAndMadeAnew) {
                                       Contains(HasSubstr("computed in"))));
     EXPECT_EQ(text_of(beside()), bytes) << why;
   }
-  // Larger than any: not read to its end.
+  // Larger than the limit: not read to its end.
   fs::resize_file(beside(), kMostStoredParts + 1);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is larger than 64 MiB")));
   EXPECT_EQ(text_of(beside()), bytes);
@@ -96,17 +96,17 @@ TEST_F(PartsCache, WhatIsNoRegularFileIsNeitherReadNorReplaced) {
   fs::rename(beside(), away);
   fs::create_symlink(away, beside());
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
-  // The link was replaced, not the file that it led to.
+  // The link was replaced, not its target.
   EXPECT_FALSE(fs::is_symlink(beside()));
   EXPECT_EQ(text_of(away), bytes);
   fs::remove(beside());
-  ASSERT_EQ(::mkfifo(beside().c_str(), 0600), 0);  // nobody waits for its other end
+  ASSERT_EQ(::mkfifo(beside().c_str(), 0600), 0);  // the loader does not wait for a writer
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
   EXPECT_TRUE(fs::is_fifo(beside()));
   EXPECT_THAT(kept_in(user_cache()), ElementsAre(::testing::_));
 }
 
-// A folder that takes no file: here, as root may write everywhere, a folder in the file's place.
+// A folder in the file's place: nothing can be written there, not even by root.
 TEST_F(PartsCache, WithoutARightToWriteTheUsersFolderHasIt) {
   fs::create_directory(beside());
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("kept in " + user_cache().string())));
@@ -118,7 +118,7 @@ TEST_F(PartsCache, WithoutARightToWriteTheUsersFolderHasIt) {
   ASSERT_EQ(::stat(kept[0].c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("read from " + user_cache().string())));
-  // Nor there: it goes without, and says what to do.
+  // The user's folder is not writable either: the load goes without a file and says what to do.
   fs::remove_all(user_cache());
   fs::create_directories(user_cache().parent_path());
   std::ofstream(user_cache()) << "a file";
@@ -135,13 +135,13 @@ TEST_F(PartsCache, AFileOfSomebodyElseIsNotRead) {
   constexpr uid_t kOther = 12345;
   ASSERT_EQ(::chown(beside().c_str(), kOther, kOther), 0);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("belongs to somebody else")));
-  // But whose the mesh is may say what its parts are.
+  // But the mesh's owner may own the file of its parts.
   ASSERT_EQ(::chown(beside().c_str(), kOther, kOther), 0);
   ASSERT_EQ(::chown((scenes() / "ring.obj").c_str(), kOther, kOther), 0);
   EXPECT_THAT(ring().notes(), ElementsAre(HasSubstr("read from")));
 }
 
-// A scene's author chooses which files a server reads, and may not choose where it writes.
+// A scene's author chooses which files a server reads, but must not choose where it writes.
 TEST_F(PartsCache, NothingIsWrittenBesideAMeshOutsideOfTheScenesFolder) {
   fs::create_directory(folder / "other");
   fs::rename(scenes() / "ring.obj", folder / "other" / "ring.obj");
@@ -154,7 +154,7 @@ TEST_F(PartsCache, NothingIsWrittenBesideAMeshOutsideOfTheScenesFolder) {
   EXPECT_THAT(kept_in(scenes()), IsEmpty());
 }
 
-// Loads at once, of one mesh, from several threads: each has the parts, and the file is whole.
+// Several threads load one mesh at once: each gets the parts, and the file is whole.
 TEST_F(PartsCache, ManyLoadsAtOnceLeaveOneWholeFile) {
   const fs::path file = write_scene(R"({ "name": "b", "mass": 1 })",
                                     mesh_text("o", "ring.obj", "", R"(, "body": "b")"));
@@ -164,7 +164,7 @@ TEST_F(PartsCache, ManyLoadsAtOnceLeaveOneWholeFile) {
   for (std::thread& thread : threads) thread.join();
   for (const auto& own : notes) EXPECT_THAT(own, ElementsAre(HasSubstr("convex parts")));
   EXPECT_THAT(load_scene(file).notes(), ElementsAre(HasSubstr("read from")));
-  EXPECT_EQ(test::files_in(scenes()).size(), 3u);  // scene, mesh, parts: nothing half written
+  EXPECT_EQ(test::files_in(scenes()).size(), 3u);  // scene, mesh, parts: no partly written file
 }
 
 TEST_F(PartsCache, ALoadIsCancelledWhileItCuts) {
@@ -203,7 +203,7 @@ TEST_F(PartsCache, WrongFieldsAreNamedWithTheRemedy) {
       HasSubstr("convex_parts.tolerance: must be at least 0.001 of the mesh's longest side"));
   EXPECT_THAT(wrong(R"({ "tolerence": 0.001 })"), HasSubstr("the fields are: tolerance, most"));
   EXPECT_EQ(wrong("{}"), "no error");
-  // Also where nothing moves.
+  // This holds even if nothing moves.
   EXPECT_THAT(error_of("", mesh_text("o", "ring.obj", R"(, "convex_parts": { "most": 0 })")),
               HasSubstr("convex_parts.most"));
   EXPECT_THAT(error_of("", mesh_text("o", "ring.obj") + ", " +

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes of hollow meshes that move, in a folder of their own, for tests.
+// Scenes of hollow meshes that move, in a separate folder, for tests.
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@
 
 namespace feltwire::test {
 
-/// A profile of (r, z) [m], turned once about the z axis: it begins and ends on the axis, and has
-/// the solid on its left.
+/// A profile of (r, z) [m], revolved about the z axis. It begins and ends on the axis, with the
+/// solid on its left.
 inline TriangleSoup revolved(const std::vector<std::pair<double, double>>& profile, int segments) {
   TriangleSoup s;
   const auto count = static_cast<std::uint32_t>(profile.size());
@@ -40,7 +40,7 @@ inline TriangleSoup revolved(const std::vector<std::pair<double, double>>& profi
 
 inline constexpr double kCupInside = 0.034, kCupBottom = 0.006, kCupHeight = 0.08;  // [m]
 
-/// A cup that stands on z = 0, its wall 6 mm thick.
+/// A cup that stands on z = 0, with walls 6 mm thick.
 inline TriangleSoup cup(int segments = 32) {
   constexpr double kOutside = kCupInside + kCupBottom;
   return revolved({{0.0, 0.0},
@@ -52,7 +52,7 @@ inline TriangleSoup cup(int segments = 32) {
                   segments);
 }
 
-/// Writes meshes and reads scenes. The user's cache folder is within the folder, too.
+/// Writes meshes and reads scenes. The user's cache folder is inside the test's folder too.
 class PartsScene : public ::testing::Test {
  protected:
   PartsScene() {
@@ -88,7 +88,7 @@ class PartsScene : public ::testing::Test {
     }
     return "no error";
   }
-  /// The files that end with .convex in a folder.
+  /// The files of a folder that end with .convex.
   static std::vector<std::filesystem::path> kept_in(const std::filesystem::path& place) {
     std::vector<std::filesystem::path> found;
     if (std::filesystem::exists(place))
@@ -100,7 +100,7 @@ class PartsScene : public ::testing::Test {
   TemporaryFolder folder;
 };
 
-/// An object that is a mesh of a file in metres.
+/// An object with a mesh from a file in metres.
 inline std::string mesh_text(const std::string& name, const std::string& file,
                              const std::string& in_mesh = "", const std::string& more = "") {
   return R"({ "name": ")" + name + R"(", "material": "m", "mesh": { "file": ")" + file +

@@ -1,4 +1,4 @@
-// Tools of polygons in a scene file.
+// Polygonal tools in a scene file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST(ReadPolygons, AToolOfPolygonsPressesFlatAsItsMaterialSays) {
   for (int i = 0; i <= 50; ++i)
     command = read.touch({Vec3(0, 0, 0.05 + 1e-3 - 1e-4 * i), Quaternion::Identity()}, Vec3::Zero(),
                          1e-3, memory);
-  EXPECT_NEAR(command.force().z(), 500.0 * 4e-3, 1e-3);  // two springs of 1 kN/m in a row
+  EXPECT_NEAR(command.force().z(), 500.0 * 4e-3, 1e-3);  // two springs of 1 kN/m in series
   EXPECT_LT(command.torque.norm(), 1e-6);
   // Points are the default.
   EXPECT_EQ(parse_scene(scene(kBrick), "s.json").tool().body->polygons(), nullptr);
@@ -52,7 +52,7 @@ TEST(ReadPolygons, AToolOfPolygonsPressesFlatAsItsMaterialSays) {
 
 TEST(ReadPolygons, MeshesAreCutIntoParts) {
   const test::TemporaryFolder folder;
-  // An angle: two boxes in one.
+  // An L shape: two boxes in one.
   std::ofstream(folder / "angle.obj")
       << "v 0 0 0\nv 30 0 0\nv 30 10 0\nv 10 10 0\nv 10 30 0\nv 0 30 0\n"
          "v 0 0 20\nv 30 0 20\nv 30 10 20\nv 10 10 20\nv 10 30 20\nv 0 30 20\n"
@@ -72,13 +72,13 @@ TEST(ReadPolygons, MeshesAreCutIntoParts) {
   double volume = 0.0;
   for (const Polyhedron& part : body.parts) {
     EXPECT_EQ(part.planes.size(), 6u);
-    EXPECT_GT(part.least.x(), 0.99);  // placed
+    EXPECT_GT(part.least.x(), 0.99);  // the part is placed
     volume += (part.most - part.least).prod();
   }
   EXPECT_NEAR(volume, 1e-5, 1e-12);
 }
 
-/// Writes a ball of many triangles, a hand wide. `dent` [m]: how far its pole is pushed in.
+/// Writes a ball of many triangles, 0.1 m wide. `dent` [m]: how far its pole is pushed in.
 void write_ball(const std::filesystem::path& file, double dent) {
   TriangleSoup ball = tessellate(Sphere{0.05}, 48);
   std::ranges::max_element(ball.vertices, {}, [](const Vec3& v) { return v.z(); })->z() -= dent;
@@ -89,8 +89,8 @@ void write_ball(const std::filesystem::path& file, double dent) {
     out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
 }
 
-// A part may be as fine as the mesh: corners that stand out by less than its tolerance allows are
-// left out. A mesh that is convex is exact, and so has a limit.
+// A part may have as many corners as the mesh. Corners that stand out by less than the tolerance
+// are left out. A convex mesh must be exact, so its number of corners has a limit.
 TEST(ReadPolygons, FineMeshesHavePartsOfFewCorners) {
   const test::TemporaryFolder folder;
   write_ball(folder / "dented.obj", 0.01);
@@ -114,7 +114,7 @@ TEST(ReadPolygons, FineMeshesHavePartsOfFewCorners) {
                     HasSubstr("simplify the mesh: one that is convex")));
 }
 
-// The tool pushes a box that floats: the box gets what the hand gives.
+// The tool pushes a floating box: the box gets the momentum that the hand gives.
 TEST(ReadPolygons, ABoxThatFloatsIsPushed) {
   const Scene read = parse_scene(R"({ "name": "s", "gravity": [0, 0, 0],
     "tool": { "body": { "box": { "size": [0.04, 0.04, 0.04] }, "contact": "polygons", "contact_area": 1e-3 } },
@@ -140,7 +140,7 @@ TEST(ReadPolygons, ABoxThatFloatsIsPushed) {
   }
   EXPECT_GT(most, 0.3);
   EXPECT_GT(pushed, 0.02);
-  EXPECT_GT(nearest, 0.05 - 4e-3);  // the middles: half of both boxes, and what they yield
+  EXPECT_GT(nearest, 0.05 - 4e-3);  // distance of the middles: half of both boxes, minus the depth
 }
 
 TEST(ReadPolygons, ErrorsNameTheFieldAndTheRemedy) {

@@ -1,4 +1,4 @@
-// A robot's tool that is turned as the hand is: the gate, and what is given back.
+// A robot's tool turns as the hand turns: the gate, and how the offset shrinks.
 
 #include "core/teleoperation/alignment.hpp"
 
@@ -35,8 +35,8 @@ TEST(Alignment, AHandThatTurnsByWhatIsMissingIsAligned) {
   }
 }
 
-/// From any engagement within the gate: the first target is the robot's, none turns by more than
-/// 1.5 times what the hand turns, what is left only shrinks, and in the end nothing is left.
+/// From any engagement within the gate: the first target is the robot's pose, no target turns by
+/// more than 1.5 times the hand's turn, and the offset only shrinks until it is zero.
 TEST(Alignment, WhatIsLeftIsGivenBackWhileTheHandTurns) {
   Random random(72);
   for (int run = 0; run < 200; ++run) {

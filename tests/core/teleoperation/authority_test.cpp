@@ -1,4 +1,4 @@
-// The right to move a robot, and its motion: the switch, the index and the limits of motion.
+// The right to move a robot, and its motion: the switch, the index and the motion limits.
 
 #include "core/teleoperation/authority.hpp"
 
@@ -26,7 +26,7 @@ LinkInputs with(LinkInputs in, bool LinkInputs::*what, bool value = true) {
   return in;
 }
 
-/// An authority that was brought to engaged.
+/// An authority in the engaged state.
 Authority engaged_one() {
   Authority authority;
   authority.step(kReleased);
@@ -101,7 +101,7 @@ TEST(Authority, AHandThatIsNotAlignedDoesNotEngage) {
 }
 
 /// For any inputs in any order: the robot moves only while the newest sample's switch is pressed
-/// and nothing is wrong, and only after a release since the last time that something was. It begins
+/// and nothing is wrong, and after a fault only once the switch was released. The motion begins
 /// only while the hand is aligned.
 TEST(Authority, MovesNothingUnlessItMay) {
   Random random(41);
@@ -163,12 +163,12 @@ TEST(EngageIndex, ScalesMovementAndKeepsPower) {
       (rotation_between(robot.orientation, target.orientation) - 0.3 * Vec3::UnitZ()).norm(), 0.0,
       1e-12);
 
-  // The hand meets a surface at the place where the target meets it.
+  // The hand meets a surface where the target meets it.
   RemoteContact contact{.surface = 1, .point = target.position, .stiffness = 800.0};
   contact.velocity = Vec3(0.01, 0.0, 0.0);
   const RemoteContact seen = index.at_hand(contact);
   EXPECT_NEAR((seen.point - there.position).norm(), 0.0, 1e-12);
-  // The same force over a depth that is 1 / s of the robot's; the same power.
+  // The force is equal over a depth that is 1 / s of the robot's: the power is equal too.
   const double depth = 0.01;
   EXPECT_DOUBLE_EQ(seen.stiffness * depth / kScale, contact.stiffness * depth);
   EXPECT_DOUBLE_EQ(index.at_robot(1.0), kScale);
@@ -180,11 +180,11 @@ TEST(EngageIndex, ScalesForcesAndKeepsPower) {
   EngageIndex index(kScale, kForceScale);
   index.engage({}, {});
   const RemoteContact contact{.surface = 1, .stiffness = 800.0};
-  const double depth = 0.01;                       // [m] of the robot
-  const double force = contact.stiffness * depth;  // [N] on it
+  const double depth = 0.01;                       // [m] at the robot
+  const double force = contact.stiffness * depth;  // [N] on the robot
   const double at_hand = index.at_hand(contact).stiffness * depth / kScale;
   EXPECT_DOUBLE_EQ(at_hand, kForceScale * force);
-  // The energy of the spring: at the robot, as the hand counts it, and back.
+  // The spring's energy: at the robot, as the hand counts it, and back.
   const double held = 0.5 * force * depth, seen = 0.5 * at_hand * depth / kScale;
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).given, seen);
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).pushed, seen);

@@ -1,4 +1,4 @@
-// The surface by a robot's wrench, its contact with the leader, and the limits of the target.
+// The surface estimated from a robot's wrench, the leader's contact with it, and target limits.
 
 #include "core/teleoperation/contact_estimate.hpp"
 
@@ -29,7 +29,7 @@ struct Wall {
   }
 };
 
-/// Goes in from 2 mm in front to `depth` within `time` and stays there as long.
+/// Moves from 2 mm in front to `depth` within `time` and stays there for the same time.
 const RemoteContact& press(ContactEstimate& estimate, const Wall& wall, double depth, double time) {
   const int steps = static_cast<int>(time / kPeriod);
   double before = 2e-3;
@@ -109,7 +109,7 @@ TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
 }
 
-/// A tool sticks to a ball and slips around it: the surface stands, although its normal turns.
+/// A tool sticks to a ball and slips around it: the surface stays at rest, its normal turns.
 TEST(ContactEstimate, ACurvedSurfaceUnderAToolThatSlipsStands) {
   constexpr double kRadius = 0.1, kDepth = 2e-3, kFriction = 0.3;
   constexpr double kSlips = 0.2;               // [m/s]
@@ -138,7 +138,7 @@ TEST(ContactEstimate, ACurvedSurfaceUnderAToolThatSlipsStands) {
 TEST(ContactEstimate, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
   ContactEstimate estimate({});
   for (int n = 0; n < 110; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 8), kPeriod});
-  // It moves in, and slides a little: the force leans by atan(0.3).
+  // The tool moves in and slides a little: the force leans by atan(0.3).
   for (int n = 0; n < 300; ++n)
     estimate.step({Vec3::Zero(), Vec3(0.005, 0, -0.02), Vec3(-2.4, 0, 8), kPeriod});
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
@@ -177,7 +177,7 @@ TEST(ContactEstimate, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAtO
 TEST(ContactEstimate, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
   ContactEstimate estimate({});
   const Wall wall{.stiffness = 5000.0};
-  // An arm that touches is pushed aside, to and fro: the force leans by atan(0.3) at first.
+  // The touch pushes an arm aside, to and fro: the force leans by atan(0.3) at first.
   Vec3 before(0, 0, 1e-4);
   for (int n = 0; n < 800; ++n) {
     const double t = n * kPeriod;
@@ -207,7 +207,7 @@ TEST(ContactEstimate, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
 
 TEST(ContactEstimate, AWeightThatIsCarriedIsNoFriction) {
   ContactEstimate estimate({});
-  // A gripper closes, with some force to the side; then it lifts.
+  // A gripper closes with some sideways force, then it lifts.
   for (int n = 0; n < 200; ++n)
     estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0.3, 0, 0), kPeriod});
   for (int n = 0; n < 1500; ++n)
@@ -239,7 +239,7 @@ TEST(SurfaceIndex, TheFirstTouchMeetsTheHandWhereItIs) {
   // The estimate settles: the surface stays at the hand.
   index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
   EXPECT_NEAR((hand - index.offset()).z(), -0.002, 1e-15);
-  // Later a change of the place is felt.
+  // Later the hand feels a change of the place.
   for (int n = 0; n < 150; ++n) index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
   const Vec3 settled = index.offset();
   index.step(hand, Vec3::Zero(), surface_at(-0.001), kPeriod);
@@ -254,7 +254,7 @@ TEST(SurfaceIndex, WhatAnotherLeaderMeetsMovesNoOffset) {
   EXPECT_EQ(index.known_surface(), 1u);
   index.step(hand, Vec3::Zero(), surface_at(-0.01), kPeriod, other);
   EXPECT_TRUE(index.offset().isZero(0.0));
-  // Also when it becomes the one that meets surfaces: this surface is known.
+  // This holds also when this leader becomes the one that meets surfaces: the surface is known.
   index.step(hand, Vec3::Zero(), surface_at(-0.012), kPeriod);
   EXPECT_TRUE(index.offset().isZero(0.0));
 }
@@ -303,7 +303,7 @@ TEST(TargetLimiter, HoldsWhatTheHandDoesNotKnowAndWhatItDidNotPay) {
   EXPECT_NEAR(settle(free, {.wanted = wanted, .robot = robot}), limits.leash, 1e-9);
 }
 
-/// A robot of 2 kg with the controller's spring, before a wall with friction and damping.
+/// A robot of 2 kg with the controller's spring, in front of a wall with friction and damping.
 struct PushedRobot {
   static constexpr double kMass = 2.0, kSpring = 1000.0, kDamper = 60.0;
   Vec3 at = Vec3(0, 0, 1e-3), velocity = Vec3::Zero(), force = Vec3::Zero();
@@ -317,7 +317,7 @@ struct PushedRobot {
 };
 
 /// The claim of docs/teleoperation.md: whatever the leader wants, the environment gets no more than
-/// the hand paid, `unfelt` per metre, and what spring and mass of the robot bring along.
+/// the hand paid, plus `unfelt` per metre, plus the energy of the robot's spring and mass.
 TEST(TargetLimiter, TheEnvironmentGetsNoMoreThanTheHandPaid) {
   const TargetLimits limits{.speed = 2.0};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -331,7 +331,7 @@ TEST(TargetLimiter, TheEnvironmentGetsNoMoreThanTheHandPaid) {
     for (int n = 0; n < 4000; ++n) {
       if (n % 100 == 0)
         wanted = Vec3(0.05 * any(random), 0.05 * any(random), -0.05 + 0.04 * any(random));
-      // It pays in bursts; in some runs nothing at all.
+      // The hand pays in bursts; in some runs it pays nothing.
       if (seed % 4 != 0 && n % 500 < 100) hand += 2e-4 * (1.0 + any(random));
       const bool touches = robot.force.z() > 0.0;
       const Vec3 target = limiter.step({.wanted = wanted,

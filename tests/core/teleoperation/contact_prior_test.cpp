@@ -1,5 +1,5 @@
-// A surface that is known before it is touched: where it is felt, what corrects it, when it is not
-// believed.
+// A surface that is known before it is touched: where it is felt, what corrects it, and when it is
+// not believed.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct Floor {
                           .elapsed = kPeriod,
                           .prior = prior});
   }
-  /// From one height to another at an even speed [m/s].
+  /// Moves from one height to another at a constant speed [m/s].
   const RemoteContact& go(ContactEstimate& estimate, double from, double to, double speed) const {
     const int steps = static_cast<int>(std::ceil(std::abs(to - from) / (speed * kPeriod)));
     for (int n = 1; n <= steps; ++n)
@@ -86,7 +86,7 @@ TEST(ContactPrior, AModelOfNothingRecedesAndIsNotBelieved) {
 
 TEST(ContactPrior, WhatNoModelHasIsASurfaceOfItsOwn) {
   ContactEstimate estimate({});
-  const Floor box{.place = 0.05};  // on the floor that the model has
+  const Floor box{.place = 0.05};  // on the model's floor
   box.go(estimate, 0.07, 0.048, 0.05);
   const std::uint32_t found = estimate.contact().surface;
   EXPECT_EQ(found, 2u);
@@ -128,7 +128,7 @@ TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
   }
   EXPECT_TRUE(index.offset().isZero(0.0)) << "the surface is met where the model has it";
   EXPECT_EQ(index.known_surface(), 1u);
-  seen.point.z() = 1e-4;  // a model that moves
+  seen.point.z() = 1e-4;  // the model moves
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_TRUE(index.offset().isZero(0.0));
   // The touch shows that the surface lies 3 mm deeper: the hand feels no step.
@@ -137,7 +137,7 @@ TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_NEAR(index.offset().z(), 3.1e-3, 1e-15);
   for (int n = 0; n < 150; ++n) index.step(hand, Vec3::Zero(), seen, kPeriod);
-  seen.point.z() = -4e-3;  // 0.1 s later a surface that moves is felt to move
+  seen.point.z() = -4e-3;  // 0.1 s later: the hand feels the moving surface
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_NEAR(index.offset().z(), 3.1e-3, 1e-15);
 }
@@ -165,7 +165,7 @@ TEST(PlaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
   }
   EXPECT_LT(worst_place, 1e-4);
   EXPECT_LT(worst_speed, 0.1 * kRate * kSwing);
-  // It stands still again.
+  // The swing stops.
   const double rest = 0.1 + kSwing * std::sin(kRate * 3.0);
   for (int n = 0; n < 2000; ++n) place.step(rest, kPeriod);
   EXPECT_NEAR(place.speed(), 0.0, 1e-9);

@@ -36,7 +36,7 @@ TEST(GripperFollow, CatchesUpSlowlyAndFollowsFast) {
     const double now = gripper.step(0.02, kPeriod);
     EXPECT_NEAR(now, 0.07 - n * limits.speed * kPeriod, 1e-9);
   }
-  // The next hand catches up again.
+  // After the next engagement it catches up again.
   gripper.engage();
   EXPECT_NEAR(gripper.step(0.0, kPeriod), 0.05 - limits.catch_up * kPeriod, 1e-9);
 }

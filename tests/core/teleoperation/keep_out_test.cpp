@@ -1,5 +1,5 @@
-// Bodies that a robot's target stays out of: closed forms of their distance, invariants for any
-// bodies, any room and any way.
+// Bodies that a robot's target keeps out of: closed forms of their distance; invariants for any
+// bodies, room and path.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST(KeepOutBody, DistancesInClosedForm) {
   EXPECT_EQ(box.wall_at(Vec3(-0.07, 0.0, 0.1)).normal, -Vec3::UnitX());
 }
 
-/// All else rests on this: f(x) >= f(p) + n . (x - p), and n is the gradient.
+/// The basis of all else: f(x) >= f(p) + n . (x - p), where n is the gradient.
 TEST(KeepOutBody, TheDistanceIsConvex) {
   test::Random random(3);
   for (int run = 0; run < 20'000; ++run) {
@@ -75,7 +75,7 @@ Workspace any_workspace(test::Random& random) {
   return workspace;
 }
 
-/// Wherever it begins, also in a body; whatever is wanted, also beyond all bodies.
+/// This holds for any start, even inside a body, and any wanted place, even beyond all bodies.
 TEST(KeepOutBodies, TheTargetNeverEntersOneNorCrossesIt) {
   test::Random random(7);
   int touched = 0;
@@ -115,7 +115,7 @@ TEST(KeepOutBodies, TheTargetNeverEntersOneNorCrossesIt) {
   EXPECT_GE(touched, 1000) << "the bodies were met";
 }
 
-/// A plate thinner than a step: the target stays on its side, however far behind the wish is.
+/// A plate thinner than a step: the target stays on its side, however far away the wanted place is.
 TEST(KeepOutBodies, AThinPlateIsNotCrossed) {
   Workspace workspace;
   workspace.add_body({{}, Vec3(1.0, 1.0, 0.0), KeepOutBody::kLeastRadius});
@@ -127,8 +127,8 @@ TEST(KeepOutBodies, AThinPlateIsNotCrossed) {
   }
 }
 
-/// A hand that pushes against a ball and moves sideways slides around it, as an index that moves
-/// with the target has it; and it never moves the target farther than it moved itself.
+/// A hand pushes against a ball and moves sideways: the target slides around it, as with an index
+/// that moves with the target. It never moves farther than the hand.
 TEST(KeepOutBodies, AHandSlidesAroundABall) {
   const KeepOutBody ball{{}, Vec3::Zero(), 0.1};
   Workspace workspace;
@@ -147,7 +147,7 @@ TEST(KeepOutBodies, AHandSlidesAroundABall) {
   EXPECT_LE(target.z(), 0.0);
 }
 
-/// A wish that is far away, and free, is reached in one step around the ball.
+/// A wanted place that is far away but free is reached in one step around the ball.
 TEST(KeepOutBodies, AWishBesideABodyIsReachedAtOnce) {
   Workspace workspace;
   workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
@@ -157,7 +157,7 @@ TEST(KeepOutBodies, AWishBesideABodyIsReachedAtOnce) {
   EXPECT_LE((limit.keep({wanted, Quaternion::Identity()}).position - wanted).norm(), kRounding);
 }
 
-/// Steps that are too small to count one by one do not add up.
+/// Steps below the rounding limit do not add up.
 TEST(KeepOutBodies, NoSmallStepsLeadIn) {
   Workspace workspace;
   workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
@@ -182,7 +182,7 @@ TEST(KeepOutBodies, TheHandIsToldTheWallOfEach) {
   ASSERT_EQ(limit.walls().size(), 2u);
   EXPECT_NEAR(limit.walls()[1].distance, 0.05, kRounding);
   EXPECT_LE((limit.walls()[1].normal - limit.keep({}).position.normalized()).norm(), 0.3);
-  // A body below the plane of the locked axes is not met.
+  // The locked axes keep the target above the body.
   workspace.locked = {false, false, true};
   limit = WorkspaceLimit(workspace);
   limit.begin({Vec3(0.0, 0.0, 0.2), Quaternion::Identity()});
@@ -192,7 +192,7 @@ TEST(KeepOutBodies, TheHandIsToldTheWallOfEach) {
             Vec3(0.5, 0.1, 0.2));
 }
 
-/// The aim of a follower, whose own movement then stays out of the bodies.
+/// The aim of a follower: the follower's own movement keeps out of the bodies.
 TEST(KeepOutBodies, AnAimLooksPastThemAndChangesNothing) {
   Workspace workspace;
   workspace.add_box(Vec3::Constant(-1.0), Vec3::Constant(1.0));

@@ -1,4 +1,4 @@
-// A robot's tool that slides by a little while it goes in and out, as the tool of an arm does.
+// A robot's tool slides a little as it moves in and out, like the tool of an arm.
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPeriod = 1e-3;                        // [s]
 constexpr double kStiffness = 5000.0, kFriction = 0.3;  // of the floor z = 0
-constexpr double kAside = 0.3;  // the tool of an arm that is pushed by 1 m gives way by so much
+constexpr double kAside = 0.3;  // sideways movement of the arm's tool per metre of depth
 
-/// The tool at that depth [m] and, on its way in and out, a little beside. Returns what is known.
+/// Moves the tool to that depth [m] and a little aside. Returns the estimate.
 const RemoteContact& move(ContactEstimate& estimate, double depth, double speed) {
   const Vec3 tip(kAside * depth, 0.0, -depth);
   const Vec3 velocity(kAside * speed, 0.0, -speed);
@@ -27,8 +27,8 @@ const RemoteContact& move(ContactEstimate& estimate, double depth, double speed)
   return estimate.step({tip, velocity, force, kPeriod});
 }
 
-/// From 5 mm above the floor to 2 mm inside at this speed [m/s], rests, and goes out again.
-/// `sees` gets what is known after each sample.
+/// Moves from 5 mm above the floor to 2 mm inside at this speed [m/s], rests, and moves out again.
+/// `sees` gets the estimate after each sample.
 template <typename See>
 void touch(ContactEstimate& estimate, double speed, double rest, const See& sees) {
   constexpr double kAbove = 5e-3, kDepth = 2e-3;  // [m]
@@ -38,7 +38,7 @@ void touch(ContactEstimate& estimate, double speed, double rest, const See& sees
   for (int n = 0; n < way; ++n) sees(move(estimate, kDepth - n * speed * kPeriod, -speed));
 }
 
-/// Friction leans the first force of a touch. On a surface that is known by then it says nothing.
+/// Friction tilts the first force of a touch. It must not affect a surface that is already known.
 TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
   ContactEstimate estimate({});
   touch(estimate, 0.03, 2.0, [](const RemoteContact&) {});
@@ -53,12 +53,12 @@ TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
   EXPECT_GT(least, before - 1e-3) << "a force that friction leans is at 0.958";
 }
 
-/// The surface springs back, and the tool goes out with the force, not against it: it does not
-/// slide along the surface. It was taken for that, and the normal went to where the tool moved.
+/// The surface springs back: the tool moves out along the force and does not slide. The estimate
+/// once took this for sliding, and the normal turned with the tool's movement.
 TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
   ContactEstimate estimate({});
   for (int n = 0; n < 1000; ++n) move(estimate, 2e-3, 0.0);
-  // Out and along, at 27 degrees to the floor.
+  // Out and along, 27 degrees to the floor.
   double least = 1.0;
   for (int n = 0; n < 100; ++n) {
     const double u = n * kPeriod;
@@ -69,11 +69,11 @@ TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
   EXPECT_GT(least, 0.99);
 }
 
-/// Until the stiffness is known, a place that is computed with another one moves as the force does.
+/// Before the stiffness is known, a place computed with a wrong one would move with the force.
 TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
   ContactEstimate estimate({});
   double fastest = 0.0;
-  // It hits, and gives way: the tool moves too little for a fit, and the force falls by 10 N.
+  // The tool hits and gives way: it moves too little for a fit while the force falls by 10 N.
   for (int n = 0; n < 300; ++n) {
     const double force = 12.0 * std::exp(-n * kPeriod / 0.05);
     const double depth = force / 1e6;
@@ -84,8 +84,8 @@ TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
   EXPECT_LT(fastest, 1e-3) << "the tool did not move, and neither did the surface";
 }
 
-/// An arm that hits sticks and springs back, and friction leans its force to one side and then to
-/// the other. The normal followed it, and the hand's force jumped with the normal.
+/// An arm that hits a surface sticks and springs back: friction tilts the force to either side in
+/// turn. The normal once followed it, and the hand's force jumped with the normal.
 TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   ContactEstimate estimate({});
   double most = -1.0, least = 1.0;
@@ -101,8 +101,8 @@ TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   EXPECT_LT(most, 0.05) << "both sides cancel";
 }
 
-/// The stiffness is learnt late: at first the tool shakes, which is no spring. Then place and
-/// stiffness change together, so the force that they tell does not jump.
+/// The stiffness is learnt late, because the tool shakes at first, unlike a spring. Place and
+/// stiffness then change together, so that the force does not jump.
 TEST(FirstTouch, AStiffnessThatIsLearntLateChangesNoForce) {
   ContactEstimate estimate({});
   Vec3 tip(0, 0, -0.5e-3);

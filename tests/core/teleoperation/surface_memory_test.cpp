@@ -1,4 +1,4 @@
-// A robot that touches one surface after the other.
+// A robot that touches several surfaces in turn.
 
 #include "core/teleoperation/surface_memory.hpp"
 
@@ -22,10 +22,10 @@ namespace {
 
 constexpr double kPeriod = 1e-3;       // [s]
 constexpr double kStiffness = 2000.0;  // [N/m]
-constexpr double kPlay = 0.25e-3;      // [m] of a tool in a slot, to each side
+constexpr double kPlay = 0.25e-3;      // [m] play of a tool in a slot, to each side
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-/// Two walls across x, or one of them.
+/// Two walls across x, or only one.
 struct Slot {
   bool left = true, right = true;
   Vec3 force(const Vec3& tip) const {
@@ -36,7 +36,7 @@ struct Slot {
   }
 };
 
-/// The tool at x [m], moved there from the last place.
+/// A tool that moves along x [m].
 class Tool {
  public:
   explicit Tool(ContactEstimate& estimate) : estimate_(estimate) {}
@@ -46,7 +46,7 @@ class Tool {
     before_ = tip;
     return estimate_.step({tip, velocity, slot.force(tip), kPeriod});
   }
-  /// Goes evenly.
+  /// Moves at a constant speed.
   void go(const Slot& slot, double from, double to, double speed) {
     const int steps = static_cast<int>(std::abs(to - from) / (speed * kPeriod));
     for (int n = 1; n <= steps; ++n) at(slot, from + (to - from) * n / steps);
@@ -57,14 +57,14 @@ class Tool {
   Vec3 before_ = Vec3::Zero();
 };
 
-/// All that a hand is told.
+/// All surfaces that a hand is told of.
 std::vector<RemoteContact> told(const ContactEstimate& estimate) {
   std::vector<RemoteContact> all(estimate.others().view().begin(), estimate.others().view().end());
   if (estimate.contact().surface != 0) all.push_back(estimate.contact());
   return all;
 }
 
-/// The force of what is told on a tool at that place.
+/// The force of the told surfaces on a tool at `tip`.
 Vec3 force_of(const std::vector<RemoteContact>& surfaces, const Vec3& tip) {
   Vec3 force = Vec3::Zero();
   for (const RemoteContact& s : surfaces)
@@ -87,7 +87,7 @@ TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
     EXPECT_NEAR(wall.stiffness, kStiffness, 0.01 * kStiffness);
   }
   EXPECT_LT(known[0].normal.dot(known[1].normal), 0.0);
-  // The forces of the second visits, before the tool has felt them.
+  // The told surfaces give the forces of the second visits before the tool has felt them.
   for (int n = round; n < 3 * round; ++n) {
     const Vec3 tip(x(n), 0.0, 0.0), force = Slot{}.force(tip);
     EXPECT_LT(length(Vec3(force_of(told(estimate), tip) - force)), 0.03) << n;
@@ -96,7 +96,7 @@ TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
   EXPECT_EQ(estimate.newest(), 2u) << "no visit opened a third surface";
 }
 
-/// From one wall into the other within a sample: the touch goes on.
+/// The tool moves from one wall into the other within a sample: the touch goes on.
 TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
   ContactEstimate estimate({});
   Tool tool(estimate);
@@ -110,7 +110,7 @@ TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
   EXPECT_LT(estimate.others().surfaces[0].normal.x(), -0.99);
 }
 
-/// A load shows no stiffness, so a push against it is no other surface until the force was missing.
+/// A load shows no stiffness: a push against it counts as another surface only after a gap.
 TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
   for (const bool gap : {false, true}) {
     ContactEstimate estimate({});
@@ -125,7 +125,7 @@ TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
   }
 }
 
-/// Short touches of a tool that falls along a wall: friction leans each force by 17 degrees.
+/// Short touches of a tool that falls along a wall: friction tilts each force by 17 degrees.
 TEST(SurfaceMemory, TheWayBetweenTwoTouchesLiesInTheSurface) {
   constexpr double kFriction = 0.3, kFall = 0.1, kDeep = 1e-3;  // mu, [m/s], [m]
   constexpr double kInAndOut = 0.04, kBetween = 0.05;           // [s]
@@ -159,7 +159,7 @@ TEST(SurfaceMemory, AWallThatIsGoneIsForgotten) {
     tool.go({}, -1e-3, kPlay, 0.01);
     ASSERT_EQ(told(estimate).size(), 2u);
     const Slot left{.right = !gone};
-    // Until 10 ms after the wall would press with 0.4 N: no longer than the evidence takes.
+    // Until 10 ms after the wall would press with 0.4 N: exactly as long as the evidence takes.
     constexpr double kSpeed = 0.01;
     const double clear = SurfaceMemory::kClear / kStiffness, speed = kSpeed;
     const double after = SurfaceMemory::kAbsent * speed;
@@ -171,7 +171,7 @@ TEST(SurfaceMemory, AWallThatIsGoneIsForgotten) {
 }
 
 TEST(SurfaceMemory, ATouchOfAnotherSurfaceIsNoWitnessForThisOne) {
-  // The tool is inside the plane of an old surface that ends before that place.
+  // The tool is behind the plane of an old surface, which ends before this place.
   SurfaceMemory memory;
   std::uint32_t counted = 1;
   memory.keep({.contact = {.surface = 1, .normal = Vec3::UnitX(), .stiffness = kStiffness}},
@@ -203,7 +203,7 @@ TEST(SurfaceMemory, FrictionOpensNoSecondSurface) {
     }
 }
 
-/// Walls around the tool, each touched once.
+/// Walls around the tool; each is touched once.
 TEST(SurfaceMemory, TheNumberOfSurfacesIsBounded) {
   SurfaceMemory memory;
   std::uint32_t counted = 0;
@@ -242,8 +242,8 @@ TEST(SurfaceMemory, TheNearestAreTold) {
   ASSERT_EQ(memory.told().count, 2);
   EXPECT_EQ(memory.told().surfaces[0].surface, 1u);
   EXPECT_EQ(memory.told().surfaces[1].surface, 2u);
-  // A hand does not know the third any more: it gets another number when it is told again.
-  const Vec3 there(0.0, 0.045, 0.0);  // the first two are too far away now
+  // The hand has forgotten the third: when it is told again, the third gets a new number.
+  const Vec3 there(0.0, 0.045, 0.0);  // too far from the first two
   EXPECT_EQ(counted, 3u);
   memory.take(Vec3::Zero(), -Vec3::UnitX(), 0.011);
   memory.step(Vec3::Zero(), Vec3::Zero(), kPeriod, counted);
@@ -298,7 +298,7 @@ RemoteContact wall_at(double x, double normal, std::uint32_t surface, bool touch
           .stiffness = kStiffness};
 }
 
-/// The hand changes from one known wall to the other: the index stays, so the force is the wall's.
+/// The hand changes between two known walls: the index stays, so the force is the wall's own.
 TEST(SurfaceIndex, AKnownWallIsMetWhereItIs) {
   SurfaceIndex index;
   const RemoteContact right = wall_at(kPlay, -1.0, 1, true);
@@ -307,7 +307,7 @@ TEST(SurfaceIndex, AKnownWallIsMetWhereItIs) {
   EXPECT_NEAR(index.offset().x(), 5e-3 - kPlay, 1e-15) << "the first touch is at the hand";
   EXPECT_EQ(index.known_surface(), 1u);
   const Vec3 offset = index.offset();
-  // The left wall is told while the hand is in front of it.
+  // The left wall is reported while the hand is in front of it.
   OtherSurfaces others;
   others.count = 1;
   others.surfaces[0] = right;
@@ -315,7 +315,7 @@ TEST(SurfaceIndex, AKnownWallIsMetWhereItIs) {
   index.step(deep, Vec3::Zero(), wall_at(-kPlay, 1.0, 2, true), kPeriod, {}, others);
   EXPECT_EQ(index.known_surface(), 2u);
   EXPECT_TRUE(index.offset().isApprox(offset));
-  // Back and forth, half a millimetre inside either: both are known.
+  // Back and forth, half a millimetre inside either wall: both are known.
   for (int n = 0; n < 10; ++n) {
     const bool on_right = n % 2 == 0;
     others.surfaces[0] = on_right ? wall_at(-kPlay, 1.0, 2, false) : wall_at(kPlay, -1.0, 1, false);
@@ -342,7 +342,7 @@ TEST(SurfaceIndex, AnUnknownSurfaceBesideTheContactIsMetAtTheHandToo) {
   EXPECT_EQ(index.known_surface(), 2u);
 }
 
-/// Free motion gives the offset back only where the hand is in front of all surfaces.
+/// Free motion reduces the offset only while the hand is in front of all surfaces.
 TEST(SurfaceIndex, NothingIsGivenBackBesideAnotherSurface) {
   for (const double near : {1e-3, 1e-2}) {
     SurfaceIndex index;

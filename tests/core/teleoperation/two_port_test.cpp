@@ -1,5 +1,5 @@
-// The two-port law: what a hand can take from the leader's port, whatever hand, network, command
-// and follower there are.
+// The two-port law: what a hand can take from the leader's port, for any hand, network, command and
+// follower.
 
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@ using namespace test;
 constexpr double kPeriod = 1e-3, kDamping = 0.5;  // [s], [N s/m]
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A follower and a network that may do anything: counters that grow at random or lie, late, lost,
-/// doubled and overtaken.
+/// A follower and a network without rules: counters grow at random or lie; messages come late, get
+/// lost, come twice or overtake each other.
 class Remote {
  public:
   explicit Remote(bool lies) : lies_(lies) {}
@@ -38,7 +38,7 @@ class Remote {
     if (lies_ && random.chance(0.1)) said = {1e9, -1e9, 1e9};
     under_way_.push_back(said);
   }
-  /// Delivers some of the messages that were sent, in any order, any number of times.
+  /// Delivers some of the sent messages, in any order, any number of times.
   template <class Take>
   void arrive(Random& random, const Take& take) {
     while (random.chance(0.5))
@@ -59,11 +59,11 @@ struct Outcome {
   double credit = 0.0;  // [J]
   double most_in_contact = 0.0;
   double rendered = 0.0;  // [N] a bound that renders nothing proves nothing
-  double taken = 0.0;     // [J] the most in one contact, beyond what was burned
+  double taken = 0.0;     // [J] the most in one contact, beyond the burned energy
 };
 
-/// A hand that knows what is held, and takes all that a sample can give; or presses, or moves at
-/// random. `told`: the damping that the law is told, over the true one.
+/// A hand that knows the held force takes all that a sample can give, presses, or moves at random.
+/// `told`: the damping that the law is told, as a share of the true one.
 Outcome attack(std::uint64_t seed, bool lies, const RemoteTrust& trust, double told = 1.0,
                bool account = false) {
   Random random(seed);
@@ -128,7 +128,7 @@ TEST(TwoPortProperty, NoHandTakesMoreThanTheDeviceBurnedAndTheEnvironmentGave) {
       taken = std::max(taken, o.taken);
       rendered += o.rendered;
     }
-    EXPECT_GT(taken, 1e-3);  // the credit does reach the hand
+    EXPECT_GT(taken, 1e-3);  // the credit reaches the hand
     EXPECT_GT(rendered, test::rounds(1000));
   }
 }
@@ -190,8 +190,8 @@ TEST(TwoPort, AWallThatPushesMovesTheHandOnlyWithItsEnergy) {
     return work;
   };
   EXPECT_EQ(pushed(0.0), 0.0);
-  EXPECT_NEAR(pushed(1e-2), 2e-3, 4e-6);  // enough for all of it
-  EXPECT_LE(pushed(1e-3), 1e-3 + 1e-6);   // and no more than there is
+  EXPECT_NEAR(pushed(1e-2), 2e-3, 4e-6);  // enough for all the work
+  EXPECT_LE(pushed(1e-3), 1e-3 + 1e-6);   // and no more than the credit
   EXPECT_GT(pushed(1e-3), 0.5e-3);
 }
 
@@ -208,7 +208,7 @@ TEST(TwoPort, AnotherRobotsTotalsAreNoGrowth) {
   EXPECT_EQ(energy.step(1e-3), 0.25);
   EXPECT_EQ(energy.net(), 0.25);
   EXPECT_EQ(energy.credit(), 0.75);
-  // One with smaller totals than the one before counts as well.
+  // Totals that are smaller than the ones before count too.
   energy.restart();
   energy.take({.given = 1.0, .taken = 0.0, .pushed = 1.0});
   energy.take({.given = 1.5, .taken = 0.0, .pushed = 1.5});

@@ -1,4 +1,4 @@
-// The resistance against a body in the hand: friction, contact damping, viscosity.
+// The resistance to a body in the hand: friction, contact damping, viscosity.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ Object rough(const Shape& shape, const Vec3& position = Vec3::Zero()) {
 
 const Quaternion kUpright = Quaternion::Identity();
 
-/// Lowers the box onto a floor at z = 0, as deep as the hand presses.
+/// Lowers the box onto a floor at z = 0 until the hand presses by `pressed`.
 BodyStep lowered(const BodyTool& body, const std::vector<Object>& objects, double pressed,
                  BodyMemory& memory) {
   BodyStep last;
@@ -67,9 +67,9 @@ TEST(Sliding, MakesLeastOfWhatTheMotionCosts) {
       by << random.vector(-9.0, -3.0), random.vector(-8.0, -2.0);
       EXPECT_GE(cost(found.motion + by), least - 1e-4 * scale) << n;
     }
-    EXPECT_LE(least, 1e-8) << n;  // standing costs nothing, but what a held patch gives way
+    EXPECT_LE(least, 1e-8) << n;  // rest costs nothing, except for the give of a held patch
     ++(found.slips ? slipped : held);
-    // The balance that the motion ends in.
+    // At the end of the motion the forces balance.
     Vec6 rest = wrench - stiffness * found.motion;
     for (std::size_t i = 0; i < sum.grip_count; ++i) rest += found.friction[i];
     EXPECT_LE(rest.norm(), 1e-6 * wrench.norm()) << n;
@@ -78,7 +78,7 @@ TEST(Sliding, MakesLeastOfWhatTheMotionCosts) {
   EXPECT_GT(slipped, 100);
 }
 
-// Flat on a floor: mu N against the motion, where the face is: r x F about the tool's origin.
+// Flat on a floor: friction mu N acts at the face, so r x F about the tool's origin.
 TEST(Sliding, AFaceIsHeldAtTheFloor) {
   constexpr double kDepth = 5e-4;
   ShellContact sum;
@@ -96,7 +96,7 @@ TEST(Sliding, AFaceIsHeldAtTheFloor) {
   EXPECT_NEAR(s.friction[0][2], 0.0, 1e-6 * load);
   EXPECT_NEAR(s.friction[0][4], 0.01 * kDynamic * load, 0.05 * 0.01 * kDynamic * load);
   EXPECT_NEAR(s.friction[0][5], 0.0, 1e-4 * load);
-  // Turned on the spot: mu N times the face's root mean square arm.
+  // Turned in place: mu N times the face's root mean square arm.
   wrench.setZero();
   wrench[5] = load;
   const double arm = std::sqrt((0.06 * 0.06 + 0.04 * 0.04) / 12.0);
@@ -128,7 +128,7 @@ TEST(BodyFriction, DraggedAlongAFloorItIsHeldBackByMuN) {
       EXPECT_NEAR(c.force().dot(Vec3(0.6, 0.8, 0.0)), 0.0, 0.01 * load) << i;
       EXPECT_NEAR(c.frictional.dot(way), -held, 0.01 * load) << i;
     }
-    EXPECT_GT(most, 0.9 * kStatic);  // it had to be broken loose
+    EXPECT_GT(most, 0.9 * kStatic);  // the tool had to break loose
   }
 }
 
@@ -141,11 +141,11 @@ TEST(BodyFriction, WhatIsHeldDoesNotCreep) {
   Pose hand{Vec3(aside, 0, 0.0071), kUpright};
   for (int i = 0; i < 50; ++i) step(body, objects, hand, memory);
   const Pose held = memory.pose;
-  EXPECT_LT(std::abs(held.position.x()), 0.1 * aside);  // it leans
+  EXPECT_LT(std::abs(held.position.x()), 0.1 * aside);  // the tool leans
   for (int i = 0; i < 3000; ++i) step(body, objects, hand, memory);
   EXPECT_EQ(memory.pose.position, held.position);
   EXPECT_EQ(memory.pose.orientation.coeffs(), held.orientation.coeffs());
-  // A hand that trembles moves it by less than it trembles, however long.
+  // A trembling hand moves it by less than the tremble, for any length of time.
   for (int i = 0; i < 3000; ++i) {
     hand.position.x() = aside + (i % 2 == 0 ? 1e-5 : -1e-5);
     step(body, objects, hand, memory);
@@ -153,7 +153,7 @@ TEST(BodyFriction, WhatIsHeldDoesNotCreep) {
   EXPECT_LT((memory.pose.position - held.position).norm(), 2e-6);
 }
 
-// In a corner two faces hold, each with its own load.
+// In a corner two faces hold the tool, each with its own load.
 TEST(BodyFriction, AlongAnEdgeBothFacesHold) {
   const BodyTool body = tool(2000);
   const std::vector<Object> objects = {rough(Plane{}),
@@ -178,7 +178,7 @@ Object any_material(Object o, test::Random& random) {
   return o;
 }
 
-// For any movement the stored energy came from the hand: friction and damping take and never give.
+// For any movement the stored energy came from the hand: friction and damping never give energy.
 TEST(BodyFriction, NoMotionGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 2000.0});
   test::Random random(3);
@@ -229,7 +229,7 @@ TEST(BodyFriction, DampingPushesAgainstTheWayInAndNeverPulls) {
     const Command a = step(body, objects, {Vec3(0, 0, z), kUpright}, memory).command;
     const Command b = step(body, plain, {Vec3(0, 0, z), kUpright}, other).command;
     if (i <= 5) continue;
-    // The sides below the floor are damped as well; and the coupling gives way, twice.
+    // The sides below the floor are damped too, and the coupling gives way twice.
     const double share = 1e4 / (1e4 + kStiffness);
     const double expected =
         10.0 * kSpeed * (1.0 + test::kRound * (0.01 - z) / kFace) * share * share;
@@ -261,7 +261,7 @@ TEST(BodyFriction, ViscosityIsByTheSpeed) {
   }
 }
 
-// A belt that runs below a hand at rest pulls it along, a hand that goes with it feels nothing.
+// A belt below a resting hand pulls it along; a hand that moves with the belt feels nothing.
 TEST(BodyFriction, WhatMovesTakesTheToolAlong) {
   const BodyTool body = tool(1000);
   const std::vector<Object> objects = {rough(Plane{})};

@@ -1,4 +1,4 @@
-// A body in the hand: the coupling against closed forms, and against hands that mean harm.
+// A body in the hand: the coupling against closed forms and against malicious hands.
 
 #include "core/tool/body_tool.hpp"
 
@@ -54,7 +54,7 @@ TEST(BodyTool, InFreeSpaceGivesNothing) {
   }
 }
 
-// Two springs in a row: coupling and contact have the same force, up to the coupling's most.
+// Two springs in series: coupling and contact have equal forces, up to the coupling's limit.
 TEST(BodyTool, OnAPlaneIsTwoSpringsInARow) {
   const BodyTool body = tool(20000, {.stiffness = 500.0, .max_force = 3.0});
   const std::vector<Object> objects = {object(Plane{})};
@@ -71,8 +71,8 @@ TEST(BodyTool, OnAPlaneIsTwoSpringsInARow) {
   }
 }
 
-// A hand that turns the box on the plane feels the moment of the face it stands on, two springs in
-// a row again.
+// A hand that turns the box on the plane feels the moment of the box's face: again two springs in
+// series.
 TEST(BodyTool, TurnedOnAPlaneGivesTorque) {
   const BodyTool body =
       tool(40000, {.stiffness = 1e6, .rotational_stiffness = 0.3, .max_force = 100});
@@ -92,10 +92,10 @@ TEST(BodyTool, TurnedOnAPlaneGivesTorque) {
 }
 
 TEST(BodyTool, AFastHandDoesNotTakeTheToolThroughAWall) {
-  const BodyTool body = tool(2000, {.max_force = 5.0});  // sinks in by 5 mm
-  // 20 mm of wall, sampled; the hand comes at 10 m/s and stops 0.3 m behind it.
+  const BodyTool body = tool(2000, {.max_force = 5.0});  // deflects by 5 mm
+  // A sampled wall of 20 mm; the hand comes at 10 m/s and stops 0.3 m behind it.
   const std::vector<Object> objects = {object(grid_of(Box{Vec3(0.2, 0.2, 0.01)}, 1e-3))};
-  for (const double stride : {0.01, 0.6}) {  // 10 m/s, and a hand that is there at once
+  for (const double stride : {0.01, 0.6}) {  // 10 m/s, and a jump in one step
     BodyMemory memory;
     for (double z = 0.3; z > -0.3; z -= stride)
       test::step(body, objects, {Vec3(0, 0, z), Quaternion::Identity()}, memory);
@@ -103,13 +103,13 @@ TEST(BodyTool, AFastHandDoesNotTakeTheToolThroughAWall) {
     for (int i = 0; i < 100; ++i)
       c = test::step(body, objects, {Vec3(0, 0, -0.3), Quaternion::Identity()}, memory).command;
     EXPECT_GT(memory.pose.position.z(), 0.0) << stride;
-    EXPECT_NEAR(c.elastic.z(), 5.0, 1e-9) << stride;  // all that the coupling gives
+    EXPECT_NEAR(c.elastic.z(), 5.0, 1e-9) << stride;  // the coupling's limit
   }
 }
 
-// The energy stored can only come from the hand: whatever it does, however it turns, what the steps
-// add beyond the work against the coupling's force is nothing. And the parts that the hand moves
-// against in one go are bounded by the held force's own work.
+// Only the hand can add stored energy. Whatever it does and however it turns, a step adds nothing
+// beyond the work against the coupling's force. The held force's own work bounds the parts that
+// the hand moves against in one step.
 TEST(BodyTool, AStepNeverAddsEnergy) {
   const BodyTool body = tool(500, {.stiffness = 2000.0});
   const std::vector<Object> objects = {object(grid_of(Sphere{0.03}, 1e-3)),
@@ -135,7 +135,7 @@ TEST(BodyTool, AStepNeverAddsEnergy) {
   EXPECT_GT(touched, 1e3);
 }
 
-// The greediest hand against the whole chain: body, then the bound, rotation and torque included.
+// The greediest hand against the whole chain: the body, then the bound with rotation and torque.
 TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 5000.0});
   const std::vector<Object> objects = {object(grid_of(Sphere{0.03}, 1e-3)),
@@ -150,7 +150,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
     Command held;
     double largest = 0.0;
     for (int i = 0; i < 1500; ++i) {
-      // Now with the force, as it takes most out of the port, now back in.
+      // Either along the force, which takes most from the port, or back in.
       Vec3 by = test::greediest(held.force(), config.period, 0.5);
       Vec3 turn = test::greediest(held.torque, config.period, 1e-3);
       if (random.chance(0.5)) by = -random.uniform(0.0, 1e-3) * device.position.normalized();
@@ -162,7 +162,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
       largest = std::max(largest, held.torque.norm());
     }
     EXPECT_EQ(port.violations(), 0u) << seed;
-    EXPECT_GT(largest, 1e-4);  // there was torque to gain from
+    EXPECT_GT(largest, 1e-4);  // there was torque to take energy from
   }
 }
 

@@ -1,4 +1,4 @@
-// A tool of polygons in the hand: closed forms, pegs, thin walls, and hands that mean harm.
+// A polygonal tool in the hand: closed forms, pegs, thin walls, and malicious hands.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using Corners = std::vector<Vec3>;
 Object object(const Vec3& position = Vec3::Zero()) {
   Object o;
   o.name = "o";
-  o.shape = Plane{};  // not asked: the tool has the solids
+  o.shape = Plane{};  // unused: the tool has the solids
   o.pose.position = position;
   o.material.stiffness = kStiffness;
   return o;
@@ -59,7 +59,7 @@ Quaternion about(const Vec3& axis, double angle) {
   return Quaternion(Eigen::AngleAxisd(angle, axis));
 }
 
-// Two springs in a row: a face of A_c has the material's stiffness, a quarter of it half of that.
+// Two springs in series: a face of A_c has the material's stiffness, a quarter of it has half.
 TEST(PolygonBody, AFlatFaceIsASpring) {
   for (const double share : {1.0, 0.25}) {
     const BodyTool body = tool({box_corners(kHalf)}, {box(Vec3(0.1, 0.1, 0.05))},
@@ -86,7 +86,7 @@ TEST(PolygonBody, ClearanceIsNoLie) {
   test::Random random(4);
   int near_ones = 0;
   for (int i = 0; i < 200; ++i) {
-    // A box turned about the axis through both is as far as its face or its corner.
+    // The gap is equal for every turn of the box about the axis through both.
     const double gap = random.chance(0.5) ? random.uniform(1e-5, 5e-3) : random.uniform(0.0, 0.5);
     const Pose pose{Vec3(0, 0, 0.03 + gap), about(Vec3::UnitZ(), random.uniform(-3, 3))};
     PartPairs near;
@@ -132,7 +132,7 @@ TEST(PolygonBody, AStepNeverAddsEnergy) {
     const double worked =
         coupling_energy(body, memory.pose, device) - coupling_energy(body, memory.pose, before);
     const BodyStep now = step(body, objects, device, memory);
-    // Redirected pairs have the same V to kSameDepth.
+    // V of redirected pairs agrees to kSameDepth.
     ASSERT_LE(now.stored, last.stored * (1.0 + 1e-9) + worked + 1e-12) << i;
     touched += now.touching > 0 ? 1 : 0;
     last = now;
@@ -180,7 +180,7 @@ TEST(PolygonBody, TheWrenchIsTheGradientOfTheEnergy) {
   EXPECT_GT(touching, 30);
 }
 
-/// A plate of 20 mm with a square hole, as four bars.
+/// A plate of 20 mm with a square hole, made of four bars.
 SolidParts plate_with_hole(double half_hole) {
   const double outer = 0.04, half_bar = 0.5 * (outer - half_hole), at = half_hole + half_bar;
   return solid_parts({box_corners(Vec3(half_bar, outer, 0.01), Vec3(at, 0, -0.01)),
@@ -189,7 +189,7 @@ SolidParts plate_with_hole(double half_hole) {
                       box_corners(Vec3(half_hole, half_bar, 0.01), Vec3(0, -at, -0.01))});
 }
 
-/// The largest change of the force in a step.
+/// The largest change of the force in a single step.
 struct Jumps {
   Vec3 last = Vec3::Zero();
   double largest = 0.0;
@@ -200,7 +200,7 @@ struct Jumps {
 };
 
 TEST(PolygonBody, APegWithATenthOfAMillimetreOfPlayGoesIn) {
-  // 20 mm square, 40 mm long; the hole is 0.1 mm wider. The hand sways and tilts by more than that.
+  // A peg 20 mm square, 40 mm long; the hole is 0.1 mm wider. The hand sways and tilts by more.
   const BodyTool body = tool({box_corners(Vec3(0.01, 0.01, 0.02))}, {plate_with_hole(0.01005)});
   const std::vector<Object> objects = {object()};
   BodyMemory memory;
@@ -214,14 +214,14 @@ TEST(PolygonBody, APegWithATenthOfAMillimetreOfPlayGoesIn) {
     device.orientation = about(Vec3(1, 2, 0).normalized(), 20.0 * sway * std::sin(7.0 * time));
     jumps.add(step(body, objects, device, memory).command.force());
   }
-  EXPECT_LT(memory.pose.position.z(), 0.0025);  // it went in, nearly as far as the hand
+  EXPECT_LT(memory.pose.position.z(), 0.0025);  // it is in, nearly as far as the hand
   EXPECT_LT(std::abs(memory.pose.position.x()), 1e-3);
   EXPECT_LT(jumps.largest, 0.2);
-  EXPECT_GT(jumps.last.norm(), 0.05);  // and touches
+  EXPECT_GT(jumps.last.norm(), 0.05);  // and it touches
 }
 
 TEST(PolygonBody, TheCornerOfABoxGoesOverASharpEdgeWithoutAJump) {
-  // Pressed down by some 2 N with a lower edge, it slides off the table across its edge.
+  // Pressed down with about 2 N on a lower edge, the tool slides off the table across its edge.
   const BodyTool body = tool({box_corners(kHalf)}, {box(Vec3(0.05, 0.05, 0.02))});
   const std::vector<Object> objects = {object()};
   for (const double tilt : {0.0, 0.3}) {
@@ -238,13 +238,13 @@ TEST(PolygonBody, TheCornerOfABoxGoesOverASharpEdgeWithoutAJump) {
       most = std::max(most, force.norm());
     }
     EXPECT_GT(most, 0.5) << tilt;
-    EXPECT_LT(jumps.last.norm(), 1e-3) << tilt;  // it is off
+    EXPECT_LT(jumps.last.norm(), 1e-3) << tilt;  // off the table
     EXPECT_LT(jumps.largest, 0.2) << tilt;
   }
 }
 
-// 0.2 mm of wall against a hand of 1 m/s, and one that is there at once: face, edge and corner
-// first, from both sides and about the rim.
+// A hand moves through a wall of 0.2 mm at 1 m/s, or in one step, with a face, an edge or a corner
+// first, from both sides and near the rim.
 TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
   const Corners spike = {Vec3(0, 0, -0.02), Vec3(0.008, 0, 0.01), Vec3(-0.004, 0.007, 0.01),
                          Vec3(-0.004, -0.007, 0.01)};
@@ -266,7 +266,7 @@ TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
             now = step(body, objects, {Vec3(0.003, 0.002, -side * 0.07), from}, memory);
           EXPECT_GT(side * now.command.force().z(), 9.9) << stride;
           EXPECT_GT(side * memory.pose.position.z(), -0.02) << stride;
-          // Pulled back out, nothing is left.
+          // Pulled back out, no force is left.
           for (int i = 0; i < 300; ++i)
             now = step(body, objects, {Vec3(0.003, 0.002, side * (2e-4 * i)), from}, memory);
           EXPECT_LT(now.command.force().norm(), 1e-3) << stride;
@@ -274,7 +274,7 @@ TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
   }
 }
 
-// The tool slides along the wall with force, off its end and down beside it: the wall ends there.
+// The tool slides along the wall with force, off its end and down beside it: there the wall ends.
 TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   const BodyTool body =
       tool({box_corners(Vec3::Constant(0.005))}, {box(Vec3(0.02, 0.02, 1e-4))}, {}, 1e-4);
@@ -290,7 +290,7 @@ TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   for (int i = 0; i < 400; ++i)
     now = step(body, objects, {Vec3(0.032, 0, 2e-3 - 1e-4 * i), kUpright}, memory);
   EXPECT_LT(now.command.force().norm(), 1e-3);
-  // Below it, and up against its other side.
+  // Below the wall, and up against its other side.
   for (int i = 0; i < 400; ++i)
     now = step(body, objects, {Vec3(0.032 - 1e-4 * i, 0, -0.038), kUpright}, memory);
   EXPECT_LT(now.command.force().norm(), 1e-3);
@@ -299,14 +299,14 @@ TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   EXPECT_LT(now.command.force().z(), -1.0);
 }
 
-// A direction from an approach aslant turns to that of the force, while nothing follows from it.
+// A direction from an oblique approach turns to the force's direction if the energy stays equal.
 TEST(PolygonBody, TheDirectionOfAPairFollowsTheForce) {
   const PolygonBody body =
       polygon_body({box_corners(Vec3::Constant(0.005))}, {box(Vec3(0.05, 0.05, 1e-3))});
   const std::vector<Object> objects = {object()};
   const Vec3 aslant = Vec3(0.5, 0.0, 1.0).normalized();
   for (const bool beyond : {false, true}) {
-    // In the middle of the wall; or at its end, where aslant it is wider than it is.
+    // In the middle of the wall, or at its end, where an oblique thickening widens the wall.
     const Pose pose{Vec3(beyond ? -0.0525 : 0.0, 0, 6e-3 - 1e-4), kUpright};
     PartPairs near;
     look_round(body, objects, pose, true, near);
@@ -335,7 +335,7 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   const double holds = 0.4 * load / 1000.0;
   for (int i = 0; i < 20; ++i)
     now = step(body, objects, {Vec3(holds, 0, 0.061 - 5e-5 * 99), kUpright}, memory);
-  // It rocks a little, as the hand pulls above the table, but its face stays where it is.
+  // The hand pulls above the table, so the tool rocks a little, but its face stays in place.
   const Vec3 sole = memory.pose.position + memory.pose.orientation * Vec3(0, 0, -0.01);
   EXPECT_LT(std::abs(sole.x()), 0.02 * holds);
   EXPECT_NEAR(now.command.force().x(), -0.4 * load, 0.02 * load);
@@ -344,7 +344,7 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   EXPECT_NEAR(now.command.force().x(), -0.5 * now.command.force().z(), 0.02 * load);
 }
 
-// The memory of the step before only saves time: the result is the same without it.
+// The memory of the previous step only saves time: the result is the same without it.
 TEST(PolygonBody, WhatItRemembersOfAPairChangesNothing) {
   const BodyTool body =
       tool({box_corners(kHalf), box_corners(Vec3(0.004, 0.004, 0.02))},

@@ -1,4 +1,4 @@
-// A tool with mass against hands that mean harm: energy, stability, limits.
+// A tool with mass against malicious hands: energy, stability, limits.
 
 #include <gtest/gtest.h>
 
@@ -32,8 +32,8 @@ std::vector<Object> corner(const Material& material) {
           with(object(Box{Vec3(0.02, 0.02, 0.02)}, Vec3(0.04, 0, 0)), material)};
 }
 
-// The inequality of step_coupled_tool(), in steps of any length: what is stored and moves grows by
-// no more than the hand's work against spring and damper. And neither pulls harder than it may.
+// The inequality of step_coupled_tool(), in steps of any length: stored and kinetic energy grow by
+// no more than the hand's work against spring and damper. Neither of these exceeds its limit.
 void energy_holds(const ToolIntegration integration, double mass, const Material& material,
                   double damping, std::uint64_t seed, double& touched) {
   const ToolCoupling coupling{.stiffness = 2000.0, .max_force = 15.0};
@@ -64,7 +64,7 @@ void energy_holds(const ToolIntegration integration, double mass, const Material
     pulled << -now.command.force(), -now.command.torque;
     way << device.position - before.position,
         rotation_between(before.orientation, device.orientation);
-    // The work is the hand's, by one of two sums.
+    // The hand's work, by either of two sums.
     const double damper = (pulled - tool.spring(device)).dot(way);
     const double mean = 0.5 * (spring + tool.spring(device)).dot(way);
     const double rounding = 1e-12 * (1.0 + std::abs(had));
@@ -94,7 +94,7 @@ void energy_holds(const ToolIntegration integration, double mass, const Material
 
 TEST(ToolMassEnergy, AStepNeverAddsEnergy) {
   std::uint64_t seed = 1;
-  double touched = 0.0;  // points, over all steps
+  double touched = 0.0;  // touching points, over all steps
   for (const ToolIntegration integration : kBoth)
     for (const double mass : {1e-3, 0.1, 3.0})
       for (const Material& material : {Material{.stiffness = 1000.0}, Material{.stiffness = 1e6,
@@ -111,8 +111,8 @@ TEST(ToolMassEnergy, AStepNeverAddsEnergy) {
   EXPECT_GT(touched, 1000.0);
 }
 
-// A tool thrown into a corner, the device at rest: over the whole grid nothing is made, and the
-// implicit tool comes to rest.
+// A tool is thrown into a corner while the device rests: over the whole grid no energy is made, and
+// the tool comes to rest.
 TEST(ToolMassEnergy, AtEveryStiffnessAndMassItIsStable) {
   for (const ToolIntegration integration : kBoth)
     for (double stiffness = 1e2; stiffness < 2e7; stiffness *= 10.0)
@@ -144,14 +144,14 @@ TEST(ToolMassEnergy, AtEveryStiffnessAndMassItIsStable) {
           }
           EXPECT_LT(tool.memory.velocity.linear.norm(), 1e-3);
           EXPECT_LT(tool.memory.velocity.angular.norm(), 2e-2);
-          // The forces are in balance.
+          // The forces balance.
           double held = -now.command.force().z();
           for (const ObjectWrench& part : now.touched()) held += part.wrench.z();
           EXPECT_NEAR(held, mass * kGravity, 0.02 * mass * kGravity + 1e-3);
         }
 }
 
-// Of backward Euler. The midpoint rule does not forget how a light tool swings.
+// True for backward Euler. Under the midpoint rule a light tool keeps swinging.
 TEST(ToolMassEnergy, ALittleMassIsNoMass) {
   const Material rough{.stiffness = 1000.0, .static_friction = 0.3, .dynamic_friction = 0.3};
   Massive light(massive(1e-9, {}, {.gravity = Vec3(0, 0, -kGravity)}, 500), corner(rough));
@@ -174,7 +174,7 @@ TEST(ToolMassEnergy, ALittleMassIsNoMass) {
   EXPECT_GT(felt, 10.0);
 }
 
-// No time, no movement; an odd time or pose changes nothing; after a long pause it is in balance.
+// No time: no movement. An invalid time or pose changes nothing. A long pause leads to balance.
 TEST(ToolMassEnergy, PausesAndNumbersThatAreNone) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const ToolIntegration integration : kBoth) {
@@ -206,7 +206,7 @@ TEST(ToolMassEnergy, PausesAndNumbersThatAreNone) {
   }
 }
 
-// 24 mm a step when it meets 20 mm of wall, sampled, which has the energy to stop it.
+// The tool moves 24 mm a step when it meets a sampled wall of 20 mm that can stop it.
 TEST(ToolMassEnergy, AFastToolDoesNotPassAWall) {
   for (const ToolIntegration integration : kBoth) {
     Massive tool(

@@ -1,5 +1,5 @@
-// Meshes that a client has in full: its local model feels there what the scene feels, wherever the
-// tool is and however old the model.
+// A client has these meshes in full: its local model equals the scene there, wherever the tool is
+// and however old the model is.
 
 #include "core/whole_surfaces/mesh_surfaces.hpp"
 
@@ -32,7 +32,7 @@ Object ring(const MeshOptions& options = {}) {
 
 Scene of(const Object& object) { return Scene("scene", {object}); }
 
-/// As they travel: made again from what the object gives.
+/// As after the transfer: made again from the object's data.
 std::shared_ptr<const WholeSurfaces> surfaces_of(const Scene& scene) {
   std::vector<SurfaceData> all;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
@@ -48,7 +48,7 @@ LocalModel model_at(const Scene& scene, const Vec3& position, const TouchMemory&
   return model;
 }
 
-/// Round the ring, in and out of it, over many facets.
+/// A path around the ring, in and out of it, over many facets.
 Vec3 way(const Object& object, double t) {
   const double round = 2.0 * t, over = 9.0 * t, off = 0.02 + 0.004 * std::cos(31.0 * t);
   const Vec3 local((0.05 + off * std::cos(over)) * std::cos(round),
@@ -73,7 +73,7 @@ void expect_felt_as_the_scene(const Scene& scene) {
     local.take(on_the_way[static_cast<std::size_t>(n) - 100]);
     const LocalForce force = local.touch(tool, 0.1, kTick);
     ASSERT_EQ(force.weight, 1.0) << n;
-    if (n == 100) continue;  // the contact's state of 100 ms ago
+    if (n == 100) continue;  // the contact state is 100 ms old
     EXPECT_LT((force.command.elastic - truth.elastic).norm(), 1e-6) << n;
     felt = std::max(felt, truth.elastic.norm());
   }
@@ -89,7 +89,7 @@ TEST(MeshSurfaces, AreFeltAsInTheScene) {
 }
 
 TEST(MeshSurfaces, AreFeltByABallAsInTheScene) {
-  Object smooth = ring({.radius = 1e-3});  // which the tool's radius is added to
+  Object smooth = ring({.radius = 1e-3});  // to which the tool's radius is added
   smooth.material.static_friction = smooth.material.dynamic_friction = 0.0;
   Scene scene = of(smooth);
   scene.set_tool({.radius = 3e-3, .body = nullptr});
@@ -115,7 +115,7 @@ TEST(MeshSurfaces, TheirFrictionIsTheScenes) {
   EXPECT_GT(most, 0.5);
 }
 
-/// A session that gets its surfaces while the hand presses goes on with the server's contact.
+/// A session that gets its surfaces while the hand presses continues with the server's contact.
 TEST(MeshSurfaces, AContactThatTheServerHoldsIsTakenUp) {
   for (const double side : {1.0, -1.0}) {
     Object object = ring({.double_sided = true});
@@ -124,7 +124,7 @@ TEST(MeshSurfaces, AContactThatTheServerHoldsIsTakenUp) {
     TouchMemory memory = scene.memory();
     Command truth;
     Tool tool;
-    for (int n = 0; n <= 50; ++n) {  // 5 mm into the outer side, or out of it from the inside
+    for (int n = 0; n <= 50; ++n) {  // 5 mm into the outer side, or out through it from inside
       const double out = 0.07 + side * (0.002 - 0.00014 * n);
       const Vec3 local(out * std::cos(0.3), out * std::sin(0.3), 1e-3 + 1e-5 * n);
       tool = {object.pose.position + object.pose.orientation * local, Vec3::Zero()};
@@ -164,7 +164,7 @@ TEST(MeshSurfaces, WithoutThemTheModelIsNotValid) {
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 0.0);
   local.use(surfaces.get());
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 1.0);
-  model.surfaces = kVersion + 1;  // of another scene
+  model.surfaces = kVersion + 1;  // from another scene
   local.take(model);
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 0.0);
   EXPECT_EQ(local.touch(tool, 0.0, kTick).command, Command{});

@@ -1,4 +1,4 @@
-// A tool with a body that a client has in full: it is the scene's own, over every delay.
+// A client has a tool with a body and its solids in full: it equals the scene at every delay.
 
 #include "core/whole_surfaces/whole_body.hpp"
 
@@ -81,7 +81,7 @@ TEST(WholeBody, MeetsItsSolidsAsTheSceneDoes) {
   EXPECT_GT(touched, 250);
 }
 
-// The objects that are known have no points in the model, and do not end its reach.
+// Known objects have no points in the model and do not limit its reach.
 TEST(WholeBody, ItsModelHasOnlyWhatTheReceiverHasNot) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
@@ -101,7 +101,7 @@ TEST(WholeBody, ItsModelHasOnlyWhatTheReceiverHasNot) {
   for (const BodyPatch& patch : some.surfaces()) EXPECT_EQ(patch.object, 0);
 }
 
-// What is known in full and what are planes add up to the scene at the model's pose.
+// The fully known objects and the planes of the others add up to the scene at the model's pose.
 TEST(WholeBody, AddsThePlanesOfTheRest) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion(Eigen::AngleAxisd(0.1, Vec3::UnitX()))};
@@ -128,8 +128,8 @@ Pose hand_at(double t) {
           turned(Quaternion::Identity(), 0.3 * Vec3(std::sin(a), std::cos(1.5 * a), 0.2))};
 }
 
-/// 2 s of that movement, models `delay` ticks late: RMS error of the torque over its RMS, of the
-/// late reply and of the whole body.
+/// Errors over 2 s of this movement, with models `delay` ticks late: the torque's RMS error over
+/// its RMS, for the late reply and for the whole body.
 struct Errors {
   double late = 0.0, whole = 0.0;
 };
@@ -162,7 +162,7 @@ Errors followed(const Scene& scene, std::size_t delay) {
   return {std::sqrt(sum.late / size), std::sqrt(sum.whole / size)};
 }
 
-// Curved solids and edges, which planes tell badly; the friction's history is what is left.
+// Curved solids and edges, which planes describe badly. The remaining error is friction's history.
 TEST(WholeBody, OverADelayIsTheScene) {
   const Scene scene = room(test::tool(600));
   const Errors errors = followed(scene, 50);
@@ -180,13 +180,13 @@ TEST(WholeBody, AToolWithMassIsMovedAtTheClient) {
     const Scene scene = room(test::massive(0.1, {}, inertia, 600));
     BodyMemory placed;
     placed.placed = true;
-    EXPECT_EQ(body_model(scene, {}, placed).reach, 0.0);  // for a client that has it not
+    EXPECT_EQ(body_model(scene, {}, placed).reach, 0.0);  // for a client without the body
     const Errors errors = followed(scene, 50);
     EXPECT_LT(10.0 * errors.whole, errors.late);
   }
 }
 
-// A model that counts on another version says nothing here: the reply is felt instead.
+// If a model refers to another version, its weight is zero: the reply is felt instead.
 TEST(WholeBody, OfAnotherVersionIsNotUsed) {
   const Scene scene = room(test::tool(600));
   const auto whole = fetched(scene, {true, true, true});
@@ -221,7 +221,7 @@ TEST(WholeBody, NeverAllocatesOnceItIsMade) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-// A mesh is met as the grid that the server has of it.
+// The client meets a mesh as the grid that the server uses.
 TEST(WholeBody, MeetsAMeshAsTheSceneDoes) {
   Object bumpy = test::object(Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.05, 3)))},
                               Vec3(0.0, 0.0, -0.055));
@@ -254,12 +254,12 @@ TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
   Scene scene("room", objects);
   scene.set_tool({.body = std::make_shared<BodyTool>(points)});
   EXPECT_TRUE(can_travel(scene, 0));
-  EXPECT_FALSE(can_travel(scene, 1));  // its samples alone are known
+  EXPECT_FALSE(can_travel(scene, 1));  // only its samples are known
   EXPECT_TRUE(can_travel(scene, 2));
   EXPECT_FALSE(can_travel(scene, 3));
 }
 
-// A server may send any numbers.
+// A server may send any number.
 TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
   const double nan = std::nan("");
   const BodyTool tool = test::tool(100);

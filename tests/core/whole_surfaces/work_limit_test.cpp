@@ -1,5 +1,5 @@
-// Contact with geometry that a client fetched is cut off where it takes too much work: nothing of a
-// cut tick stays, whatever the geometry is.
+// Contact with geometry that a client fetched is cut off when it takes too much work. A cut tick
+// has no effect, whatever the geometry is.
 
 #include "core/base/work_limit.hpp"
 
@@ -59,8 +59,8 @@ bool same(const ContactMemory& a, const ContactMemory& b) {
          a.feature.side == b.feature.side && a.feature.tracked == b.feature.tracked;
 }
 
-/// Under every limit a touch is either the unlimited one to the last bit, or leaves the memory as
-/// it was. A limit that is large enough for one is so for the same touch again.
+/// At every limit a touch either equals the unlimited one to the last bit, or leaves the memory
+/// unchanged. A limit that suffices for a touch suffices for the same touch again.
 TEST(WorkLimit, ATouchIsWholeOrLeavesNothing) {
   for (const double radius : {0.0, 5e-3}) {
     const auto surfaces = mesh_surfaces(kVersion, {with_radius(ring(), radius)});
@@ -99,13 +99,13 @@ bool same(const BodyMemory& a, const BodyMemory& b) {
          a.velocity.angular == b.velocity.angular && a.device_known == b.device_known;
 }
 
-/// [J] of a tool without mass that stands there.
+/// [J] of a massless tool at rest at `tool`.
 double energy_at(const WholeBody& body, const Pose& device, const Pose& tool) {
   return coupled_tool::pull(body.coupling, device, tool).energy + body.solids->contact(tool).energy;
 }
 
-/// Under every limit a step of a body is cut off and leaves nothing, or leads to a place with no
-/// more energy. With enough it is the unlimited one to the last bit.
+/// At every limit a body's step is cut off without effect, or leads to a place with no more energy.
+/// A sufficient limit gives the unlimited step to the last bit.
 TEST(WorkLimit, AStepOfABodyGoesAsFarAsItsWorkLasts) {
   for (const double mass : {0.0, 0.1}) {
     BodyData data = test::ball_of_points(300);
@@ -170,7 +170,7 @@ std::vector<Lie> lies() {
           {"a ball at it", with_radius(test::round_a_corner(kTriangles), 2e-3)}};
 }
 
-/// A model that marks the surface as touched at a place.
+/// A model that marks the surface as touched at `place`.
 LocalModel marked(const Vec3& place) {
   LocalModel model;
   model.surfaces = kVersion;
@@ -184,8 +184,8 @@ LocalModel marked(const Vec3& place) {
   return model;
 }
 
-/// However a server lies about the surface: a tick takes no more than its limit and no memory, and
-/// the model then has no weight.
+/// Whatever false surface a server sends, a tick stays within its limit and allocates nothing. The
+/// model of a cut tick has no weight.
 TEST(WorkLimit, NoSurfaceTakesMoreThanATickHas) {
   for (const Lie& lie : lies()) {
     const auto surfaces = mesh_surfaces(kVersion, {lie.surface});
@@ -210,8 +210,8 @@ TEST(WorkLimit, NoSurfaceTakesMoreThanATickHas) {
   }
 }
 
-/// With a limit that is large enough the contact goes on after a cut tick as it would have begun
-/// there: by the model's memory.
+/// After a cut tick, a sufficient limit continues the contact as a fresh one: from the model's
+/// memory.
 TEST(WorkLimit, AfterACutTickTheModelsMemoryIsTaken) {
   const auto surfaces = mesh_surfaces(kVersion, {ring()});
   LocalContact cut_once, fresh;
@@ -241,7 +241,7 @@ BodyModel held_at(const Vec3& place, const WholeBody& body) {
   return model;
 }
 
-/// 20,000 points against 150 thin boxes, wherever the server says that the tool is held.
+/// 20,000 points against 150 thin boxes, wherever the server places the tool.
 TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
   const auto body = whole_body(kVersion, test::ball_of_points(20'000), test::thin_boxes(150));
   LocalBody local;
@@ -261,7 +261,7 @@ TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
       ++cut;
       ASSERT_EQ(force.weight, 0.0);
       ASSERT_TRUE(force.command == Command{});
-      // Nothing more is tried until the server has told where the tool is.
+      // No more work until the server has told where the tool is.
       WorkLimit next(kMost);
       EXPECT_EQ(local.touch({place, {1, 0, 0, 0}}, 0.0, kTick, &next).weight, 0.0);
       EXPECT_EQ(next.done(), 0u);
@@ -272,8 +272,8 @@ TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
   EXPECT_GT(cut, 10u);
 }
 
-/// Planes that a server sends with any friction: the search for what holds the tool is counted,
-/// too.
+/// Planes that a server sends with any friction: the search for the friction that holds the tool
+/// counts too.
 TEST(WorkLimit, NoModelOfPlanesTakesMoreThanATickHas) {
   LocalBody local;
   BodyModel model = held_at(Vec3::Zero(), {.version = 0,
@@ -312,10 +312,10 @@ TEST(WorkLimit, NoModelOfPlanesTakesMoreThanATickHas) {
     EXPECT_LE(few.done(), 200u);
     local.clear();
   }
-  EXPECT_GT(most, 1000u);  // it would have been much
+  EXPECT_GT(most, 1000u);  // unlimited, it would be much
 }
 
-/// The places that are tried find what is too much; a common mesh and a common tool are not.
+/// The trial places find too expensive geometry; a common mesh and a common tool pass.
 TEST(ContactTrial, FindsWhatTakesTooMuch) {
   const auto most_of = [](const FetchedScene& scene) {
     std::uint64_t most = 0, ticks = 0;

@@ -6,7 +6,7 @@ from judge import Recording, expect_passive, oscillation, report
 
 LINK = "delay=20,jitter=10,loss=5,burst=4,reorder=2,duplicate=2,seed=7"
 SECONDS = 8.0
-# What the hands do, each with the force of the replies alone and with the local contact model.
+# The tasks of the hands. Each runs with the replies' force alone and with the local contact model.
 TASKS = {
     "press": ["--path", "press", "--center", "0.03,-0.02,-0.05", "--depth", "0.005"],
     "ball": ["--path", "orbit", "--center", "0.05,0.05,-0.01", "--radius", "0.02", "--depth", "0"],

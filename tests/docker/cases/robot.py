@@ -44,7 +44,7 @@ def run(compose, judge):
     judge.expect("first: datagrams lost", told["lost"], equal=0)
     judge.expect("first: largest force on the hand [N]", round(recording.most_held(1.0, SECONDS) or 0.0, 2), at_least=0.5, at_most=8.9)
 
-    # Who leads and who follows never meet: each knows the server alone.
+    # Leader and robot share no network: each reaches only the server.
     inside = {name: compose.networks_of(name) for name in ("server", "first", "robot")}
     judge.expect("networks", inside, equal={"server": ["hands", "robots"], "first": ["hands"], "robot": ["robots"]})
 

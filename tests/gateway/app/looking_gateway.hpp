@@ -1,5 +1,5 @@
 #pragma once
-// A gateway that looks on at a server over real sockets.
+// A gateway that observes a server over real sockets.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ inline const IssuedToken& observer() {
   static const IssuedToken issued = issue_token("gateway", "*", Role::observer, std::nullopt);
   return issued;
 }
-/// The token of the gateway's own viewers. The server does not know it.
+/// The token for the gateway's own viewers, unknown to the server.
 inline const IssuedToken& viewer() {
   static const IssuedToken issued = issue_token("eye", "*", Role::admin, std::nullopt);
   return issued;
@@ -56,7 +56,7 @@ inline Gateway gateway_for(std::uint16_t port, Scene scene = test::room(0.0)) {
 
 inline Page page_of(const Gateway& gateway) { return {gateway, std::string(viewer().text.text())}; }
 
-/// A hand that is where it is put.
+/// A hand at the place that the test sets.
 class Hand {
  public:
   explicit Hand(const Server& server, const SessionParameters& parameters = {})
@@ -76,7 +76,7 @@ class Hand {
     ASSERT_FALSE(socket_.receive().empty());
   }
 
-  /// Says so of its wake-ups and round trips: what is said first is where counting begins.
+  /// Reports its wake-ups and round trips; the first report starts the counting.
   void be_punctual(const HandTimes::Counts& wakeups, const HandTimes::Counts& round_trips) {
     times_ = HandTimes{};
     put(0.003);

@@ -1,4 +1,4 @@
-// The surfaces that a gateway finds near the hands that it sees.
+// The surfaces that a gateway finds near the hands it sees.
 
 #include "gateway/remote_scene/near_surfaces.hpp"
 
@@ -11,7 +11,7 @@
 namespace feltwire::near_surfaces_test {
 namespace {
 
-/// A plate of 4 mm (object 0), and a ball that moves: object 1.
+/// A plate of 4 mm (object 0) and a moving ball (object 1).
 std::shared_ptr<const Scene> scene() {
   return std::make_shared<const Scene>(
       parse_scene(R"({"name": "plate", "materials": [{"name": "wood", "stiffness": 1000}],
@@ -76,8 +76,8 @@ TEST(NearSurfaces, AreThoseOfTheServer) {
   Observer observer;
   const ToolView& view = *observer.scene;
   TouchMemory memory = view.memory();
-  // Down onto the plate, and with one step far beyond its middle: it is held by the face that it
-  // came through, which only its way tells.
+  // Down into the plate, far beyond its middle: the hand is held by the face that it came through,
+  // and only its path shows that face.
   for (const double z : {0.05, 0.01, 0.002, 0.001, -0.001, -0.0019}) {
     const LocalModel found = observer.look({hand_at(z)});
     view.touch({hand_at(z).pose.position}, memory);
@@ -100,7 +100,7 @@ TEST(NearSurfaces, OfABodyAreWhereItIsSeen) {
   EXPECT_LT((above.view()[0].point - Vec3(0.01, 0.02, 0.12)).norm(), 1e-12);
   EXPECT_FALSE(above.view()[0].touching);
   EXPECT_TRUE(observer.look({hand_at(0.115)}).view()[0].touching);
-  // It is gone: only the plate is near.
+  // The ball is gone: only the plate is near.
   observer.bodies[0].pose.position.x() = 5.0;
   const LocalModel gone = observer.look({hand_at(0.05)});
   ASSERT_GT(gone.count, 0);
@@ -112,14 +112,14 @@ TEST(NearSurfaces, HasWhoseClientRendersThem) {
   EXPECT_GT(observer.look({hand_at(0.01)}).count, 0);
   observer.told[0].parameters.local_model = false;
   EXPECT_EQ(observer.look({hand_at(0.01)}).count, 0);
-  observer.told = {told_of_hand(4)};  // of another hand
+  observer.told = {told_of_hand(4)};  // for another hand
   EXPECT_EQ(observer.look({hand_at(0.01)}).count, 0);
   EXPECT_GT(observer.look({hand_at(0.01, 4)}).count, 0);
   observer.told = {told_of_hand()};
   SeenHand hand = hand_at(0.01);
-  hand.figures->samples = 0;  // no sample has come: nobody knows where it is
+  hand.figures->samples = 0;  // no sample yet: its place is unknown
   EXPECT_EQ(observer.look({hand}).count, 0);
-  hand.figures.reset();  // of an older server
+  hand.figures.reset();  // from an older server
   EXPECT_EQ(observer.look({hand}).count, 0);
   hand = hand_at(0.01);
   hand.figures->tool = 7;  // not in the file

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// A floor, and a ball that moves: object 1.
+/// A floor and a moving ball (object 1).
 Scene moving() {
   return parse_scene(R"({"name": "box", "materials": [{"name": "wood", "stiffness": 1000}],
     "bodies": [{"name": "loose", "position": [0, 0, 0.05], "mass": 0.1}],
@@ -45,7 +45,7 @@ TEST(SeenPicture, HasTheHandsAndWhatMoves) {
   EXPECT_EQ(picture.hands[1].states, bit(HandState::free_space));
   ASSERT_EQ(picture.bodies.size(), 1u);
   EXPECT_EQ(picture.bodies[0].pose.position, pose.position);
-  // A hand that has left is gone.
+  // A hand that left is removed.
   seen.take(view_of({{7, {}, Vec3::Zero()}}, {}));
   draw(seen, moving(), {}, picture);
   EXPECT_EQ(picture.hands.size(), 1u);
@@ -82,9 +82,9 @@ TEST(SeenPicture, HasTheFiguresOfAHand) {
   EXPECT_EQ(drawn.burned, 0.75);
   ASSERT_TRUE(drawn.report.has_value());
   EXPECT_EQ(drawn.report->balance, 0.125);
-  // Bits that are not known would be taken for the client's reasons.
+  // Unknown bits would look like the client's reasons.
   EXPECT_EQ(drawn.states, (1u << kHandStates) - 1u);
-  // A tool that the file does not have is none.
+  // A tool that is not in the file is omitted.
   const auto described = hands_of(seen, moving(), {}, Nanoseconds(0));
   ASSERT_EQ(described.size(), 1u);
   EXPECT_EQ(described[0].number, 3u);
@@ -121,13 +121,13 @@ TEST(SeenPicture, HasWhatTheServerTellsOfASession) {
   EXPECT_EQ(hands[0].parameters->mode, "per_axis");
   EXPECT_EQ(hands[0].asked, "mode a -> b");
   EXPECT_EQ(hands[0].answer, ChangeAnswer::refused);
-  EXPECT_EQ(hands[0].lead_share, std::nullopt);  // no robot is here
+  EXPECT_EQ(hands[0].lead_share, std::nullopt);  // no robot
   EXPECT_EQ(hands[0].joined, std::chrono::milliseconds(8500));
   EXPECT_EQ(hands[0].times.wakeups()[7], 8u);
   EXPECT_EQ(hands[0].times.round_trips()[0], 8u);
-  EXPECT_EQ(hands[1].client, "");  // it has just joined: nothing is told of it yet
+  EXPECT_EQ(hands[1].client, "");  // it has just joined and is not described yet
   EXPECT_EQ(hands[1].parameters, std::nullopt);
-  // Impossible parameters are not shown.
+  // Impossible parameters are hidden.
   told.parameters.servo_period = 0.0;
   EXPECT_EQ(hands_of(seen, moving(), std::vector{told}, Nanoseconds(0))[0].parameters,
             std::nullopt);
@@ -146,7 +146,7 @@ TEST(SeenPicture, TakesTheMaterialsInForce) {
   EXPECT_EQ(changed->objects()[0].material.stiffness, 1000.0);
   EXPECT_EQ(changed->objects()[1].material.stiffness, 250.0);
   EXPECT_EQ(changed->objects()[1].material.dynamic_friction, 0.5);
-  // Those of another file, and impossible ones.
+  // Refuses another file's materials and impossible ones.
   EXPECT_FALSE(with_materials(scene, std::vector{soft}));
   soft.stiffness = -1.0;
   EXPECT_FALSE(with_materials(scene, std::vector{wood, soft}));

@@ -1,5 +1,5 @@
-// The ciphers and the key derivation against published vectors: what libsodium does is what the
-// standards say, called as we call it.
+// The ciphers and the key derivation against published vectors: libsodium, as we call it, follows
+// the standards.
 
 #include "protocol/crypto/aead.hpp"
 

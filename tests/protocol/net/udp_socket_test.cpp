@@ -65,7 +65,7 @@ TEST(Dscp, TheSocketSaysWhatItWasTold) {
   if (six.descriptor < 0) GTEST_SKIP() << "this machine has no IPv6";
   EXPECT_TRUE(set_dscp(six.descriptor, 40));
   EXPECT_EQ(get_dscp(six.descriptor), 40);
-  EXPECT_EQ(six.option(IPPROTO_IP, IP_TOS), 40 << 2);  // of the IPv4 that it may carry
+  EXPECT_EQ(six.option(IPPROTO_IP, IP_TOS), 40 << 2);  // for the IPv4 packets that it may carry
 }
 
 TEST(Fragments, AreForbiddenInBothFamilies) {
@@ -100,7 +100,7 @@ TEST(PathMtu, IsThatOfTheWayThere) {
   EXPECT_EQ(path_mtu(sockaddr_storage{}, sizeof(sockaddr_in)), std::nullopt);
 }
 
-/// Both on every address of this machine.
+/// Two sockets on all addresses of this machine.
 class DatagramIo : public ::testing::Test {
  protected:
   DatagramIo() {
@@ -117,7 +117,7 @@ class DatagramIo : public ::testing::Test {
     ::inet_pton(AF_INET, address, &own.sin_addr);
     return own;
   }
-  /// Waits for it.
+  /// Waits for a datagram.
   static ssize_t receive(const Socket& socket, std::span<std::uint8_t> into, sockaddr_in& from,
                          LocalAddress& local) {
     pollfd waiting{socket.descriptor, POLLIN, 0};

@@ -96,14 +96,14 @@ TEST(BodyCodec, RoundTrip) {
   }
 }
 
-// Every root gives a valid covariance, whatever its bits are.
+// Every root gives a valid covariance, whatever its bits.
 TEST(BodyCodec, EveryRootIsACovariance) {
   Generator random(2);
   Reply received;
   for (int round = 0; round < 200; ++round) {
     Reply sent = random_reply(random);
     for (BodyPoint& p : sent.body.points)
-      p.spread = Mat3::NullaryExpr([&] { return number(random, 1e-3); });  // no covariance
+      p.spread = Mat3::NullaryExpr([&] { return number(random, 1e-3); });  // not a covariance
     ASSERT_EQ(verdict(sent, received), DropReason::none);
     for (const BodyPoint& p : received.body.view()) {
       EXPECT_EQ(p.spread, p.spread.transpose());
@@ -143,7 +143,7 @@ TEST(BodyCodec, ModelsThatAreNoneAreDropped) {
       [](BodyModel& m) { m.radius = 0.0; },
       [=](BodyModel& m) { m.points[1].distance = nan; },
       [=](BodyModel& m) { m.points[1].stiffness = inf; },
-      [](BodyModel& m) { m.points[1].stiffness = -1.0; },  // a spring that pushes in
+      [](BodyModel& m) { m.points[1].stiffness = -1.0; },  // negative stiffness would pull in
       [](BodyModel& m) { m.points[1].normal *= 0.9; },
       [=](BodyModel& m) { m.points[1].normal.x() = nan; },
       [](BodyModel& m) { m.patches[1].dynamic_friction = 0.6; },

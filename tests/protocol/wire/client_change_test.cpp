@@ -1,5 +1,5 @@
-// A change that an admin wants of a client: it fits every reply, it arrives as it was, garbage does
-// not arrive, and who takes which law.
+// A change that an admin wants of a client: it fits every reply and arrives unchanged, garbage is
+// refused, and each client decides which law it takes.
 
 #include "protocol/session/client_change.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 constexpr std::size_t kHeaderAndTag = 40;
 
-/// With the longest name that a method may have.
+/// A change with the longest possible method name.
 ClientChange longest() {
   return {.number = 63,
           .law = LawChoice{MethodName(std::string(kLongestMethodName, 'm')), Projection::joint,
@@ -25,7 +25,7 @@ ClientChange longest() {
           .link = LinkQuality{.delay = 0.25, .jitter = 0.125, .loss = 0.5}};
 }
 
-/// Everything that a reply to a hand can bring at once.
+/// A reply to a hand with everything that it can contain.
 Reply fullest() {
   Reply reply;
   reply.sample_index = 7;
@@ -73,7 +73,7 @@ TEST(ClientChange, TakesNoMemoryOnItsWay) {
   Encoder encoder;
   Reply sent = fullest(), received;
   sent.change = longest();
-  encoder.reply(sent);  // the first takes the buffer
+  encoder.reply(sent);  // the first reply allocates the buffer
   const std::size_t before = test::allocations();
   const bool arrived = decode(encoder.reply(sent), received) == DropReason::none;
   EXPECT_EQ(test::allocations(), before);
@@ -171,13 +171,13 @@ SessionParameters started(std::string_view mode, BoundingSide side = BoundingSid
 }
 LawChoice law(std::string_view mode) { return LawChoice{MethodName(mode)}; }
 
-/// A client whose device may be in a hand gets a law that is passive by itself, or its own law.
+/// A client whose device a person may hold takes only a law that is passive by itself, or its own.
 TEST(LawsTaken, SafeOnesRaiseNoRisk) {
   const SessionParameters shaped = started("shaped"), unbounded = started("none");
   using enum LawsTaken;
   for (const char* passive : {"contact_frame", "energy_tank"})
     EXPECT_FALSE(refuses_law(shaped, law(passive), safe)) << passive;
-  EXPECT_FALSE(refuses_law(shaped, law("shaped"), safe));  // back to its own
+  EXPECT_FALSE(refuses_law(shaped, law("shaped"), safe));  // back to its own law
   for (const char* not_by_itself : {"none", "midpoint", "credited"}) {
     EXPECT_THAT(refuses_law(shaped, law(not_by_itself), safe).value_or(""),
                 HasSubstr("a person's hand may be at this device"))

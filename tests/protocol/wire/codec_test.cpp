@@ -70,7 +70,7 @@ TEST(Codec, SamplesRoundTrip) {
   }
 }
 
-/// A batch that is decoded into keeps nothing of what it held before.
+/// Decoding into a batch keeps nothing of its former content.
 TEST(Codec, SamplesWithoutRotationsAreUpright) {
   Generator random(2);
   Encoder encoder;
@@ -114,7 +114,7 @@ TEST(Codec, ReplyRoundTrip) {
   }
 }
 
-// The bits of PROTOCOL.md, each alone.
+// The bits of PROTOCOL.md, one by one.
 TEST(Codec, TheFlagsOfAReplyAreTheProtocols) {
   Encoder encoder;
   const std::vector<bool Reply::*> flags = {&Reply::active, &Reply::saturated, &Reply::refused,
@@ -164,7 +164,7 @@ TEST(Codec, PayloadMayLieAnywhere) {
   }
 }
 
-// The refusals of the codec itself, each provoked alone.
+// The codec's own refusals, one by one.
 
 DropReason verdict(const SampleBatch& batch) {
   Encoder encoder;
@@ -176,7 +176,7 @@ TEST(CodecDrops, Count) {
   Generator random(6);
   EXPECT_EQ(verdict(random_batch(random, 9, 0, false)), DropReason::count);
 
-  // Ten samples, or fewer rotations than samples: the encoder cannot say it, so by hand.
+  // Ten samples, or fewer rotations than samples: the encoder refuses them, so build them by hand.
   for (const auto& [samples, rotations] : {std::pair{10u, 0u}, {3u, 2u}, {1u, 9u}}) {
     flatbuffers::FlatBufferBuilder builder;
     std::vector<wire::Sample> s;
@@ -264,7 +264,7 @@ TEST(CodecDrops, OneKindIsNotAnother) {
   EXPECT_EQ(decode({builder.GetBufferPointer(), builder.GetSize()}, reason), DropReason::malformed);
 }
 
-/// FlatBuffers' verifier lets them through, and reading them is undefined.
+/// FlatBuffers' verifier accepts misaligned numbers, but reading them is undefined.
 TEST(CodecDrops, NumbersOutOfPlace) {
   Generator random(4);
   Encoder encoder;
@@ -332,7 +332,7 @@ TEST(CodecFuzz, RandomBytes) {
     for (int round = 0; round < 10'000; ++round) {
       bytes.resize(random() % 1300);
       for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-      if (bytes.size() >= 4 && round % 2 == 0)  // a root offset that may be one
+      if (bytes.size() >= 4 && round % 2 == 0)  // a plausible root offset
         bytes[1] = bytes[2] = bytes[3] = 0;
       expect_harmless(bytes);
     }
@@ -391,7 +391,7 @@ TEST(CodecAllocation, NoneOnceTheEncoderIsMade) {
   EXPECT_EQ(worst, DropReason::none);
 
   const std::size_t counting = test::allocations();
-  ::operator delete(::operator new(1));  // the counter counts
+  ::operator delete(::operator new(1));  // the counter works
   EXPECT_EQ(test::allocations(), counting + 2);
 }
 

@@ -1,4 +1,4 @@
-// Frames that hold no message, and messages at the limits.
+// Frames without a valid message, and messages at the limits.
 
 #include <gtest/gtest.h>
 
@@ -38,11 +38,11 @@ TEST(ControlBadInput, LimitsOfNamesAndFrames) {
         {i + 1, std::string(kMaxName, 'x'), std::string(kMaxName, 'y'), Role::admin});
   EXPECT_EQ(round_trip(longest).sessions.size(), kMaxSessionEntries);
   EXPECT_FALSE(decode(body(encode(Authenticate{Secret(std::string(kMaxName + 1, 'x'))}))));
-  // A token fits what strangers may send.
+  // The longest token fits the first frame of an unknown client.
   EXPECT_LE(encode(Authenticate{Secret(std::string(kMaxName, 'x'))}).size(), kMaxFirstFrame);
 }
 
-/// FlatBuffers' verifier lets them through, and reading them is undefined.
+/// FlatBuffers' verifier accepts misaligned numbers, but reading them is undefined.
 TEST(ControlBadInput, NumbersOutOfPlaceAreNoMessage) {
   JoinRequest sent = request();
   sent.device.damping = Vec3(1, 2, 3);
@@ -93,7 +93,7 @@ TEST(ControlBadInput, ChoicesThatAreNoneAreRefused) {
   EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(14), "x"}))));
 }
 
-/// A list may point at one entry ever so often: a small frame that would grow without end.
+/// A list may point to one entry many times: a small frame would decode to an enormous list.
 TEST(ControlBadInput, ListThatMultipliesOneEntry) {
   flatbuffers::FlatBufferBuilder builder;
   const auto entry = wire::CreateSceneEntryDirect(builder, "again", 1, 1, 1);
@@ -131,7 +131,7 @@ TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
       valid += decode(spoiled).has_value();
     }
   }
-  EXPECT_GT(valid, 0);  // some flips only change numbers: those are still messages
+  EXPECT_GT(valid, 0);  // some flips change only numbers: such frames are still messages
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST(Control, TheVersionsOfBothProgramsTravelWhereTheyAreSaid) {
   EXPECT_FALSE(decode(body(encode(got))));
 }
 
-// A client that asks for no tool, and a scene with one tool, send the same bytes as without the
+// If a client asks for no tool, or a scene has one tool, the bytes are those without the
 // field.
 TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   EXPECT_EQ(encode(request()).size(), 436u);
@@ -142,7 +142,7 @@ TEST(Control, AWorkspaceTravelsBothWaysWhereThereIsOne) {
     EXPECT_TRUE(read.turning_locked);
   }
   wanted.workspace = {};
-  wanted.workspace.locked[2] = true;  // a lock alone
+  wanted.workspace.locked[2] = true;  // only a lock
   EXPECT_TRUE(round_trip(wanted).workspace.locked[2]);
   EXPECT_EQ(round_trip(wanted).workspace.count, 0u);
 }
@@ -157,14 +157,14 @@ TEST(Control, AWorkspaceThatIsNoneIsRefused) {
     if (which == 2) wall.normal.y() = std::numeric_limits<double>::quiet_NaN();
     if (which == 3) wall.distance = 1001.0;
     if (which == 4) wall.distance = std::numeric_limits<double>::quiet_NaN();
-    if (which == 5) sent.workspace.add(wall);  // one too many
+    if (which == 5) sent.workspace.add(wall);  // one more than allowed
     KeepOutBody& kept = sent.workspace.bodies[2];
     if (which == 6) kept.radius = 0.0009;
     if (which == 7) kept.radius = std::numeric_limits<double>::quiet_NaN();
     if (which == 8) kept.half.y() = -0.01;
     if (which == 9) kept.pose.orientation.coeffs() *= 1.01;
     if (which == 10) kept.pose.position.z() = -1001.0;
-    if (which == 11) sent.workspace.add_body(kept);  // one too many
+    if (which == 11) sent.workspace.add_body(kept);  // one more than allowed
     JoinRequest asked = request();
     asked.workspace = sent.workspace;
     EXPECT_FALSE(decode(body(encode(sent)))) << which;
@@ -271,7 +271,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   }
 }
 
-/// A reason may quote a whole file: no length of it makes a frame that cannot be sent.
+/// A reason may quote a whole file: the frame can be sent at any length of it.
 TEST(Control, AReasonOfAnyLengthIsSent) {
   const auto sent = [](const std::string& reason) {
     return round_trip(Refused{RefusalCode::bad_scene, reason}).reason;
@@ -283,7 +283,7 @@ TEST(Control, AReasonOfAnyLengthIsSent) {
     EXPECT_EQ(sent(std::string(size, 'x')), cut) << size;
 }
 
-/// Characters of 1 to 4 bytes, at every place of the cut: none is split.
+/// Characters of 1 to 4 bytes at every place of the cut: none is split.
 TEST(Control, AReasonIsCutBetweenCharacters) {
   for (const std::string character : {"a", "\u00e9", "\u20ac", "\U0001f44b"})
     for (std::size_t before = 0; before < 4; ++before) {
@@ -297,7 +297,7 @@ TEST(Control, AReasonIsCutBetweenCharacters) {
       EXPECT_TRUE(text.starts_with(kept));
       EXPECT_EQ((kept.size() - before) % character.size(), 0u) << kept;
     }
-  // Bytes that are no UTF-8 are cut anywhere, and not for ever.
+  // Text that is not UTF-8 may be cut anywhere; the search for a boundary must end.
   EXPECT_EQ(shortened(std::string(100, '\x80'), 18), std::string(12, '\x80') + " [...]");
 }
 
@@ -323,7 +323,7 @@ TEST(Control, TextsArriveWholeWhateverIsInThem) {
   EXPECT_EQ(round_trip(Refused{RefusalCode::full, "no\0room"s}).reason, "no\0room"s);
 }
 
-/// Whether there is such a method is for the program to say: the message arrives, with its name.
+/// The program decides whether such a method exists: the message arrives with its name.
 TEST(Control, ANameOfAMethodArrivesUpToItsLimit) {
   SessionParameters p;
   for (const std::string& name :

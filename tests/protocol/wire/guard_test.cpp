@@ -12,7 +12,7 @@ namespace {
 
 constexpr unsigned kSamplesOnly = 1u << static_cast<unsigned>(DatagramKind::samples);
 
-/// A header as PROTOCOL.md has it, followed by room for a tag.
+/// A header as in PROTOCOL.md, followed by room for a tag.
 std::vector<std::uint8_t> golden() {
   std::vector<std::uint8_t> datagram = {
       'F',  'W',  1,    1,    0,    0,    0,    0,      // magic, version, kind, reserved
@@ -45,7 +45,7 @@ TEST(Guard, SizeLimits) {
   EXPECT_EQ(guard({}, kSamplesOnly).drop, DropReason::size);
 }
 
-/// Everything is wrong at first; mended in the documented order, each next fault shows in turn.
+/// At first all is wrong. Repairs in the documented order show each next fault in turn.
 TEST(Guard, FaultsShowInTheOrderOfTheProtocol) {
   std::vector<std::uint8_t> datagram(kMaxDatagram + 1, 0xff);
   const auto drop = [&] { return guard(datagram, kSamplesOnly).drop; };

@@ -1,4 +1,4 @@
-// The report of a client about its hand, in a datagram.
+// A client's report about its hand, in a datagram.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(HandReportCodec, TravelsWithTheSamples) {
   EXPECT_EQ(received.report->late_ticks, 1u);
   EXPECT_FALSE(received.report->has_account);
 
-  sent.report->reasons = ~0u;  // of a newer client: those that are not known are not read
+  sent.report->reasons = ~0u;  // from a newer client: unknown reasons are ignored
   ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
   EXPECT_EQ(received.report->reasons, (1u << kHandReasons) - 1);
   sent.report.reset();
@@ -94,12 +94,12 @@ TEST(HandTimes, AreHeardOverLossAndWrapping) {
   HandTimesHeard heard;
   EXPECT_FALSE(heard.heard());
   HandTimes said;
-  said.wakeups[3] = 65'000;  // of a session before
+  said.wakeups[3] = 65'000;  // from an earlier session
   heard.take(said);
   EXPECT_TRUE(heard.heard());
   EXPECT_EQ(heard.wakeups()[3], 0u);
   std::uint64_t counted = 0;
-  for (int i = 0; i < 10; ++i) {  // what was lost between two of these does not matter
+  for (int i = 0; i < 10; ++i) {  // reports lost in between do not matter
     said.wakeups[3] = static_cast<std::uint16_t>(said.wakeups[3] + 60'000);
     ++said.round_trips[7];
     counted += 60'000;

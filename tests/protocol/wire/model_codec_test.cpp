@@ -1,4 +1,4 @@
-// The parts of a reply beside the command: rates and a local model.
+// The parts of a reply besides the command: rates and a local model.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ double single(Generator& random, double most) {
   return static_cast<float>(test::uniform(random, 0.0, most));
 }
 
-/// Lengths relative to a center that float32 holds, as the wire has them.
+/// Positions relative to a center, exact in float32, as on the wire.
 SurfacePatch random_patch(Generator& random, const Vec3& center) {
   SurfacePatch p;
   p.point = center + float_vector(random, 0.1);
@@ -202,7 +202,7 @@ TEST(ModelCodec, NormalsThatAreNoneAreDropped) {
     sent.normals = walls({Vec3::UnitX(), bad});
     EXPECT_EQ(verdict(sent, received), DropReason::not_finite);
   }
-  // A normal that hardly stands out is no error of the sender, and no wall of its own.
+  // A normal nearly equal to another is not an error of the sender, and not a separate wall.
   sent.normals = walls({Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitZ()});
   ASSERT_EQ(verdict(sent, received), DropReason::none);
   EXPECT_EQ(received.normals.count, 2);
@@ -267,7 +267,7 @@ TEST(ModelCodec, AnOffsetToEachPatchOrNone) {
   }
 }
 
-// A field that no surface needs costs nothing.
+// A field that no surface needs takes no bytes.
 TEST(ModelCodec, WithoutOffsetsAModelIsShorter) {
   Generator random(15);
   Encoder encoder;

@@ -1,5 +1,5 @@
-// The messages between a hand that leads and a robot that follows. They arrive unchanged, garbage
-// is dropped, and a client without a robot sends the same bytes as before.
+// The messages between a leading hand and a following robot. They arrive unchanged, garbage is
+// dropped, and a client without a robot sends the same bytes as before.
 
 #include <gtest/gtest.h>
 
@@ -328,7 +328,7 @@ TEST(RobotCodec, RefusesWhatNoRobotSays) {
       [](RobotState& s) { s.contact.stiffness = 0.0; },
       [](RobotState& s) { s.contact.stiffness = 1e10; },
       [](RobotState& s) { s.contact.friction = -1.0; },
-      [](RobotState& s) { s.contact.surface = 0; },  // and touches it
+      [](RobotState& s) { s.contact.surface = 0; },  // but touches it
       [](RobotState& s) { s.energy.given = kNan; },
       [](RobotState& s) { s.energy.taken = -1.0; },
       [](RobotState& s) { s.energy.pushed = kInfinity; },

@@ -1,4 +1,4 @@
-// Keys that change as the packet numbers rise, and what a receiver makes of numbers near the
+// Keys that change as the packet numbers rise, and a receiver's reaction to numbers near the
 // borders.
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ INSTANTIATE_TEST_SUITE_P(Suites, SealGeneration, ::testing::ValuesIn(test::suite
                                                                           : "ChaCha20Poly1305";
                          });
 
-/// Over the border with loss and reordering: a number alone says which key.
+/// Across the border, with loss and reordering: the number alone determines the key.
 TEST_P(SealGeneration, TheKeyChangesWithoutAWord) {
   Generator random(1);
   for (int round = 0; round < 10; ++round) {
@@ -43,21 +43,21 @@ TEST_P(SealGeneration, TheKeyChangesWithoutAWord) {
         waiting.erase(which);
       }
     }
-    EXPECT_EQ(opened + lost + waiting.size(), 1200u);  // nothing that came was refused
+    EXPECT_EQ(opened + lost + waiting.size(), 1200u);  // no datagram that arrived was refused
   }
 }
 
 TEST_P(SealGeneration, AFirstDatagramBeyondTheBorderIsEnough) {
   Opener opener = up.opener_from(kBorder - 2);
   EXPECT_EQ(read(opener, up.datagram(kBorder + 3, payload)).payload, payload);
-  // Those that it overtook were sealed with the key before.
+  // Datagrams that it overtook were sealed with the previous key.
   EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).payload, payload);
   EXPECT_EQ(read(opener, up.datagram(kBorder, payload)).payload, payload);
   EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).drop, DropReason::packet_number);
 }
 
 TEST_P(SealGeneration, AWrongGenerationIsRefused) {
-  // A key of one generation under a number of another.
+  // The key of a generation with a number of another generation.
   for (const std::uint64_t sealed_in : {0u, 1u, 2u}) {
     for (const std::uint64_t said : {0u, 1u, 2u}) {
       Opener opener = up.opener_from(kBorder + 9);
@@ -70,20 +70,20 @@ TEST_P(SealGeneration, AWrongGenerationIsRefused) {
       for (std::size_t i = 0; i < 8; ++i)
         nonce[4 + i] = static_cast<std::uint8_t>(number >> (8 * i));
       key.seal(nonce, Bytes(datagram).first(kHeaderSize), payload, datagram.data() + kHeaderSize);
-      // Begun in generation 1, this opener never had the key of generation 0.
+      // The opener began in generation 1, so it never had the key of generation 0.
       const bool good = sealed_in == said && said != 0;
       EXPECT_EQ(read(opener, datagram).drop, good ? DropReason::none : DropReason::sealed)
           << sealed_in << said << own;
     }
   }
-  // Two ahead: nobody loses a whole generation and is still there.
+  // Two generations ahead: no receiver loses a whole generation and remains connected.
   Opener opener(GetParam(), session_keys.up);
   EXPECT_EQ(read(opener, up.datagram(2 * kBorder, payload)).drop, DropReason::sealed);
   EXPECT_EQ(opener.forgeries(), 0u);  // no key was tried
 }
 
-/// Against the plainest thing that could be right: all sorts of numbers about the borders of three
-/// generations, good, replayed and forged.
+/// Compared with a plain model: numbers of all kinds around the borders of three generations, good,
+/// replayed and forged.
 TEST_P(SealGeneration, OpensWhatAModelOpens) {
   Generator random(2);
   for (int round = 0; round < 20; ++round) {
@@ -127,9 +127,9 @@ TEST_P(SealGeneration, OpensWhatAModelOpens) {
   }
 }
 
-/// A number is never used twice, so after the last there is nothing.
+/// A number is never used twice, so sending ends after the last number.
 TEST_P(SealGeneration, AtTheLastNumberTheSenderStops) {
-  const Key last_secret = session_keys.up;  // of whatever generation
+  const Key last_secret = session_keys.up;  // of any generation
   Sealer sealer(GetParam(), last_secret, kLastPacketNumber - 2);
   Opener opener(GetParam(), last_secret, kLastPacketNumber - 2);
   DatagramBuffer out;

@@ -9,7 +9,7 @@
 namespace feltwire::sequence_test {
 namespace {
 
-/// True, once, for what is fresh.
+/// True, once, for a fresh number.
 bool take(PacketWindow& window, std::uint64_t number) {
   if (!window.fresh(number)) return false;
   window.mark(number);
@@ -38,7 +38,7 @@ TEST(PacketWindow, AskingMarksNothing) {
 TEST(PacketWindow, EdgeOfTheWindow) {
   PacketWindow window;
   EXPECT_TRUE(take(window, PacketWindow::kWidth + 5));
-  EXPECT_FALSE(take(window, 5));  // kWidth behind the highest: too old to tell
+  EXPECT_FALSE(take(window, 5));  // kWidth behind the highest: too old to know
   EXPECT_TRUE(take(window, 6));
 }
 
@@ -54,7 +54,7 @@ TEST(PacketWindow, UpToTheLastNumber) {
   EXPECT_FALSE(take(window, last - PacketWindow::kWidth));
 }
 
-/// Against the plainest thing that could be right, with reordering, repeats and jumps of all sizes.
+/// Compared with a plain set, with reordering, repeats and jumps of all sizes.
 TEST(PacketWindow, MatchesASetOfAllSeen) {
   std::mt19937_64 random(7);
   for (int round = 0; round < 20; ++round) {

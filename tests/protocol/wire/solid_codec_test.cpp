@@ -1,5 +1,4 @@
-// Messages that bring a tool with a body and its solids in full arrive as they were sent, or are
-// none.
+// Messages with a tool's body and its solids in full arrive unchanged or are refused.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +38,7 @@ SolidData solid(const Shape& shape) {
                        .viscous_friction = 5.0}};
 }
 
-/// Every shape, each number another one.
+/// A solid of every shape, each with different numbers.
 std::vector<SolidData> solids() {
   std::vector<SolidData> all;
   Primitives::for_each([&](auto primitive) {
@@ -133,8 +132,8 @@ TEST(Control, TooManySolidsAreNoMessage) {
   EXPECT_TRUE(refused(BodyPoints{std::vector<Vec3>(kMaxPart + 1, Vec3::Zero())}));
 }
 
-/// A list with one solid of this name and these lengths; its body has mass, and no inertia where
-/// `whole` is false.
+/// A list of a single solid with this name and these lengths. The body has mass; unless `whole`,
+/// it lacks the inertia.
 std::optional<Message> decoded(const char* shape, const std::vector<double>& lengths,
                                bool whole = true) {
   flatbuffers::FlatBufferBuilder builder;
@@ -154,7 +153,7 @@ std::optional<Message> decoded(const char* shape, const std::vector<double>& len
   return decode({builder.GetBufferPointer(), builder.GetSize()});
 }
 
-/// A newer server may have shapes that this program does not know: these stay planes.
+/// A newer server may send shapes that this program does not know: they stay planes.
 TEST(Control, AShapeThatIsNotKnownIsLeftOut) {
   const auto list = decoded("dodecahedron", {1.0});
   ASSERT_TRUE(list.has_value());

@@ -1,4 +1,4 @@
-// Messages that bring meshes in full arrive as they were sent, or are none.
+// Messages with meshes in full arrive unchanged or are refused.
 
 #include <gtest/gtest.h>
 

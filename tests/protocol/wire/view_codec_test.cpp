@@ -1,4 +1,4 @@
-// The view of an observer as bytes.
+// An observer's view as bytes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ SceneView view_of(std::size_t hands, std::size_t bodies, Generator& random) {
   return view;
 }
 
-/// With everything that stands in one without a model.
+/// A reply with all that it can contain, except a model.
 Reply longest_reply() {
   Reply reply;
   reply.sample_index = reply.withheld = ~std::uint64_t{0};
@@ -146,7 +146,7 @@ TEST(ViewCodec, FiguresOfHandsRoundTrip) {
       EXPECT_EQ(b.report->late_ticks, 77u);
     }
   }
-  // The next view without them leaves none behind.
+  // The next view has no figures: those of the last view must not remain.
   const SceneView plain = view_of(3, 0, random);
   ASSERT_EQ(decode(encoder.reply(longest_reply(), &plain), reply, &got), DropReason::none);
   for (const SeenHand& hand : got.hands()) EXPECT_FALSE(hand.figures.has_value());
@@ -196,7 +196,7 @@ TEST(ViewCodec, FiguresThatAreNoneAreDropped) {
   }
 }
 
-/// FlatBuffers' verifier lets them through, and reading them is undefined.
+/// FlatBuffers' verifier accepts misaligned numbers, but reading them is undefined.
 TEST(ViewCodec, FiguresOutOfPlaceAreDropped) {
   Generator random(39);
   Encoder encoder;
@@ -214,7 +214,7 @@ TEST(ViewCodec, FiguresOutOfPlaceAreDropped) {
   EXPECT_EQ(decode(moved, reply), DropReason::malformed);
 }
 
-/// The bytes that replies had before there were observers to be shown anything.
+/// Without an observer a reply has the bytes that it had before views existed.
 TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
   Encoder encoder;
   Reply reply = longest_reply();
@@ -232,7 +232,7 @@ TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
   EXPECT_FALSE(view.present);
 }
 
-/// The sizes of PROTOCOL.md.
+/// The sizes that PROTOCOL.md states.
 TEST(ViewCodec, IsAsLongAsItSays) {
   Generator random(32);
   Encoder encoder;
@@ -296,7 +296,7 @@ TEST(ViewCodec, WhatIsNoViewIsDropped) {
       {DropReason::not_finite, [](SceneView& v) { v.hand[0].pose.orientation.w() = kNotANumber; }},
       {DropReason::not_finite, [](SceneView& v) { v.body[1].pose.position.z() = kInfinity; }},
       {DropReason::not_finite, [](SceneView& v) { v.body[0].pose.orientation.coeffs() *= 1.01; }},
-      // Of two faults the first check's counts.
+      // With two faults, the verdict is that of the first check.
       {DropReason::order,
        [](SceneView& v) { v.hand[0].force.x() = kNotANumber, v.body[1].object = 0; }},
   };
@@ -368,7 +368,7 @@ TEST(ViewCodec, MoreThanAViewMayHave) {
   EXPECT_EQ(verdict(0, SceneView::kMaxBodies + 1), DropReason::count);
 }
 
-/// Every truncation, every bit: nothing is read that is not there, and what passes is a view.
+/// Any truncation, any flipped bit: no read beyond the end, and accepted bytes give a valid view.
 TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
   Generator random(35);
   Encoder encoder;
@@ -378,7 +378,7 @@ TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
   Reply reply;
   SceneView got;
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    // Of its own, so that a read beyond it is seen.
+    // A separate vector, so that a read beyond its end is detected.
     const std::vector<std::uint8_t> part(bytes.begin(),
                                          bytes.begin() + static_cast<std::ptrdiff_t>(size));
     decode(part, reply, &got);

@@ -1,4 +1,4 @@
-// The places at the control port and their rates: for networks, strangers and known clients.
+// The control port's connection places and rates: for networks, strangers and known clients.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(NetworkOf, AnAddressIsWhatWhoeverHasItHas) {
   EXPECT_NE(of("2001:db8:1:2::1"), of("2001:db8:2:2::1"));
   EXPECT_EQ(of("192.0.2.1"), of("192.0.2.255"));
   EXPECT_NE(of("192.0.2.1"), of("192.0.3.1"));
-  EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 as an IPv6 socket sees it
+  EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 as an IPv6 socket shows it
   EXPECT_NE(of("::"), of("0.0.0.0"));
   EXPECT_NE(of("::1"), of("127.0.0.1"));
 }
@@ -45,7 +45,7 @@ TEST(NetworkOf, AHostIsAPartOfIt) {
   EXPECT_NE(host("192.0.2.1"), host("192.0.2.2"));
 }
 
-/// A member of a network takes its places from itself, and not from its neighbours.
+/// A member that takes many places loses only its own, not its neighbours'.
 TEST(Places, OneMemberTakesPlacesFromItself) {
   Places places(100, 8);
   const Network net = of("192.0.2.1");
@@ -62,7 +62,7 @@ TEST(Places, OneMemberTakesPlacesFromItself) {
   EXPECT_TRUE(places.leave(honest));
 }
 
-/// A client's name from many networks takes its places from itself, too.
+/// A client name that connects from many networks also loses only its own places.
 TEST(Places, AMemberHasALimitInAllNetworksTogether) {
   Places places(100, 50, 4);
   Places::Id next = 0;
@@ -85,12 +85,12 @@ TEST(WrongTokens, OneHostLeavesTheOthersTheirs) {
   EXPECT_EQ(taken, 10);
   EXPECT_TRUE(wrong.take(at("192.0.2.2"), 1s));
   for (int i = 3; i < 250; ++i) wrong.take(at(("192.0.2." + std::to_string(i)).c_str()), 1s);
-  EXPECT_FALSE(wrong.take(at("192.0.2.251"), 1s));  // all of its network together
+  EXPECT_FALSE(wrong.take(at("192.0.2.251"), 1s));  // its network's limit is used up
   EXPECT_TRUE(wrong.take(at("192.0.3.1"), 1s));
   EXPECT_TRUE(wrong.take(at("192.0.2.1"), 2s));
 }
 
-/// The review's attack: one network of IPv6 with as many addresses as it likes.
+/// The review's attack: an IPv6 network with any number of addresses.
 TEST(Places, ANetworkOfManyAddressesTakesPlacesFromItself) {
   Places places(256, 64);
   Places::Id next = 0;
@@ -113,8 +113,8 @@ TEST(Places, ANetworkOfManyAddressesTakesPlacesFromItself) {
   EXPECT_TRUE(places.leave(honest));
 }
 
-/// Five networks together hold what there is; a newcomer still finds a place, and keeps it while
-/// the five fight on.
+/// Five networks together take all places. A newcomer still gets a place and keeps it while the
+/// five continue.
 TEST(Places, TheLargestNetworkGivesWay) {
   Places places(256, 64);
   Places::Id next = 0;
@@ -141,13 +141,13 @@ TEST(Places, WhoIsRenewedGoesLast) {
   EXPECT_FALSE(places.take(1, of("10.0.0.1")));
   EXPECT_FALSE(places.take(2, of("10.0.0.1")));
   places.renew(1);
-  places.renew(77);  // has none
+  places.renew(77);  // 77 has no place
   EXPECT_EQ(places.take(3, of("10.0.0.1")), 2u);
   EXPECT_EQ(places.take(4, of("10.0.0.2")), 1u);
 }
 
-/// At random, against a list of who is there: never more than there are places, never more than a
-/// network may have, never somebody of a network that has fewer than another.
+/// A random test against a list of the holders. There are never too many holders, in all or in a
+/// network. Only a network with the most places loses a place.
 TEST(Places, HoldAtRandom) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -155,7 +155,7 @@ TEST(Places, HoldAtRandom) {
   for (int round = 0; round < 20; ++round) {
     const std::size_t most = 1 + random() % 12, each = 1 + random() % 6;
     Places places(most, each);
-    std::vector<std::pair<Places::Id, Network>> there;  // the oldest first
+    std::vector<std::pair<Places::Id, Network>> there;  // oldest first
     const auto count = [&](const Network& n) {
       return static_cast<std::size_t>(
           std::count_if(there.begin(), there.end(), [&](auto& e) { return e.second == n; }));
@@ -181,7 +181,7 @@ TEST(Places, HoldAtRandom) {
           ASSERT_EQ(theirs, network);
         } else {
           for (const auto& [other, net] : there) {
-            if (other == id && count(net) == 1) continue;  // nobody else of its network to go
+            if (other == id && count(net) == 1) continue;  // its network has no other member
             ASSERT_LE(count(net), count(theirs));
           }
         }
@@ -209,7 +209,7 @@ TEST(RateLimit, IsABucketForEachNetwork) {
   EXPECT_TRUE(rate.take(a, 1h));
 }
 
-/// At any rate the burst is whole: it is no rounded product.
+/// The burst is complete at any rate: rounding takes nothing off it.
 TEST(RateLimit, GivesTheWholeBurst) {
   for (const double rate : {0.1, 1.0 / 3.0, 1.0, 7.0, 49.0})
     for (const int burst : {1, 3, 7, 20, 49}) {
@@ -219,11 +219,11 @@ TEST(RateLimit, GivesTheWholeBurst) {
     }
 }
 
-/// A forger of many networks is remembered within bounds.
+/// Forged addresses of many networks need limited memory.
 TEST(RateLimit, IsNotOutnumbered) {
   RateLimit<std::uint32_t> rate(1.0, 1.0);
   for (std::uint32_t n = 0; n < RateLimit<std::uint32_t>::kMost; ++n) EXPECT_TRUE(rate.take(n, 0s));
-  EXPECT_TRUE(rate.take(1'000'000, 0s));  // one more than are remembered: they share
+  EXPECT_TRUE(rate.take(1'000'000, 0s));  // beyond the limit, so all such networks share a bucket
   EXPECT_FALSE(rate.take(1'000'001, 0s));
   EXPECT_TRUE(rate.take(1'000'001, 2s));  // the others' buckets are full again
 }
@@ -251,16 +251,16 @@ TEST(Access, SilentStrangersKeepNobodyOut) {
     silent.push_back(
         std::make_unique<RawSocket>(SOCK_STREAM, endpoint.port(), AF_INET, from.c_str()));
   }
-  EXPECT_TRUE(served(endpoint.port()));               // another network than theirs
-  EXPECT_TRUE(served(endpoint.port(), "127.0.1.1"));  // and one of theirs
+  EXPECT_TRUE(served(endpoint.port()));               // from another network
+  EXPECT_TRUE(served(endpoint.port(), "127.0.1.1"));  // from an attacking network
   known.ask<control::SceneList>(control::ListScenes{});
   const ControlCounters counters = endpoint.counters();
   EXPECT_EQ(counters.accepted, 103u);
   EXPECT_GE(counters.crowded_out, 100u - 16u / 2);
 }
 
-/// A client that has shown a token keeps its place whatever strangers do, and even if other known
-/// ones come, unless it has been idle the longest.
+/// A client with a token keeps its place whatever strangers do. A new known client takes the place
+/// of the one that was idle longest.
 TEST(Access, PlacesOfTheKnownAreTheirs) {
   Endpoint endpoint(patient(4), control::SceneList{});
   ControlClient first(endpoint.port(), AF_INET, test::admin_token().text, "127.0.1.1");
@@ -277,7 +277,7 @@ TEST(Access, PlacesOfTheKnownAreTheirs) {
   third.ask<control::SceneList>(control::ListScenes{});
 }
 
-/// Each may have much memory: a stranger for its handshake, a known one for its frame.
+/// Each needs much memory: a stranger for its handshake, a known client for its frame.
 TEST(Access, StrangersAndEachClientHaveLimitsOfTheirOwn) {
   ControlOptions options = patient(64);
   options.max_strangers = 2;
@@ -305,7 +305,7 @@ TEST(Access, HandshakesOfANetworkAreLimited) {
   ControlOptions options = patient(512);
   options.handshake_rate = 1e-3;
   options.handshake_burst = 3;
-  options.handshake_patience = 10ms;  // others wait for their turn, and then for nothing
+  options.handshake_patience = 10ms;  // further ones wait in vain
   Endpoint endpoint(options, control::SceneList{});
   for (const char* from : {"127.0.1.1", "127.0.1.2", "127.0.1.3"})
     EXPECT_TRUE(served(endpoint.port(), from));
@@ -319,8 +319,8 @@ TEST(Access, HandshakesOfANetworkAreLimited) {
   EXPECT_EQ(counters.too_often, 20u);
 }
 
-/// The review's attack on a whole endpoint: one neighbour connects without end, another one shows
-/// nothing; all others of the /24 are let in.
+/// The review's attack on a whole endpoint: two neighbours connect without end and send nothing.
+/// All others of the /24 must get in.
 TEST(Access, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
   ControlOptions options = patient(512);
   options.handshake_rate = 50.0;
@@ -332,7 +332,7 @@ TEST(Access, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
     while (!over) try {
         held.push_back(std::make_unique<RawSocket>(SOCK_STREAM, endpoint.port(), AF_INET, from));
         if (held.size() > 64) held.pop_front();
-      } catch (const std::runtime_error&) {  // no port is left for a moment
+      } catch (const std::runtime_error&) {  // no free port for a moment
         held.clear();
       }
   };

@@ -1,4 +1,4 @@
-// The turns of hosts while one network connects without end: time is the test's own.
+// The turns of hosts while a network connects without end, with a simulated clock.
 
 #include "server/access/connection_turns.hpp"
 
@@ -22,12 +22,12 @@ using Outcome = ConnectionTurns::Outcome;
 
 asio::ip::address at(const std::string& text) { return asio::ip::make_address(text); }
 
-/// An endpoint by the test's clock. Who is let in is judged after `kHandshake`.
+/// An endpoint with a simulated clock. It judges an admitted connection after `kHandshake`.
 class Door {
  public:
   explicit Door(const TurnLimits& limits = {}) : turns_(limits) {}
 
-  /// A connection; its id.
+  /// Adds a connection and returns its id.
   ConnectionTurns::Id connect(const asio::ip::address& from, Outcome becomes) {
     const ConnectionTurns::Id id = next_++;
     from_[id] = {from, becomes};
@@ -79,8 +79,8 @@ class Door {
   std::deque<std::pair<Nanoseconds, ConnectionTurns::Id>> handshakes_;
 };
 
-/// Honest clients, each of an address of its own, that come one after the other within `arrive` and
-/// try again a second after they were sent away.
+/// Honest clients, each with its own address. They arrive one after another and try again a second
+/// after a rejection.
 struct Crowd {
   struct Client {
     asio::ip::address address;
@@ -123,8 +123,8 @@ Crowd crowd(const std::function<std::string(int)>& address, Nanoseconds begin,
   return result;
 }
 
-/// The attack goes on for 10 s before the honest come, and while they are there, `rate` connections
-/// a second of all its addresses together.
+/// Runs the attack for 10 s before the honest clients come, and until they are in. All its
+/// addresses together make `rate` connections a second.
 void hold_out(const std::function<std::string(int)>& attacker, int addresses, int rate,
               Outcome becomes, Crowd& honest, Door& door) {
   const Nanoseconds step = 1ms;
@@ -145,14 +145,14 @@ std::string six(int network) {
   return text.data();
 }
 
-/// The review's attack: before, 29 of 50 clients of the /24 came to nothing.
+/// The review's attack: it had kept out 29 of 50 clients of the /24.
 TEST(ConnectionTurns, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
   for (const int addresses : {1, 2, 8, 50, 200})
     for (const int rate : {100, 400, 2000})
       for (const Outcome becomes : {Outcome::none, Outcome::left}) {
         SCOPED_TRACE(std::to_string(addresses) + " addresses, " + std::to_string(rate) + "/s");
         Door door;
-        // They come one after the other, or all at once as after an outage.
+        // They arrive one after another, or all at once as after an outage.
         Crowd honest = crowd([](int i) { return four(200 + i); }, 11s, rate == 400 ? 0ms : 20ms);
         hold_out([](int i) { return four(i); }, addresses, rate, becomes, honest, door);
         ASSERT_TRUE(honest.all_in());
@@ -161,7 +161,7 @@ TEST(ConnectionTurns, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
       }
 }
 
-/// An attacker of IPv6 has as many networks as one site has.
+/// An IPv6 attacker has many networks of one site.
 TEST(ConnectionTurns, NorDoesOneWithManyNetworksOfIpv6) {
   for (const int addresses : {1, 8, 200})
     for (const int rate : {100, 1000}) {
@@ -174,8 +174,7 @@ TEST(ConnectionTurns, NorDoesOneWithManyNetworksOfIpv6) {
     }
 }
 
-/// Each connection from another /64 that was never seen before: nothing tells them from the honest
-/// but that these come again.
+/// Each connection comes from a new /64. Honest clients differ only because they come again.
 TEST(ConnectionTurns, WhoComesAgainGoesBeforeWhoIsNew) {
   Door door;
   Crowd honest = crowd([](int i) { return six(0xf000 + i); }, 11s, 20ms);
@@ -184,7 +183,7 @@ TEST(ConnectionTurns, WhoComesAgainGoesBeforeWhoIsNew) {
   EXPECT_LE(honest.most_tries(), 6);
 }
 
-/// A hand whose session was lost comes back at once, while all of its network are in a crowd.
+/// A hand that lost its session gets back in at once, although its network is crowded.
 TEST(ConnectionTurns, WhoShowedAGoodTokenLatelyGoesFirst) {
   Door door;
   const ConnectionTurns::Id first = door.connect(at("192.0.2.7"), Outcome::good);
@@ -196,11 +195,11 @@ TEST(ConnectionTurns, WhoShowedAGoodTokenLatelyGoesFirst) {
   }
   const ConnectionTurns::Id again = door.connect(at("192.0.2.7"), Outcome::good);
   for (int n = 0; n < 21 && !door.is_in(again); ++n)
-    door.pass(1ms);  // the next token of 50 a second
+    door.pass(1ms);  // the next token, at 50 a second
   EXPECT_TRUE(door.is_in(again));
 }
 
-/// A single address still has all that its network may have, and no more.
+/// A single address can use its network's whole rate, but no more.
 TEST(ConnectionTurns, LosesNothingWhereNobodyElseComes) {
   Door door;
   for (int n = 0; n < 10'000; ++n) {
@@ -208,7 +207,7 @@ TEST(ConnectionTurns, LosesNothingWhereNobodyElseComes) {
     door.connect(at("192.0.2.1"), Outcome::none);
   }
   EXPECT_GE(door.let_in_of(at("192.0.2.1")), 595u);
-  EXPECT_LE(door.let_in_of(at("192.0.2.1")), 601u);  // 100 at once, and 50 a second
+  EXPECT_LE(door.let_in_of(at("192.0.2.1")), 601u);  // 100 at once and 50 a second
   EXPECT_LE(door.turns().waiting(), 8u);
 }
 
@@ -223,7 +222,7 @@ TEST(ConnectionTurns, ClosesWhoWaitedForTooLong) {
   EXPECT_EQ(door.turns().waiting(), 0u);
 }
 
-/// A network's crowd leaves the waiting room to the others.
+/// A crowded network leaves room for others in the waiting room.
 TEST(ConnectionTurns, TheWaitingRoomIsShared) {
   Door door(
       {.rate = 1e-3, .burst = 1, .waiting = 20, .waiting_of_network = 16, .waiting_of_host = 2});
@@ -232,7 +231,7 @@ TEST(ConnectionTurns, TheWaitingRoomIsShared) {
       door.connect(at("10.0." + std::to_string(net) + "." + std::to_string(n % 250)),
                    Outcome::none);
   EXPECT_EQ(door.turns().waiting(), 20u);
-  door.connect(at("192.0.2.1"), Outcome::none);  // comes in
+  door.connect(at("192.0.2.1"), Outcome::none);  // gets in
   const ConnectionTurns::Id waits = door.connect(at("192.0.2.2"), Outcome::none);
   for (int n = 0; n < 500; ++n)
     for (int net = 0; net < 4; ++net)
@@ -242,7 +241,7 @@ TEST(ConnectionTurns, TheWaitingRoomIsShared) {
   EXPECT_EQ(door.turns().waiting(), 20u);
 }
 
-/// However many addresses there are.
+/// The memory is limited for any number of addresses.
 TEST(ConnectionTurns, RemembersWithinBounds) {
   ConnectionTurns turns({});
   Nanoseconds now{1s};

@@ -1,4 +1,4 @@
-// The JSON of a server: the summary, the tokens.
+// JSON output of the server: summary and tokens.
 
 #include "server/access/json_text.hpp"
 
@@ -37,7 +37,7 @@ TEST(JsonText, WhatIsNoUtf8IsReplaced) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// A tree of nlohmann's would end the program.
+/// Building a tree with nlohmann::json would end the program.
 TEST(JsonText, EveryAllocationRefusedEndsInAnException) {
   SceneSummary scene;
   scene.scene = "room";
@@ -50,7 +50,7 @@ TEST(JsonText, EveryAllocationRefusedEndsInAnException) {
         summary_json({scene, scene}, {});
         json(tokens);
       } catch (const std::bad_alloc&) {
-        // As it should be.
+        // An exception is the expected result.
       }
     }).join();
     happened = failing.happened();

@@ -1,4 +1,4 @@
-// A whole server on the network's own terms: both families, marks, clients that do not read.
+// A whole server on the network: IPv4 and IPv6, DSCP marks, and clients that do not read.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ std::vector<Scene> room() {
   return scenes;
 }
 
-/// Null where this machine has no IPv6.
+/// Null if this machine has no IPv6.
 std::unique_ptr<Server> serve_six(const char* address) {
   try {
     return std::make_unique<Server>(listening(address), room(), test::security());
@@ -45,7 +45,7 @@ std::unique_ptr<Server> serve_six(const char* address) {
   }
 }
 
-/// Joins and has samples answered; the last answer.
+/// Joins, sends samples and returns the last answer.
 Reply feel(const Server& server, int family) {
   ControlClient control(server.control_port(), family);
   const auto joined = control.join(test::join_request());
@@ -75,7 +75,7 @@ TEST(Network, EveryNetworkIsBothFamilies) {
   EXPECT_EQ(six.command.elastic, four.command.elastic);
 }
 
-/// The mark of the next datagram, as it arrives; -1: none came with it.
+/// The DSCP mark of the next datagram; -1: none.
 int mark_of_next(int descriptor, int family) {
   std::array<std::uint8_t, kMaxDatagram> bytes;
   alignas(cmsghdr) std::array<char, 64> control;
@@ -133,10 +133,10 @@ TEST(Network, RepliesAreMarkedInBothFamilies) {
   }
 }
 
-/// Its replies pile up in its own socket and are lost there; its neighbour has each of his.
+/// Its unread replies get lost in its own socket. Its neighbour gets all replies.
 TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   ServerConfig config = listening("127.0.0.1");
-  config.sample_rate_limit = 1e3;  // as fast as it goes
+  config.sample_rate_limit = 1e3;  // no rate limit in this test
   Server server(config, room(), test::security());
   ControlClient control(server.control_port());
   const auto deaf = control.join(test::join_request());
@@ -160,16 +160,15 @@ TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   EXPECT_EQ(server.summary()[0].counters.samples.replies, sent + 500);
 }
 
-/// Joins, has samples answered at another address of the server's machine than its control
-/// connection has, and is told of the end of its session there. What it was refused; empty:
-/// nothing.
+/// Joins and sends samples to another address of the server than its control connection uses. It
+/// must also get the end of its session there. Returns the failure; empty: none.
 std::string speak_to(const Server& server, int family, const char* from, const char* to,
                      Role role = Role::operator_) {
   ControlClient control(server.control_port(), family);
   control::JoinRequest request = test::join_request();
   request.role = role;
   const auto joined = control.join(request);
-  // Connected: a reply from another address is not taken.
+  // Connected, so it accepts replies from that address only.
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family, from, to);
   test::SealedEncoder encoder(test::Way::up, joined.keys);
   for (std::uint64_t n = 1; n <= 5; ++n) {
@@ -192,7 +191,7 @@ std::string speak_to(const Server& server, int family, const char* from, const c
   return reason == GoodbyeReason::evicted ? "" : "another goodbye";
 }
 
-/// A server on every address of its machine; the client knows one of them.
+/// A server on all addresses of its machine; the client uses any of them.
 TEST(Network, AnswersLeaveFromTheAddressThatTheClientSpokeTo) {
   const Server server(listening("0.0.0.0"), room(), test::security());
   for (const Role role : {Role::operator_, Role::observer})
@@ -210,7 +209,7 @@ TEST(Network, AnswersOfBothFamiliesLeaveFromTheAddressThatTheClientSpokeTo) {
 
 constexpr int kNotPermitted = 77;
 
-/// In a network of its own, with a loopback interface of this MTU. Needs the only thread.
+/// Enters a network namespace with a loopback interface of this MTU. Needs a single thread.
 bool enter_own_network(int mtu) {
   if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
   const int any = ::socket(AF_INET, SOCK_DGRAM, 0);
@@ -222,7 +221,7 @@ bool enter_own_network(int mtu) {
   return ::ioctl(any, SIOCSIFFLAGS, &line) == 0;
 }
 
-/// Runs it in a child process; its exit status.
+/// Runs a function in a child process and returns its exit status.
 int in_child(int (*run)()) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -239,7 +238,7 @@ int in_child(int (*run)()) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// This machine has two addresses of IPv6.
+/// A network namespace with two IPv6 addresses.
 int speak_to_a_second_six() {
   constexpr int kUsual = 65536;
   if (!enter_own_network(kUsual)) return kNotPermitted;
@@ -272,7 +271,7 @@ std::vector<Scene> desk() {
   return scenes;
 }
 
-/// A hand that turns and moves a box over a desk, whose replies have a model of up to 15 parts.
+/// A hand turns and moves a box over a desk; a reply's model has up to 15 parts.
 int feel_through_a_narrow_path() {
   if (!enter_own_network(576)) return kNotPermitted;
   Server server(listening("0.0.0.0"), desk(), test::security());
@@ -297,7 +296,7 @@ int feel_through_a_narrow_path() {
         Quaternion(Eigen::AngleAxisd(0.3 * std::sin(5.0 * t), Vec3::UnitY()))};
     datagrams.send(encoder.samples(joined.accepted.session, n, batch));
     pollfd waiting{datagrams.descriptor(), POLLIN, 0};
-    constexpr int kSoon = 200;  // [ms] then it is lost
+    constexpr int kSoon = 200;  // [ms], then the reply is lost
     if (::poll(&waiting, 1, kSoon) != 1) continue;
     const auto payload = test::opened(datagrams.receive(), test::Way::down, joined.keys);
     Reply reply;
@@ -305,11 +304,11 @@ int feel_through_a_narrow_path() {
     ++replies;
     shortened += is_shortened(payload) ? 1 : 0;
   }
-  if (replies + 2 < kSamples) return 2;  // one until the path was known
+  if (replies + 2 < kSamples) return 2;  // one is lost until the path MTU is known
   return shortened == 0 ? 3 : 0;
 }
 
-/// Before, 41 % of the replies of such a hand were lost without a word.
+/// Before the fix, 41 % of such replies were lost silently.
 TEST(Network, WhereThePathIsNarrowRepliesAreShorterAndArrive) {
   const int status = in_child(feel_through_a_narrow_path);
   if (status == kNotPermitted) GTEST_SKIP() << "this machine permits no network of one's own";

@@ -1,4 +1,4 @@
-// The state folder: what a first start leaves that ends in the middle, and who may write there.
+// The state folder: an interrupted first start, and the permission to write there.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -21,10 +21,10 @@ namespace feltwire::state_folder_test {
 namespace {
 
 constexpr int kStopped = 42;
-/// Calls that this process still makes before it stops; negative: it never stops.
+/// Calls until this process stops; negative: it does not stop.
 int calls_left = -1;
 
-/// As if the power failed: before or after a call that changes the folder.
+/// Stops as if the power failed, before or after a call that changes the folder.
 void step() {
   if (calls_left >= 0 && calls_left-- == 0) ::_exit(kStopped);
 }
@@ -32,7 +32,7 @@ void step() {
 }  // namespace
 }  // namespace feltwire::state_folder_test
 
-// In the place of the C library's, for this program. Each is a step before and a step after.
+// Replaces the C library's functions. Each counts a step before and a step after.
 extern "C" int rename(const char* from, const char* to) noexcept {
   feltwire::state_folder_test::step();
   const long result = ::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0);
@@ -80,7 +80,7 @@ mode_t mode_of(const fs::path& file) {
   return status.st_mode & 0777u;
 }
 
-/// Opens the folder in a process that stops after so many steps; its exit status.
+/// Opens the folder in a child process that stops after these steps; returns its exit status.
 int open_and_stop(const ServerConfig& config, int steps) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -124,11 +124,11 @@ TEST(StateFolder, MendsWhereverAFirstStartWasStopped) {
     ASSERT_EQ(status, kStopped);
     ++stopped;
   }
-  // Five files, each made, given its mode, flushed and renamed, and two folders.
+  // Five files, each created, chmodded, flushed and renamed, and two folders.
   EXPECT_GE(stopped, 2 * 2 + 5 * 4);
 }
 
-/// Stopped twice, at any two places.
+/// The start is interrupted twice, at any two steps.
 TEST(StateFolder, MendsAfterTwoStops) {
   for (int first = 0; first < 24; first += 3)
     for (int second = 0; second < 24; second += 5) {
@@ -140,7 +140,7 @@ TEST(StateFolder, MendsAfterTwoStops) {
     }
 }
 
-/// A start that is stopped later changes nothing of what clients know.
+/// A later interrupted start keeps the certificate that clients know.
 TEST(StateFolder, KeepsItsCertificateWhateverIsStopped) {
   const TemporaryFolder folder;
   const ServerConfig config = config_for(folder / "state");
@@ -152,7 +152,7 @@ TEST(StateFolder, KeepsItsCertificateWhateverIsStopped) {
   EXPECT_EQ(text_of(config.state / "local.token"), local);
 }
 
-/// Half of the pair is gone, and clients know its fingerprint: that is for a person to decide.
+/// Half of the key pair is missing, but clients know its fingerprint: a person must decide.
 TEST(StateFolder, SaysWhatToRemove) {
   for (const auto& [gone, there] :
        {std::pair{"key.pem", "certificate.pem"}, std::pair{"certificate.pem", "key.pem"}}) {
@@ -199,7 +199,7 @@ TEST(StateFolder, TokensAreNobodyElsesToReadOrWrite) {
     const auto said = running.refresh();
     ASSERT_TRUE(said.has_value());
     EXPECT_THAT(*said, refused);
-    EXPECT_EQ(running.tokens().size(), 1u);  // as they were
+    EXPECT_EQ(running.tokens().size(), 1u);  // unchanged
     ASSERT_EQ(::chmod(tokens.c_str(), 0600), 0);
     EXPECT_EQ(running.refresh(), std::nullopt);
   }
@@ -245,7 +245,7 @@ TEST(TokenCommand, AnOutThatCanBeWrittenHasTheTokenThatWasAdded) {
   EXPECT_EQ(anna->client, "anna");
 }
 
-/// A token file that cannot be changed leaves no text of a token that there is not.
+/// If the token file cannot be changed, no text of the new token remains.
 TEST(TokenCommand, ATokenThatCannotBeStoredLeavesNoOut) {
   const TemporaryFolder folder;
   const ServerConfig config = config_for(folder / "state");
@@ -256,7 +256,7 @@ TEST(TokenCommand, ATokenThatCannotBeStoredLeavesNoOut) {
   EXPECT_EQ(folder.entries(), 1u);  // the state folder
 }
 
-/// A scene that the server does not have.
+/// The token is for a scene that the server does not have.
 TEST(TokenCommand, AnUnknownSceneIsWarnedOfWithTheNearestName) {
   const TemporaryFolder folder;
   const std::string config = folder / "server.json";
@@ -275,7 +275,7 @@ TEST(TokenCommand, AnUnknownSceneIsWarnedOfWithTheNearestName) {
               AllOf(HasSubstr("feltwire-server token: warning: this server has no scene 'rom'"),
                     HasSubstr("did you mean room?"), HasSubstr("room, table")));
   for (const char* known : {"room", "table", "*"}) EXPECT_EQ(add(known, {"--config", config}), "");
-  // Without a configuration those of the server's newest start count, and none before it.
+  // Without a configuration the scenes of the newest start count. Before a start there are none.
   const std::string state = folder / "state";
   EXPECT_EQ(add("rom", {"--state", state}), "");
   std::ofstream(state + "/scenes.txt") << "room\ntable\n";

@@ -1,4 +1,4 @@
-// Tokens: texts, files and who writes them at once.
+// Tokens: their texts, their files, and concurrent writers.
 
 #include "server/access/tokens.hpp"
 
@@ -40,7 +40,7 @@ TEST(Tokens, OneIsKnownByItsTextAlone) {
   EXPECT_EQ(authenticate(tokens, berta.text.text(), kNow), &tokens[1]);
   EXPECT_EQ(authenticate({berta.token}, text, kNow), nullptr);
   EXPECT_EQ(authenticate({}, text, kNow), nullptr);
-  // The stored text differs from the token that is shown.
+  // The stored text is not the token text.
   EXPECT_THAT(json(tokens), ::testing::Not(HasSubstr(text.substr(text.size() - 43))));
 }
 
@@ -51,7 +51,7 @@ TEST(Tokens, NoOtherTextIsOne) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string spoiled = text;
     spoiled[i] = spoiled[i] == 'x' ? 'y' : 'x';
-    // The last digit of 43 holds four bits of the secret and two that must be zero.
+    // The last of 43 digits holds four bits of the secret and two zero bits.
     EXPECT_EQ(authenticate(tokens, spoiled, kNow), nullptr) << i;
     EXPECT_EQ(authenticate(tokens, text.substr(0, i), kNow), nullptr) << i;
   }
@@ -71,7 +71,7 @@ TEST(Tokens, ExpiryAsWritten) {
   EXPECT_EQ(parse_expiry("30d", kNow), kNow + 30 * 24h);
   EXPECT_EQ(parse_expiry("12h", kNow), kNow + 12h);
   EXPECT_EQ(parse_expiry("never", kNow), std::nullopt);
-  // A day is good until its end.
+  // A date is valid until its end.
   EXPECT_EQ(expiry_text(parse_expiry("2026-12-31", kNow)), "2027-01-01 00:00:00 UTC");
   EXPECT_EQ(parse_expiry("2026-11-21", kNow), kNow + 7h);
   EXPECT_EQ(expiry_text(std::nullopt), "never");
@@ -161,7 +161,7 @@ TEST(Tokens, BadFilesNameLineAndField) {
         << text;
 }
 
-/// Two ways at once, many times: nothing is lost, and who reads sees whole files only.
+/// Two writers at once, many times: no change is lost, and a reader sees only whole files.
 TEST(TokenFile, WritersLoseNothing) {
   const TemporaryFolder folder;
   const auto path = folder / "tokens.json";
@@ -180,7 +180,7 @@ TEST(TokenFile, WritersLoseNothing) {
   struct stat status {};
   ASSERT_EQ(::stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777u, kPrivate);
-  EXPECT_EQ(folder.entries(), 2u);  // the file and its lock; nothing is left over
+  EXPECT_EQ(folder.entries(), 2u);  // the file and its lock, and no temporary file
 }
 
 TEST(TokenFile, ABadOneChangesNothing) {
@@ -194,7 +194,7 @@ TEST(TokenFile, ABadOneChangesNothing) {
   const auto wrong = file.refresh();
   ASSERT_TRUE(wrong.has_value());
   EXPECT_THAT(*wrong, AllOf(HasSubstr("tokens.json:2"), HasSubstr("tokens")));
-  EXPECT_EQ(file.refresh(), std::nullopt);  // said once
+  EXPECT_EQ(file.refresh(), std::nullopt);  // reported once
   EXPECT_EQ(file.tokens().size(), 1u);
   std::filesystem::remove(path);
   EXPECT_TRUE(file.refresh().has_value());
@@ -208,7 +208,7 @@ TEST(TokenFile, ABadOneChangesNothing) {
   EXPECT_EQ(text_of(path), json({}));
 }
 
-/// No descriptor is free while a token is revoked: it is revoked when there is one again.
+/// A token is revoked while no descriptor is free. It becomes invalid once one is free.
 TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
@@ -226,7 +226,7 @@ TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   ASSERT_TRUE(first.has_value());
   EXPECT_THAT(*first, HasSubstr("Too many open files"));
-  EXPECT_EQ(second, std::nullopt);  // said once
+  EXPECT_EQ(second, std::nullopt);  // reported once
   EXPECT_EQ(file.tokens().size(), 1u);
   EXPECT_EQ(file.refresh(), std::nullopt);
   EXPECT_TRUE(file.tokens().empty());
@@ -262,7 +262,7 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
   config.tokens = folder / "t.json";
   replace_file(config.certificate, identity.certificate, kPublic);
   replace_file(config.key, identity.key.text(), kPrivate);
-  EXPECT_THROW(open_security(config), FileError);  // a token file that is named is never made
+  EXPECT_THROW(open_security(config), FileError);  // the server never creates a named token file
   replace_file(config.tokens, json({}), kPrivate);
   const Security security = open_security(config);
   EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));

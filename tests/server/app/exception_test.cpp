@@ -1,4 +1,4 @@
-// Exceptions in the server's handlers: each ends at most its connection or its scene.
+// An exception in a server handler ends at most its connection or its scene.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,9 +28,9 @@ using test::ControlClient;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-/// Answers a list of sessions with an exception, a list of scenes with an answer that no frame
-/// holds (at once, or after a turn of the loop), and an eviction as it should. A reload is never
-/// answered, and the answer is kept; parameters are never answered, and nobody can.
+/// Throws for a list of sessions. Gives a list of scenes, or later a leave request, an answer too
+/// long for a frame. Answers an eviction. Keeps the answer of a reload; drops that of
+/// SetParameters.
 class Endpoint {
  public:
   Endpoint()
@@ -100,7 +100,7 @@ TEST(Exceptions, OfAControlHandlerEndItsConnectionOnly) {
   EXPECT_EQ(later.ask<control::Evicted>(control::Evict{7}).session, 7u);
 }
 
-/// A client that waits for it is not left waiting.
+/// The client of the lost answer must not wait for ever.
 TEST(Exceptions, AConnectionWhoseAnswerIsLostEndsAndNoOther) {
   Endpoint endpoint;
   ControlClient idle(endpoint.port()), waiting(endpoint.port()), lost(endpoint.port());
@@ -118,7 +118,7 @@ TEST(Exceptions, AConnectionWhoseAnswerIsLostEndsAndNoOther) {
   EXPECT_EQ(::poll(&open, 1, 0), 0);
 }
 
-/// The refusal lists all 700 names, more than a frame holds.
+/// The refusal lists 700 names, which do not fit into a frame.
 TEST(Exceptions, ARefusalLongerThanAFrameIsCutAndTheServerGoesOn) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "room.json";
@@ -148,7 +148,7 @@ TEST(Exceptions, ARefusalLongerThanAFrameIsCutAndTheServerGoesOn) {
   EXPECT_EQ(other.join(test::join_request()).accepted.port_offset, 1u);
 }
 
-/// Asks a host as the control thread does, and waits for the answer.
+/// Asks a host as the control thread does and waits for the answer.
 class Asker {
  public:
   ~Asker() {
@@ -185,7 +185,7 @@ TEST(Exceptions, OfASceneEndItsSessionsAndNothingElse) {
   options.ended = [&](const std::vector<EndedSession>&) {
     if (throwing-- > 0) throw std::runtime_error("injected");
   };
-  Asker asker;  // outlives the threads of the hosts, which answer through it
+  Asker asker;  // outlives the threads that answer through it
   SceneHost failing(test::room(), options), other(test::room(), host_options());
   failing.start();
   other.start();
@@ -195,7 +195,7 @@ TEST(Exceptions, OfASceneEndItsSessionsAndNothingElse) {
   EXPECT_TRUE(joins(failing, kFirst));
   EXPECT_TRUE(joins(failing, kSecond));
   EXPECT_TRUE(joins(other, kFirst));
-  // The second has a place to say goodbye to.
+  // The second session gets an address for its goodbye.
   test::RawSocket socket(SOCK_DGRAM, failing.port());
   test::SealedEncoder encoder(test::Way::up);
   socket.send(encoder.samples(kSecond, 1, test::hand_batch(1)));
@@ -242,10 +242,10 @@ TEST(Exceptions, OfASignalHandlerEndNothing) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// Every allocation of the server's threads fails once, in turn, while a client joins, moves its
-/// hand, has its parameters changed, is listed and evicted, and a scene is reloaded. All
-/// connections are kept open, so that each needs memory of its own. What a scene's file costs is
-/// refused in tests/core/scene_file/load_scene_fault_test.cpp.
+/// Each allocation of the server's threads fails once, in turn, while a client joins, sends a
+/// sample, changes parameters, is listed and evicted, and the scene is reloaded. All connections
+/// stay open, so each needs its own memory. tests/core/scene_file/load_scene_fault_test.cpp covers
+/// scene files.
 TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
   ServerConfig config = test::any_port();
   config.scenes = {"room.json"};
@@ -257,7 +257,7 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
   scenes.push_back(test::room());
   Server server(config, std::move(scenes), test::security(),
                 [](const std::filesystem::path&) { return test::room(); });
-  // Of a session that has ended before the scene knew where it is, nothing ever comes.
+  // A session that ends before the scene knows its address gets no datagram.
   const auto hears = [](test::RawSocket& socket) {
     pollfd waiting{socket.descriptor(), POLLIN, 0};
     return ::poll(&waiting, 1, test::kPatience / 10) == 1 && !socket.receive().empty();
@@ -288,13 +288,13 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
         all_of_it();
         ++survived;
       } catch (const std::runtime_error&) {
-        // The connection or the session was lost, which may be.
+        // The allocation may have cost the connection or the session.
       }
       happened = failing.happened();
     }
     without = happened ? 0 : without + 1;
     injected += happened ? 1 : 0;
-    // A request of a lost connection, such as a reload, may still be under way.
+    // A request of a lost connection, such as a reload, may still run.
     std::string wrong;
     const auto all_is_well = [&] {
       try {

@@ -1,5 +1,5 @@
-// Honest clients while garbage comes as fast as a thread can send it: counts only, speed is
-// feltwire-netbench's (docs/lab/benchmarks.md).
+// Honest clients during a flood of garbage. The test only counts; feltwire-netbench measures the
+// speed (docs/lab/benchmarks.md).
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 using test::ControlClient;
 using test::RawSocket;
 
-/// Sends until it is destroyed.
+/// Sends until its destruction.
 class Flood {
  public:
   Flood(std::uint16_t port, const std::vector<std::uint64_t>& known) : socket_(SOCK_DGRAM, port) {
@@ -35,7 +35,7 @@ class Flood {
     ended_.store(true, std::memory_order_relaxed);
     if (thread_.joinable()) thread_.join();
   }
-  /// Whether anything ever came back.
+  /// True if the flood ever got an answer.
   bool answered() const {
     std::uint8_t byte = 0;
     return ::recv(socket_.descriptor(), &byte, 1, MSG_DONTWAIT) >= 0;
@@ -48,7 +48,7 @@ class Flood {
   std::thread thread_;
 };
 
-/// One hand; what the flood crowds out of the server's socket is lost like any datagram.
+/// An honest hand. The flood may crowd its datagrams out of the server's socket.
 struct Honest {
   std::uint64_t session;
   RawSocket socket;
@@ -84,11 +84,11 @@ struct Honest {
 
 TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
   constexpr int kClients = 20, kAnswers = 50;
-  constexpr std::uint64_t kMostSamples = 100'000;  // then the server has stopped answering
+  constexpr std::uint64_t kMostSamples = 100'000;  // more means that the server stopped answering
   ServerConfig config = test::any_port();
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
-  config.sample_rate_limit = 1e3;  // as fast as it goes
+  config.sample_rate_limit = 1e3;  // no rate limit in this test
   config.max_sessions_per_client = kClients;
   Server server(config, std::move(scenes), test::security());
   ControlClient control(server.control_port());
@@ -112,7 +112,7 @@ TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
     std::this_thread::yield();
   }
   flood.end();
-  // Still there, and the control port answers.
+  // The sessions still exist, and the control port answers.
   EXPECT_GE(control.ask<control::SceneList>(control::ListScenes{}).scenes[0].sessions,
             static_cast<std::uint32_t>(kClients));
   server.stop();

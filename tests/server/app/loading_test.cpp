@@ -1,4 +1,4 @@
-// Scenes that load slowly, or never: what the server does meanwhile.
+// The server's behaviour while scenes load slowly or never finish.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::string json(const std::string& name, double stiffness = 500) {
 "objects": [{"name": "floor", "plane": {}, "material": "m"}]})";
 }
 
-/// Loads of one file are held up until they are let go.
+/// Holds loads of a file until it is released.
 class Hold {
  public:
   explicit Hold(std::string file, bool looks_at_cancel = true)
@@ -71,7 +71,7 @@ class Hold {
   std::atomic<int> begun_{0}, ended_{0};
 };
 
-/// A server of two scenes, "slow", whose loads are held up, and "quick", with its tokens in a file.
+/// A server of two scenes: loads of "slow" are held, "quick" loads at once. Tokens are in a file.
 struct TwoScenes {
   explicit TwoScenes(bool looks_at_cancel = true) : hold(slow, looks_at_cancel) {
     std::ofstream(slow) << json("slow");
@@ -123,7 +123,7 @@ TEST(Loading, HoldsUpNeitherJoinsNorHealthNorRevocationNorOtherReloads) {
   EXPECT_EQ(again.code, RefusalCode::too_many);
   EXPECT_THAT(again.reason, HasSubstr("is being loaded already"));
 
-  ControlClient looker(port, AF_INET, two.looker.text);  // an admin that may ask too often
+  ControlClient looker(port, AF_INET, two.looker.text);  // an admin with limited requests
   std::size_t seen = 0;
   const auto sessions = [&] {
     looker.send(control::ListSessions{});
@@ -145,7 +145,7 @@ TEST(Loading, HoldsUpNeitherJoinsNorHealthNorRevocationNorOtherReloads) {
   EXPECT_EQ(admin.ask<control::SceneReloaded>(control::ReloadScene{"slow"}).scene, "slow");
 }
 
-/// An answer that takes longer than a connection may be idle.
+/// The answer takes longer than the idle time of a connection.
 TEST(Loading, KeepsTheConnectionOfWhoeverAskedForIt) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "slow.json";
@@ -160,7 +160,7 @@ TEST(Loading, KeepsTheConnectionOfWhoeverAskedForIt) {
   ControlClient reloading(server.control_port());
   reloading.send(control::ReloadScene{"slow"});
   hold.wait_until_begun();
-  // Idle ones are closed one after the other meanwhile, each after the idle time.
+  // Meanwhile idle connections are closed after the idle time.
   for (int n = 0; n < 3; ++n) {
     ControlClient idle(server.control_port());
     EXPECT_TRUE(idle.closed());
@@ -178,7 +178,7 @@ TEST(Loading, IsCancelledWhenTheServerStops) {
   EXPECT_TRUE(two.server->stop());
 }
 
-/// A read from a dead disk looks at nothing and comes back, if ever, when the server is gone.
+/// A read from a dead disk cannot be cancelled and may return after the server's end.
 TEST(Loading, ThatNeverEndsIsLeftBehindWhenTheServerStops) {
   TwoScenes two(false);
   bool told = false;

@@ -1,5 +1,4 @@
-// The log and the counters of sessions: their names, reasons and durations. The program as it is
-// run.
+// The log and the counters of sessions: names, reasons and durations. Runs the whole program.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,7 +48,7 @@ bool becomes(const std::function<bool()>& condition) {
   return true;
 }
 
-/// The next goodbye among what a socket receives; nothing where it falls silent.
+/// The next goodbye that a socket receives; empty if no datagram comes.
 std::optional<GoodbyeReason> goodbye(RawSocket& socket, const SessionKeys& keys) {
   for (;;) {
     const auto bytes = socket.receive();
@@ -61,7 +60,7 @@ std::optional<GoodbyeReason> goodbye(RawSocket& socket, const SessionKeys& keys)
   }
 }
 
-/// A session that floods ends soon, though this server lets it be silent for an hour.
+/// A flooding session ends soon, although the silence timeout is an hour.
 TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   ServerConfig config = test::any_port();
   config.silence_timeout = 3600.0;
@@ -71,12 +70,12 @@ TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   const auto joined = control.join(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port);
   test::SealedEncoder encoder(test::Way::up, joined.keys);
-  // Nine new samples a datagram; 2200 a second, and as many at once, are flooding.
+  // Nine new samples a datagram; 2200 a second, after a burst of as many, count as a flood.
   constexpr std::uint64_t kEach = 9, kDatagrams = 5000;
   for (std::uint64_t n = 1; n <= kDatagrams; ++n) {
     datagrams.send(
         encoder.samples(joined.accepted.session, n, test::hand_batch(kEach * n, kEach - 1)));
-    // Before more is sent than the server's socket holds.
+    // Wait before the server's socket overflows.
     if (n % 100 != 0) continue;
     ASSERT_TRUE(becomes([&] { return server.summary()[0].counters.datagrams == n; })) << n;
   }
@@ -90,8 +89,7 @@ TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   EXPECT_EQ(counted["control"]["connections"], 1);
 }
 
-/// A client says goodbye three times, as one may be lost; the server takes none of them for a
-/// fault.
+/// A client says goodbye three times, for some may be lost. The server counts no drop.
 TEST(SessionEnds, GoodbyesThatComeAgainAreNotDropped) {
   Server server(test::any_port(), room(), test::security());
   ControlClient control(server.control_port());
@@ -101,8 +99,8 @@ TEST(SessionEnds, GoodbyesThatComeAgainAreNotDropped) {
   const std::uint64_t id = joined.accepted.session;
   for (std::uint64_t packet = 1; packet <= 3; ++packet)
     datagrams.send(encoder.goodbye(id, packet, GoodbyeReason::leaving));
-  datagrams.send(encoder.goodbye(id ^ 0x100, 4, GoodbyeReason::leaving));  // never was
-  datagrams.send(encoder.samples(id, 5, test::hand_batch(1)));             // is gone
+  datagrams.send(encoder.goodbye(id ^ 0x100, 4, GoodbyeReason::leaving));  // an unknown session
+  datagrams.send(encoder.samples(id, 5, test::hand_batch(1)));             // the ended session
   ASSERT_TRUE(becomes([&] { return server.summary()[0].counters.datagrams == 5; }));
   const SceneCounters counters = server.summary()[0].counters;
   EXPECT_EQ(counters.left, 1u);
@@ -175,7 +173,7 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     const std::uint64_t second = client.join(request).accepted.session;
     admin.ask<control::Evicted>(control::Evict{second});
     client.join(request);
-    // Earlier requests have been answered: they are in the log.
+    // The answer shows that earlier requests are in the log.
     admin.ask<control::SceneList>(control::ListScenes{});
   }
   program.signal(SIGTERM);
@@ -201,7 +199,7 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
   logged(who + " left scene room after [0-9.]+ s: the server shut down");
 }
 
-/// As of the control port, with where it was asked.
+/// Changes on the live page are logged as on the control port, with their origin.
 TEST(Log, SaysWhatAnAdminDidOnThePage) {
   const TemporaryFolder folder;
   const std::string scene = folder / "room.json", tokens = folder / "tokens.json";
@@ -248,12 +246,12 @@ TEST(Log, SaysWhatAnAdminDidOnThePage) {
   EXPECT_THAT(log, HasSubstr("scene room is reloaded " + by + "\n"));
 }
 
-/// The line that is printed for other terminals works as it is typed.
+/// The printed join line works in another terminal.
 TEST(JoinLine, NamesAProgramThatIsThere) {
   const TemporaryFolder folder;
   const std::string scene = folder / "room.json";
   std::ofstream(scene) << kScene;
-  // An installation of its own: the client beside the server, in a folder that no PATH has.
+  // An installation with the client beside the server, in a folder outside of PATH.
   const auto bin = folder / "my bin";
   std::filesystem::create_directory(bin);
   std::filesystem::copy_file(FELTWIRE_SERVER_PROGRAM, bin / "feltwire-server");
@@ -272,7 +270,7 @@ TEST(JoinLine, NamesAProgramThatIsThere) {
   const std::string line = join_line();
   EXPECT_THAT(
       line, HasSubstr("join: '" + (canonical(bin) / "feltwire-client").string() + "' --connect "));
-  // As a shell takes it.
+  // A shell can run the line.
   EXPECT_EQ(std::system((line.substr(std::string("join: ").size()) + " >/dev/null").c_str()), 0);
 
   const std::string path = std::getenv("PATH");

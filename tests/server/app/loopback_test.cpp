@@ -1,4 +1,4 @@
-// A whole server in process, real sockets on ports that the system chooses.
+// A whole server in this process, with real sockets on free ports.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using test::any_port;
 using test::ControlClient;
 using test::RawSocket;
 
-/// The UDP side of a client.
+/// A client's UDP side.
 struct DatagramClient {
   control::JoinAccepted joined;
   RawSocket socket;
@@ -84,7 +84,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_EQ(a.joined.start_normal, Vec3(0, 0, 1));
   EXPECT_EQ(a.joined.stiffness, 2000.0);
 
-  // Each is answered as a session of its own would be.
+  // Each session gets the answers of a session alone.
   const Scene scene = test::room();
   Session alone(test::join_request(), scene);
   for (std::uint64_t n = 1; n <= 300; ++n) {
@@ -119,7 +119,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_THAT(text(summary), ::testing::HasSubstr("scene room: sessions 2"));
 }
 
-/// A scene's thread steps what moves by its own timer, asleep or spinning.
+/// A timer of the scene's thread steps moving bodies, whether the thread sleeps or polls.
 TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
   for (const double busy_poll : {0.0, std::numeric_limits<double>::infinity()}) {
     ServerConfig config = any_port();
@@ -138,14 +138,14 @@ TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
     EXPECT_NEAR(client.exchange(batch).command.elastic.x(), -1.0, 1e-9);
     EXPECT_EQ(client.await_goodbye(), GoodbyeReason::evicted);
     server.stop();
-    // Some 200 of them; the datagram alone, and the stall behind it, would have been one at most.
+    // Some 200 steps; the datagram alone would make a single step.
     EXPECT_GT(server.summary()[0].counters.world.steps, 20u);
     EXPECT_EQ(server.summary()[0].counters.world.resets, 0u);
     EXPECT_THAT(text(server.summary()), ::testing::HasSubstr("steps of what moves"));
   }
 }
 
-/// Threads of this process that SCHED_FIFO has.
+/// The number of threads of this process with SCHED_FIFO.
 std::size_t real_time_threads() {
   std::size_t count = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
@@ -166,16 +166,16 @@ TEST(Loopback, AScenesThreadIsScheduledBeforeOthersWhereItAsksAndMay) {
       request.scene = scene;
       ControlClient control(server.control_port());
       DatagramClient client(control.join(request));
-      client.exchange(test::hand_batch(1));  // its thread is under way
+      client.exchange(test::hand_batch(1));  // its thread runs
     }
     return real_time_threads();
   };
   EXPECT_EQ(beside(false, 0.0), 0u);
   EXPECT_EQ(beside(true, 0.0), permitted ? 2u : 0u);
-  EXPECT_EQ(beside(true, HUGE_VAL), 0u);  // the kernel would take it 50 ms of every second
+  EXPECT_EQ(beside(true, HUGE_VAL), 0u);  // the kernel would stop it for 50 ms of every second
 }
 
-/// More than a batch at once, each answered; the order of the answers is that of the samples.
+/// A burst longer than a batch gets all its answers, in the order of the samples.
 TEST(Loopback, BurstIsDrained) {
   Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
@@ -244,7 +244,7 @@ TEST(Loopback, ParametersChangeWhileRunning) {
   const auto set = control.ask<control::ParametersSet>(
       control::SetParameters{client.joined.session, parameters});
   EXPECT_EQ(set.parameters.mode, "none");
-  // All that the device can do, of a hand that came in one step: no bound lets that through.
+  // The whole device force for a hand that came in one step: no bound would allow it.
   const Reply unbounded = client.exchange(pressed);
   EXPECT_TRUE(unbounded.saturated);
   EXPECT_NEAR(unbounded.command.force().norm(), test::device().max_force, 1e-6);
@@ -253,8 +253,8 @@ TEST(Loopback, ParametersChangeWhileRunning) {
 TEST(Loopback, HostileFramesAreRefusedAndClosed) {
   Server server(any_port(), two_scenes(), test::security());
   const std::vector<std::vector<std::uint8_t>> frames = {
-      {0xff, 0xff, 0xff, 0xff},           // four gigabytes to come
-      {0x00, 0x00, 0x00, 0x00},           // nothing to come
+      {0xff, 0xff, 0xff, 0xff},           // announces four gigabytes
+      {0x00, 0x00, 0x00, 0x00},           // announces nothing
       {0x01, 0x00, 0x01, 0x00, 1, 2, 3},  // one byte over the limit
       {0x08, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8},
       control::encode(control::Left{1}),  // an answer
@@ -284,7 +284,7 @@ TEST(Loopback, StopEndsConnections) {
   ControlClient idle(server.control_port());
   idle.ask<control::SceneList>(control::ListScenes{});
   server.stop();
-  server.stop();  // again does nothing
+  server.stop();  // a second stop does nothing
   EXPECT_TRUE(idle.closed());
 }
 

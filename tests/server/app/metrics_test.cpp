@@ -1,4 +1,4 @@
-// Histograms as Prometheus reads them: classes that add up, a sum in seconds, a count.
+// Histograms for Prometheus: cumulative buckets, a sum in seconds, a count.
 
 #include "server/app/metrics.hpp"
 
@@ -18,7 +18,7 @@ TEST(Metrics, AHistogramAddsUp) {
   scene.scene = "a \"room\"";
   scene.answers.record(15'000, 3);    // up to 20 us
   scene.answers.record(150'000);      // up to 200 us
-  scene.answers.record(900'000'000);  // longer than all
+  scene.answers.record(900'000'000);  // above the last bucket
   scene.counters.world_late.record(500);
   const std::string text = metrics_text({scene}, {}, {});
   const std::string label = "{scene=\"a \\\"room\\\"\"";
@@ -50,7 +50,7 @@ TEST(Metrics, ClientsTimesAreHistogramsWithoutASum) {
   EXPECT_THAT(text, ::testing::Not(HasSubstr(name + "_sum")));
 }
 
-/// Each counter has another value, so that one value in the text is one counter.
+/// Each counter has a distinct value, so each value in the text belongs to a single counter.
 TEST(Metrics, HaveEachCounterOfTheSummary) {
   SceneSummary scene;
   scene.scene = "room";

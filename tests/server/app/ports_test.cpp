@@ -1,4 +1,4 @@
-// The default ports stand in code, schema, documents and container files: all must say the same.
+// Code, schema, documents and container files must state equal default ports.
 
 #include "protocol/net/ports.hpp"
 
@@ -20,13 +20,13 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 const fs::path kRoot = FELTWIRE_SOURCE_DIR;
-constexpr int kScenes = 16;  // that the image and the relay open ports for
+constexpr int kScenes = 16;  // scenes of the image's and the relay's open ports
 constexpr int kFirstDds = 7400, kFirstEphemeral = 32768;
-constexpr int kFirstUnassigned = 6717, kLastUnassigned = 6766;  // IANA, the block that we are in
+constexpr int kFirstUnassigned = 6717, kLastUnassigned = 6766;  // IANA: the block of our port
 
 std::string file(const char* name) { return read_text(kRoot / name); }
 
-/// The numbers that a pattern's first group finds.
+/// The numbers in the first group of a pattern's matches.
 std::set<int> found(const std::string& text, const char* pattern) {
   std::set<int> numbers;
   const std::regex regex(pattern);
@@ -49,7 +49,7 @@ TEST(Ports, TheSchemaHasTheSame) {
   EXPECT_EQ(ServerConfig{}.port, int{kDefaultPort});
 }
 
-/// Every port in a command line or an address that the documents show.
+/// Each port in a command line or address of the documents is a default port.
 TEST(Ports, DocumentsShowTheSame) {
   const std::set<int> ours = {kDefaultPort, kDefaultRelayPort, kExamplePagePort};
   std::vector<fs::path> pages = {kRoot / "README.md", kRoot / "protocol/PROTOCOL.md"};

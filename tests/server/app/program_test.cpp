@@ -1,4 +1,4 @@
-// feltwire-server as a user meets it.
+// feltwire-server as its user sees it.
 
 #include "tests/support/program.hpp"
 
@@ -30,7 +30,7 @@ using ::testing::StartsWith;
 
 using test::Outcome;
 
-/// With a state folder of its own.
+/// A server program with a state folder.
 struct Program : test::Program {
   explicit Program(std::vector<std::string> arguments, const std::string& state = state_folder())
       : test::Program(FELTWIRE_SERVER_PROGRAM, with(std::move(arguments), state)) {}
@@ -85,7 +85,7 @@ TEST(Program, ServesUntilItIsTold) {
   }
 }
 
-/// A client names itself as it likes; what the log quotes of it is shown, not obeyed.
+/// A client's name may have control characters. The log must escape them.
 TEST(Program, TheLogShowsControlCharacters) {
   const testing::TemporaryFolder folder;
   Program program({"--scene", scene_file(), "--port", "0"}, folder / "state");
@@ -106,7 +106,7 @@ TEST(Program, TheLogShowsControlCharacters) {
   EXPECT_EQ(outcome.error.find_first_of("\x1b\x07"), std::string::npos) << outcome.error;
 }
 
-/// All that the program prints on a terminal if it is told to end after `text`.
+/// The output on a terminal of a program that is ended after it has printed `text`.
 std::string on_terminal(std::vector<std::string> words, const std::string& text) {
   words.insert(words.begin(), FELTWIRE_SERVER_PROGRAM);
   std::vector<char*> argv;
@@ -120,7 +120,7 @@ std::string on_terminal(std::vector<std::string> words, const std::string& text)
   }
   std::string said;
   bool told = false;
-  for (char c = 0; ::read(terminal, &c, 1) == 1;) {  // an error: the program has ended
+  for (char c = 0; ::read(terminal, &c, 1) == 1;) {  // a read error: the program has ended
     said += c;
     if (!told && said.find(text) != std::string::npos) told = ::kill(process, SIGTERM) == 0;
   }
@@ -129,8 +129,8 @@ std::string on_terminal(std::vector<std::string> words, const std::string& text)
   return said;
 }
 
-/// The links have tokens in them. Others may read a file or a journal, so only a terminal gets
-/// them.
+/// The links contain tokens. Others may read a file or a journal, so they are printed to a terminal
+/// only.
 TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
   const testing::TemporaryFolder folder;
   const std::string state = folder / "state", file = state + "/admin.token";
@@ -153,7 +153,7 @@ TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
 
   const std::vector<std::string> here = Program::with(words, state);
   EXPECT_THAT(on_terminal(here, "live page: "), HasSubstr("/#token=" + token + "\r\n"));
-  // A revoked token is not printed, and no other is made in its place.
+  // A revoked token is not printed, and no new token replaces it.
   const std::string id = token.substr(3, token.find('_', 3) - 3);
   EXPECT_EQ(Program({"token", "revoke", id}, state).finish().status, 0);
   const std::string revoked = on_terminal(here, "live page: ");
@@ -161,7 +161,7 @@ TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
   EXPECT_EQ(testing::text_of(file), token);
 }
 
-/// Without a page there is no link, and with a token file of their own its owners make the tokens.
+/// No page needs no link. The owners of a named token file make their own tokens.
 TEST(Program, MakesNoTokenOfAnAdminThatNobodyUses) {
   const testing::TemporaryFolder folder;
   const auto serve = [&](std::vector<std::string> words) {
@@ -187,7 +187,7 @@ TEST(Program, CommandLineWinsOverTheFile) {
   program.signal(SIGTERM);
   const Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(outcome.error, "");  // the file's log level was kept
+  EXPECT_EQ(outcome.error, "");  // the file's log level still applies
 }
 
 TEST(Program, FaultsAreOneLineAndANonZeroExit) {

@@ -1,4 +1,4 @@
-// A scene that changes while hands are in it; and an observer, whom nothing touches.
+// A scene reloads under hands, and for an observer without a force.
 
 #include "tests/server/reload.hpp"
 
@@ -28,7 +28,7 @@ using ::testing::StartsWith;
 
 constexpr std::uint64_t kId = 0x1234567800;
 
-/// A floor at z = 0; the hand is 1 mm below it.
+/// A floor at z = 0 with the hand 1 mm below.
 Scene floor_of(double stiffness) {
   return Scene("room", {test::object("floor", Plane{}, {.stiffness = stiffness})});
 }

@@ -1,4 +1,4 @@
-// The requests of an admin to a running server, over TLS: changes, lists, counters; and refusals.
+// An admin's requests to a running server over TLS: changes, lists, counters and refusals.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,7 +82,7 @@ TEST_F(AdminRequest, NobodyElseMay) {
       EXPECT_THAT(refused.reason, HasSubstr("this is for admins"));
     }
   }
-  // An admin of another scene: to it there is no such scene.
+  // For an admin of another scene this scene does not exist.
   ControlClient client(server_.control_port(), AF_INET, other_.text);
   for (const control::Message& request :
        {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
@@ -129,7 +129,7 @@ TEST_F(AdminRequest, ARobotIsToldOfNobody) {
     EXPECT_EQ(robot.ask<Refused>(request).code, RefusalCode::forbidden);
 }
 
-/// Each is work for a scene's thread: an observer's questions are limited.
+/// A scene's thread answers an observer's questions, so their rate is limited.
 TEST_F(AdminRequest, AnObserverThatAsksWithoutEndIsRefused) {
   ControlClient eye(server_.control_port(), AF_INET, eye_.text);
   const auto is_refused = [&] {
@@ -172,7 +172,7 @@ TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
   EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));
 }
 
-/// Every kind of request that has no limit of its own ends in a refusal that heals.
+/// Requests without a specific limit end in a refusal that allows a retry.
 TEST_F(AdminRequest, NoRequestIsAnsweredWithoutEnd) {
   const auto asked_until_refused = [](ControlClient& client, const control::Message& request) {
     for (int asked = 0; asked < 20'000; ++asked) {
@@ -204,7 +204,7 @@ TEST_F(AdminRequest, NoRequestIsAnsweredWithoutEnd) {
     EXPECT_LT(asked_until_refused(admin_, request), 20'000) << request.index();
 }
 
-/// A name that asks without end takes nothing from another one.
+/// A client name that asks without end does not use up another name's limit.
 TEST_F(AdminRequest, TheLimitIsOfOneClientsName) {
   ControlClient anna(server_.control_port(), AF_INET, anna_.text);
   for (int n = 0; n < 3'000; ++n) {

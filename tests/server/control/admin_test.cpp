@@ -1,4 +1,4 @@
-// Admins of some scenes only.
+// Admins with rights for some scenes only.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The control endpoint alone: who is silent, and who does not read.
+// The control endpoint alone: clients that are silent or do not read.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -44,8 +44,8 @@ TEST(ControlEndpoint, WhoseAnswerNeverComesIsClosed) {
   EXPECT_TRUE(joining.closed());
 }
 
-/// Requests and requests, and no answer is ever read: the endpoint waits with one answer, not with
-/// a pile of them, then closes; others are served meanwhile.
+/// A client sends requests without reading answers. The endpoint keeps only one answer, then closes
+/// the connection. It serves others meanwhile.
 TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   control::SceneList long_answer;
   const std::string name(control::kMaxName, 'x');
@@ -57,7 +57,7 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   const auto request = control::encode(control::ListScenes{});
   ::fcntl(deaf.descriptor(), F_SETFL, O_NONBLOCK);
   std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to a closed socket like to any other
-  // Until the endpoint reads no more, and then until it has hung up.
+  // First the endpoint stops reading, and then it closes the connection.
   const auto is_closed = [&] {
     const int sent =
         SSL_write(deaf.tls().native(), request.data(), static_cast<int>(request.size()));
@@ -70,14 +70,14 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   });
 }
 
-/// Until a good token was shown one time limit holds for everything, however busy the stranger is.
+/// Until a good token comes, a single time limit applies, however active the stranger is.
 TEST(ControlEndpoint, WhoIsSlowToBeKnownIsClosed) {
   Endpoint endpoint({.address = {}, .handshake_timeout = 100ms, .idle_timeout = kNever},
                     control::SceneList{});
   RawSocket mute(SOCK_STREAM, endpoint.port());
   EXPECT_TRUE(mute.receive().empty());
 
-  RawSocket half(SOCK_STREAM, endpoint.port());  // the beginning of a TLS record, and no more
+  RawSocket half(SOCK_STREAM, endpoint.port());  // only the beginning of a TLS record
   const std::vector<std::uint8_t> beginning = {0x16, 0x03, 0x01, 0x02, 0x00, 0x01};
   half.send(beginning);
   EXPECT_TRUE(half.receive().empty());
@@ -95,7 +95,7 @@ TEST(ControlEndpoint, WhoIsSlowToBeKnownIsClosed) {
 TEST(ControlEndpoint, StrangersFramesAreShort) {
   Endpoint endpoint(kNever, 8, control::SceneList{});
   ControlClient stranger(endpoint.port(), AF_INET, Secret());
-  const std::vector<std::uint8_t> frame = {0x01, 0x02, 0x00, 0x00};  // 513 bytes to come
+  const std::vector<std::uint8_t> frame = {0x01, 0x02, 0x00, 0x00};  // announces 513 bytes
   stranger.send_raw(frame);
   const auto answer = stranger.receive();
   ASSERT_TRUE(answer.has_value());
@@ -111,7 +111,8 @@ TEST(ControlEndpoint, ARefusedStrangerIsClosed) {
   EXPECT_TRUE(stranger.closed());
 }
 
-/// Bytes of a refused one are thrown away, so that it hears why; not for ever.
+/// After a refusal the endpoint discards input so that the stranger gets the reason, but not for
+/// ever.
 TEST(ControlEndpoint, ARefusedStrangerThatSendsWithoutEndIsClosed) {
   Endpoint endpoint({.address = {}, .handshake_timeout = kNever, .idle_timeout = kNever},
                     control::SceneList{});

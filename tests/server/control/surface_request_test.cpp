@@ -1,5 +1,5 @@
-// How a client gets surfaces and solids in full, over TLS: what is listed, that the parts make up
-// the mesh or the body, and who may ask.
+// Clients fetch whole surfaces and solids over TLS: the list, the parts of a mesh or a body, and
+// the right to ask.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using control::Refused;
 using test::ControlClient;
 
 const TriangleMesh& ball() {
-  static const TriangleMesh mesh(icosphere(0.05, 4));  // 5120 triangles: five parts
+  static const TriangleMesh mesh(icosphere(0.05, 4));  // 5120 triangles in five parts
   return mesh;
 }
 
@@ -80,7 +80,7 @@ TEST_F(SurfaceRequest, ItsPartsMakeUpTheMesh) {
       hand.session());
 }
 
-/// The tool of the session that asks decides.
+/// The surfaces have the radius of the session's tool.
 TEST_F(SurfaceRequest, ABallsRadiusIsInItsSurfaces) {
   for (const auto& [tool, radius] : {std::pair("tip", 0.0), std::pair("ball", 0.004)}) {
     control::JoinRequest join = test::join_request();
@@ -127,7 +127,7 @@ TEST_F(SurfaceRequest, PartsMakeUpTheBody) {
   };
   EXPECT_EQ(admin_.ask<Refused>(take(1, {3})).code, RefusalCode::bad_parameters);
   EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(1, {0, 1, 2})).session, session);
-  // Another material is another version: the body's client has the materials.
+  // A new material makes a new version, since the body's client has the materials.
   admin_.ask<control::SceneChanged>(
       control::SetMaterial{"room", {.object = "floor", .stiffness = 321.0}});
   const auto next = admin_.ask<control::SolidList>(control::ListSolids{session});
@@ -155,7 +155,7 @@ TEST_F(SurfaceRequest, WhatIsNotThereIsRefused) {
   EXPECT_EQ(refused(control::GetSurface{hand.session(), 1, 3, 0, 0}), RefusalCode::bad_parameters);
   EXPECT_EQ(refused(control::GetSurface{hand.session(), 2, 2, 0, 0}), RefusalCode::bad_scene);
   EXPECT_EQ(refused(control::ListSurfaces{hand.session() ^ 0x100}), RefusalCode::unknown_session);
-  // Behind the end there is nothing.
+  // Parts beyond the end are empty.
   const auto part = admin_.ask<control::SurfacePart>(
       control::GetSurface{hand.session(), 1, 2, 0xFFFFFFFF, 0xFFFFFFFF});
   EXPECT_TRUE(part.vertices.empty());
@@ -174,14 +174,14 @@ TEST_F(SurfaceRequest, AreForTheSessionsClientOnly) {
     EXPECT_EQ(other.ask<Refused>(request).code, RefusalCode::unknown_session);
 }
 
-/// A client that fetches a scene in full, again and again, is refused after some 2000 parts; what
-/// an honest one asks for at most (750) it gets.
+/// A client that fetches a scene again and again is refused after some 2000 parts. An honest client
+/// needs at most 750 parts.
 TEST_F(SurfaceRequest, AreNotAnsweredWithoutEnd) {
   test::RestingHand hand(admin_), other(admin_);
   const auto list = admin_.ask<control::SurfaceList>(control::ListSurfaces{hand.session()});
   const auto refused_at = [&](std::uint64_t session, int most) {
     for (int asked = 0; asked < most; ++asked) {
-      // Beyond the end of the mesh, so that the answers are short.
+      // Beyond the mesh's end the answers are short.
       admin_.send(control::GetSurface{session, list.version, 2, 1'000'000, 1'000'000});
       const auto answer = admin_.receive();
       if (!answer) return -1;
@@ -195,7 +195,7 @@ TEST_F(SurfaceRequest, AreNotAnsweredWithoutEnd) {
   const int asked = refused_at(hand.session(), 20'000);
   EXPECT_GT(asked, 750);
   EXPECT_LT(asked, 20'000);
-  EXPECT_EQ(refused_at(other.session(), 750), 750);  // another session has its own
+  EXPECT_EQ(refused_at(other.session(), 750), 750);  // another session has its own limit
 }
 
 }  // namespace

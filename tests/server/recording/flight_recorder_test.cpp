@@ -1,4 +1,4 @@
-// The last seconds of a scene go to a file where a session ended that its client did not end.
+// The last seconds of a scene go to a file when a session ends, unless its client ended it.
 
 #include "server/recording/flight_recorder.hpp"
 
@@ -42,7 +42,7 @@ Read read(const std::filesystem::path& file) {
   return result;
 }
 
-/// Two hands for 12 s, which is more than is kept.
+/// Two hands for 12 s, longer than the recorder keeps.
 class FlightRecorderTest : public ::testing::Test {
  protected:
   test::RecordedScene scene{test::repository_scene("plane.json")};
@@ -74,7 +74,7 @@ TEST_F(FlightRecorderTest, EvictionIsWrittenWithTheLastTenSeconds) {
   EXPECT_THAT(files_in(folder), IsEmpty());
   scene.exchange.sessions.evict(kB);
   take();
-  flight.write_if_due(false, scene.exchange.now);  // what happens together is in one
+  flight.write_if_due(false, scene.exchange.now);  // simultaneous causes share a file
   EXPECT_THAT(files_in(folder), IsEmpty());
   flight.write_if_due(false, scene.exchange.now + FlightRecorder::kTogether);
   ASSERT_THAT(files_in(folder), SizeIs(1));
@@ -88,7 +88,7 @@ TEST_F(FlightRecorderTest, EvictionIsWrittenWithTheLastTenSeconds) {
   EXPECT_NEAR(static_cast<double>(file.pictures), 600.0, 10.0);
 }
 
-/// A debt that lasts is one, and so are those within ten seconds of a file.
+/// A lasting debt counts once, and so do further debts within ten seconds of a file.
 TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
   const auto report = [&](double balance, bool has_account = true) {
     scene.exchange.now += 1ms;
@@ -117,7 +117,7 @@ TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
   EXPECT_THAT(files_in(folder), SizeIs(2));
 }
 
-/// A client that joins and vanishes again and again fills no disk.
+/// A client that joins and vanishes repeatedly must not fill the disk.
 TEST_F(FlightRecorderTest, FaultsThatFollowEachOtherWaitForTheirFile) {
   const auto written = [&](auto after) {
     return flight.write_if_due(false, scene.exchange.now + after).has_value();
@@ -151,7 +151,7 @@ TEST_F(FlightRecorderTest, GoodbyeIsNoFault) {
   EXPECT_THAT(files_in(folder), IsEmpty());
 }
 
-/// A file leaves what is kept as it was.
+/// Writing a file keeps the stored seconds.
 TEST_F(FlightRecorderTest, WhoAsksGetsAFileEachTime) {
   flight.write_if_due(true, scene.exchange.now);
   run(100);
@@ -187,7 +187,7 @@ TEST(FlightRecorder, FolderThatCannotBeMadeIsNamed) {
   }
 }
 
-/// A flight record tells what a person's hand did.
+/// A flight record has personal data: the movement of a hand.
 TEST_F(FlightRecorderTest, OnlyItsOwnerReadsIt) {
   run(20);
   const auto file = flight.write_if_due(true, scene.exchange.now);

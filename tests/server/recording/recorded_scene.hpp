@@ -1,5 +1,5 @@
 #pragma once
-// A scene with hands, by the test's clock, that is recorded into files of a folder of its own.
+// A recorded scene with hands and a simulated clock; its files are in a temporary folder.
 
 #include <filesystem>
 #include <fstream>
@@ -24,7 +24,7 @@ inline std::filesystem::path repository_scene(const std::string& name) {
   return std::filesystem::path(FELTWIRE_SOURCE_DIR) / "scenes" / name;
 }
 
-/// A server with one scene, without its threads.
+/// A server with a scene, without its threads.
 struct RecordedScene {
   explicit RecordedScene(const std::filesystem::path& scene_file, std::size_t log_room = 1 << 20,
                          RecordingLimits limits = {})
@@ -43,7 +43,7 @@ struct RecordedScene {
       throw std::runtime_error(std::get<control::Refused>(answer).reason);
     ids.push_back(id);
   }
-  /// So many milliseconds with a sample of each hand.
+  /// Runs some milliseconds with a sample of each hand in each.
   void run(int milliseconds) {
     for (int n = 0; n < milliseconds; ++n) {
       exchange.now += std::chrono::milliseconds(1);
@@ -63,7 +63,7 @@ struct RecordedScene {
           *event, event->kind == EventKind::reload ? log.files_of(event->number).get() : nullptr);
     recording->flush();
   }
-  /// The recording's only file, or its first.
+  /// Finishes the recording; returns its only or first file.
   std::filesystem::path finish() {
     write();
     recording->finish();
@@ -79,8 +79,8 @@ struct RecordedScene {
   std::unique_ptr<SceneRecording> recording;
 };
 
-/// Writes the file anew with each event as `change` leaves it; false: it is left out. So is an
-/// attachment that `keep` does not keep.
+/// Rewrites a file. `change` may alter an event or drop it by returning false. `keep` selects the
+/// attachments.
 inline void rewrite(const std::filesystem::path& file,
                     const std::function<bool(RecordedEvent& event, std::string& payload)>& change,
                     const std::function<bool(const mcap::Attachment&)>& keep = {}) {

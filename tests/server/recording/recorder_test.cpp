@@ -1,4 +1,4 @@
-// A scene that is served by its own thread is recorded by another one.
+// A scene's own thread serves it while another thread records it.
 
 #include "server/recording/recorder.hpp"
 
@@ -31,7 +31,7 @@ std::vector<Scene> scenes() {
   return all;
 }
 
-/// A host on a port of its own, and a session in it.
+/// A host on a free port, with a session.
 struct Served {
   explicit Served(const RecorderOptions& options) : loaded(scenes()), recorder(options, loaded) {
     SceneHostOptions host_options;
@@ -50,7 +50,7 @@ struct Served {
   Served(const Served&) = delete;
   Served& operator=(const Served&) = delete;
 
-  /// One after the other, each answered.
+  /// Sends samples one by one, each answered.
   void exchange(std::uint64_t samples) {
     for (std::uint64_t n = 0; n < samples; ++n) {
       ++packet;
@@ -88,7 +88,7 @@ TEST(Recorder, ServedSceneIsReplayedBitEqual) {
   served.exchange(kSamples);
   served.host->reload(load_scene_and_keep(test::repository_scene("room.json")));
   served.exchange(kSamples);
-  // The recorder looks for pictures when its own time has come.
+  // The recorder takes pictures at its own times.
   ASSERT_TRUE(test::becomes([&] {
     served.exchange(1);
     return messages_of(file, "/scene/picture") > 0;
@@ -112,7 +112,7 @@ TEST(Recorder, EvictionGivesAFlightRecord) {
   served.recorder.ask_for_flight_records();
   ASSERT_TRUE(test::becomes([&] { return flights() == 1; }));
   served.host->evict(kId);
-  served.stop();  // which writes what is due
+  served.stop();  // writes the pending files
   EXPECT_EQ(flights(), 2);
 }
 
@@ -128,7 +128,7 @@ TEST(Recorder, AFlightRecordThatIsAskedForIsNamed) {
   };
   const auto file = asked();
   ASSERT_TRUE(file.has_value());
-  // With the join, and a check for each second that the samples took.
+  // The join, and a check for each second of the samples, are events too.
   EXPECT_GE(messages_of(*file, "/scene/events"), kSamples + 1);
   std::filesystem::remove_all(folder / "flights");
   EXPECT_EQ(asked(), std::nullopt);

@@ -1,4 +1,4 @@
-// A recorded scene is computed again to the same bits; whatever was changed in the file is found.
+// A replay computes a recorded scene to equal bits, and finds changes in the file.
 
 #include "server/recording/replay.hpp"
 
@@ -26,7 +26,7 @@ control::JoinRequest observer() {
   return request;
 }
 
-/// Hands come, change, see a reload, and go.
+/// Hands join, change, get a reload and leave.
 void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
   SceneSessions& sessions = scene.exchange.sessions;
   SessionParameters parameters = test::server_bounds();
@@ -40,7 +40,7 @@ void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(
       sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now)));
   scene.run(150);
-  static std::vector<std::shared_ptr<const Scene>> changed;  // outlive the sessions
+  static std::vector<std::shared_ptr<const Scene>> changed;  // they outlive the sessions
   const auto change = [&](const LiveChange& wanted) {
     ChangeOutcome outcome = sessions.change(wanted, scene.exchange.now);
     ASSERT_TRUE(std::holds_alternative<Changed>(outcome));
@@ -53,7 +53,7 @@ void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
                           .dynamic_friction = 0.2});
   if (sessions.world() != nullptr) change(GravityChange{Vec3(0.5, 0.0, -3.0)});
   scene.run(150);
-  static std::vector<std::unique_ptr<Scene>> entered;  // outlive the sessions
+  static std::vector<std::unique_ptr<Scene>> entered;  // they outlive the sessions
   entered.push_back(std::make_unique<Scene>(load_scene_and_keep(reloaded)));
   sessions.enter(*entered.back(), scene.exchange.now);
   scene.run(100);
@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
                          ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
                                            "workshop.json"));
 
-/// Which surfaces a client has decides its models.
+/// The fetched surfaces decide a client's models.
 TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   RecordedScene scene(repository_scene("bunny.json"));
   control::JoinRequest request = test::join_request({});
@@ -102,7 +102,7 @@ TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   EXPECT_EQ(result.replies, 400u);
 }
 
-/// The states of a robot decide the replies to its hand.
+/// A robot's states decide the replies to its hand.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
   control::JoinRequest robot = test::join_request(), second = test::join_request();
@@ -148,7 +148,7 @@ TEST(ReplayOfARobot, IsBitEqual) {
 
 class ReplayOfParts : public test::PartsScene {};
 
-/// A hollow body: the recording has its convex parts, and without them they are computed again.
+/// A hollow body: the recording has its convex parts; without them the replay computes them.
 TEST_F(ReplayOfParts, IsBitEqualWhereverThePartsComeFrom) {
   write("ring.obj", test::torus(0.05, 0.015, 24, 12));
   const auto scene_file = write_scene(
@@ -157,7 +157,7 @@ TEST_F(ReplayOfParts, IsBitEqualWhereverThePartsComeFrom) {
   { "name": "rod", "cylinder": { "radius": 0.01, "length": 0.3 }, "material": "m" }, )" +
           test::mesh_text("ring", "ring.obj", "", R"(, "body": "ring")"),
       R"("start": { "position": [0.05, 0, 0.04] }, )");
-  for (const bool is_kept : {false, true}) {  // when it is recorded
+  for (const bool is_kept : {false, true}) {  // as it is recorded
     SCOPED_TRACE(is_kept);
     ASSERT_EQ(kept_in(scenes()).size(), is_kept ? 1u : 0u);
     RecordedScene scene(scene_file);
@@ -215,7 +215,7 @@ TEST_F(ReplayTest, ChangedDigestIsFoundWhereItIs) {
   EXPECT_THAT(result.difference->what, HasSubstr("the reply has other bytes"));
 }
 
-/// One bit of a hand's place.
+/// A single bit of a hand's place is changed.
 TEST_F(ReplayTest, ChangedSampleIsFound) {
   const auto file = record();
   std::uint64_t seen = 0;
@@ -244,7 +244,7 @@ TEST_F(ReplayTest, ChangedSceneIsFound) {
   std::ostringstream text;
   text << in.rdbuf();
   std::string changed = text.str();
-  const auto at = changed.find("\"stiffness\": 900,");  // of the table, where the hands are
+  const auto at = changed.find("\"stiffness\": 900,");  // the table's, under the hands
   ASSERT_NE(at, std::string::npos);
   changed.replace(at, std::string_view("\"stiffness\": 900,").size(), "\"stiffness\": 901,");
   const auto other =
@@ -276,12 +276,12 @@ TEST_F(ReplayTest, MissingEventIsSaid) {
   EXPECT_FALSE(result.bit_equal());
 }
 
-/// A hand at the server's side is answered all the same.
+/// The full log must not stop the answers to a hand.
 TEST(Replay, FullLogIsCountedAndMarkedInTheFile) {
   RecordedScene scene(repository_scene("plane.json"), 1 << 12);
   scene.join(kA);
   scene.run(20);
-  for (int n = 0; n < 100; ++n) {  // nobody takes events
+  for (int n = 0; n < 100; ++n) {  // nobody takes the events
     scene.exchange.now += std::chrono::milliseconds(1);
     EXPECT_FALSE(scene.exchange.send(kA, test::hand(1), false).empty());
   }
@@ -313,7 +313,7 @@ TEST(Replay, PartsGoTogetherInTheirOrder) {
   EXPECT_THAT(refusal({part(1), part(1)}), HasSubstr("each once"));
 }
 
-/// Not even the keys of a session, of which the server has no longer-lived copy.
+/// Session keys, too, must not be in the file; the server keeps them only during the session.
 TEST_F(ReplayTest, KeysAreNotInTheFile) {
   const auto file = record();
   std::ifstream in(file, std::ios::binary);
@@ -329,7 +329,7 @@ TEST_F(ReplayTest, KeysAreNotInTheFile) {
   }
 }
 
-/// Numbers that no server writes: a replay says so, or finds a difference.
+/// Numbers that no server writes: the replay reports an error or a difference.
 TEST_F(ReplayTest, HostileEventsHarmNothing) {
   const auto file = record();
   const auto original = file.string() + ".original";
@@ -383,7 +383,7 @@ TEST(Replay, FilesWithoutAnInputLogAreRefused) {
   EXPECT_THROW(replay({folder / "missing.mcap"}), FileError);
 }
 
-/// The scene's thread needs no memory to tell the recorder.
+/// The scene's thread allocates nothing for the recorder.
 TEST(Replay, RecordingAllocatesNothingOnTheServoPath) {
   RecordedScene scene(repository_scene("room.json"));
   scene.join(kA);

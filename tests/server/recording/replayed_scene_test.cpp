@@ -1,4 +1,4 @@
-// Recorded scenes with more than datagrams: a MuJoCo model in several files, an arm in the server's
+// Recorded scenes with more than datagrams: a MuJoCo model of several files, an arm in the server's
 // world, and changes that a client is asked for.
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 constexpr std::uint64_t kA = 0x100;
 
-/// A MuJoCo model in three files, whose cart the hand pushes.
+/// A MuJoCo model in three files; the hand pushes its cart.
 class ReplayOfMjcf : public ::testing::Test {
  protected:
   ReplayOfMjcf() {
@@ -42,7 +42,7 @@ class ReplayOfMjcf : public ::testing::Test {
   std::filesystem::path record() {
     recorded.emplace(source / "scene.json");
     recorded->join(kA);
-    // To a face, and on.
+    // Move to a face and on.
     for (int n = 0; n < 900; ++n) {
       recorded->exchange.now += std::chrono::milliseconds(1);
       Sample sample;
@@ -61,7 +61,7 @@ class ReplayOfMjcf : public ::testing::Test {
 
 TEST_F(ReplayOfMjcf, IsBitEqualWithoutTheScenesFiles) {
   const std::filesystem::path file = record();
-  EXPECT_GT(moved, 0.0505);  // of 0.05
+  EXPECT_GT(moved, 0.0505);  // from 0.05
   std::filesystem::remove_all(source);
   const Replay result = replay({file});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
@@ -86,7 +86,7 @@ TEST_F(ReplayOfMjcf, SaysWhichFileIsMissing) {
   }
 }
 
-/// An arm of the scene's own world is computed again, with the noise of its sensor.
+/// The replay computes an arm of the scene's world again, with its sensor noise.
 TEST(ReplayOfAnArm, IsBitEqual) {
   RecordedScene scene(repository_scene("arm/workcell.json"));
   scene.join(kA);
@@ -96,7 +96,7 @@ TEST(ReplayOfAnArm, IsBitEqual) {
     scene.exchange.now += std::chrono::milliseconds(1);
     scene.exchange.lead = Lead{.deadman = n > 20};
     Sample sample;
-    sample.pose.position.z() = -1.5e-4 * n;  // at 0.15 m/s down to the mat
+    sample.pose.position.z() = -1.5e-4 * n;  // down to the mat at 0.15 m/s
     scene.exchange.send(kA, sample, false);
     Picture picture;
     sessions.draw(picture, scene.exchange.now);
@@ -104,7 +104,7 @@ TEST(ReplayOfAnArm, IsBitEqual) {
     if (n % 100 == 0) sessions.check(scene.exchange.now);
     if (n % 10 == 0) scene.write();
   }
-  EXPECT_LT(lowest, 0.31);  // of 0.49
+  EXPECT_LT(lowest, 0.31);  // from 0.49
   EXPECT_EQ(scene.exchange.allocated, 0u);
   const Replay result = replay({scene.finish()});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
@@ -112,8 +112,8 @@ TEST(ReplayOfAnArm, IsBitEqual) {
   EXPECT_EQ(result.replies, 2500u);
 }
 
-/// For tests/recording/check_export.py, which knows these numbers: two hands, of which one sends
-/// each sample twice and reports now and then; and a body.
+/// tests/recording/check_export.py knows these numbers: two hands and a body. A hand sends each
+/// sample twice and sometimes a report.
 TEST(RecordingForExport, TwoHandsAndABody) {
   constexpr std::uint64_t kB = 0x200;
   RecordedScene scene(repository_scene("plane.json"));
@@ -164,7 +164,7 @@ TEST(RecordingForExport, TwoHandsAndABody) {
   EXPECT_EQ(result.replies, 1500u);
 }
 
-/// A client is asked for another law and another link, and says what it makes of them.
+/// An admin asks a client for another law and another link, and the client answers.
 TEST(ReplayOfClientChanges, IsBitEqual) {
   RecordedScene scene(repository_scene("room.json"));
   SessionParameters parameters = test::server_bounds();
@@ -192,13 +192,13 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   ASSERT_TRUE(asked());
   EXPECT_EQ(asked()->number, 1);
   EXPECT_EQ(asked()->law->mode.view(), "shaped");
-  // Another one while that waits: both travel.
+  // Another change while the first waits: both are sent.
   ASSERT_TRUE(std::holds_alternative<Changed>(
       sessions.change(LinkChange{kA, {.delay = 0.025, .loss = 0.5}}, scene.exchange.now)));
   EXPECT_EQ(asked()->number, 2);
   EXPECT_EQ(asked()->law->mode.view(), "shaped");
   EXPECT_EQ(asked()->link->loss, 0.5);
-  scene.exchange.report = HandReport{.change = 1};  // of the one before
+  scene.exchange.report = HandReport{.change = 1};  // for the first change
   EXPECT_TRUE(asked());
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "contact_frame");
   scene.exchange.report = HandReport{.change = 2};
@@ -208,7 +208,7 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
   EXPECT_EQ(sessions.answers().size(), 1u);
   EXPECT_FALSE(sessions.has_answers());
-  // One that is refused changes nothing.
+  // A refused change has no effect.
   sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
   EXPECT_EQ(asked()->number, 3);
   scene.exchange.report = HandReport{.change = 3, .change_refused = true};
@@ -217,8 +217,8 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   const auto listed = sessions.describe_after(0, scene.exchange.now).sessions.at(0);
   EXPECT_EQ(listed.answer, ChangeAnswer::refused);
   EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
-  // A law whose answer is not heard, and then a refusal: the client may have that law or not, and
-  // is asked to return to its session's.
+  // The answer about a law gets lost, then a change is refused. The client may have either law, so
+  // the server asks it to return to the session's law.
   EXPECT_EQ(sessions.answers().size(), 1u);
   sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
   EXPECT_EQ(asked()->number, 4);

@@ -1,4 +1,4 @@
-// A scene that takes long to answer says so when it is loaded. The clock is the test's.
+// A scene with slow answers reports it at loading. The clock is simulated.
 
 #include "server/scene/answer_time.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-/// Each look at it is so much later than the one before.
+/// A clock that advances by `by` at each reading.
 std::function<Nanoseconds()> stepping(Nanoseconds by) {
   return [by, now = Nanoseconds(0)]() mutable { return now += by; };
 }
@@ -24,7 +24,7 @@ TEST(AnswerTime, ASceneThatIsQuickIsNotWarnedOf) {
   const AnswerTime time = measure_answers(test::room(), stepping(100us));
   EXPECT_NEAR(time.usual, 1e-4, 1e-12);
   EXPECT_NEAR(time.slow, 1e-4, 1e-12);
-  EXPECT_EQ(time.answers, 128u);  // 64 hands, two samples each
+  EXPECT_EQ(time.answers, 128u);  // 64 hands with two samples each
 }
 
 TEST(AnswerTime, ASceneThatTakesLongerThanAPeriodIs) {
@@ -34,7 +34,7 @@ TEST(AnswerTime, ASceneThatTakesLongerThanAPeriodIs) {
   EXPECT_THAT(*warning, HasSubstr("longer than the usual servo period of 1 ms"));
 }
 
-/// Not every answer needs to be slow: where one in ten is, a hand may be where they all are.
+/// A tenth of slow answers suffices, for a hand may stay where all answers are slow.
 TEST(AnswerTime, OneInTenIsEnough) {
   int looks = 0;
   Nanoseconds now{0};
@@ -42,7 +42,7 @@ TEST(AnswerTime, OneInTenIsEnough) {
   EXPECT_TRUE(warning_of_slow_answers(test::room(), clock));
 }
 
-/// Measuring ends soon in any case: a few answers of half a minute are enough to know.
+/// Measuring ends soon: a few answers of half a minute suffice.
 TEST(AnswerTime, AFewVerySlowAnswersAreEnough) {
   EXPECT_EQ(measure_answers(test::room(), stepping(30s)).answers, 6u);
 }

@@ -1,4 +1,5 @@
-// A tool with a body in a session: orientation in, torque out, for devices that have them.
+// A session of a tool with a body: orientation goes in and torque comes out, if the device has
+// them.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ control::JoinRequest request(int rotation) {
   return r;
 }
 
-/// A hand that lowers a box that it turns by `angle` about y onto the desk.
+/// A hand lowers a box, tilted by `angle` about y, onto the desk.
 SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
   SampleBatch batch;
   batch.count = 1;
@@ -41,8 +42,8 @@ SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
   return batch;
 }
 
-// The answers of the scene if the client bounds. (A server's bound gives no torque to a hand that
-// has not turned against it: its torque channel is an account of its own.)
+// The scene's answers if the client bounds. (The torque channel of a server's bound has a separate
+// account, which gives no torque until the hand has turned against it.)
 TEST(BodySession, ATiltedBoxTurnsTheHandBack) {
   const Scene desk = scene();
   for (const double angle : {0.1, -0.1}) {
@@ -70,8 +71,8 @@ TEST(BodySession, ADeviceWithoutRotationGetsTheForceAlone) {
   EXPECT_GT(reply.command.elastic.z(), 0.1);
 }
 
-// A tool with mass weighs in the hand. A client that asks for models gets none of it, as it would
-// render it without mass.
+// A tool with mass weighs in the hand. A client that asks for models gets no model of it, for it
+// would render the tool without mass.
 TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
   const Scene heavy = parse_scene(R"({
     "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
@@ -88,7 +89,7 @@ TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
     SampleBatch still = lowered(i, 0.0, true);
     still.samples[0].pose.position.z() = 0.1;
     reply = session.take(still, Nanoseconds{0}).reply;
-    EXPECT_FALSE(reply.body_modelled);  // an empty one would be dropped by the client
+    EXPECT_FALSE(reply.body_modelled);  // the client would drop an empty one
   }
   EXPECT_NEAR((reply.command.force() - Vec3(0.0, 0.0, -0.2 * 9.81)).norm(), 0.0, 1e-6);
   EXPECT_EQ(reply.command.elastic, Vec3::Zero());
@@ -101,7 +102,7 @@ control::JoinRequest modelled() {
   return client_bounds;
 }
 
-// A client that has tool and solids in full gets the tool's place, and no planes, until a material
+// A client with the whole tool and solids gets the tool's place and no planes, until a material
 // changes.
 TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
   Scene desk = scene();
@@ -112,7 +113,7 @@ TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
     return reply.body;
   };
   EXPECT_GT(model(1).count, 0);
-  EXPECT_TRUE(session.take_surfaces(5, {1}).has_value());  // there is no such object
+  EXPECT_TRUE(session.take_surfaces(5, {1}).has_value());  // object 5 does not exist
   EXPECT_EQ(model(2).solids, 0u);
   EXPECT_EQ(session.take_surfaces(5, {0}), std::nullopt);
   EXPECT_EQ(model(3).solids, 5u);
@@ -124,7 +125,7 @@ TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
   EXPECT_GT(model(6).count, 0);
 }
 
-// The solids' client can have a model of a tool with mass; another gravity ends that.
+// A client with the solids can have a model of a tool with mass. A new gravity ends that.
 TEST(BodySession, AToolWithMassHasAModelOnceItsClientHasIt) {
   const Scene heavy = parse_scene(R"({
     "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
@@ -143,7 +144,7 @@ TEST(BodySession, AToolWithMassHasAModelOnceItsClientHasIt) {
   session.weigh_anew();
   const Reply weighed = reply(3);
   EXPECT_FALSE(weighed.body_modelled);
-  EXPECT_NE(weighed.reloads, modelled.reloads);  // so that its client asks again
+  EXPECT_NE(weighed.reloads, modelled.reloads);  // so the client asks again
 }
 
 TEST(BodySession, NeverAllocates) {

@@ -1,4 +1,4 @@
-// A hand that breaks the simulation again and again is found, and ends; the others stay.
+// A hand that breaks the simulation repeatedly is found and ended; the other hands stay.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ using test::object;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Of a device that says it gives ten kilonewtons, as no device does.
+/// A device that claims ten kilonewtons, more than any real device.
 DeviceSpec giant() {
   DeviceSpec spec = test::device();
   spec.max_force = spec.continuous_force = 1e4;
@@ -45,12 +45,12 @@ Scene boxes() {
 struct Course {
   std::vector<EndedSession> ended;
   std::uint64_t resets = 0;
-  int ticks_after = 0;  // of the last reset
+  int ticks_after = 0;  // since the last reset
   std::vector<GoodbyeReason> goodbyes;
 };
 
-/// The place of a giant's hand after so many milliseconds: it stabs at the first box, a third of a
-/// metre through it, and goes back over it.
+/// The place of a giant's hand at this time: it stabs a third of a metre through the first box, and
+/// returns above it.
 Vec3 stab(std::int64_t milliseconds) {
   const auto phase = milliseconds % 320;
   if (phase < 20) return {0.3, 0, 0.02};
@@ -59,7 +59,7 @@ Vec3 stab(std::int64_t milliseconds) {
   return {-0.025, 0, 0.02};
 }
 
-/// A giant stabs at the first box; a hand lies on the same box, another on the other one.
+/// A giant stabs the first box; another hand lies on that box, and a third hand on the other box.
 Course play(MovingBench& bench, bool giant_is_there) {
   Course course;
   bench.join(kLeft);
@@ -95,7 +95,7 @@ TEST(Disturbing, WhoBreaksWhatMovesEndsAndNobodyElse) {
   EXPECT_THAT(course.goodbyes, ElementsAre(GoodbyeReason::disturbing));
   EXPECT_EQ(bench.sessions.counters().disturbing, 1u);
   EXPECT_EQ(bench.sessions.counters().evicted, 0u);
-  // From then on nothing breaks any more.
+  // After that nothing breaks.
   EXPECT_GT(course.ticks_after, 4000);
   EXPECT_NE(bench.sessions.find(kLeft), nullptr);
   EXPECT_NE(bench.sessions.find(kRight), nullptr);
@@ -107,14 +107,14 @@ TEST(Disturbing, WithoutHimNothingBreaks) {
   EXPECT_EQ(play(bench, false).resets, 0u);
 }
 
-/// Violation once in a while is no reason to end: only more than half as often a second is.
+/// Occasional resets are allowed: only more than half a reset a second ends a session.
 TEST(Disturbing, NowAndThenIsForgiven) {
   const Scene scene = test::explosive();
   MovingBench bench(scene);
   bench.join(kLeft);
   std::uint64_t resets = 0;
   for (int n = 0; n < 60'000; ++n) {
-    // A touch every three seconds, until it breaks.
+    // It touches every three seconds until the scene breaks.
     const bool touches = bench.world().counters().resets <= resets && n % 3000 > 2500;
     if (n % 3000 == 0) resets = bench.world().counters().resets;
     bench.hand(kLeft, touches ? Vec3(0, 0, 0.1705) : Vec3(0, 0, 0.5));
@@ -125,9 +125,9 @@ TEST(Disturbing, NowAndThenIsForgiven) {
   EXPECT_GE(bench.world().counters().resets, 15u);
 }
 
-/// A scene that breaks by itself is nobody's fault: the hands stay in it.
+/// No hand is to blame for a scene that breaks by itself: all hands stay.
 TEST(Disturbing, ASceneThatBreaksByItselfBlamesNobody) {
-  // It is too fast after a tenth of a second.
+  // The ball is too fast after a tenth of a second.
   const Scene scene = moving({object("ball", Sphere{0.05}, {.stiffness = 1000})}, {0},
                              {body("ball", 1.0)}, {.gravity = {0, 0, -1e3}});
   MovingBench bench(scene);
@@ -141,14 +141,14 @@ TEST(Disturbing, ASceneThatBreaksByItselfBlamesNobody) {
   EXPECT_NE(bench.sessions.find(kLeft), nullptr);
 }
 
-/// The whole server: the log and the summary say it, and the client is kept out for a while.
+/// A whole server: log and summary report it, and the client must stay out for a while.
 TEST(Disturbing, IsCountedAndKeptOut) {
   std::vector<Scene> scenes;
   scenes.push_back(boxes());
   Server server(test::any_port(), std::move(scenes), test::security());
   test::ControlClient control(server.control_port());
   SessionParameters parameters;
-  parameters.servo_period = 1e-5;  // so that samples are never too many
+  parameters.servo_period = 1e-5;  // allows many samples
   control::JoinRequest request = test::join_request(parameters);
   request.scene = "moving";
   request.device = giant();

@@ -1,4 +1,4 @@
-// Hands that do to moving objects what no hand can: the others are not hurt.
+// Hands that act on moving objects beyond human limits must not hurt the others.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ using test::object;
 
 constexpr double kTick = kDefaultTick;
 
-/// One hand lies on the box; another is a kilometre to the one side of it at one sample, a
-/// kilometre to the other at the next.
+/// A hand lies on the box. Another hand jumps at each sample from a kilometre on one side of it to
+/// a kilometre on the other side.
 TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
   const Scene scene = box_on_table();
   const auto run = [&](bool disturbed) {
@@ -45,7 +45,7 @@ TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
   EXPECT_EQ(run(true), run(false));
 }
 
-/// A hand pushes a ball in a tick with at most its device's force, however deep it presses.
+/// A hand pushes a ball in a tick with at most its device's force, at any depth.
 TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
   const Scene scene = moving({object("ball", Sphere{0.1}, {.stiffness = 1000})}, {0},
                              {body("ball", 2.0)}, kWeightless);
@@ -66,8 +66,8 @@ TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
   EXPECT_NEAR(largest, most, 1e-9);
 }
 
-/// A hand that is always right behind the ball, however fast that is: ever again it goes the metre
-/// that a network may have held back, and then the ball is gone.
+/// A hand stays right behind the ball at any speed. It repeatedly moves the metre that a network
+/// may have held back, and then the ball is gone.
 TEST(HandLimits, AHandThatChasesABodyBreaksNothing) {
   const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                              {body("ball", 0.1)}, kWeightless);
@@ -88,9 +88,9 @@ TEST(HandPace, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
   constexpr double kRecovery = 0.5;
   HandPace pace(10.0, kTick, kRecovery);
   std::uint64_t now = 0;
-  // A kilohertz at 9.9 m/s for ever.
+  // 1 kHz at 9.9 m/s for five seconds.
   for (; now < 5000; ++now) ASSERT_TRUE(pace.follow(9.9e-3, now)) << now;
-  // Nothing for 100 ms, then all of it at once.
+  // No sample for 100 ms, then all of them at once.
   now += 100;
   for (int n = 0; n < 100; ++n) ASSERT_TRUE(pace.follow(9.9e-3, now)) << n;
   EXPECT_EQ(pace.trust(now), 1.0);
@@ -101,7 +101,7 @@ TEST(HandPace, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
   EXPECT_EQ(pace.trust(now + 5000), 1.0);
 }
 
-/// In a world that cannot keep up with time a hand is as fast as it is by the clock.
+/// If the world cannot keep up, the clock and not the world's steps measures a hand's speed.
 TEST(HandLimits, AHandIsNotTooFastBecauseTheWorldIsSlow) {
   const Material smooth{.stiffness = 1000};
   const Vec3 half(0.2, 0.2, 0.02), low(0, 0, 0.02);
@@ -112,7 +112,7 @@ TEST(HandLimits, AHandIsNotTooFastBecauseTheWorldIsSlow) {
   bench.join(kLeft);
   double least = 1e9;
   for (int n = 0; n < 200; ++n) {
-    // Some 0.3 m/s by the clock, and up to 100 m/s by the world's steps.
+    // Some 0.3 m/s by the clock, up to 100 m/s by the world's steps.
     const double x = 0.1 * std::sin(50.0 * n);
     const double felt = bench.hand(kLeft, {x, 0, 0.039}).command.elastic.z();
     if (n > 20) least = std::min(least, felt);

@@ -1,5 +1,5 @@
-// A session's local model over the wire: made by the server, in float32 on the way, rendered by a
-// client as the scene itself.
+// A session's local model over the wire: the server makes it, the wire rounds it to float32, and a
+// client renders it like the scene.
 
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST(ModelSession, OnlyWhoAsksForItGetsOne) {
   EXPECT_FALSE(modelled.take(sample(2, over_table), {}).reply.modelled);
 }
 
-// A reload brings other surfaces of the same names: nothing on the client's side goes on.
+// A reload brings other surfaces with equal names: the client must not continue the old ones.
 TEST(ModelSession, EachSceneThatItEntersHasANumberOfItsOwn) {
   const Scene scene = room(), again = room();
   Session session(request(true), scene);
@@ -93,7 +93,7 @@ TEST(ModelSession, WhoShapesIsToldTheWallsOfACorner) {
     const Reply three = session.take(sample(3, {-1e-3, -2e-3, -3e-3}), {}).reply;
     ASSERT_EQ(three.normals.count, 3);
     for (const Reply* reply : {&two, &three}) {
-      Vec3 across = reply->command.elastic;  // less what the walls explain
+      Vec3 across = reply->command.elastic;  // less the walls' part
       for (int i = 0; i < reply->normals.count; ++i) {
         const Vec3& normal = reply->normals.unit[static_cast<std::size_t>(i)];
         EXPECT_NEAR(normal.maxCoeff(), 1.0, 1e-12);
@@ -109,7 +109,7 @@ TEST(ModelSession, WhoShapesIsToldTheWallsOfACorner) {
   }
 }
 
-// Hands about places on the room's surfaces, a model every 20 ms through the codec.
+// Hands near places on the room's surfaces; every 20 ms a model passes through the codec.
 TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
   const Scene scene = room();
   Random random(6);
@@ -140,7 +140,8 @@ TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
       sent = session.take(sample(static_cast<std::uint64_t>(n), tool.position), {}).reply;
     }
   }
-  // 0.1 m in float32 is right to 4 nm, which 1500 N/m makes 6 uN; friction and damping as much.
+  // float32 stores 0.1 m with an error of 4 nm, or 6 uN at 1500 N/m; friction and damping add as
+  // much.
   EXPECT_LT(worst, 5e-5);
   EXPECT_GT(worst, 0.0);
   EXPECT_GT(touched, 5000);

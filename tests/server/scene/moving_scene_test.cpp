@@ -1,5 +1,5 @@
-// Hands in a scene in which something moves, through SceneSessions as a server has it: by the
-// test's clock, one datagram a millisecond and hand.
+// Hands in a scene with moving bodies, through the server's SceneSessions, with a simulated clock
+// and a datagram a millisecond and hand.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(MovingScene, WhatTheHandsAreToldTheBodyTakesNegated) {
   EXPECT_NEAR((bench.world().momentum() + told).norm(), 0.0, 1e-12 * sum);
 }
 
-/// Two hands squeeze the box, lift it and carry it, a third pair of sides takes over, they let go.
+/// Two hands squeeze, lift and carry the box; a second pair takes over, then lets it fall.
 TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
   const Scene scene = box_on_table();
   Bench bench(scene);
@@ -58,12 +58,12 @@ TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
     const double s = std::clamp((t - from) / (until - from), 0.0, 1.0);
     return s * s * (3 - 2 * s);
   };
-  constexpr double kOutside = 0.03, kGrip = 0.0175;  // [m] from the box's middle; 2.5 mm in
+  constexpr double kOutside = 0.03, kGrip = 0.0175;  // [m] from the box's middle; 2.5 mm deep
   double held_height = 0.0, handed_height = 0.0;
   for (int n = 0; n <= 6000; ++n) {
     const double t = 1e-3 * n;
     const double lift = 0.1 * smooth(t, 0.5, 1.5);
-    // First pair along x from 0.2 s to 3 s, second along y from 2.2 s to 4.5 s.
+    // The first pair grips along x from 0.2 s to 3 s, the second along y from 2.2 s to 4.5 s.
     const double first =
         kOutside - (kOutside - kGrip) * (smooth(t, 0.0, 0.3) - smooth(t, 3.0, 3.3));
     const double second =
@@ -76,7 +76,7 @@ TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
     if (n == 1900) held_height = bench.place(1).z();
     if (n == 4400) handed_height = bench.place(1).z();
   }
-  // 1.98 N of weight on springs of 1000 N/m: each hand is 1 mm above where it sticks at most.
+  // 1.98 N of weight on springs of 1000 N/m: a hand is at most 1 mm above its stick point.
   EXPECT_NEAR(held_height, 0.12, 1e-3);
   EXPECT_NEAR(handed_height, held_height, 1e-3);
   EXPECT_NEAR(bench.place(1).z(), 0.02, 3e-4);  // on the table again
@@ -106,21 +106,21 @@ TEST(MovingScene, AButtonGivesWayAndComesBack) {
     return reply.command.elastic.z();
   };
   press(0.02, 100);
-  EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);  // against its stop
-  // Two springs in series, 2 mm of the button's spring and its weight beforehand:
-  // 300 (2 mm + s) + m g = 1000 (3 mm - s) with s the way of the button; the force is both sides.
+  EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);  // at its stop
+  // Two springs in series; the button's spring is preloaded by 2 mm, and the weight helps:
+  // 300 (2 mm + s) + m g = 1000 (3 mm - s) for the button's way s. The force acts on both sides.
   const double weight = 0.02 * 9.81;
   const double way = (1000 * 0.003 - 300 * 0.002 + weight) / 1300.0;
   EXPECT_NEAR(press(0.012, 1000), 1000 * (0.003 - way), 0.01);
   EXPECT_NEAR(bench.place(0).z(), 0.01 - way, 1e-5);
-  // Pressed home: what is beyond the stop is the stop's.
+  // At the lower stop: the stop carries the rest of the force.
   EXPECT_NEAR(press(0.005, 1000), 6.0, 0.1);
   EXPECT_NEAR(bench.place(0).z(), 0.006, 1e-4);
   press(0.03, 500);
   EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);
 }
 
-/// A hand that says no more lets go: in full for half of hold_time, nothing from hold_time on.
+/// A silent hand fades: its full force for half of hold_time, none after hold_time.
 TEST(MovingScene, ASilentHandLetsGo) {
   const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                              {body("ball", 10.0)}, kWeightless);
@@ -134,8 +134,8 @@ TEST(MovingScene, ASilentHandLetsGo) {
     bench.advance();
     speeds.push_back(bench.world().momentum().x());
   }
-  // 20 ticks in full, then shares from 1 down to 0: 10 more in the sum. The ball gets away by
-  // 0.1 mm of 1 mm meanwhile.
+  // 20 ticks at full force, then a fade from 1 to 0 that adds 10 ticks. Meanwhile the ball moves
+  // 0.1 mm of 1 mm.
   EXPECT_NEAR(speeds.back(), force * kTick * 30.5, 0.1 * force * kTick * 30.5);
   EXPECT_EQ(speeds[40], speeds.back());
   EXPECT_LT(speeds[38], speeds[39]);
@@ -185,8 +185,8 @@ TEST(MovingScene, CountsHowLateItsTicksAre) {
   bench.join(kLeft);
   bench.advance(1ms);     // on time
   bench.advance(1200us);  // 0.2 ms late
-  bench.advance(100us);   // too soon for another
-  bench.advance(5900us);  // 5.2 ms late for the first of six
+  bench.advance(100us);   // too early for another tick
+  bench.advance(5900us);  // six ticks, the first of them 5.2 ms late
   const TimeCounts late = bench.sessions.counters().world_late;
   EXPECT_EQ(late.sum(), 5'400'000u);
   EXPECT_EQ(late.counts()[0], 1u);
@@ -194,18 +194,18 @@ TEST(MovingScene, CountsHowLateItsTicksAre) {
   EXPECT_EQ(late.counts()[9], 1u) << "up to 10 ms";
 }
 
-/// A world whose ticks take three times as long as they last: soon no call takes more than one.
+/// A tick takes three times its length: soon no call makes more than one tick.
 TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
   const Scene scene = moving({object("ball", Sphere{0.03})}, {0}, {body("ball", 1.0)});
   Bench bench(scene);
   bench.join(kLeft);
-  std::uint64_t steps = 0;  // of a call
+  std::uint64_t steps = 0;  // in a call
   const auto advance = [&](Nanoseconds by) {
     const std::uint64_t before = bench.world().counters().steps;
     bench.advance(by);
     steps = bench.world().counters().steps - before;
   };
-  advance(50ms);  // something stalls it
+  advance(50ms);  // a stall
   EXPECT_EQ(steps, 20u);
   for (int n = 0; n < 20; ++n) {
     advance(3ms * steps);
@@ -214,13 +214,13 @@ TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
   EXPECT_EQ(steps, 1u);
   EXPECT_EQ(bench.sessions.counters().ticks_dropped + bench.world().counters().steps,
             static_cast<std::uint64_t>((bench.now - 1s) / 1ms));
-  // When it can it makes up for stalls as before.
+  // When it keeps up again, it catches up after stalls as before.
   for (int n = 0; n < 10; ++n) advance(1ms);
   advance(20ms);
   EXPECT_EQ(steps, 20u);
 }
 
-/// Steps taken one by one by a timer, or all at the next datagram: the same.
+/// A timer steps one by one, or the next datagram makes all steps: the results are equal.
 TEST(MovingScene, WhenStepsAreTakenMakesNoDifference) {
   const Scene scene = box_on_table();
   const auto run = [&](bool timer) {
@@ -246,8 +246,8 @@ TEST(MovingScene, WhenStepsAreTakenMakesNoDifference) {
   EXPECT_GT(stepped.back(), 1e-4);
 }
 
-/// The link of a slow hand does not make a light body swing up: what it meets between two samples
-/// is the hand, not the force of some time ago.
+/// A slow hand's link must not make a light body swing up: between two samples the body meets the
+/// hand, and not an old force.
 TEST(MovingScene, ASlowHandHoldsALightBodyCalmly) {
   constexpr double kStiffness = 2000.0;
   const Scene scene = moving({object("ball", Sphere{0.02}, {.stiffness = kStiffness})}, {0},
@@ -266,11 +266,11 @@ TEST(MovingScene, ASlowHandHoldsALightBodyCalmly) {
     bench.advance();
     fastest = std::max(fastest, bench.world().momentum().norm() / 0.01);
   }
-  // It swings about the middle between them, 50 um off: 0.05 mm times 632 rad/s.
+  // The ball swings about the middle, 50 um away: 0.05 mm times 632 rad/s.
   EXPECT_LT(fastest, 0.04);
 }
 
-/// The hands are told, and told again when all is felt as ever.
+/// All hands are told of a reset, and of the end of the recovery.
 TEST(MovingScene, AResetIsToldInTheReplies) {
   const Scene scene = test::explosive();
   Bench bench(scene);
@@ -287,8 +287,8 @@ TEST(MovingScene, AResetIsToldInTheReplies) {
   EXPECT_EQ(reply.command.force(), Vec3::Zero());
   int told = 0;
   for (int n = 0; n < 600; ++n) {
-    told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // of all hands, of each
-    bench.hand(kLeft, {0, 0, 0.1});                              // back out as it came
+    told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // told to each hand
+    bench.hand(kLeft, {0, 0, 0.1});                              // back out
     bench.advance();
   }
   EXPECT_EQ(bench.world().counters().resets, 1u);
@@ -311,7 +311,7 @@ TEST(MovingScene, ReceivingNeverAllocates) {
   EXPECT_EQ(bench.allocated, 0u);
 }
 
-/// A minute of a hand that lies on a box that lies on a table, with a tremor of its own.
+/// For a minute a hand with a tremor lies on a box on a table.
 TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
   const Scene scene = box_on_table();
   Bench bench(scene);
@@ -333,7 +333,7 @@ TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
   const Vec3 place = bench.place(1);
   const auto [least, most] = settle(58000, true);
   EXPECT_NEAR((bench.place(1) - place).norm(), 0.0, 2e-5);           // no creep
-  EXPECT_NEAR(most - least, 2 * kTremor * kGrippy.stiffness, 0.01);  // the tremor, no more
+  EXPECT_NEAR(most - least, 2 * kTremor * kGrippy.stiffness, 0.01);  // only the tremor
   const auto [quiet_least, quiet_most] = settle(1000, false);
   EXPECT_LT(quiet_most - quiet_least, 0.05);
 }

@@ -1,4 +1,4 @@
-// Observers through SceneSessions, by the test's clock: what they are shown, and that nobody feels
+// Observers through SceneSessions, with a simulated clock: their views, and that no hand feels
 // them.
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint64_t kAnna = 1 << 8, kBert = 2 << 8, kEye = 3 << 8;
 
-/// A scene with sessions that each send a sample when told.
+/// A scene whose sessions send samples when told.
 struct Stage : test::SampleExchange {
   explicit Stage(const Scene& of, std::size_t slots = 8)
       : SampleExchange(of, slots, {.sample_rate = 1e6}) {}
@@ -33,7 +33,7 @@ struct Stage : test::SampleExchange {
     ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
         sessions.answer(request, id, test::keys(id), now)));
   }
-  /// The answer's payload; empty when it was withheld.
+  /// The payload of the answer; empty if it was withheld.
   std::vector<std::uint8_t> send(std::uint64_t id, const Pose& pose, const Command& held = {}) {
     Sample sample;
     sample.pose = pose;
@@ -66,13 +66,13 @@ TEST(Observer, SeesTheHandsWhereTheyAre) {
   stage.join(kAnna, Role::operator_);
   stage.join(kEye, Role::observer);
   stage.join(kBert, Role::admin);
-  EXPECT_EQ(stage.look().hand_count, 0u);  // nobody has said yet where it is
+  EXPECT_EQ(stage.look().hand_count, 0u);  // no hand has sent its place
   const Quaternion turned(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   stage.send(kBert, Pose{{0.5, -0.25, 0.125}, turned},
              {.elastic = {0, 0, 2}, .frictional = {1, 0, 0}});
   SceneView view = stage.look();
   ASSERT_EQ(view.hand_count, 1u);
-  EXPECT_EQ(view.hand[0].number, 3u);  // the third who joined
+  EXPECT_EQ(view.hand[0].number, 3u);  // the third client that joined
   EXPECT_EQ(view.hand[0].pose.position, Vec3(0.5, -0.25, 0.125));
   EXPECT_LE(view.hand[0].pose.orientation.angularDistance(turned), 1e-6);
   EXPECT_EQ(view.hand[0].force, Vec3(1, 0, 2));
@@ -95,7 +95,7 @@ TEST(Observer, SeesTheHandsWhereTheyAre) {
   stage.join(kAnna, Role::operator_);
   stage.index[kAnna] = 0;
   stage.send(kAnna, Vec3(0, 0, 0));
-  EXPECT_EQ(stage.look().hand[1].number, 4u);  // a number is nobody else's
+  EXPECT_EQ(stage.look().hand[1].number, 4u);  // a number is never reused
 }
 
 TEST(Observer, SeesWhatMoves) {
@@ -118,7 +118,7 @@ TEST(Observer, SeesWhatMoves) {
   }
 }
 
-/// More than fit into a datagram come one part after the other, and in each round all of them.
+/// Hands and bodies that exceed a datagram come in parts; each round shows all of them.
 TEST(Observer, IsShownAllInTurns) {
   constexpr std::uint32_t kHands = 50;
   constexpr int kBalls = 40;
@@ -132,7 +132,7 @@ TEST(Observer, IsShownAllInTurns) {
     bodies.push_back(test::body(name.c_str(), 0.1, place));
     body_of.push_back(i);
   }
-  for (const double period : {0.001, 0.05}) {  // and over a thin line
+  for (const double period : {0.001, 0.05}) {  // the second has a low rate
     Stage stage(test::moving(objects, body_of, bodies, test::kWeightless), kHands + 2);
     SessionParameters parameters;
     parameters.servo_period = period;
@@ -163,13 +163,13 @@ TEST(Observer, IsShownAllInTurns) {
     EXPECT_EQ(seen_bodies.size(), std::size_t{kBalls});
     for (const auto& [number, times] : hands) EXPECT_EQ(times, kRounds) << "hand " << number;
     for (const auto& [object, times] : seen_bodies) EXPECT_EQ(times, kRounds) << "body " << object;
-    // No datagram more than there must be, but for the seam between the two.
+    // The least number of datagrams, except at the change from hands to bodies.
     const std::size_t bytes = kHands * SceneView::kHandSize + kBalls * SceneView::kBodySize;
     EXPECT_LE(views, kRounds * (bytes / (view_room(period) - SceneView::kHandSize) + 1));
   }
 }
 
-/// The page of the server itself draws these figures.
+/// The server's own page draws these figures.
 TEST(Observer, IsShownTheFiguresThatItAskedFor) {
   Stage stage(weightless_ball());
   stage.join(kAnna, Role::operator_);
@@ -208,7 +208,7 @@ TEST(Observer, IsShownTheFiguresThatItAskedFor) {
   for (const SeenHand& hand : other.hands()) EXPECT_FALSE(hand.figures.has_value());
 }
 
-/// With figures, too, all come in turns, and no datagram is too long.
+/// With figures, too, all come in turns, and each datagram keeps its limit.
 TEST(Observer, IsShownTheFiguresOfManyInTurns) {
   constexpr std::uint32_t kHands = 30;
   for (const double period : {0.001, 0.05}) {
@@ -234,7 +234,7 @@ TEST(Observer, IsShownTheFiguresOfManyInTurns) {
   }
 }
 
-/// With and without observers among them, wherever these are: to the bit.
+/// Compares hands with and without observers: they must agree to the bit.
 TEST(Observer, IsFeltByNobody) {
   Stage watched(weightless_ball()), alone(weightless_ball());
   for (Stage* stage : {&watched, &alone}) {
@@ -280,7 +280,7 @@ TEST(Observer, IsAnsweredAsOftenAsItAsked) {
     stage.now += 1ms;
     answers += stage.send(kEye, Vec3::Zero()).empty() ? 0 : 1;
   }
-  EXPECT_NEAR(answers, 10, 1);  // one every keep_alive, as there is no force to tell
+  EXPECT_NEAR(answers, 10, 1);  // one per keep_alive, as no force changes
 }
 
 TEST(Observer, SeesTheSceneThatWasReloaded) {
@@ -292,18 +292,18 @@ TEST(Observer, SeesTheSceneThatWasReloaded) {
   const SceneView after = stage.look();
   EXPECT_EQ(after.body_count, 0u);
   EXPECT_EQ(after.bodies_from, 0u);
-  EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // so none is there any more
+  EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // so no body is left
   stage.sessions.enter(moving, stage.now);
   EXPECT_EQ(stage.look().body_count, 1u);
 }
 
-/// Its own token is worth less than an operator's, whatever its samples say.
+/// An observer's token must not lead a robot, whatever its samples claim.
 TEST(Observer, LeadsNoRobot) {
   Scene scene = test::room();
   scene.set_seats({RemoteSeat{}});
   for (const Role role : {Role::observer, Role::pointer, Role::operator_}) {
     Stage stage(scene);
-    stage.lead = Lead{};  // the switch is open: who may lead is ready
+    stage.lead = Lead{};  // switch open: an operator would be ready
     stage.join(kAnna, role);
     stage.join(kEye, Role::observer);
     stage.join(kBert, Role::follower);
@@ -318,7 +318,7 @@ TEST(Observer, LeadsNoRobot) {
     ASSERT_EQ(decode(stage.send(kAnna, Vec3::Zero()), reply), DropReason::none);
     EXPECT_EQ(reply.remote.has_value(), role == Role::operator_);
     EXPECT_EQ(stage.sessions.link_state(0) == LinkState::disabled, role != Role::operator_);
-    EXPECT_TRUE(stage.look().present);  // its datagram has room for the view
+    EXPECT_TRUE(stage.look().present);  // the datagram has room for the view
   }
 }
 

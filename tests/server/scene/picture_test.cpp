@@ -1,5 +1,5 @@
-// Pictures of a scene: where hands and proxies are, what is said of each hand, and the way from the
-// scene's thread to a viewer's.
+// Pictures of a scene: the places of hands and proxies, the data of each hand, and the exchange
+// between the scene's thread and a viewer's.
 
 #include "server/picture/picture.hpp"
 
@@ -76,7 +76,7 @@ TEST(Picture, ShowsTheProxyAndWhatTheSceneAsksFor) {
   EXPECT_GT(hand.burned, 0.0);
 }
 
-/// The surfaces that its client is told, and only if it renders such a model.
+/// The surfaces that the client gets, only if it renders a local model.
 TEST(Picture, HasTheSurfacesOfALocalModel) {
   SessionParameters parameters;
   for (const bool modelled : {true, false}) {
@@ -95,7 +95,7 @@ TEST(Picture, HasTheSurfacesOfALocalModel) {
   }
 }
 
-/// In the ball and the floor at once: the proxy is out of both.
+/// In the ball and the floor at once, the proxy is outside of both.
 TEST(Picture, AddsTheSurfacesThatAreTouched) {
   Stage stage(test::room(0.0));
   stage.join(kAnna);
@@ -110,7 +110,7 @@ TEST(Picture, SaysWhyLittleIsFelt) {
   Stage stage(test::room(0.0));
   stage.join(kAnna, Role::operator_, test::server_bounds());
   stage.put({-0.05, 0, 0.001});
-  stage.put({-0.05, 0, -0.02}, Vec3::Zero());  // asks for 40 N of a device of 20 N
+  stage.put({-0.05, 0, -0.02}, Vec3::Zero());  // asks a 20 N device for 40 N
   PictureHand hand = stage.hand();
   EXPECT_TRUE(says(hand, HandState::touching));
   EXPECT_TRUE(says(hand, HandState::server_bound));
@@ -151,7 +151,7 @@ TEST(Picture, DescribesHandsAndNoObservers) {
   EXPECT_EQ(hands[0].joined, stage.now);
 }
 
-/// Once as many hands and bodies were drawn as there are, a picture takes no memory.
+/// A picture allocates nothing if an earlier picture had as many hands and bodies.
 TEST(Picture, ASecondPictureAllocatesNothing) {
   Stage stage(test::room());
   stage.join(kAnna);
@@ -166,9 +166,9 @@ TEST(PictureExchange, AsksThenGives) {
   PictureExchange exchange;
   Picture seen;
   EXPECT_FALSE(exchange.wanted());
-  EXPECT_FALSE(exchange.take(seen));  // asks
+  EXPECT_FALSE(exchange.take(seen));  // asks for a picture
   EXPECT_TRUE(exchange.wanted());
-  EXPECT_FALSE(exchange.take(seen));  // nothing yet
+  EXPECT_FALSE(exchange.take(seen));  // none yet
   exchange.picture().version = 5;
   exchange.give();
   EXPECT_FALSE(exchange.wanted());
@@ -177,7 +177,7 @@ TEST(PictureExchange, AsksThenGives) {
   EXPECT_TRUE(exchange.wanted());
 }
 
-/// Every picture that comes is whole.
+/// Each picture is complete.
 TEST(PictureExchange, BetweenThreads) {
   constexpr std::uint32_t kPictures = 2000;
   PictureExchange exchange;

@@ -1,5 +1,5 @@
 #pragma once
-// A link between hands and a robot that does what it is told.
+// A link between hands and a robot that follows exactly.
 
 #include "server/scene/remote_link.hpp"
 
@@ -16,10 +16,10 @@ struct Hand {
   std::uint64_t index = 0;
   Vec3 offset = Vec3::Zero();  // [m]
   Quaternion turn = Quaternion::Identity();
-  double share = 0.0;  // 0: it leads alone
+  double share = 0.0;  // 0: leads alone
 };
 
-/// A link whose robot is well and holds what it was told.
+/// A link whose robot works and reaches its targets.
 struct Bench {
   explicit Bench(const RemoteSeat& seat = {}, const Workspace& own = {}) : link(seat) {
     link.sit(kRobot, own);
@@ -58,7 +58,7 @@ struct Bench {
   RobotState state;
   RobotTarget target;
   Nanoseconds now = std::chrono::seconds(1);
-  std::uint32_t known_surface = 0;  // of the robot's surfaces, to all hands
+  std::uint32_t known_surface = 0;  // the surface of the robot that all hands know
   Hand anna{1, Vec3(1.0, 0.0, 0.0)}, ben{2, Vec3(-3.0, 2.0, 1.0)};
 };
 

@@ -1,4 +1,4 @@
-// Several hands and one robot: who leads it, and that no hand-over moves it.
+// Several hands and a robot: selects its leader, and a hand-over never moves it.
 
 #include <gtest/gtest.h>
 
@@ -40,14 +40,14 @@ TEST(RemoteLink, NobodyTakesTheLeadFromAHandThatPresses) {
   bench.press(bench.ben);
   EXPECT_EQ(bench.told(bench.anna), engaged);
   EXPECT_EQ(bench.told(bench.ben), disabled);
-  // A switch that was pressed too early, or is taped down, asks nothing later.
+  // A switch that was pressed too early, or is taped down, has no later effect.
   bench.anna.pressed = false;
   bench.send(bench.anna);
   for (int n = 0; n < 50; ++n) bench.send(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), disabled);
   bench.press(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
-  // And back again.
+  // And back to the first hand.
   bench.send(bench.anna);
   bench.ben.pressed = false;
   bench.send(bench.ben);
@@ -64,7 +64,7 @@ TEST(RemoteLink, AHandThatFellSilentKeepsNobodyWaiting) {
   bench.now += RemoteLink::kSilence;
   bench.send(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
-  bench.send(bench.anna);  // back, and still pressed
+  bench.send(bench.anna);  // it returns, still pressed
   EXPECT_EQ(bench.told(bench.ben), engaged);
   EXPECT_EQ(bench.told(bench.anna), disabled);
 }
@@ -115,7 +115,7 @@ TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
   Bench bench(seat);
   const Quaternion robot = bench.state.commanded.orientation =
       Quaternion(Eigen::AngleAxisd(0.7, Vec3::UnitY()));
-  const Quaternion there = robot * seat.aligned->offset.conjugate();  // where it is aligned
+  const Quaternion there = robot * seat.aligned->offset.conjugate();  // the aligned orientation
   Hand& anna = bench.anna;
   const auto missing = [&] { return bench.link.told(anna.number, bench.now).turn; };
   anna.turn = turned(there, Vec3(0.0, 0.0, 0.5));
@@ -136,7 +136,7 @@ TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_FALSE(missing());
   EXPECT_LE(rotation_between(bench.target.pose.orientation, robot).norm(), 1e-12);
   EXPECT_EQ(bench.target.pose.position, Vec3(0.4, 0.1, 0.3)) << "exactly";
-  // While it turns, it goes to the orientation that it means.
+  // A turning hand moves the robot to the hand's orientation.
   for (int i = 0; i < 500; ++i) {
     anna.turn = turned(anna.turn, Vec3(0.0, 1e-3, 0.0));
     bench.send(anna);
@@ -144,7 +144,7 @@ TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_LE(
       rotation_between(bench.target.pose.orientation, anna.turn * seat.aligned->offset).norm(),
       1e-9);
-  // It lets go, turns away, and has to come back.
+  // It releases, turns away and must align again.
   anna.pressed = false;
   bench.send(anna);
   EXPECT_EQ(bench.told(anna), clutched);
@@ -153,8 +153,8 @@ TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_EQ(bench.told(anna), aligning);
 }
 
-/// Hands that turn and press as they like: none engages outside of the gate, no target turns by
-/// more than 1.5 times what the hand turned, and none steps at an engagement.
+/// Hands turn and press at random. None engages outside of the gate, no target turns more than 1.5
+/// times as far as its hand, and no target steps at an engagement.
 TEST(RemoteLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -179,14 +179,14 @@ TEST(RemoteLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
       ASSERT_LE(seat.aligned->missing(hand.turn, robot).norm(), seat.aligned->gate);
     }
     ASSERT_LE(moved, leads ? 1.5 * rotation_between(had, hand.turn).norm() + 1e-12 : 0.0);
-    if (n % 1000 == 0)  // so that it comes back
+    if (n % 1000 == 0)  // aligns the hand again
       hand.turn = bench.state.commanded.orientation * seat.aligned->offset.conjugate();
   }
   EXPECT_GT(engagements, 100);
   EXPECT_GT(refused, 100);
 }
 
-/// Hands that press as they like, from anywhere: whoever begins to lead, the target stays.
+/// Hands press at random from anywhere. The target stays when another hand begins to lead.
 TEST(RemoteLink, NoHandOverOfManyMovesTheRobot) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-10.0, 10.0);
@@ -214,7 +214,7 @@ TEST(RemoteLink, NoHandOverOfManyMovesTheRobot) {
   EXPECT_GT(handed_over, 100);
 }
 
-/// All surfaces are told where the hand meets them, as far as its axes are free.
+/// A hand gets all surfaces at its own contact place, along its free axes.
 TEST(RemoteLink, TellsTheSurfacesBesideTheContact) {
   RemoteSeat seat;
   seat.scale = 2.0;

@@ -1,4 +1,4 @@
-// The workspace of a remote robot: the target stays in it, and the hand is told its walls.
+// A remote robot's workspace: the target stays inside, and the hand gets its walls.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ TEST(RemoteWalls, TheTargetStaysInTheWorkspaceForAnyHand) {
     bench.press(bench.anna);
     for (int i = 0; i < 5000; ++i) {
       bench.anna.at += Vec3(step(random), step(random), step(random));
-      // One that takes no heed of walls, and one that lies of its offset.
+      // The hand ignores the walls, and sometimes lies about its offset.
       if (i % 1000 == 500) bench.anna.offset = 100.0 * Vec3::Random();
       bench.send(bench.anna);
       ASSERT_EQ(bench.target.state, engaged);
@@ -61,15 +61,15 @@ TEST(RemoteWalls, TellsTheNearestWallsWhereTheHandMeetsThem) {
   bench.press(bench.anna);
   const Vec3 began = bench.anna.at;
   for (int i = 0; i < 10; ++i) {
-    bench.anna.at += Vec3(3e-3, -2e-3, 1e-3);  // of the robot: 60, -40 and 20 mm in all
+    bench.anna.at += Vec3(3e-3, -2e-3, 1e-3);  // 20 times for the robot: 60, -40, 20 mm
     bench.send(bench.anna);
   }
   const Remote told = bench.link.told(bench.anna.number, bench.now);
   ASSERT_EQ(told.wall_count, 3);
-  // The robot is at (0.46, 0.06, 0.32) in the box: 40 mm from x = 0.5, 60 from y = 0, 80 from z =
+  // The robot is at (0.46, 0.06, 0.32) in the box: 40 mm to x = 0.5, 60 mm to y = 0, 80 mm to z =
   // 0.4.
   const Vec3 normals[] = {-Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitZ()};
-  const double away[] = {0.02, 0.03, 0.04};  // of the hand
+  const double away[] = {0.02, 0.03, 0.04};  // at the hand
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(told.walls[i].wall.normal, normals[i]);
     EXPECT_NEAR(told.walls[i].wall.clearance(bench.anna.at), away[i], 1e-12);
@@ -103,7 +103,7 @@ TEST(RemoteWalls, LockedAxesKeepTheValueOfEachEngagement) {
   seat.speed = 10.0;
   seat.workspace.locked = {false, true, false};
   Workspace own;
-  own.turning_locked = true;  // the robot's, beside the seat's
+  own.turning_locked = true;  // of the robot, besides the seat's
   Bench bench(seat, own);
   bench.press(bench.anna);
   for (int i = 0; i < 50; ++i) {
@@ -115,7 +115,7 @@ TEST(RemoteWalls, LockedAxesKeepTheValueOfEachEngagement) {
   }
   EXPECT_NEAR(bench.target.pose.position.x(), 0.45, 1e-12);
   EXPECT_NEAR(bench.target.pose.position.z(), 0.25, 1e-12);
-  bench.state.commanded.position.y() = 0.15;  // somebody has moved the robot
+  bench.state.commanded.position.y() = 0.15;  // a person moved the robot
   bench.press(bench.anna);
   bench.anna.at.y() += 0.01;
   bench.send(bench.anna);

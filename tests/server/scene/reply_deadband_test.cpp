@@ -1,4 +1,4 @@
-// A server may withhold a reply that the client already derives from the reply before.
+// A server may withhold a reply that the client can derive from the last one.
 
 #include "server/scene/reply_deadband.hpp"
 
@@ -32,8 +32,7 @@ struct Sent {
   Reply reply;
 };
 
-/// The replies that go out, and how far what a client holds is off at worst, less the floor, over
-/// the command.
+/// The sent replies, and the largest relative error of the client's force, beyond the unfelt force.
 struct Played {
   std::vector<Sent> sent;
   double worst = 0.0;
@@ -56,7 +55,7 @@ Played play(const SessionParameters& p, const std::function<Command(double)>& sc
   return played;
 }
 
-/// Presses, slides with a changing force, and leaves, five times.
+/// Five times: presses, slides with a changing force, and leaves.
 Command strokes(double t) {
   const double depth = std::max(0.0, std::sin(2 * M_PI * t));
   if (!(depth > 0.0)) return {};
@@ -71,7 +70,7 @@ TEST(ReplyDeadband, WhatTheClientHoldsIsWithinTheFraction) {
     for (const double k : {0.02, 0.05, 0.1, 0.2}) {
       const Played played = play(deadband(k, predictor), strokes, 5000);
       EXPECT_LE(played.worst, k * (1 + 1e-9));
-      EXPECT_LE(played.sent.size(), before);  // more is let go, less is sent
+      EXPECT_LE(played.sent.size(), before);  // a larger fraction sends less
       before = played.sent.size();
     }
     EXPECT_LT(before, 500u);
@@ -138,7 +137,7 @@ TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
 }
 
-// All of the time that what moves comes back, and the first reply after it.
+// Sends all replies during a recovery, and the first one after it.
 TEST(ReplyDeadband, NothingIsWithheldWhileWhatMovesComesBack) {
   ReplyDeadband deadband(reply_deadband_test::deadband(0.5));
   Reply reply;
@@ -152,7 +151,7 @@ TEST(ReplyDeadband, NothingIsWithheldWhileWhatMovesComesBack) {
   EXPECT_EQ(sent, std::vector<bool>({true, false, true, true, true, true, false}));
 }
 
-/// A ball of radius 50 mm above the tool's way, felt from outside; the tool slides by.
+/// A ball of radius 50 mm; the tool slides past outside.
 LocalModel ball_model(const Vec3& tool) {
   const Vec3 up = tool.normalized();
   LocalModel model;
@@ -172,18 +171,18 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   const LocalModel sent = ball_model(Vec3(0, 0, 0.048));
   const Vec3 aside(0.02, 0, 0.04);
   EXPECT_TRUE(describes(sent, sent, 0.01, 1e-6));
-  EXPECT_TRUE(describes(sent, ball_model(aside), 0.01, 1e-6));  // the same ball
+  EXPECT_TRUE(describes(sent, ball_model(aside), 0.01, 1e-6));  // on the same ball
   LocalModel flat = sent;
   flat.patches[0].curvature = 0.0;
   EXPECT_FALSE(describes(flat, ball_model(aside), 0.01, 1e-6));
-  EXPECT_FALSE(describes(sent, ball_model(Vec3(0, 0, 0.10)), 0.01, 1.0));  // half way out
+  EXPECT_FALSE(describes(sent, ball_model(Vec3(0, 0, 0.10)), 0.01, 1.0));  // half of the reach
 
   const auto changed = [&](const std::function<void(LocalModel&)>& change) {
     LocalModel now = ball_model(aside);
     change(now);
     return !describes(sent, now, 0.01, 0.1);
   };
-  EXPECT_FALSE(changed([](LocalModel& m) { m.patches[0].point *= 1.0015; }));  // 75 um of 100
+  EXPECT_FALSE(changed([](LocalModel& m) { m.patches[0].point *= 1.0015; }));  // 75 um of 100 um
   EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].point *= 1.003; }));
   EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].feature = 1; }));
   EXPECT_TRUE(changed([](LocalModel& m) { m.patches[0].joined = true; }));
@@ -193,7 +192,7 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   EXPECT_FALSE(describes(narrow, ball_model(aside), 0.01, 1.0));
   EXPECT_FALSE(describes(LocalModel{}, ball_model(aside), 0.01, 1.0));
 
-  // Another surface is news where it was looked for, and none beyond.
+  // A new surface matters within the reach of the sent model, but not beyond.
   LocalModel more = ball_model(aside);
   more.patches[1] = more.patches[0];
   more.patches[1].object = 1;
@@ -203,7 +202,7 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   more.patches[1].point = Vec3(0.11, 0, 0.048);
   EXPECT_TRUE(describes(sent, more, 0.01, 1.0));
 
-  // One that moves as it was said to.
+  // The surface moved as its sent velocity predicts.
   LocalModel moving = sent, later = sent;
   moving.patches[0].velocity = Vec3(0, 0, 0.5);
   later.patches[0].point.z() += 5e-3;
@@ -211,7 +210,7 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   EXPECT_FALSE(describes(moving, sent, 0.01, 1.0));
 }
 
-/// In free space the force says nothing; the wall that comes near does.
+/// In free space the force gives no reason to send, but an approaching wall does.
 TEST(ReplyDeadband, AModelIsRenewedBeforeTheToolLeavesIt) {
   SessionParameters p = deadband(0.1, Predictor::level, 0.05);
   p.side = BoundingSide::client;
@@ -235,7 +234,7 @@ TEST(ReplyDeadband, AModelIsRenewedBeforeTheToolLeavesIt) {
   EXPECT_LT(sent, 25);
 }
 
-/// The whole session: what is withheld is counted, and told in the next reply.
+/// A whole session counts withheld replies and reports the count in the next reply.
 TEST(SessionDeadband, CountsWhatItWithholdsAndSaysSo) {
   const Scene scene = test::room(0.0);
   Session session(test::join_request(deadband(0.1)), scene);
@@ -271,8 +270,7 @@ TEST(SessionDeadband, RatesTravelWithALineOnly) {
   }
 }
 
-/// Samples that the client left out are no gap, and count as one hold. A sample that was sent and
-/// never arrived is a gap.
+/// Samples that the client left out are no gap and count as a single hold. A lost sample is a gap.
 TEST(Session, LeftOutIsNotLost) {
   const Scene scene = test::room(0.0);
   Session session(test::join_request(), scene);

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kId = 0x100;
 constexpr std::uint64_t kDatagrams = 100;  // more than a batch
 
-/// A host whose socket has a hundred samples before it starts, of a session that joins first.
+/// A host whose socket holds a hundred samples of a joined session before it starts.
 struct Crowded {
   explicit Crowded(std::function<Nanoseconds()> clock, Nanoseconds busy_poll = 0ns) {
     SceneHostOptions options;
@@ -43,15 +43,15 @@ struct Crowded {
   std::unique_ptr<test::RawSocket> socket;
 };
 
-/// A request that is posted while a batch is answered waits for one answer, not for all of them. So
-/// does the end of the server, in a scene whose answers take long.
+/// A request posted during a batch waits for a single answer, not for the batch. The server's end
+/// does so, too, in a slow scene.
 TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   for (const Nanoseconds busy_poll : {Nanoseconds(0), Nanoseconds(1ms)}) {
     SceneHost* host = nullptr;
     int looks = 0;
     Crowded crowded(
         [&] {
-          // The first look is the join's; at the next one, the batch has been taken.
+          // The first reading is the join's. At the second, the batch has been read.
           if (++looks == 2) host->evict(kId);
           return monotonic_now();
         },
@@ -65,12 +65,12 @@ TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   }
 }
 
-/// The rest of a batch is answered, too, after somebody else had a turn.
+/// The rest of the batch is answered after the posted request.
 TEST(SceneHost, NothingOfABatchIsLost) {
   SceneHost* host = nullptr;
   int looks = 0;
   Crowded crowded([&] {
-    if (++looks % 3 == 2) host->evict(kId + 1);  // that is not there
+    if (++looks % 3 == 2) host->evict(kId + 1);  // an unknown session
     return looks * 1us;
   });
   host = crowded.host.get();
@@ -81,8 +81,8 @@ TEST(SceneHost, NothingOfABatchIsLost) {
   host->stop();
 }
 
-/// A clock by which every answer takes long: the thread reads it for each of them, and timers have
-/// a turn in between.
+/// A clock on which every answer takes long: the thread reads it for each, and timers run in
+/// between.
 TEST(SceneHost, AnswersAllOfASlowScene) {
   Nanoseconds now{0};
   Crowded crowded([&] { return now += 10ms; });
@@ -90,7 +90,7 @@ TEST(SceneHost, AnswersAllOfASlowScene) {
   ASSERT_TRUE(test::becomes([&] { return crowded.counters().datagrams == kDatagrams; }));
   const SceneCounters counters = crowded.counters();
   EXPECT_GT(counters.samples.replies, 0u);
-  // By this clock the session takes all the time that there is: a tenth is kept from it.
+  // On this clock the session uses the whole thread, so a tenth of its samples is dropped.
   EXPECT_EQ(counters.samples.replies + counters.shed, kDatagrams);
   crowded.host->stop();
 }

@@ -25,7 +25,7 @@ constexpr std::uint64_t kId = 0x1234567800ull;
 class SceneSessionsTest : public ::testing::Test {
  protected:
   Scene scene = test::room();
-  static constexpr SessionLimits kFast{.sample_rate = 1e6};  // tests do not wait
+  static constexpr SessionLimits kFast{.sample_rate = 1e6};  // no waiting for the rate
   SceneSessions sessions{scene, 2s, 2, nullptr, kFast};
   test::SealedEncoder client{test::Way::up};
   DatagramBuffer out;
@@ -61,11 +61,11 @@ TEST_F(SceneSessionsTest, SampleIsAnswered) {
   EXPECT_EQ(reply.sample_index, 3u);
 }
 
-/// One datagram with every fault at once, mended in the documented order: each fault is counted
-/// once, and only the last is answered.
+/// A datagram with every fault, corrected in the documented order. Each fault is counted once, and
+/// only the correct datagram is answered.
 TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   join(kId);
-  send(hand_batch(5));  // packet 1, so that 1 is a number seen before
+  send(hand_batch(5));  // packet 1, so number 1 is used
 
   std::vector<std::uint8_t> bytes(kMaxDatagram + 1, 0xff);
   const auto expect = [&](DropReason reason) {
@@ -80,7 +80,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   expect(DropReason::version);
   bytes[2] = 1;
   expect(DropReason::kind);
-  bytes[3] = 2;  // replies are not received here
+  bytes[3] = 2;  // a server receives no replies
   expect(DropReason::kind);
   bytes[3] = 1;
   expect(DropReason::reserved);
@@ -96,7 +96,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   bytes.assign(unsound.begin(), unsound.end());
   expect(DropReason::malformed);
 
-  // Behind a good envelope: each batch has all later faults too.
+  // With a valid envelope: each batch still has all later faults.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   SampleBatch batch = hand_batch(5, 2);
   batch.samples[1].index = 9;
@@ -139,7 +139,7 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   join(kId + 256, 10s);
   send(hand_batch(1), kId, 11s);
   EXPECT_TRUE(sessions.expire(11s).empty());
-  auto goodbyes = sessions.expire(12s);  // the second never said anything since it joined
+  auto goodbyes = sessions.expire(12s);  // the second sent nothing since its join
   ASSERT_EQ(goodbyes.size(), 1u);
   EXPECT_EQ(goodbyes[0].to.length, 0u);
   EXPECT_EQ(sessions.size(), 1u);
@@ -154,7 +154,7 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   EXPECT_EQ(reason, GoodbyeReason::evicted);
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().silent, 2u);
-  EXPECT_EQ(sessions.counters().samples.samples, 1u);  // what ended sessions did still counts
+  EXPECT_EQ(sessions.counters().samples.samples, 1u);  // samples of ended sessions still count
   send(hand_batch(2), kId, 13s);
   EXPECT_EQ(drops(DropReason::session), 1u);
 }
@@ -166,7 +166,7 @@ TEST_F(SceneSessionsTest, GoodbyeEndsASession) {
                   .empty());
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().left, 1u);
-  join(kId + 256);  // there is room again
+  join(kId + 256);  // a place is free again
   join(kId + 512);
 }
 
@@ -191,10 +191,10 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   request.parameters.redundancy = 20;
   EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
   request = join_request();
-  request.parameters.c2 = 1e8;  // above this device's b/T: only both together show it
+  request.parameters.c2 = 1e8;  // above this device's b/T, which needs both values to see
   EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
   EXPECT_EQ(sessions.size(), 0u);
-  // A method that this program does not know: the answer names those that it does.
+  // An unknown method: the answer names the known methods.
   request = join_request();
   request.parameters.mode = "no_such_method";
   const auto unknown = sessions.answer(request, kId, test::keys(kId), 0s);
@@ -213,7 +213,7 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   SessionParameters slower;
   slower.servo_period = 2e-3;
   EXPECT_EQ(refusal(control::SetParameters{kId, slower}), RefusalCode::bad_parameters);
-  EXPECT_EQ(refusal(join_request(), kId), RefusalCode::full);  // the id is taken
+  EXPECT_EQ(refusal(join_request(), kId), RefusalCode::full);  // the id exists already
   join(kId + 256);
   EXPECT_EQ(refusal(join_request()), RefusalCode::full);
 }
@@ -248,7 +248,7 @@ TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
   EXPECT_EQ(sessions.find(kId), nullptr);
 }
 
-// Once it was answered and had no effect: the client went on as it had joined.
+// Such a change was once answered but had no effect at the client.
 TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
   std::uint64_t id = 0x100;
   std::size_t changed = 0;
@@ -266,7 +266,7 @@ TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
     EXPECT_EQ(one.find(id)->parameters(), servers_alone ? change.granted : change.asked);
     const auto* refused = std::get_if<control::Refused>(&answer);
     if (refused == nullptr) continue;
-    // A client may be asked for another law, but one that did not say so at its join never is.
+    // Only a client that allowed it at its join may be asked for another law.
     if (change.field == "mode" || change.field == "projection" || change.field == "storage") {
       EXPECT_EQ(refused->code, control::RefusalCode::not_supported);
       EXPECT_THAT(refused->reason, ::testing::HasSubstr("its client takes no other law"));
@@ -280,7 +280,7 @@ TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
   EXPECT_EQ(changed, 1u);
 }
 
-// If the server alone bounds, an admin may change its bound.
+// If only the server bounds, an admin may change the bound.
 TEST_F(SceneSessionsTest, TheServersOwnBoundChangesWhileASessionRuns) {
   const std::set<std::string> bound = {
       "mode", "projection", "storage", "operator_damping", "velocity_cutoff", "reference"};
@@ -318,7 +318,7 @@ TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
   }
 }
 
-/// Everything hostile at once does not end, stop or change the session beside it.
+/// Fuzzed datagrams do not end, stop or change the neighbouring session.
 TEST_F(SceneSessionsTest, FuzzedDatagramsAreOnlyCounted) {
   join(kId);
   join(kId + 256);
@@ -349,7 +349,7 @@ TEST_F(SceneSessionsTest, DatagramsDoNotAllocate) {
   for (std::uint64_t n = 2; n <= 10'000; ++n) {
     const Bytes sent = client.samples(kId, n, hand_batch(n, 3));
     sessions.receive(sent, peer, 0s, out);
-    sessions.receive(sent, peer, 0s, out);                                       // seen before
+    sessions.receive(sent, peer, 0s, out);                                       // duplicate
     sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s, out);  // cut
   }
   EXPECT_EQ(test::allocations(), before);

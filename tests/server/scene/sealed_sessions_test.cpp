@@ -1,5 +1,5 @@
-// Sessions under attack: whoever has no key changes nothing, and whoever has one and floods is
-// slowed, then ended. Time is what the test says.
+// Sessions under attack: without a key nothing changes. A session that floods is slowed and then
+// ended. The clock is simulated.
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -45,7 +45,7 @@ struct World {
         sessions.answer(join_request(), id, keys, now)));
   }
   void join(std::uint64_t id) { join(id, test::keys(id)); }
-  /// The answer's size.
+  /// The size of the answer.
   std::size_t receive(Bytes datagram, Nanoseconds now = 0s) {
     return sessions.receive(datagram, peer, now, out).size();
   }
@@ -60,7 +60,7 @@ struct World {
 class SealedSessions : public ::testing::TestWithParam<CipherSuite> {};
 INSTANTIATE_TEST_SUITE_P(Suites, SealedSessions, ::testing::ValuesIn(test::suites()));
 
-/// The whole way with both suites, whatever the machine prefers.
+/// A whole exchange with each suite, independent of the machine's preference.
 TEST_P(SealedSessions, BothEndsUnderstandEachOther) {
   World world;
   const SessionKeys keys = test::keys(kId, GetParam());
@@ -109,7 +109,7 @@ TEST_P(SealedSessions, NothingOfOneSessionIsOfUseInAnother) {
   Octets datagram = octets(client.samples(kId, 1, hand_batch(1)));
   write_header(datagram, {DatagramKind::samples, kOther, 1});
   EXPECT_EQ(world.receive(datagram), 0u);
-  // And what the server says is nothing to say to it.
+  // The server drops its own reflected datagrams, too.
   const std::size_t size = world.receive(client.samples(kId, 1, hand_batch(1)));
   Octets reflected = octets(Bytes(world.out.bytes).first(size));
   EXPECT_EQ(world.receive(reflected), 0u);
@@ -127,7 +127,7 @@ TEST(SealedSession, NobodyElseSaysGoodbyeForIt) {
   EXPECT_EQ(world.receive(stranger.goodbye(kId, 2, GoodbyeReason::leaving)), 0u);
   EXPECT_EQ(world.drops(DropReason::sealed), 1u);
   EXPECT_EQ(world.sessions.size(), 1u);
-  EXPECT_GT(world.send(2), 0u);  // the number was not used up
+  EXPECT_GT(world.send(2), 0u);  // the number is still unused
   world.receive(world.client.goodbye(kId, 3, GoodbyeReason::leaving));
   EXPECT_EQ(world.sessions.size(), 0u);
 }
@@ -137,12 +137,12 @@ TEST(SealedSession, ANewSessionHearsNothingOfTheOld) {
   world.join(kId);
   const Octets old = octets(world.client.samples(kId, 5, hand_batch(5)));
   world.receive(world.client.goodbye(kId, 1, GoodbyeReason::leaving));
-  world.join(kId, test::keys(kId + 1));  // the same id by chance, never the same keys
+  world.join(kId, test::keys(kId + 1));  // by chance an equal id, but never equal keys
   EXPECT_EQ(world.receive(old), 0u);
   EXPECT_EQ(world.drops(DropReason::sealed), 1u);
 }
 
-/// The address that gets the goodbye.
+/// The number of the address that gets the goodbye.
 TEST(SealedSession, ItsAddressMovesWithTheNewestDatagramThatIsItsOwn) {
   const auto address_after = [](auto act) {
     World world;
@@ -165,13 +165,13 @@ TEST(SealedSession, ItsAddressMovesWithTheNewestDatagramThatIsItsOwn) {
               w.send(1);
             }),
             1);
-  EXPECT_EQ(address_after([](World& w) {  // held back, then sent on from elsewhere
+  EXPECT_EQ(address_after([](World& w) {  // held back and sent on from elsewhere
               w.send(3);
               w.peer = peer_at(2);
               w.send(2);
             }),
             1);
-  EXPECT_EQ(address_after([](World& w) {  // a newer sample under an older number
+  EXPECT_EQ(address_after([](World& w) {  // a newer sample with an older number
               w.send(3);
               w.peer = peer_at(2);
               w.receive(w.client.samples(kId, 2, hand_batch(9)));
@@ -188,7 +188,7 @@ TEST(SealedSession, TooManyForgeriesEndIt) {
   for (int i = 0; i < 99; ++i) world.receive(forged);
   EXPECT_TRUE(world.sessions.expire(0s).empty());
   EXPECT_GT(world.send(2), 0u);
-  forged[16] = 3;  // a packet number that is fresh
+  forged[16] = 3;  // a fresh packet number
   world.peer = peer_at(7);
   world.receive(forged);
   EXPECT_EQ(world.send(3), 0u);
@@ -201,12 +201,12 @@ TEST(SealedSession, TooManyForgeriesEndIt) {
   EXPECT_EQ(world.sessions.counters().forged, 1u);
 }
 
-// The rate that a session may have.
+// The allowed sample rate of a session.
 
 /// The counts of a session that sends at `rate` [1/s] for `time` [s].
 struct Sent {
   std::uint64_t answered = 0, slowed = 0;
-  double flooding_after = -1.0;  // [s] -1: not
+  double flooding_after = -1.0;  // [s] -1: no flood
 };
 Sent send_at(double rate, double time) {
   World world;
@@ -251,7 +251,7 @@ TEST(SampleRate, WhoFloodsIsEnded) {
   EXPECT_NEAR(send_at(100'000.0, 10.0).flooding_after, 3000.0 / 97'000.0, 0.001);
 }
 
-/// A network that holds back a second of datagrams and lets them go at once costs none of them.
+/// A network holds datagrams back for a second and releases them at once: none is dropped.
 TEST(SampleRate, WhatANetworkHeldBackIsTaken) {
   World world;
   world.join(kId);
@@ -262,7 +262,7 @@ TEST(SampleRate, WhatANetworkHeldBackIsTaken) {
   EXPECT_TRUE(world.sessions.expire(9s).empty());
 }
 
-/// Nine new samples in a datagram are nine samples, nine known ones are one.
+/// Nine new samples in a datagram count nine times. Nine known samples count once.
 TEST(SampleRate, SamplesAreCountedNotDatagrams) {
   const auto answered = [](std::uint64_t fresh) {
     World world;
@@ -287,7 +287,7 @@ TEST(SampleRate, AClockThatRunsBackGivesNothingAway) {
   EXPECT_TRUE(bucket.take(50s + 201ms));
 }
 
-/// Only whoever has the key can have a session slowed or ended.
+/// Only the holder of the key can have its session slowed or ended.
 TEST(SampleRate, ForgeriesCountForNothing) {
   World world;
   world.join(kId);
@@ -318,11 +318,11 @@ TEST(SealedSession, WhatIsDroppedAllocatesNothing) {
   const std::size_t before = test::allocations();
   for (int i = 0; i < 2000; ++i) {
     world.receive(good);     // replayed
-    world.receive(forged);   // sealed by nobody
-    world.receive(foreign);  // of no session
+    world.receive(forged);   // not sealed
+    world.receive(foreign);  // unknown session
     world.receive(Bytes(good).first(kMinDatagram - 1));
   }
-  for (std::uint64_t n = 2; n <= 4000; ++n) world.send(n);  // more than it may
+  for (std::uint64_t n = 2; n <= 4000; ++n) world.send(n);  // above the rate
   EXPECT_EQ(test::allocations(), before);
   EXPECT_EQ(world.drops(DropReason::packet_number), 2000u);
   EXPECT_EQ(world.drops(DropReason::sealed), 2000u);

@@ -1,5 +1,5 @@
-// A path that takes only short datagrams: what a session's replies carry then, and that a recording
-// of it is computed again to the same bits.
+// A path for short datagrams only: the contents of a session's replies, and a bit-equal replay of
+// its recording.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 using test::RecordedScene;
 
 constexpr std::uint64_t kHand = 0x100, kEye = 0x200;
-constexpr std::size_t kDatagram = 548;  // [bytes] of a path of 576 over IPv4
+constexpr std::size_t kDatagram = 548;  // [bytes] for an IPv4 path of 576
 constexpr std::size_t kPayload = kDatagram - kOverhead;
 
 control::JoinRequest modelled() {
@@ -32,7 +32,7 @@ control::JoinRequest observer() {
   return request;
 }
 
-/// A scene where a tool with a body lies on a corner: all parts of its model are near.
+/// A tool with a body lies on a corner: all parts of its model are near.
 const char* const kCorner = R"({
   "name": "corner", "materials": [{ "name": "m", "stiffness": 1000 }],
   "objects": [{ "name": "top", "plane": {}, "material": "m" },
@@ -49,7 +49,7 @@ struct Seen {
   std::size_t longest = 0, replies = 0, shortened = 0, modelled = 0;
 };
 
-/// So many milliseconds of the hand.
+/// Runs the hand for some milliseconds.
 Seen feel(RecordedScene& scene, std::uint64_t id, int milliseconds) {
   Seen seen;
   for (int n = 0; n < milliseconds; ++n) {
@@ -87,7 +87,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
     EXPECT_GT(whole.longest, kDatagram);
   }
 
-  // Room for some parts of a body, for some surfaces about a point, and for no model.
+  // Room for some parts of a body, for some surfaces at a point, or for no model.
   constexpr std::size_t kOfABody = 900;
   for (const std::size_t payload : {kOfABody, kPayload, kPayload / 2 + 40}) {
     sessions.limit_replies(kHand, payload, scene.exchange.now);
@@ -108,7 +108,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
   EXPECT_NE(lines[0].find("takes no datagrams above"), std::string::npos) << lines[0];
   EXPECT_FALSE(sessions.has_short_paths());
 
-  // Another path may be there after a minute.
+  // After a minute the path may have changed.
   scene.exchange.now += 1min;
   const Seen again = feel(scene, kHand, 300);
   if (body) {
@@ -123,7 +123,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(OfAPointAndOfABody, ShortPath, ::testing::Bool());
 
-/// The parts of a model that are left out end its reach: it says nothing of where they are.
+/// The model's reach ends before the omitted parts, as it does not describe them.
 TEST(ShortReply, WhatIsLeftOutIsBeyondTheReach) {
   control::JoinRequest request = modelled();
   const Scene scene = load_scene(test::repository_scene("room.json"));
@@ -154,7 +154,7 @@ TEST(ShortReply, WhatIsLeftOutIsBeyondTheReach) {
   EXPECT_GT(cut, 100);
 }
 
-/// An observer is shown all hands, in more turns.
+/// An observer sees all hands in more turns.
 TEST(ShortPathOfAnObserver, SeesAllInMoreTurns) {
   RecordedScene scene(test::repository_scene("room.json"));
   SceneSessions& sessions = scene.exchange.sessions;

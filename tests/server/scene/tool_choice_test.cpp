@@ -1,4 +1,4 @@
-// Hands that choose what they hold, through SceneSessions by the test's clock and a whole server.
+// Hands choose their tools, through SceneSessions with a simulated clock and in a whole server.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,14 +42,14 @@ HandTool brick() {
           .name = "brick"};
 }
 
-/// A floor at z = 0, for these tools.
+/// A floor at z = 0 for hands with these tools.
 Scene floor_for(std::vector<HandTool> tools) {
   Scene scene("room", {test::object("floor", Plane{}, {.stiffness = 1000.0})});
   if (!tools.empty()) scene.set_tools(std::move(tools));
   return scene;
 }
 
-/// A weightless ball of 3 cm for all of them.
+/// A weightless ball of 3 cm for all three tools.
 Scene ball_for_all() {
   Scene scene = test::moving({test::object("ball", Sphere{0.03}, kGrippy)}, {0},
                              {test::body("ball", 0.2)}, test::kWeightless);
@@ -103,7 +103,7 @@ TEST(ToolChoice, EachHandHoldsWhatItAsksFor) {
   EXPECT_EQ(bench.above(kSecond), 0.0);
   for (int n = 0; n < 20; ++n) bench.above(kThird);
   EXPECT_GT(bench.above(kThird), 1.0);
-  // A point has the floor for its local model, a ball the plane where its middle stands.
+  // A point's local model is the floor; a ball's is the plane where the ball's centre stops.
   const LocalModel of_ball = bench.hand(kFirst, Vec3(0, 0, 0.01)).model;
   const LocalModel of_tip = bench.hand(kSecond, Vec3(0, 0, 0.01)).model;
   ASSERT_EQ(of_ball.count, 1);
@@ -128,8 +128,8 @@ TEST(ToolChoice, WhatIsNotThereIsRefusedWithWhatThereIs) {
   EXPECT_TRUE(std::holds_alternative<JoinAccepted>(bench.join(kFirst, "tip", Role::observer)));
 }
 
-// Newton's third law, to rounding: what three hands with three tools are told, the ball they move
-// takes negated.
+// Newton's third law up to rounding: the ball gets the negative of the forces on three hands with
+// three tools.
 TEST(ToolChoice, ManyToolsMoveOneBody) {
   const Scene scene = ball_for_all();
   Bench bench(scene);
@@ -166,7 +166,7 @@ TEST(ToolChoice, AReloadKeepsTheHandsWhoseToolIsThere) {
   const Scene before = floor_for({ball(), tip(), brick()}),
               after = floor_for({tip("pin"), brick(), ball()});
   Bench bench(before);
-  bench.joined(kFirst);  // asks for none: what is first
+  bench.joined(kFirst);  // names no tool: gets the first
   bench.joined(kSecond, "tip");
   bench.joined(kThird, "ball");
   for (const std::uint64_t id : {kFirst, kSecond, kThird}) bench.above(id);
@@ -184,7 +184,7 @@ TEST(ToolChoice, AReloadKeepsTheHandsWhoseToolIsThere) {
   EXPECT_EQ(std::get<control::Refused>(bench.join(kSecond, "tip")).code, RefusalCode::unknown_tool);
 }
 
-// To other kinds of tools in a world that moves, and from it.
+// A reload leads to other kinds of tools in a world with moving bodies, and back.
 TEST(ToolChoice, AReloadPutsHandsIntoAWorldWithTheirTools) {
   const Scene still = floor_for({brick(), ball(), tip()}), moving = ball_for_all();
   Bench bench(still);
@@ -193,7 +193,7 @@ TEST(ToolChoice, AReloadPutsHandsIntoAWorldWithTheirTools) {
   bench.above(kFirst);
   bench.above(kSecond);
   EXPECT_TRUE(bench.sessions.enter(moving, bench.now).empty());
-  EXPECT_EQ(bench.hand(kFirst, Vec3(-0.0305, 0, 0)).command, Command{});  // a point now
+  EXPECT_EQ(bench.hand(kFirst, Vec3(-0.0305, 0, 0)).command, Command{});  // now a point
   bench.hand(kSecond, Vec3(0.0335, 0, 0));
   bench.sessions.tick(bench.now += 1ms);
   EXPECT_GT(bench.hand(kSecond, Vec3(0.0335, 0, 0)).command.force().x(), 0.1);  // it stands now
@@ -203,14 +203,14 @@ TEST(ToolChoice, AReloadPutsHandsIntoAWorldWithTheirTools) {
   EXPECT_NEAR(bench.above(kSecond), 3.0, 1e-9);
 }
 
-/// The scene's file, with these tools.
+/// A scene file with these tools.
 std::string json(const std::string& tools) {
   return R"({"name": "room", "materials": [{"name": "m", "stiffness": 1000}],
 "objects": [{"name": "floor", "plane": {}, "material": "m"}], "tools": [)" +
          tools + "]}";
 }
 
-// The whole server: who loses the tool is told so by a goodbye, and then by name why.
+// A whole server: a client that loses its tool gets a goodbye, and later a refusal with its name.
 TEST(ToolChoice, AServersReloadTakesAToolAway) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "room.json";

@@ -1,4 +1,4 @@
-// The lines of the log about moving bodies, and their rate by the test's clock.
+// Log lines about moving bodies, and their rate on a simulated clock.
 
 #include "server/scene/world_log.hpp"
 
@@ -32,7 +32,7 @@ TEST(WorldLog, ASceneThatIsNeverSaneSaysSoOnceASecond) {
   ASSERT_THAT(all, SizeIs(10));
   EXPECT_THAT(all[0], HasSubstr("(1 times since the last line, 1 times so far)"));
   EXPECT_THAT(all[1], HasSubstr("(1000 times since the last line, 1001 times so far)"));
-  // Lines that were held back are summarized once, at the end.
+  // A single line at the end summarizes the omitted ones.
   for (int n = 0; n < 3000; ++n) step();
   ASSERT_THAT(all, SizeIs(11));
   EXPECT_THAT(all[10], HasSubstr("10000 times so far"));
@@ -41,7 +41,7 @@ TEST(WorldLog, ASceneThatIsNeverSaneSaysSoOnceASecond) {
 TEST(WorldLog, TicksThatAreDroppedAndWarningsAreToldAtMostOnceASecondWhenThereAreTwiceAsMany) {
   WorldLog log;
   WorldNews news{.tick = kTick};
-  std::vector<std::uint64_t> dropped, warned;  // told at
+  std::vector<std::uint64_t> dropped, warned;  // times of lines
   Nanoseconds now{5s};
   for (std::uint64_t n = 1; n <= 100'000; ++n) {
     now += 1ms;

@@ -1,4 +1,4 @@
-// An admin on the live page: what it changes is felt, and others are refused.
+// An admin on the live page: its changes take effect, and other roles are refused.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST_F(AdminPage, AKnobChangesTheForce) {
   page.say({{"set", {{"object", "floor"}, {"stiffness", 2000}}}});
   EXPECT_EQ(page.text("changed")["text"], "object 'floor': stiffness 500 -> 2000 [N/m]");
   EXPECT_NEAR(hand.force(), 2.0, 1e-9);
-  // Everybody who looks on sees the new value, without the scene being sent again.
+  // All viewers get the new value without a new scene.
   const Json seen = watcher.text("materials");
   EXPECT_EQ(seen["objects"][0]["stiffness"], 2000.0);
   EXPECT_EQ(seen["version"], 1);
@@ -119,7 +119,7 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   RestingHand hand(client_, parameters);
   hand.force();
   Page page(server_, admin_);
-  // Sessions are told twice a second: until one is there.
+  // The page sends sessions twice a second: wait for one.
   Json session;
   while (session.is_null()) {
     const Json told = page.text("sessions");
@@ -164,7 +164,7 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   EXPECT_EQ(summary[0].counters.evicted, 1u);
 }
 
-/// A body that hangs in the air falls as the gravity says that an admin sets.
+/// A hanging body falls with the gravity that an admin sets.
 TEST(AdminPageGravity, MovesTheBodies) {
   const Vec3 place(0.2, 0, 0);
   std::vector<Object> objects = {test::object("ball", Sphere{0.03}, {.stiffness = 1000}, place)};
@@ -173,10 +173,10 @@ TEST(AdminPageGravity, MovesTheBodies) {
   scenes.emplace_back("room", objects).set_mechanism(mechanism);
   Server server(test::with_page(), std::move(scenes), test::security({}));
   ControlClient client(server.control_port());
-  RestingHand hand(client);  // a scene without hands stands still
+  RestingHand hand(client);  // the scene needs a hand to move
   hand.force();
   Page page(server, std::string(test::admin_token().text.text()));
-  const auto height = [&] {  // of the ball, after the hand
+  const auto height = [&] {  // the ball's, behind the hand's data
     constexpr std::size_t kZ = 24 + 112 + 4 + 8;
     float z = 0.0f;
     const auto picture = page.picture();
@@ -192,7 +192,7 @@ TEST(AdminPageGravity, MovesTheBodies) {
   test::eventually("the ball to rise", [&] { return height() > 0.01f; });
 }
 
-/// A message that asks for something else than there is ends the connection: it is of no page.
+/// A message with an unknown request ends the connection: no page sends it.
 TEST(ViewerMessage, ReadsWhatAnAdminWants) {
   using web::parse_viewer_message;
   const auto all = parse_viewer_message(
@@ -254,9 +254,9 @@ TEST(AdminPageReload, IsToldToThoseWhoWatchAndWhatIsWrongToAdminsAlone) {
   std::ofstream(file) << good;
   page.say({{"reload", true}});
   EXPECT_EQ(page.text("log")["level"], "info");
-  // The first line that the watcher sees: it was told of no file.
+  // The watcher's first line: the file's line was not for it.
   EXPECT_EQ(watcher.text("log")["text"], "Scene room was reloaded from its file.");
-  EXPECT_NEAR(hand.force(), 0.5, 1e-9);  // what the file says
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);  // the file's value
 }
 
 }  // namespace

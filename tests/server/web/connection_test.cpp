@@ -1,5 +1,4 @@
-// A connection to the live page, by its bytes: what it stores for an end that sends and does not
-// read.
+// A connection to the live page, byte by byte: its memory for a peer that sends and does not read.
 
 #include "server/web/connection.hpp"
 
@@ -17,14 +16,14 @@ namespace {
 using test::client_frame;
 using ::testing::StartsWith;
 
-/// The other end of a connection. It takes what is written only when it is told to.
+/// The other end of a connection. It takes written data only when told.
 struct OtherEnd {
   std::vector<Output> written;
-  Stream::Done taken;  // empty: nothing is being written
-  Stream::Read read;   // empty: nothing is being read
+  Stream::Done taken;  // empty: no write in progress
+  Stream::Read read;   // empty: no read in progress
   bool closed = false;
 
-  /// Takes what is being written; then the next is.
+  /// Takes the current write; the next one then starts.
   void take() { std::exchange(taken, {})({}); }
   void take_all() {
     while (taken) take();
@@ -41,7 +40,7 @@ struct OtherEnd {
     }
     return all;
   }
-  /// The frames of a viewer, behind the answer to its request.
+  /// The WebSocket frames after the answer to the request.
   std::vector<test::Frame> frames() const {
     const std::string all = text();
     const std::size_t begin = all.find("\r\n\r\n") + 4;
@@ -98,19 +97,19 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
     other_.read = {};
   }
 
-  /// A stranger at the WebSocket.
+  /// Opens a WebSocket without a token.
   void upgrade() {
     other_.say(kUpgrade);
     ASSERT_THAT(other_.text(), StartsWith("HTTP/1.1 101 "));
     other_.take();
     ASSERT_TRUE(other_.read);
   }
-  /// A viewer that has shown a token.
+  /// Opens a WebSocket with a valid token.
   void enter() {
     upgrade();
     connection_->admitted();
   }
-  /// Whether it has ended, at the latest when the present handlers have run.
+  /// True if the connection has ended after the pending handlers.
   bool over() {
     io_.poll();
     io_.restart();
@@ -138,7 +137,7 @@ TEST_F(ConnectionTest, ReadsNothingWhileOutputWaits) {
   EXPECT_EQ(other_.frames().size(), 2u);
 }
 
-/// Also frames that need no answer.
+/// Even frames that need no answer count.
 TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
   for (const auto& [opcode, last] : {std::pair(9, true), {10, true}, {0, false}}) {
     upgrade();
@@ -154,7 +153,7 @@ TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
     ASSERT_FALSE(answers.empty()) << opcode;
     EXPECT_EQ(answers.back().code(), 4400) << opcode;
     EXPECT_EQ(answers.back().reason(), "too many messages");
-    // 40 at once, and 20 a second while this runs.
+    // 40 at once and 20 a second during the test.
     EXPECT_LT(answers.size(), 200u) << opcode;
     EXPECT_EQ(parting_, 1);
     connection_->end();
@@ -168,7 +167,7 @@ TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
 
 TEST_F(ConnectionTest, EndsAViewerThatLetsTooMuchWait) {
   enter();
-  connection_->send("first");  // is being written, and stays so
+  connection_->send("first");  // this write never completes
   const std::string news(1000, 'n');
   std::size_t sent = 0;
   for (; sent + 2 * news.size() < Viewer::kMostWaiting; sent += news.size())
@@ -210,7 +209,7 @@ TEST_F(ConnectionTest, AFileOfThePageIsNotCopied) {
   EXPECT_FALSE(other_.read) << "a second request is not read before the first is answered";
 }
 
-/// Bytes after a request are thrown away, so that its answer arrives; not for ever.
+/// Bytes after a request are discarded so that its answer arrives, but not for ever.
 TEST_F(ConnectionTest, AnEndlessRequestEnds) {
   other_.say("POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 999999999\r\n\r\n");
   EXPECT_THAT(other_.text(), StartsWith("HTTP/1.1 400 "));
@@ -235,7 +234,7 @@ TEST_F(ConnectionTest, AViewerThatGoesOnAfterItsCloseEnds) {
   EXPECT_LE(read, Connection::kMostDiscarded + more.size());
 }
 
-/// A viewer that breaks the rules of a WebSocket keeps neither its seat nor its place.
+/// A viewer that breaks the WebSocket rules loses its seat and its place.
 TEST_F(ConnectionTest, ABrokenRuleTakesTheSeat) {
   enter();
   EXPECT_FALSE(audience_.empty());

@@ -1,4 +1,4 @@
-// A viewer of the Foxglove protocol: it gets the newest of what it has subscribed to, and no more.
+// A Foxglove viewer: it gets only the newest messages of its subscriptions.
 
 #include "server/web/foxglove_viewer.hpp"
 
@@ -97,7 +97,7 @@ TEST_F(FoxgloveViewers, GetTheNewestOnce) {
   viewer.receive(subscribe(8, FoxgloveChannel::hands));
   viewer.show(seen);
   viewer.show(seen);
-  EXPECT_EQ(way.subscriptions(), (std::vector<std::uint32_t>{7}));  // no picture came yet
+  EXPECT_EQ(way.subscriptions(), (std::vector<std::uint32_t>{7}));  // no picture yet
   EXPECT_EQ(ids(way.data[0], kEntities).size(), room.objects().size());
   for (int i = 0; i < 3; ++i) seen.set(picture_of({1}));
   viewer.show(seen);
@@ -116,7 +116,7 @@ TEST_F(FoxgloveViewers, AreToldWhoLeftAlsoAfterPicturesThatTheyMissed) {
   viewer.show(seen);
   EXPECT_THAT(ids(way.data[0], kEntities), ::testing::ElementsAre("hand 2", "hand 10", "hand 3"));
   EXPECT_TRUE(ids(way.data[0], kDeletions).empty());
-  seen.set(picture_of({3}));  // which it is not shown
+  seen.set(picture_of({3}));  // the viewer misses this picture
   seen.set(picture_of({3, 11}));
   viewer.show(seen);
   EXPECT_THAT(ids(way.data[1], kEntities), ::testing::ElementsAre("hand 3", "hand 11"));

@@ -1,6 +1,6 @@
 #pragma once
-// Frames of a WebSocket as its client writes and reads them (RFC 6455, 5.2), written for tests from
-// the text of the RFC.
+// WebSocket frames as a client writes and reads them (RFC 6455, 5.2). Written from the RFC's text
+// for the tests.
 
 #include <cstdint>
 #include <optional>
@@ -14,12 +14,12 @@ struct Frame {
   int opcode = 0;  // 1 text, 2 binary, 8 close, 9 ping, 10 pong
   std::vector<std::uint8_t> payload;
   std::string text() const { return {payload.begin(), payload.end()}; }
-  /// Of a close.
+  /// The code of a close frame.
   int code() const { return payload.size() < 2 ? 0 : payload[0] << 8 | payload[1]; }
   std::string reason() const { return payload.size() < 2 ? "" : text().substr(2); }
 };
 
-/// A frame of a client: masked.
+/// A masked frame of a client.
 inline std::vector<std::uint8_t> client_frame(int opcode, std::string_view payload,
                                               bool last = true) {
   constexpr std::uint8_t kMask[4] = {0x12, 0x34, 0x56, 0x78};
@@ -37,7 +37,7 @@ inline std::vector<std::uint8_t> client_frame(int opcode, std::string_view paylo
   return bytes;
 }
 
-/// Takes a whole frame of a server off the front; nothing where it has not come in full.
+/// Removes a whole server frame from the front; empty if it is not complete.
 inline std::optional<Frame> take_frame(std::vector<std::uint8_t>& bytes) {
   if (bytes.size() < 2) return std::nullopt;
   std::size_t head = 2, size = bytes[1] & 0x7F;

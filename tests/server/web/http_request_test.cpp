@@ -1,4 +1,4 @@
-// Heads of requests: what is read, and what is refused.
+// Request heads: valid ones and refused ones.
 
 #include "server/web/http_request.hpp"
 

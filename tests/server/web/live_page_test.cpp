@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Json = nlohmann::json;
 
-/// All that comes until the other side closes.
+/// All data until the other side closes.
 std::string rest(test::RawSocket& socket) {
   std::string all;
   for (auto more = socket.receive(); !more.empty(); more = socket.receive())
@@ -103,12 +103,12 @@ TEST(LivePage, RefusesAWrongToken) {
   Page silent(server);
   silent.say({{"watch", "room"}});
   EXPECT_EQ(silent.close().code(), 4401);
-  // A viewer that guesses tokens is slowed down.
+  // A viewer with wrong tokens is slowed down.
   int slowed = 0;
   for (int i = 0; i < 12; ++i)
     if (Page(server, "fw_123456789012_wrong").close().code() == 4429) ++slowed;
   EXPECT_GE(slowed, 1);
-  // A viewer with a valid token is not.
+  // A viewer with a valid token is not slowed down.
   EXPECT_EQ(Page(server, good_token()).text("hello")["role"], "admin");
 }
 
@@ -177,7 +177,7 @@ TEST(LivePage, LetsAnotherProgramLookOnWithATicket) {
   EXPECT_EQ(geometry.opcode, 2);
   EXPECT_EQ(at<std::uint32_t>(geometry.payload, 1), 3u);
   EXPECT_THAT(Page(server, path, "foxglove.websocket.v1").head(), StartsWith("HTTP/1.1 403 "));
-  // Messages that a viewer publishes are not read.
+  // Messages that a viewer publishes are ignored.
   other.say({{"op", "advertise"}});
   EXPECT_EQ(Json::parse(other.next().text())["op"], "status");
   page.say({{"ticket", "cellar"}});
@@ -201,7 +201,7 @@ TEST(LivePage, SaysThatTheServerEnds) {
   EXPECT_EQ(page.close().code(), 1001);
 }
 
-/// Page and WebSocket over TLS; without it there is nothing.
+/// Page and WebSocket use TLS beyond this machine; without TLS they do not answer.
 TEST(LivePage, IsEncryptedBeyondThisMachine) {
   ServerConfig config = with_page();
   config.web = "0.0.0.0:0";
@@ -243,7 +243,7 @@ TEST(LivePage, IsEncryptedBeyondThisMachine) {
   EXPECT_THAT(rest(plain), ::testing::Not(HasSubstr("HTTP")));
 }
 
-/// Viewers that stay.
+/// Viewers that stay connected.
 class Crowd {
  public:
   explicit Crowd(const Server& server) : server_(server) {}
@@ -270,7 +270,7 @@ IssuedToken observer(const std::string& client) {
 }
 std::string text_of(const IssuedToken& token) { return std::string(token.text.text()); }
 
-/// Observers of five clients take all places but those for admins; admins take those.
+/// Observers of five clients take all their places; the admins' places stay free.
 TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
   using web::Audience;
   std::vector<IssuedToken> observers;
@@ -294,7 +294,7 @@ TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
                    [&] { return Page(server, good_token()).text("hello")["type"] == "hello"; });
 }
 
-/// All tokens with one client's name count together, and tickets count, too.
+/// All tokens of a client name count together, and its tickets, too.
 TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
   const IssuedToken one = observer("eye"), same = observer("eye"), other = observer("ear");
   Server server(with_page(), {test::room()}, test::security({one.token, same.token, other.token}));
@@ -311,7 +311,7 @@ TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
   crowd.enter(text_of(other), web::Audience::kMostViewersOfClient);
 }
 
-/// Strangers crowd out each other, and no viewer.
+/// Strangers crowd out only strangers.
 TEST(LivePage, StrangersTakeNoPlaceOfAViewer) {
   Server server(with_page(), {test::room()}, test::security());
   Page viewer(server, good_token());
@@ -319,7 +319,7 @@ TEST(LivePage, StrangersTakeNoPlaceOfAViewer) {
   std::vector<std::unique_ptr<test::RawSocket>> silent;
   for (int n = 0; n < 200; ++n)
     silent.push_back(std::make_unique<test::RawSocket>(SOCK_STREAM, page_port(server)));
-  // An answer to a newcomer: all that came before it have been taken.
+  // An answer to a newcomer shows that earlier connections were accepted.
   test::RawSocket newcomer(SOCK_STREAM, page_port(server));
   newcomer.send(bytes("GET /health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
   EXPECT_THAT(rest(newcomer), StartsWith("HTTP/1.1 200 "));
@@ -350,7 +350,7 @@ TEST(LivePage, EndsAViewerThatSaysTooMuch) {
   EXPECT_EQ(ended.reason(), "too many messages");
 }
 
-/// The oldest of a network gives way to its newest. Other networks keep their places.
+/// A network's oldest place goes to its newest connection. Other networks keep their places.
 TEST(LivePage, ANetworkTakesPlacesFromItself) {
   web::WebOptions options;
   options.address = asio::ip::make_address("127.0.0.1");

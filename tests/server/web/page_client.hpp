@@ -1,5 +1,5 @@
 #pragma once
-// A server with the live page, and a browser's end of its WebSocket.
+// A server with the live page, and the browser's end of its WebSocket.
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ inline ServerConfig with_page() {
   return config;
 }
 
-/// Of a server or a gateway.
+/// The page's port at a server or a gateway.
 template <class Site>
 std::uint16_t page_port(const Site& site) {
   const std::string url = site.web_url();
@@ -29,7 +29,7 @@ std::uint16_t page_port(const Site& site) {
 
 inline std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
 
-/// A browser's end of the WebSocket.
+/// The browser's end of the WebSocket.
 class Page {
  public:
   template <class Site>
@@ -65,14 +65,14 @@ class Page {
     socket_.send(client_frame(opcode, payload));
   }
 
-  /// The next frame; of opcode 0 where the connection has ended.
+  /// The next frame; opcode 0 if the connection has ended.
   Frame next() {
     for (;;) {
       if (auto frame = take_frame(input_)) return *frame;
       if (!more()) return {};
     }
   }
-  /// The next text of this type; of no type where the connection ends before.
+  /// The next text of this type; no type if the connection ends first.
   nlohmann::json text(const std::string& type) {
     for (Frame frame = next(); frame.opcode != 0; frame = next())
       if (frame.opcode == 1)
@@ -82,7 +82,7 @@ class Page {
   }
   std::vector<std::uint8_t> picture() { return binary(2); }
   std::vector<std::uint8_t> surfaces() { return binary(3); }
-  /// The next binary message of this kind; empty where the connection ends before.
+  /// The next binary message of this kind; empty if the connection ends first.
   std::vector<std::uint8_t> binary(std::uint8_t kind) {
     for (Frame frame = next(); frame.opcode != 0; frame = next())
       if (frame.opcode == 2 && !frame.payload.empty() && frame.payload[0] == kind)

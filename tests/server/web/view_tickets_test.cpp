@@ -1,4 +1,4 @@
-// Tickets: once, within a minute, for one scene.
+// A ticket works once, within a minute, for a single scene.
 
 #include "server/web/view_tickets.hpp"
 
@@ -44,7 +44,7 @@ TEST(ViewTickets, NoOtherTextIsOne) {
   EXPECT_TRUE(tickets.redeem(text.text(), kNow)) << "wrong texts leave it good";
 }
 
-/// One holder cannot use up the memory, nor void the tickets of others.
+/// A single holder cannot fill the memory or invalidate others' tickets.
 TEST(ViewTickets, TheOldestOfAHolderGivesWay) {
   ViewTickets tickets;
   const Token greedy = holder("greedy");

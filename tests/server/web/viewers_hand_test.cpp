@@ -74,13 +74,13 @@ TEST(ViewersHand, TellsItsStoryOnce) {
                      .reach = 0.02};
   const Json held = news(hand);
   EXPECT_EQ(held["state"], "held");
-  EXPECT_EQ(held["session"], "1152921504606846976");  // JavaScript's numbers are too short
+  EXPECT_EQ(held["session"], "1152921504606846976");  // too large for a JavaScript number
   EXPECT_EQ(held["start"], Json({0.5, -1, 0.25}));
   EXPECT_EQ(held["reach"], 0.02);
   hands.next->now = {.state = PageHand::State::released, .reason = "it was enough"};
   EXPECT_EQ(news(hand)["reason"], "it was enough");
   EXPECT_TRUE(news(hand).is_null());
-  hand.take("room");  // another
+  hand.take("room");  // takes another hand
   EXPECT_EQ(hands.taken, 2);
 }
 
@@ -109,7 +109,7 @@ TEST(ViewersHand, SaysWhyThereIsNone) {
 TEST(ViewersHand, PointsNowhereWhereNoHandCanBe) {
   FakeHands hands;
   ViewersHand hand(hands, "anna", Secret("fw_1"));
-  EXPECT_TRUE(hand.point(Vec3::Zero()));  // too early, and no fault
+  EXPECT_TRUE(hand.point(Vec3::Zero()));  // too early, but allowed
   hand.take("room");
   EXPECT_TRUE(hand.point(Vec3(0.1, 0, -10)));
   for (const double wrong : {1e9, -10.001, std::numeric_limits<double>::infinity(),

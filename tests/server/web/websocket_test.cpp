@@ -1,4 +1,4 @@
-// One end of a WebSocket by its bytes: messages whole and in pieces, and what is no WebSocket's.
+// A WebSocket end byte by byte: whole and split messages, and invalid bytes.
 
 #include "server/web/websocket.hpp"
 
@@ -21,7 +21,7 @@ struct End {
             most, [this](std::string_view message) { said.emplace_back(message); },
             [this] { ++begun; }) {}
 
-  /// All frames that it has to send.
+  /// All frames that it wants to send.
   std::vector<test::Frame> sent() {
     std::vector<std::uint8_t> bytes;
     for (auto next = socket.take_output(); !next.empty(); next = socket.take_output()) {
@@ -76,7 +76,7 @@ TEST(WebSocket, AMessageBeginsWithItsOwnBytes) {
   }
 }
 
-/// A hundred viewers of a large scene store it once.
+/// A large scene for a hundred viewers is stored once.
 TEST(WebSocket, ALongSharedMessageIsNotCopied) {
   const web::SharedBytes scene(std::vector<std::uint8_t>(1'000'000, 7));
   std::vector<std::unique_ptr<End>> ends;
@@ -101,7 +101,7 @@ TEST(WebSocket, ShortMessagesAreWrittenTogether) {
   EXPECT_FALSE(end.socket.has_output());
 }
 
-/// All that it can be made to store can be counted before: each frame, and a message of its own.
+/// The socket counts each frame when it begins, so that a limit can bound the memory.
 TEST(WebSocket, CountsEveryFrameThatBegins) {
   End end;
   end.socket.receive(client_frame(1, "whole"));
@@ -200,7 +200,7 @@ TEST(WebSocket, AnswersAClose) {
   EXPECT_TRUE(end.socket.closed());
 }
 
-/// A close code of a frame that the server sends; 0: it sends none.
+/// The close code that the server sends; 0: none.
 int closed_by(const std::vector<std::uint8_t>& bytes) {
   End end(1000);
   end.socket.receive(bytes);
@@ -212,10 +212,10 @@ int closed_by(const std::vector<std::uint8_t>& bytes) {
 TEST(WebSocket, ClosesOnWhatIsNoneOfItsFrames) {
   std::vector<std::uint8_t> unmasked = {0x81, 0x01, 'x'};
   EXPECT_EQ(closed_by(unmasked), 1002);
-  EXPECT_EQ(closed_by(client_frame(3, "x")), 1002);         // no such opcode
-  EXPECT_EQ(closed_by(client_frame(1, "\xFF\xFE")), 1007);  // no UTF-8
+  EXPECT_EQ(closed_by(client_frame(3, "x")), 1002);         // an unknown opcode
+  EXPECT_EQ(closed_by(client_frame(1, "\xFF\xFE")), 1007);  // not UTF-8
   EXPECT_EQ(closed_by(client_frame(1, std::string(1001, 'x'))), 1009);
-  EXPECT_EQ(closed_by(client_frame(2, "x")), 4400);  // only text is read
+  EXPECT_EQ(closed_by(client_frame(2, "x")), 4400);  // only text is accepted
   EXPECT_EQ(closed_by(client_frame(1, std::string(1000, 'x'))), 0);
 }
 

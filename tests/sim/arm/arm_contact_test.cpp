@@ -1,4 +1,4 @@
-// The simulated arm on what it touches, against closed forms.
+// The simulated arm in contact with objects, against closed forms.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ ArmConfig closed(const std::string& name) {
   return config;
 }
 
-/// With closed fingers above the table.
+/// The arm with closed fingers above the table.
 struct AboveTheTable : Robot {
   explicit AboveTheTable(double height) : Robot(closed("table")) {
     move({0.45, 0.0, kHigh + height}, 2.0);
@@ -44,7 +44,7 @@ TEST(ArmContact, PressesWithTheSeriesStiffness) {
       const Vec3 force = run.mean_force(0.5);
       EXPECT_NEAR(force.z(), series(stiffness, kTable) * depth, 0.02 * force.z())
           << stiffness << " N/m, " << depth << " m";
-      EXPECT_LT(std::hypot(force.x(), force.y()), 0.3);  // friction keeps some
+      EXPECT_LT(std::hypot(force.x(), force.y()), 0.3);  // friction holds a part
       EXPECT_LT((force - run.arm.contact_force()).norm(), 0.02);
     }
   }
@@ -89,7 +89,7 @@ TEST(ArmContact, ASpherePushesAlongItsNormal) {
   run.wait(0.5);
   const Vec3 force = run.mean_force(0.2);
   EXPECT_GT(force.norm(), 5.0);
-  // Within the cone of friction (mu 0.3), towards the free side.
+  // Within the friction cone (mu 0.3), towards the free side.
   EXPECT_GT(force.normalized().dot(normal), std::cos(std::atan(0.3)) - 1e-3);
 }
 
@@ -112,7 +112,7 @@ TEST(ArmContact, LiftsTheBoxAndFeelsItsWeight) {
   // The weight stretches the spring.
   EXPECT_NEAR(run.target.pose.position.z() - run.reading.pose.position.z(),
               kBox * kGravity / run.arm.spec().stiffness, 5e-5);
-  // Let go, it falls.
+  // Released, the box falls.
   run.target.gripper = 0.08;
   run.wait(0.6);
   EXPECT_NEAR(run.arm.place_of("box")->z(), at.z(), 2e-3);
@@ -124,14 +124,14 @@ TEST(ArmContact, TheGripperHoldsWithAtMostItsForce) {
   const Vec3 at = run.arm.place_of("box").value_or(Vec3::Zero());
   run.move(at + Vec3(0.0, 0.0, 0.06), 2.0);
   run.move(at + Vec3(0.0, 0.0, 0.005), 1.0);
-  run.target.gripper = 0.0;  // 20 mm into each side: 80 N, were there no limit
+  run.target.gripper = 0.0;  // 20 mm into each side: 80 N without the limit
   run.wait(0.5);
   EXPECT_NEAR(run.reading.gripper_force, 40.0, 1e-9);
   EXPECT_GT(run.reading.gripper, 0.037);
 }
 
-/// 1 mm beside the axis the target goes straight down; the peg yields into the hole, which is 0.25
-/// mm wider at each side.
+/// The target goes straight down, 1 mm beside the axis. The peg yields into the hole, which is 0.25
+/// mm wider on each side.
 TEST(ArmContact, ThePegGoesInByCompliance) {
   ArmConfig config = config_of("peg");
   config.gripper = 0.02;
@@ -140,7 +140,7 @@ TEST(ArmContact, ThePegGoesInByCompliance) {
   run.wait(0.3);
   const double top = 0.33;     // [m] of the block
   const double beside = 1e-3;  // [m]
-  const double below = 0.045;  // [m] the peg's tip below the tool, more or less
+  const double below = 0.045;  // [m] the peg's tip below the tool, approximately
   run.move({0.45 + beside, beside, top + below + 0.02}, 2.0);
   double peak = 0.0;
   for (int i = 0; i < 4000; ++i) {

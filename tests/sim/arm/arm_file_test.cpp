@@ -1,4 +1,4 @@
-// Files that are no arm: the error names the file, what is missing and the remedy.
+// Files without a valid arm: the error names the file, the missing part and the remedy.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

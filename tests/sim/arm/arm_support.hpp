@@ -20,7 +20,7 @@ inline ArmConfig config_of(const std::string& name) {
   return config;
 }
 
-/// An arm and the time, one servo period after another.
+/// An arm and its time, which advances by servo periods.
 struct Robot {
   explicit Robot(const ArmConfig& config) : arm(config) {
     reading = arm.read(Nanoseconds(0));
@@ -38,7 +38,7 @@ struct Robot {
     const int count = static_cast<int>(std::lround(seconds / kPeriod));
     for (int i = 0; i < count; ++i) tick();
   }
-  /// The target goes evenly to a place.
+  /// Moves the target to a place at a constant speed.
   void move(const Vec3& to, double seconds) {
     const Vec3 from = target.pose.position;
     const int count = static_cast<int>(std::lround(seconds / kPeriod));
@@ -47,7 +47,7 @@ struct Robot {
       tick();
     }
   }
-  /// The mean of what the sensor says [N].
+  /// The mean of the sensor's readings [N].
   Vec3 mean_force(double seconds) {
     const int count = static_cast<int>(std::lround(seconds / kPeriod));
     Vec3 sum = Vec3::Zero();

@@ -27,8 +27,8 @@ TEST(Arm, SaysWhatItIs) {
   EXPECT_NEAR(spec.damping, 2.0 * std::sqrt(1000.0 * spec.mass), 1e-9);
   EXPECT_GT(spec.mass, 1.0);
   EXPECT_LT(spec.mass, 17.8);
-  // The condition under which a sampled spring is passive: b_f >= K T / 2. The controller's own
-  // step is half a servo period; here the whole one is asked for.
+  // A sampled spring is passive if b_f >= K T / 2. The controller's own step is half a servo
+  // period; this check demands the whole one.
   EXPECT_GE(spec.own_damping, 0.5 * spec.stiffness * spec.servo_period);
   EXPECT_NEAR(spec.wrench_noise, 0.08, 1e-12);
   EXPECT_NEAR(spec.gripper_opening, 0.08, 1e-12);
@@ -49,7 +49,7 @@ TEST(Arm, GoesToItsTarget) {
       Quaternion(Eigen::AngleAxisd(0.15, Vec3::UnitX())) * run.target.pose.orientation;
   run.move(to, 2.0);
   run.wait(1.0);
-  // Nothing is left: neither the posture, which knows the null space only in part, nor the walls
+  // No error is left: neither the posture, whose null space is known only in part, nor the walls
   // push.
   EXPECT_LT((run.reading.pose.position - to).norm(), 2e-5);
   EXPECT_LT(rotation_between(run.reading.pose.orientation, run.target.pose.orientation).norm(),
@@ -61,7 +61,7 @@ TEST(Arm, FollowsAnEvenMotionWithoutADampersLag) {
   constexpr double kSpeed = 0.1;  // [m/s]
   run.move(run.target.pose.position + Vec3(kSpeed, 0.0, 0.0), 1.0);
   const double lag = run.target.pose.position.x() - run.reading.pose.position.x();
-  // The friction of its axes is left. A damper that stood still would add B v / K: 10 mm.
+  // Only the friction of its axes remains. A damper to the ground would add B v / K: 10 mm.
   EXPECT_LT(std::abs(lag), 5e-3);
   EXPECT_GT(run.arm.spec().damping * kSpeed / run.arm.spec().stiffness, 8e-3);
 }
@@ -74,7 +74,7 @@ TEST(Arm, YieldsToAForceByItsStiffness) {
     run.wait(2.0);
     const Vec3 moved = run.reading.pose.position - before;
     EXPECT_LT((moved - force / run.arm.spec().stiffness).norm(), 0.02 * moved.norm());
-    // The sensor measures the push, too.
+    // The sensor measures the push too.
     EXPECT_LT((run.mean_force(0.5) - force).norm(), 0.01);
   }
 }
@@ -85,14 +85,14 @@ TEST(Arm, SensorAgreesToItsNoise) {
   double squares = 0.0, largest = 0.0;
   int count = 0;
   for (int i = 0; i < 4000; ++i) {
-    // It swings freely, with the inertia of the tool: up to 3 m/s^2.
+    // The arm swings freely, with the tool's inertia: up to 3 m/s^2.
     run.target.pose.position.y() = 0.05 * std::sin(2.0 * M_PI * run.time());
     const Vec3 wrong = *run.tick().force - run.arm.contact_force();
     largest = std::max(largest, wrong.norm());
     squares += wrong.squaredNorm();
     ++count;
   }
-  // Rotation of the tool's inertia is left alone: some thousandths.
+  // The tool's rotational inertia is not compensated: some thousandths.
   EXPECT_NEAR(std::sqrt(squares / (3.0 * count)), 0.02, 0.004);
   EXPECT_LT(largest, most + 0.05);
 }
@@ -173,7 +173,7 @@ TEST(Arm, SaysWhatItReallyHolds) {
   EXPECT_EQ(run.reading.commanded.position, run.held.pose.position);
   double fastest = 0.0;
   for (int i = 0; i < 300; ++i) fastest = std::max(fastest, run.tick().velocity.norm());
-  // It creeps with its spring at full stretch against its damper.
+  // The arm creeps: its fully stretched spring acts against its damper.
   EXPECT_LT(fastest, 30.0 / run.arm.spec().damping * 1.05);
 }
 
@@ -204,8 +204,8 @@ TEST(Arm, RespectsItsJointsLimitsAndTorques) {
   EXPECT_LT(nearest, 0.08) << "no limit was tried";
 }
 
-/// 6.2 of the theory: while the target stands, nothing that pushes the tool gets more energy out of
-/// the arm than its springs and masses held.
+/// 6.2 of the theory: while the target stands, no pusher gets more energy out of the arm than its
+/// springs and masses held.
 TEST(Arm, IsPassiveWhileItsTargetStands) {
   Robot run("arm");
   run.move(run.target.pose.position + Vec3(0.1, 0.05, -0.05), 1.0);
@@ -218,7 +218,7 @@ TEST(Arm, IsPassiveWhileItsTargetStands) {
     return 2.0 * static_cast<double>(splitmix::draw(9, draw++) >> 11) / 9007199254740992.0 - 1.0;
   };
   for (int i = 0; i < 20000; ++i) {
-    // It pushes in one way for a time, and then brakes what moves, which takes the most.
+    // It pushes one way for a time, then brakes the movement, which takes the most energy.
     if (i % 50 == 0) force = 25.0 * Vec3(unit(), unit(), unit());
     const bool brakes = (i / 200) % 2 == 1;
     const Vec3 v = run.reading.velocity;
@@ -234,7 +234,7 @@ TEST(Arm, IsPassiveWhileItsTargetStands) {
   }
   EXPECT_GT(work, 20.0);  // [J] the adversary was not idle
   EXPECT_LE(most, held);
-  EXPECT_LT(taken, -0.3 * work);  // and the arm burns
+  EXPECT_LT(taken, -0.3 * work);  // the arm itself burns energy
 }
 
 TEST(Arm, HoldsWhereItIsAfterHold) {
@@ -246,7 +246,7 @@ TEST(Arm, HoldsWhereItIsAfterHold) {
   const Vec3 at = run.reading.pose.position;
   run.target.pose.position.z() -= 0.1;
   run.wait(1.0);
-  // It moves on by no more than what its mass carries it.
+  // It moves on only as far as its momentum carries it.
   EXPECT_LT((run.reading.pose.position - at).norm(), 5e-3);
   EXPECT_LT(run.reading.velocity.norm(), 1e-3);
   EXPECT_LT((run.held.pose.position - at).norm(), 1e-3);

@@ -1,4 +1,4 @@
-// The relay between real sockets of this machine: clients and a server in one process.
+// The relay between real sockets of this machine, with clients and a server in one process.
 
 #include "sim/emulator/link_relay.hpp"
 
@@ -19,7 +19,7 @@ using testing::kPatience;
 using testing::kStroke;
 using testing::Loopback;
 
-/// A relay in a thread of its own.
+/// A relay in its own thread.
 class Relay {
  public:
   Relay(const Endpoint& server, const char* link, std::uint16_t port = 0,
@@ -29,7 +29,7 @@ class Relay {
   ~Relay() { stop(); }
   ServerAccess access() const { return test::access(relay_.control_port()); }
   std::uint16_t port() const { return relay_.control_port(); }
-  /// Its account, once it is stopped.
+  /// Stops the relay and returns its account.
   json report() {
     stop();
     return json::parse(relay_.report());
@@ -66,7 +66,7 @@ TEST_F(LinkRelayTest, RefusalsComeThrough) {
   }
 }
 
-/// A relay on every address: what it sends back leaves from the one that the client spoke to.
+/// A relay on every address: its answers leave from the address that the client spoke to.
 TEST_F(LinkRelayTest, AnswersFromTheAddressThatTheClientSpokeTo) {
   Relay relay(endpoint.endpoint, "delay=0", 0, "0.0.0.0");
   ServerAccess access = relay.access();
@@ -140,8 +140,8 @@ std::uint16_t port_of(const Address& address) {
   return ntohs(four.sin_port);
 }
 
-/// The relay stands in between without either side's keys: certificate, token and answers are those
-/// of the two ends, and so are the session's keys.
+/// The relay has no keys of either end. Certificate, token, answers and the session's keys belong
+/// to the two ends.
 TEST_F(LinkRelayTest, NothingButTheWayIsTheRelays) {
   Relay relay(endpoint.endpoint, "lan");
   const Joined joined =
@@ -167,7 +167,7 @@ TEST(LinkRelay, APortThatIsTakenBehindTheControlPortIsSaid) {
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--scenes")));
 }
 
-/// Three scenes of a server that is one control port (unused) and sockets behind it.
+/// Three scenes of a server, as a control port (unused) and the sockets after it.
 TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
   asio::io_context io;
   std::uint16_t base = 0;
@@ -193,7 +193,7 @@ TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
       std::vector<std::uint8_t> datagram(size);
       for (std::size_t i = 0; i < size; ++i) datagram[i] = static_cast<std::uint8_t>(7 * i + 1);
       std::vector<std::uint8_t> expected = datagram;
-      expected.resize(std::min(size, kMaxDatagram + 1));  // still too long for who receives it
+      expected.resize(std::min(size, kMaxDatagram + 1));  // still too long for the receiver
 
       ASSERT_GE(::sendto(client.descriptor(), datagram.data(), size, 0,
                          reinterpret_cast<const sockaddr*>(&port), sizeof port),

@@ -85,7 +85,7 @@ TEST(Experiment, RefusesWhatCannotBeRun) {
   EXPECT_THROW(run_experiment(plane(1000.0, 0.0), setup), std::invalid_argument);
 }
 
-// Why sessions use cone (docs/bounding.md, "Measured").
+// The reason why sessions use cone (docs/bounding.md, "Measured").
 TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
   const Scene scene = plane(1000.0, 0.3);
   const double whole = mean_normal_force(scene, "none", Projection::joint);

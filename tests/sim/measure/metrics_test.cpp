@@ -57,7 +57,7 @@ std::vector<ExperimentSample> three_samples() {
 
 TEST(Metrics, EnergyIsCountedBothWays) {
   const ExperimentMetrics m = measure(three_samples(), {0.0, 0.0}, 0.0, 1e-3);
-  // As the laws pair it: 2 + 4 - 2 mJ. As the port exchanged it: 0 + 2 - 4 mJ.
+  // Paired as in the laws: 2 + 4 - 2 mJ. As the port exchanged it: 0 + 2 - 4 mJ.
   EXPECT_NEAR(m.total_energy, 4e-3, 1e-15);
   EXPECT_NEAR(m.min_energy.x(), 0.0, 1e-15);
   EXPECT_NEAR(m.port_energy, -2e-3, 1e-15);

@@ -1,5 +1,5 @@
-// A session in virtual time is the session: the same forces as a loop without a network where the
-// network does nothing, the counters of what it does, the bound whatever it does.
+// A session in virtual time equals the real one: the forces of a loop without a network if the
+// network is ideal, correct counters of its faults, and a bound that always holds.
 
 #include "sim/measure/network_run.hpp"
 
@@ -35,7 +35,7 @@ NetworkRunOptions sliding(BoundingSide side, const char* link) {
   return options;
 }
 
-/// The same loop without datagrams: a command is one sample old, as over a link without delay.
+/// The loop without datagrams: a command is one sample old, as over a link without delay.
 std::vector<ExperimentSample> direct(const Scene& scene, const NetworkRunOptions& options) {
   ExperimentSetup setup;
   setup.hand = options.hand;
@@ -70,10 +70,10 @@ TEST(NetworkRun, WithoutDelayItIsTheDirectLoop) {
 TEST(NetworkRun, ACommandIsAsOldAsTheRoundTrip) {
   struct Case {
     const char* link;
-    std::size_t ticks;  // until the answer is there
-    double age;         // [s] of it then
+    std::size_t ticks;  // until the answer arrives
+    double age;         // [s] the answer's age then
   };
-  // A datagram that is due at a tick is there before it.
+  // A datagram that is due at a tick arrives before it.
   for (const Case& c :
        {Case{"up.delay=7.3,down.delay=5.2", 13, 0.5e-3}, Case{"delay=6", 12, 0.0}}) {
     const auto samples = run_network(floor(), sliding(BoundingSide::client, c.link)).samples;
@@ -138,7 +138,7 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
     EXPECT_EQ(r.up_link.delivered, r.server.datagrams) << link;
     EXPECT_EQ(r.server.datagrams, r.server.samples.replies + total(r.server.drops)) << link;
     EXPECT_EQ(r.down.datagrams, r.server.samples.replies) << link;
-    // Each that came back was dropped, stale, or answers a sample that had no answer yet.
+    // Each returned datagram was dropped, was stale, or answered a sample without an answer yet.
     EXPECT_EQ(r.down_link.delivered, r.servo.answered + total(r.client_drops)) << link;
     EXPECT_EQ(r.servo.samples, r.samples.size()) << link;
     EXPECT_GT(r.up.bytes, r.up.datagrams * kHeadersOnTheWire) << link;
@@ -183,7 +183,7 @@ TEST(NetworkRun, AServerThatHearsNothingSaysGoodbyeAndTheForceIsGone) {
   EXPECT_EQ(r.server.silent, 1u);
   EXPECT_EQ(r.servo.answered, 0u);
   EXPECT_EQ(r.servo.max_force, 0.0);
-  EXPECT_NEAR(static_cast<double>(r.up.datagrams), 501.0, 1.0);  // and no more is sent
+  EXPECT_NEAR(static_cast<double>(r.up.datagrams), 501.0, 1.0);  // then it stops sending
 }
 
 TEST(NetworkRun, ARecordingMovesAsItDid) {
@@ -207,7 +207,7 @@ NetworkRunOptions taking(BoundingSide side, const char* link) {
   return options;
 }
 
-// S(f) = f^2 T / (4 b) is the least that can be stored for a force f, because there is this hand.
+// S(f) = f^2 T / (4 b) is the least storage for a force f: this hand takes exactly that.
 TEST(NetworkRun, AHandThatTakesAllTakesWhatWasStoredAndNoMore) {
   for (const char* link : {"delay=0", "delay=10", kBad}) {
     NetworkRunOptions options = taking(BoundingSide::client, link);
@@ -217,9 +217,9 @@ TEST(NetworkRun, AHandThatTakesAllTakesWhatWasStoredAndNoMore) {
       EXPECT_EQ(r.true_port.violations(), 0u) << link;
       return r.true_port.burned() - r.true_port.delivered().total();
     };
-    EXPECT_GT(balance(0.39), 1e-2) << link;        // [J] about to turn round, with all it has given
-    EXPECT_NEAR(balance(0.5), 0.0, 5e-5) << link;  // and after it took it back
-    EXPECT_GE(balance(2.5), 0.0) << link;          // some more times
+    EXPECT_GT(balance(0.39), 1e-2) << link;        // [J] about to turn, with all that it put in
+    EXPECT_NEAR(balance(0.5), 0.0, 5e-5) << link;  // after it took all back
+    EXPECT_GE(balance(2.5), 0.0) << link;          // after some more rounds
   }
 }
 
@@ -234,8 +234,8 @@ TEST(NetworkRun, AHandThatTakesAllCatchesADeviceThatIsNotWhatItWasSaidToBe) {
   }
 }
 
-// The light hand would swing against a stiff wall, for it has not the damping that it is credited
-// with. The account, which knows nothing of that, lets it have what the device burned.
+// The bound credits the light hand with damping that it does not have, so the hand would swing
+// against a stiff wall. The account ignores this credit and pays only what the device burned.
 TEST(NetworkRun, ALightHandThatIsCreditedAHeavyOnesDampingIsGivenNoEnergy) {
   const Scene wall = floor(0.0, 40e3);
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=5");

@@ -1,5 +1,5 @@
-// Whole sessions of the mode shaped, over links that lose and delay: no hand gets more than the
-// device burned, and what the local model covers is felt as in process.
+// Whole sessions of the mode shaped over links with loss and delay: no hand gets more than the
+// device burned, and contact within the local model feels as in process.
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ TEST(ShapedSession, AStiffWallIsFeltAtAnyRoundTripWhereTheSurfacesTravel) {
   }
 }
 
-/// Three patches of a fine mesh reach a few millimetres; the hand is farther on when they come.
+/// Three patches of a fine mesh reach a few millimetres: too late for a hand that has moved on.
 TEST(ShapedSession, AFineMeshIsFeltAtAnyRoundTripWhereItTravelsWhole) {
   const Scene bunny = load_scene(FELTWIRE_SOURCE_DIR "/scenes/bunny.json");
   double near = 0.0;

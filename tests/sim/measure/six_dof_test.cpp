@@ -1,4 +1,4 @@
-// The loop in six degrees of freedom: balance, energy as one port and as two, the session itself.
+// The loop in six degrees of freedom: balance, energy as one port and as two, whole sessions.
 
 #include "sim/measure/six_dof.hpp"
 
@@ -42,7 +42,7 @@ TEST(SixDof, RestsWhereWristAndTorqueBalance) {
   EXPECT_EQ(samples.back().rendered.torque, torque);
 }
 
-/// The brick on the table, without datagrams and with: the same forces and torques.
+/// The brick on the table, with and without datagrams: equal forces and torques.
 TEST(SixDof, ASessionWithoutDelayIsTheDirectLoop) {
   const Scene scene = parse_scene(R"({ "name": "table",
     "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 600 } },
@@ -66,7 +66,7 @@ TEST(SixDof, ASessionWithoutDelayIsTheDirectLoop) {
   ASSERT_EQ(network.samples.size(), direct.size());
   double largest = 0.0;
   for (std::size_t n = 0; n < direct.size(); ++n) {
-    // A client sends its orientation normalized: some last bits differ.
+    // A client sends its orientation normalized: the last bits may differ.
     const NetworkSample& sent = network.samples[n];
     ASSERT_NEAR((sent.held.torque - direct[n].rendered.torque).norm(), 0.0, 1e-9) << n;
     ASSERT_NEAR((sent.held.force() - direct[n].rendered.force()).norm(), 0.0, 1e-9) << n;
@@ -93,7 +93,7 @@ TEST(SixDof, AsTwoPortsAMovementNeverPaysForATorque) {
   }
 }
 
-/// A hand that takes all that it can: it moves with what is held, v = f / (2 b), or anyhow.
+/// The greediest hand: it moves along the held force, v = f / (2 b), or at random.
 TEST(SixDof, NeitherOnePortNorTwoGiveAGreedyHandEnergy) {
   const DeviceSpec spec = builtin_device("simulated_6dof");
   const double b = spec.damping.least(), b_r = spec.rotational_damping.least();

@@ -26,7 +26,7 @@ TEST(Surfaces, ACornerPushesWithEveryWallThatIsEntered) {
   const SurfaceDistance two = corner_distance({-0.3, 0.1, -0.4});
   EXPECT_NEAR(two.distance, -0.5, 1e-15);
   EXPECT_LT((two.normal - Vec3(0.6, 0.0, 0.8)).norm(), 1e-15);
-  // The penalty of all three is the sum of three walls'.
+  // The penalty force of three walls is the sum of each wall's force.
   const Command three = penalty(corner_distance({-0.001, -0.002, -0.003}), 1000.0);
   EXPECT_LT((three.elastic - Vec3(1.0, 2.0, 3.0)).norm(), 1e-12);
 }
@@ -70,7 +70,7 @@ TEST(BumpyTorus, BumpsStandOutByTheirAmplitudeWhereTheyAreCounted) {
     EXPECT_NEAR(outside(phi, 0.091), 0.0, 1e-15);
     EXPECT_NEAR(outside(phi + pi / 24.0, 0.089), 0.0, 1e-15);
   }
-  // Round the tube likewise: an eighth of a turn to the next.
+  // Around the tube too: an eighth of a turn between bumps.
   const auto round_tube = [&](double theta, double r) {
     return bumpy_torus(torus, {0.06 + r * std::cos(theta), 0.0, r * std::sin(theta)}).value;
   };
@@ -102,7 +102,7 @@ TEST(BumpyTorus, TheDistanceIsRightToFirstOrder) {
     const Vec3 normal = torus_distance(torus, p).normal;
     for (const double depth : {1e-3, 1e-4, 1e-5}) {
       const double error = torus_distance(torus, p - depth * normal).distance + depth;
-      // Half the largest curvature of the bumps, a (n / r)^2 twice over, is some 150 / m.
+      // Half the largest curvature of the bumps, with a (n / r)^2 counted twice, is about 150 / m.
       EXPECT_LT(std::abs(error), 200.0 * depth * depth) << depth << " below " << p.transpose();
     }
   }

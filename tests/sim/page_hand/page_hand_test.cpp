@@ -1,5 +1,5 @@
-// Hands of the live page, over real sockets: a browser's WebSocket at one end, the scene at the
-// other.
+// Hands of the live page over real sockets, from a browser's WebSocket at one end to the scene at
+// the other.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,10 +46,10 @@ struct Stage {
   }
 };
 
-/// The next word of the server about the viewer's own hand; of no state where there is none.
+/// The server's next message about the viewer's own hand; without a state if there is none.
 Json next_word(Page& page) { return page.text("hand"); }
 
-/// Asks for a hand. Returns what the server says of it when it is held, or why it is not.
+/// Asks for a hand. Returns the server's message when the hand is held or refused.
 Json ask_for_hand(Page& page, const Json& request = {{"hand", "take"}}) {
   page.say(request);
   Json said = next_word(page);
@@ -61,7 +61,7 @@ Json take(Page& page) {
   return ask_for_hand(page);
 }
 
-/// Of the only hand of a picture.
+/// The only hand of a picture.
 struct Seen {
   bool there = false;
   double z = 0.0, proxy_z = 0.0, force = 0.0, held = 0.0;
@@ -79,7 +79,7 @@ Seen only_hand(const std::vector<std::uint8_t>& picture) {
   return {true, at(2), at(9), at(12), at(18)};
 }
 
-/// Points there with every picture that comes, until it is so.
+/// Points to `target` with every picture that arrives, until `condition` is true.
 template <class Condition>
 void point_until(const std::string& what, Page& page, const Vec3& target, Condition condition) {
   test::eventually(what, [&] {
@@ -99,12 +99,12 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   Seen last;
   point_until("2 N", page, Vec3(0.01, 0, -0.01), [&](const Seen& seen) {
     last = seen;
-    EXPECT_GT(seen.there ? seen.z : 0.0, -0.008);  // when it strikes
+    EXPECT_GT(seen.there ? seen.z : 0.0, -0.008);  // on impact
     return seen.there && seen.z > -0.002 && seen.force > 2.0 && seen.held > 1.5;
   });
   EXPECT_NEAR(last.force, -2000.0 * last.z, 0.3 * last.force);
   EXPECT_NEAR(last.proxy_z, 0.0, 1e-4);
-  // So do others.
+  // Other viewers see it too.
   point_until("another viewer sees it", page, Vec3(0.01, 0, -0.01),
               [&](const Seen&) { return only_hand(other.picture()).force > 1.0; });
   point_until("it comes out again", page, Vec3(0.01, 0, 0.02),
@@ -114,10 +114,10 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   EXPECT_EQ(released["state"], "released");
   test::eventually("its session ends", [&] { return stage.sessions() == 0; });
   EXPECT_EQ(stage.server.summary().front().counters.left, 1u);
-  EXPECT_EQ(ask_for_hand(page)["state"], "held");  // another
+  EXPECT_EQ(ask_for_hand(page)["state"], "held");  // a second hand
 }
 
-/// It is simulated, so that nobody is hurt by a law that bounds nothing.
+/// The hand is simulated, so a law without a bound can hurt nobody.
 TEST(PageHand, HasEachLawThatItIsTakenWith) {
   const Stage stage;
   Page page = stage.page(stage.pointer);
@@ -141,7 +141,7 @@ TEST(PageHand, LetsGoWhenThePageSaysNothing) {
   const Stage stage;
   Page page = stage.page(stage.pointer);
   ASSERT_EQ(take(page)["state"], "held");
-  page.say({{"point", {0.01, 0, -0.005}}});  // it presses meanwhile
+  page.say({{"point", {0.01, 0, -0.005}}});  // the hand presses meanwhile
   const Json released = next_word(page);
   EXPECT_EQ(released["state"], "released");
   EXPECT_THAT(released["reason"].get<std::string>(), HasSubstr("said nothing"));
@@ -240,7 +240,7 @@ TEST(PageHand, IsEvictedByAnAdmin) {
   EXPECT_THAT(released["reason"].get<std::string>(), HasSubstr("admin"));
 }
 
-// The rights are the server's to give, whoever asks at its control port.
+// The server alone grants the rights, whoever asks at its control port.
 
 control::JoinRequest pointer_request() {
   control::JoinRequest request = test::join_request(usual_parameters());

@@ -1,4 +1,4 @@
-// Each law against a few samples by hand.
+// Each law against a few samples that are computed by hand.
 
 #include "sim/published_laws/published_laws.hpp"
 
@@ -23,7 +23,7 @@ BoundingConfig config() {
   return c;
 }
 
-/// A surface whose normal is +z, `inward` [m] deeper than before, that commands `force` [N].
+/// A surface with the normal +z, entered `inward` [m] deeper, commands `force` [N].
 double press(Bounding& bounding, double inward, double force) {
   BoundingStep s;
   s.displacement.z() = -inward;
@@ -60,11 +60,11 @@ TEST(PublishedLaws, NoneCommandsOrBendsWhatIsNotThere) {
 TEST(TdpcExact, PaysBackWhatTheHoldGaveAway) {
   Bounding bounding(law("tdpc_exact"), config());
   EXPECT_EQ(press(bounding, 0.0, 2.0), 2.0);
-  // In by 0.1 mm against 2 N: 0.2 mJ taken in. Out by 0.2 mm with 3 N: 0.4 mJ are missing, and the
-  // damper takes 0.4 mJ / 0.2 mm = 2 N off.
+  // In by 0.1 mm against 2 N: the law takes in 0.2 mJ. Out by 0.2 mm with 3 N: 0.4 mJ are missing,
+  // and the damper removes 0.4 mJ / 0.2 mm = 2 N.
   EXPECT_EQ(press(bounding, 1e-4, 3.0), 3.0);
   EXPECT_NEAR(press(bounding, -2e-4, 1.0), 1.0 - 2.0, 1e-12);
-  // It knows what was held instead.
+  // The law learns the force that was held instead.
   bounding.set_held({});
   EXPECT_NEAR(press(bounding, -4e-4, 1.0), 1.0 - 1.0, 1e-12);
 }
@@ -80,7 +80,7 @@ TEST(BoundedOutput, ActsOnlyBeyondItsAllowance) {
 
 TEST(ForceAugmentation, RisesByItsLowStiffnessAndByATenthAtEveryPress) {
   Bounding bounding(law("force_augmentation"), config());  // k0 = 1 kN/m
-  // The first press: 0.1 N by the spring and a tenth of what is missing to 5 N.
+  // The first press: 0.1 N by the spring, plus a tenth of the difference to 5 N.
   EXPECT_NEAR(press(bounding, 1e-4, 5.0), 0.1 + 0.49, 1e-12);
   EXPECT_NEAR(press(bounding, 1e-4, 5.0), 0.69, 1e-12) << "still the same press";
   EXPECT_NEAR(press(bounding, 0.0, 5.0), 0.69, 1e-12);
@@ -105,7 +105,7 @@ TEST(ForceAugmentation, WithItsTransientItLandsOnTheWholeStiffness) {
 
 TEST(PositionMemory, TheWayOutStaysBelowTheWayIn) {
   Bounding bounding(law("position_memory"), config());
-  // In by ten cells, one a sample, on a spring: the force held over a cell is that of its begin.
+  // In by ten cells, one a sample, on a spring: a cell's force is the force at its begin.
   for (int n = 0; n <= 10; ++n) EXPECT_EQ(press(bounding, n ? kQuantum : 0.0, 0.1 * n), 0.1 * n);
   for (int n = 9; n >= 1; --n)
     EXPECT_NEAR(press(bounding, -kQuantum, 0.1 * n), 0.1 * (n - 1), 1e-6)
@@ -122,12 +122,12 @@ TEST(PositionMemory, AQuickHandIsBoundedByAllThatItPasses) {
 TEST(TwoLayerTank, PaysForNoMoreThanTheHandPutIn) {
   Bounding bounding(law("two_layer_tank"), config());
   EXPECT_EQ(press(bounding, 0.0, 3.0), 0.0) << "empty";
-  // The damper, b/2 with an empty tank: 0.25 N s/m at 0.1 m/s. The next sample fills the tank.
+  // The damper is b/2 while the tank is empty: 0.25 N s/m at 0.1 m/s. The next sample fills it.
   EXPECT_NEAR(press(bounding, 1e-4, 0.0), 0.25 * 0.1, 1e-12);
   BoundingStep s;
   s.hold_time = kPeriod;
   s.displacement = Vec3(0, 0, -1e-4);
-  const double level = 0.25 * 0.1 * 1e-4;  // [J] put in against the damper
+  const double level = 0.25 * 0.1 * 1e-4;  // [J] the hand's work against the damper
   s.command.elastic.z() = 3.0;
   const double paid = level / 1e-4;
   const double damper = 0.25 * (1.0 - level / 5e-3) * 0.1;

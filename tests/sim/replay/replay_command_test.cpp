@@ -24,7 +24,7 @@ Said run(std::vector<std::string> words) {
   Said said;
   std::ostringstream out;
   add_replay(app, out, said.status);
-  std::ranges::reverse(words);  // as CLI11 takes them
+  std::ranges::reverse(words);  // the order that CLI11 expects
   words.emplace_back("replay");
   app.parse(words);
   said.text = out.str();

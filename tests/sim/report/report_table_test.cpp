@@ -30,7 +30,7 @@ TEST(ReportTable, ShowsClientsSideBySide) {
               ::testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
 }
 
-/// The column is as wide as its name, and numbers stand below its end.
+/// A column is as wide as its name, and its numbers are right-aligned.
 TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "another-folder";
   std::filesystem::create_directories(folder);

@@ -1,5 +1,4 @@
-// One servo of a robot that follows: what it does with its targets, and with readings that are
-// none.
+// The servo of a following robot: how it handles its targets, and readings that are invalid.
 
 #include "protocol/follower/follower_servo.hpp"
 
@@ -80,7 +79,7 @@ TEST(FollowerServo, HoldsWithinATenthOfASecondOfSilence) {
   ASSERT_TRUE(bench.servo.follows());
   for (int i = 0; i < 101; ++i) bench.tick();
   EXPECT_FALSE(bench.servo.follows());
-  for (int i = 0; i < 100; ++i) bench.tick();  // it brakes at 5 m/s^2 from 0.25 m/s
+  for (int i = 0; i < 100; ++i) bench.tick();  // brakes at 5 m/s^2 from 0.25 m/s
   const Vec3 held = bench.tick().commanded.position;
   EXPECT_EQ(bench.tick().commanded.position, held);
 }
@@ -127,8 +126,8 @@ Workspace box(const Vec3& low, const Vec3& high) {
   return workspace;
 }
 
-/// For any states, numbers and engagements of a server: the target stays in the boxes of the robot
-/// and of the seat, and on the axes that either locks.
+/// For any states, numbers and engagements from a server: the target stays in the boxes of the
+/// robot and of the seat, and moves only along axes that neither locks.
 TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   test::Random random(5);
   FollowerOptions options;
@@ -159,8 +158,8 @@ TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   EXPECT_LE((highest.array() - high).matrix().cwiseAbs().maxCoeff(), 1e-3);
 }
 
-/// However far behind a body the server wants it: not into it, not through it, and no faster than
-/// the limit when it comes free.
+/// However far behind a body the server wants the robot, the target does not enter or cross the
+/// body. When it comes free it is no faster than the limit.
 TEST(FollowerServo, NoServerDrivesItIntoABody) {
   test::Random random(6);
   FollowerOptions options;
@@ -191,7 +190,7 @@ TEST(FollowerServo, NoServerDrivesItIntoABody) {
   EXPECT_GE(std::min(met[0], met[1]), 100) << "both were met";
 }
 
-/// Something pushes it out: the spring pulls it back, and not harder than the leash.
+/// Something pushes the robot out: the spring pulls it back, no harder than the leash.
 TEST(FollowerServo, ARobotThatIsPushedOutIsPulledBackSoftly) {
   FollowerOptions options;
   options.workspace = box(Vec3(-1, -1, 0.0), Vec3(1, 1, 0.12));

@@ -1,4 +1,4 @@
-// The robot's surfaces at a hand that leads it.
+// The robot's surfaces as felt by the hand that leads it.
 
 #include "client/servo/remote_hand.hpp"
 
@@ -21,7 +21,7 @@ struct Hand {
   RemoteHand remote{RemoteTrust{}, 0.02};
   Vec3 before = Vec3::Zero();
 
-  /// The force of the surfaces on a hand that is now at x [m].
+  /// The force of the surfaces on a hand at x [m].
   double at(double x) {
     const Vec3 place(x, 0.0, 0.0);
     remote.step(place, place - before, Vec3::Zero(), kPeriod);
@@ -61,7 +61,7 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   remote.others = {};
   hand.remote.take(remote);
   EXPECT_EQ(hand.at(-1e-3), 0.0);
-  // Told again it is another one, and is met at the hand.
+  // Told again, it counts as another surface and meets the hand where it is.
   remote.others.surfaces[0] = wall(1.0, 3);
   remote.others.count = 1;
   hand.remote.take(remote);
@@ -70,7 +70,7 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 3u);
 }
 
-/// The contact itself may be forgotten before the surfaces beside it.
+/// The contact itself may be forgotten earlier than the surfaces beside it.
 TEST(RemoteHand, SurfacesPressWithoutAContact) {
   Hand hand;
   Remote remote = slot();

@@ -1,4 +1,4 @@
-// Two hands that lead one robot at the same time, each over its own link.
+// Two hands lead one robot at the same time, each over its own link.
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@ using test::HandSession;
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kStep = 0.25e-3;  // [m] of the robot's speed limit in one sample
-// [N] that the largest force may fall by in one tick, where it falls in half the hold time, and
-// what the hand's own movement adds.
+constexpr double kStep = 0.25e-3;  // [m] in one sample at the robot's speed limit
+// [N] the largest fall of the force in one tick: the largest force falls within half the hold time,
+// and the hand's own movement adds some.
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 constexpr RemoteTrust kNoTrust{.per_contact = 0.0, .power = 0.0};
 
-/// Anna is the hand of the bench; ben joins with her.
+/// Anna has the bench's hand; Ben joins with a second one.
 struct TwoLeaders : Teleoperation {
   static constexpr std::uint64_t kBen = 0x900;
 
@@ -44,7 +44,7 @@ struct TwoLeaders : Teleoperation {
     ASSERT_EQ(leads(*this), engaged);
     ASSERT_EQ(leads(ben), engaged);
   }
-  /// Both hands intend to go somewhere within the time.
+  /// Both hands mean to move by these vectors within the time.
   void move_both(const Vec3& anna, const Vec3& bens, double time) {
     const Vec3 from = ben.hand.meant;
     const int ticks = static_cast<int>(time / kSlice);
@@ -71,7 +71,7 @@ TEST(SharedLeaders, BothFeelTheForceOnTheRobotWithoutAndWithDelay) {
     bench.move_both(Vec3(0.0, 0.0, -0.045), Vec3(0.0, 0.0, -0.045), 1.0);
     bench.run(2.0);
     ASSERT_GE(bench.force(), 1.0);
-    // Each hand's own spring holds against the force, so neither is deep; both feel the same.
+    // Each hand's own spring resists the force, so neither is deep; both feel equal forces.
     EXPECT_NEAR(bench.force(), bench.ben.force(), 0.1 * bench.force());
     EXPECT_NEAR(bench.force(), bench.robot.force().z(), 0.1 * bench.force());
     bench.expect_no_energy();
@@ -87,7 +87,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
     bench.move_both(Vec3(0.0, 0.0, -0.03), Vec3(0.0, 0.0, -0.03), 1.0);
     bench.run(0.5);
     bench.fastest_fall = bench.ben.fastest_fall = bench.farthest_step = 0.0;
-    // One pushes on while the other pulls back, along the surface and off it, in turns.
+    // The hands push on and pull back in opposite directions, along the surface and off it.
     for (int i = 0; i < 6; ++i) {
       const double sign = i % 2 == 0 ? 1.0 : -1.0;
       const Vec3 way(0.02 * sign, 0.01, 0.04 * sign);
@@ -97,7 +97,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
     EXPECT_EQ(bench.state(), engaged);
     EXPECT_LE(bench.farthest_step, kStep * (1.0 + 1e-9));
     bench.expect_no_energy();
-    // Now one of them is cut off, deep in the wall.
+    // Now one hand is cut off, deep in the wall.
     bench.move_both(Vec3(0.0, 0.0, -0.02), Vec3(0.0, 0.0, -0.02), 0.4);
     bench.run(0.5);
     bench.fastest_fall = bench.ben.fastest_fall = 0.0;
@@ -111,7 +111,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
   }
 }
 
-/// The result of anna and her force while ben does that with his switch.
+/// The result of Anna's press while Ben uses his switch.
 struct Pressed {
   double force, robot_force, depth;  // [N], [N], [m] of the target below the wall
 };
@@ -131,7 +131,7 @@ Pressed press_beside(const char* link, const std::function<void(HandSession&, in
   return {bench.force(), bench.robot.force().z(), -bench.commanded.position.z()};
 }
 
-/// A hand whose switch flickers leads nothing, and takes nothing from the other one.
+/// A hand with a flickering switch leads nothing, and takes nothing from the other hand.
 TEST(SharedLeaders, ASwitchThatFlickersDoesNotBlockTheOtherHand) {
   for (const char* link : {"delay=0", "delay=50,loss=2,seed=3"}) {
     SCOPED_TRACE(link);

@@ -1,5 +1,5 @@
-// A hand leads the simulated arm over sealed datagrams and an emulated link: it presses on a table
-// and slides along it, and lifts a box.
+// A hand leads the simulated arm over sealed datagrams and an emulated link: it presses on a table,
+// slides along it, and lifts a box.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using enum LinkState;
 
 constexpr double kTable = 0.3;  // [m] scenes/arm/table.xml
-// The arm's spring of 1000 N/m and the table's of 5000 N/m, one behind the other.
+// The arm's spring of 1000 N/m and the table's of 5000 N/m, in series.
 constexpr double kSeries = 1000.0 * 5000.0 / 6000.0;
 constexpr double kHand = 300.0;    // [N/m] of the simulated hand
 constexpr double kFriction = 0.3;  // mu of the table
@@ -41,7 +41,7 @@ struct ArmSession : ArmAtHeight, test::RobotSession {
       : ArmAtHeight(file, height), RobotSession(arm, link) {}
   double box() const { return arm.place_of("box").value().z(); }  // [m]
 
-  /// [N] the largest force on the tool while the hand means to go by `way` and then stays.
+  /// [N] the largest force on the tool while the hand means to move by `way` and then stays.
   double peak_of(const Vec3& way, double time, double rest) {
     double peak = 0.0;
     const Vec3 from = hand.meant;
@@ -53,7 +53,7 @@ struct ArmSession : ArmAtHeight, test::RobotSession {
     }
     return peak;
   }
-  /// [N] that springs in a row would press with where the hand means to be, less its offset.
+  /// [N] the force of springs in series for the hand's intended place, minus its offset.
   double intended(double began) const {
     const double deep = began + servo.lead()->offset.z() - hand.meant.z() - 0.02;
     return deep / (1.0 / kHand + 1.0 / kSeries);
@@ -88,7 +88,7 @@ TEST(TeleoperationArm, PressesAndSlides) { press_and_slide("delay=0"); }
 TEST(TeleoperationArm, PressesAndSlidesOverADelayAndLoss) {
   for (const char* seed : {"1", "2", "3"}) {
     SCOPED_TRACE(seed);
-    press_and_slide(std::string("delay=25,loss=2,seed=") + seed);  // twice: 100 ms there and back
+    press_and_slide(std::string("delay=25,loss=2,seed=") + seed);  // two links: 100 ms round trip
   }
 }
 
@@ -112,14 +112,14 @@ TEST(TeleoperationArm, LiftsABoxOverADelayAndLoss) {
   EXPECT_LE(bench.made(), 0.0);
   EXPECT_FALSE(bench.arm.read(bench.now).stopped);
 
-  // The switch is released, and then the lever: the box stays where it is.
+  // The switch is released, then the lever: the box stays in place.
   const double held = bench.box();
   bench.hand.pressed = false;
   bench.run(0.3);
   bench.hand.gripper = kOpen;
   bench.run(0.5);
   EXPECT_NEAR(bench.box(), held, 0.01);
-  // The hand engages anew with the lever open: the gripper opens, and does not jump.
+  // The hand engages again with the lever open: the gripper opens without a jump.
   bench.hand.pressed = true;
   double opening = bench.follower.wanted().gripper, fastest = 0.0;
   for (int n = 0; n < 3500; ++n) {

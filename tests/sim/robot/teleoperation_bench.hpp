@@ -1,6 +1,6 @@
 #pragma once
-// A hand, a server and a robot, with an emulated link on either side of the server, by the test's
-// clock: the servos of hand and robot make sealed datagrams, and the server's sessions answer them.
+// A hand, a server and a robot with an emulated link on either side of the server, on the test's
+// clock. The servos of hand and robot make sealed datagrams; the server's sessions answer them.
 
 #include <netinet/in.h>
 
@@ -24,7 +24,7 @@
 
 namespace feltwire::test {
 
-/// A hand that means to be where it is told, and its switch.
+/// A hand that means to be at a given place, and its switch.
 class ToldHand final : public HandDevice {
  public:
   ToldHand() : HandDevice(builtin_device("simulated"), {}) {}
@@ -50,7 +50,7 @@ class ToldHand final : public HandDevice {
   Vec3 intended(double /*time*/) noexcept override { return meant; }
 };
 
-/// The scene of the server: its only object is far away, and it has seats for robots.
+/// The server's scene: its only object is far away, and it has seats for robots.
 inline Scene empty_scene(std::vector<RemoteSeat> seats) {
   Object far_away;
   far_away.name = "far";
@@ -69,7 +69,7 @@ inline std::vector<std::string> names_of(const std::vector<RemoteSeat>& seats) {
   return names;
 }
 
-/// The environment of the robot: a wall at z = 0.
+/// The robot's environment: a wall at z = 0.
 inline std::shared_ptr<const Scene> wall_scene(double stiffness = 2000.0) {
   Object wall;
   wall.name = "wall";
@@ -78,7 +78,7 @@ inline std::shared_ptr<const Scene> wall_scene(double stiffness = 2000.0) {
   return std::make_shared<const Scene>("wall", std::vector<Object>{wall});
 }
 
-/// A hand, its servo, and its link to the server. Its first button goes on to the next robot.
+/// A hand, its servo, and its link to the server. Its first button selects the next robot.
 struct HandSession {
   HandSession(std::uint64_t id, const std::string& link, std::uint64_t stream,
               const RemoteTrust& trust, std::vector<std::string> seats = {})
@@ -114,8 +114,8 @@ struct HandSession {
     fastest_fall = std::max(fastest_fall, force_before_ - force());
     force_before_ = force();
   }
-  double force() const { return servo.held().force().z(); }  // [N] that pushes the hand up
-  /// [J] that the hand got beyond what the device burned.
+  double force() const { return servo.held().force().z(); }  // [N] pushes the hand up
+  /// [J] the energy that the hand got beyond what the device burned.
   double made() const { return -servo.port().least_margin(); }
 
   SessionParameters parameters;
@@ -125,8 +125,8 @@ struct HandSession {
   DatagramSession hand_datagrams;
   TwoWayLink hand_link;
   bool hand_cut = false;
-  std::function<void(Reply&)> change_reply;  // what the server says instead
-  double fastest_fall = 0.0;                 // [N] of the hand's force, from one tick to the next
+  std::function<void(Reply&)> change_reply;  // replaces the server's reply
+  double fastest_fall = 0.0;                 // [N] largest fall of the hand's force in one tick
   Peer hand_peer{.address = {}, .length = sizeof(sockaddr_in)};
   Reply reply;
 
@@ -134,7 +134,7 @@ struct HandSession {
   double force_before_ = 0.0;
 };
 
-/// Any robot, its servo, and its link to the server. Its clock may go wrong.
+/// Any robot, its servo, and its link to the server. Its clock may drift.
 struct FollowerSession {
   FollowerSession(Follower& any_robot, std::uint64_t id, const std::string& link,
                   std::uint64_t stream, Nanoseconds now)
@@ -173,27 +173,27 @@ struct FollowerSession {
       commanded = said.commanded;
     }
   }
-  /// By the robot's own clock.
+  /// The time on the robot's own clock.
   Nanoseconds robot_time(Nanoseconds now) const {
     return now + Nanoseconds(std::llround(drift * static_cast<double>((now - begun_).count())));
   }
 
   Follower& driven;
-  double drift = 0.0;  // [s/s] that the robot's clock is fast by
+  double drift = 0.0;  // [s/s] by which the robot's clock is fast
   FollowerServo follower;
   RobotDatagrams robot_datagrams;
   TwoWayLink robot_link;
   bool robot_cut = false;
-  std::function<void(RobotState&)> lie;  // what the robot says instead
-  double farthest_step = 0.0;            // [m] of the target that the robot holds, in one tick
-  Pose commanded;                        // that target
+  std::function<void(RobotState&)> lie;  // replaces the robot's state
+  double farthest_step = 0.0;            // [m] largest step of the robot's held target in one tick
+  Pose commanded;                        // the held target
   Peer robot_peer{.address = {}, .length = sizeof(sockaddr_in6)};
   RobotTarget target;
   GoodbyeReason reason = GoodbyeReason::leaving;
 
  private:
   Nanoseconds begun_;
-  Nanoseconds robot_due_;  // its next sample, by its clock
+  Nanoseconds robot_due_;  // its next sample, on its own clock
 };
 
 /// A hand, a server, and the robot on its scene's first seat.
@@ -246,7 +246,7 @@ struct RobotSession : HandSession, FollowerSession {
   void run(double time) {
     for (double t = 0.0; t < time; t += 1e-3) tick();
   }
-  /// The hand means to go by `way`, smoothly, within the time.
+  /// The hand means to move by `way`, smoothly, within the time.
   void move(const Vec3& way, double time) {
     const Vec3 from = hand.meant;
     const int ticks = static_cast<int>(time / 1e-3);
@@ -268,7 +268,7 @@ struct RobotSession : HandSession, FollowerSession {
   Scene scene;
   std::unique_ptr<SceneSessions> server;
   std::vector<HandSession*> others;            // more hands in the scene
-  std::vector<FollowerSession*> other_robots;  // on the next seats
+  std::vector<FollowerSession*> other_robots;  // on the other seats
   Nanoseconds now = kStart;
   DatagramBuffer room;
 
@@ -284,7 +284,7 @@ struct PointAtWall {
   PointRobot robot;
 };
 
-/// Of a point robot 20 mm before a wall.
+/// A session with a point robot 20 mm in front of a wall.
 struct Teleoperation : PointAtWall, RobotSession {
   explicit Teleoperation(const std::string& link = "delay=0", const RemoteSeat& seat = {},
                          const RemoteTrust& trust = {.per_contact = 0.0, .power = 0.0},

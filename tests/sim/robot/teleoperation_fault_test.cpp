@@ -1,4 +1,4 @@
-// The end of a hand and of the robot that it leads under each fault (PROTOCOL.md, "A robot that
+// The end of a hand and of its robot under each fault (PROTOCOL.md, "A robot that
 // follows").
 
 #include <gtest/gtest.h>
@@ -15,12 +15,12 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kStep = 0.25e-3;  // [m] of the robot's speed limit in one sample
-// [N] that the largest force may fall by in one tick, where it falls in half the hold time, and
-// what the hand's own movement adds.
+constexpr double kStep = 0.25e-3;  // [m] in one sample at the robot's speed limit
+// [N] the largest fall of the force in one tick: the largest force falls within half the hold time,
+// and the hand's own movement adds some.
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 
-/// Engaged, and pressed some 10 mm deep.
+/// Engages and presses about 10 mm deep.
 void press(test::RobotSession& bench) {
   bench.engage();
   bench.move(Vec3(0.0, 0.0, -0.045), 0.6);
@@ -231,10 +231,10 @@ TEST(TeleoperationFault, WhatNoReplyCanCarryIsLeftOut) {
   for (const std::uint64_t dropped : bench.hand_datagrams.dropped()) EXPECT_EQ(dropped, 0u);
 }
 
-/// A robot whose readings are elsewhere at once: an encoder that lost its counts, or a real throw.
+/// A robot whose readings jump: an encoder that lost its counts, or a real throw.
 struct ShiftedRobot final : Follower {
   PointRobot robot{test::wall_scene(), Vec3(0.0, 0.0, 0.02)};
-  Vec3 shift = Vec3::Zero();  // [m] of what it reads
+  Vec3 shift = Vec3::Zero();  // [m] of its readings
   const FollowerSpec& spec() const override { return robot.spec(); }
   FollowerReading read(Nanoseconds now) noexcept override {
     FollowerReading reading = robot.read(now);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{10'000};
 
-/// Presses its switch, goes down by 35 mm, stays, comes back, and releases the switch.
+/// Presses its switch, moves down by 35 mm, stays, comes back, and releases the switch.
 class ScriptedHand final : public HandDevice {
  public:
   ScriptedHand() : HandDevice(builtin_device("simulated"), {}) { place(kStart); }
@@ -78,7 +78,7 @@ TEST(TeleoperationLoopback, ARobotsTokenOpensNoOtherSeat) {
   EXPECT_EQ(refused(robot_token, Role::follower), "no");
 }
 
-/// A robot on its seat, in a thread of its own.
+/// A seated robot in its own thread.
 struct SeatedRobot {
   SeatedRobot(std::uint16_t port, const Secret& token, double patience)
       : run{.server = test::access(port, "127.0.0.1", token),
@@ -126,9 +126,9 @@ TEST(TeleoperationLoopback, ARobotThatIsRefusedAtItsReturnEnds) {
   SeatedRobot seated(server->control_port(), token.text, 60.0);
   seated.await_join(1);
   server.reset();
-  server = std::make_unique<Server>(same_port, seat(), test::security());  // its token is gone
+  server = std::make_unique<Server>(same_port, seat(), test::security());  // its token is unknown
   seated.thread.join();
-  // By a goodbye, or by silence where the server ended before it had heard of the robot.
+  // By a goodbye, or by silence if the server ended before it heard of the robot.
   EXPECT_NE(seated.result.end, FollowerEnd::requested);
   EXPECT_EQ(seated.result.sessions, 1u);
 }

@@ -1,5 +1,5 @@
-// A hand leads a robot over sealed datagrams and an emulated link: what it feels of a wall that the
-// server does not know, and what becomes of both under each fault.
+// A hand leads a robot over sealed datagrams and an emulated link: how it feels a wall that the
+// server does not know, and how both react to each fault.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-// The robot's spring of 1000 N/m and the wall's of 2000 N/m, one behind the other.
+// The robot's spring of 1000 N/m and the wall's of 2000 N/m, in series.
 constexpr double kSeries = 1000.0 * 2000.0 / 3000.0;
 
 TEST(Teleoperation, TheRobotFollowsTheHandFromWhereItIs) {
@@ -33,7 +33,7 @@ TEST(Teleoperation, TheRobotFollowsTheHandFromWhereItIs) {
   EXPECT_EQ(bench.servo.held().force().norm(), 0.0) << "the air is free";
 }
 
-/// The hand turns by what it is told, and the robot then turns as the hand does, whatever is
+/// The hand turns as the server tells it to. Then the robot turns as the hand does, with any offset
 /// between the two.
 TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   RemoteSeat seat;
@@ -49,7 +49,7 @@ TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   EXPECT_EQ(bench.state(), aligning) << "it is turned away";
   EXPECT_EQ(bench.servo.remote()->remote().state, aligning);
 
-  bench.hand.turn = turned(bench.hand.turn, 0.8 * *missing());  // 0.16 rad are left
+  bench.hand.turn = turned(bench.hand.turn, 0.8 * *missing());  // 0.16 rad remain
   bench.engage();
   ASSERT_EQ(bench.state(), engaged);
   EXPECT_LE(rotation_between(Quaternion::Identity(), robot_turn()).norm(), 1e-9) << "no step";
@@ -62,7 +62,7 @@ TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   EXPECT_EQ(bench.servo.held().force().norm(), 0.0);
 }
 
-/// Displayed over series stiffness of a press of 25 mm into the wall, from 20 mm in front of it.
+/// Displayed over series stiffness for a press of 25 mm into the wall, from 20 mm in front of it.
 struct Pressed {
   double displayed = 0.0, swing = 0.0, robot_force = 0.0, hand_force = 0.0;
 };
@@ -112,7 +112,7 @@ TEST(Teleoperation, TheHandsForceMayBeScaled) {
 }
 
 TEST(Teleoperation, IsFeltOverADelayAndLoss) {
-  Teleoperation bench("delay=25,loss=2,seed=3");  // twice: 100 ms there and back
+  Teleoperation bench("delay=25,loss=2,seed=3");  // two links: 100 ms round trip
   bench.engage();
   const Pressed first = press(bench);
   EXPECT_NEAR(first.displayed, 1.0, 0.05);

@@ -15,7 +15,7 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kTop = 0.05;  // [m] of the robot's workspace; the robot begins at 0.02
+constexpr double kTop = 0.05;  // [m] top of the robot's workspace; the robot begins at 0.02
 constexpr double kStiffness = 1000.0, kDepth = 5e-3;
 
 RemoteSeat seat(double scale = 1.0) {
@@ -27,7 +27,7 @@ RemoteSeat seat(double scale = 1.0) {
   return seat;
 }
 
-/// [m] of the target from the wall.
+/// [m] distance of the target from the wall.
 double room(const Teleoperation& bench) { return kTop - bench.commanded.position.z(); }
 
 TEST(TeleoperationWalls, TheHandFeelsThemAndTheRobotStaysInside) {
@@ -44,7 +44,7 @@ TEST(TeleoperationWalls, TheHandFeelsThemAndTheRobotStaysInside) {
       ASSERT_EQ(bench.state(), engaged);
       EXPECT_GE(least, -1e-9);
       EXPECT_LE(room(bench), 1e-5) << link;
-      // The spring is as long as it is: the hand that means to be far behind it is met with all.
+      // The spring has a limited depth: a hand that means to be far behind feels its full force.
       EXPECT_NEAR(bench.force(), -kStiffness * kDepth, 0.1) << link << scale;
       EXPECT_LE(bench.made(), 0.0);
     }
@@ -58,13 +58,13 @@ TEST(TeleoperationWalls, AHandThatComesBackMovesTheRobotAtOnce) {
   bench.run(0.5);
   EXPECT_LE(room(bench), 1e-5);
   const double hand = bench.hand.true_position().z();
-  // Back by more than the spring of the hand's own grip, which the wall had pressed.
+  // Move back by more than the stretch of the hand's own spring at the wall.
   bench.move(Vec3(0.0, 0.0, -0.06), 1.0);
   bench.run(0.3);
   const double back = hand - bench.hand.true_position().z();
   EXPECT_GE(back, 0.02);
   EXPECT_EQ(bench.force(), 0.0);
-  // All of it moves the robot, but for what is given back of the offset in free movement.
+  // All of it moves the robot, except for the offset that free movement gives back.
   EXPECT_GE(room(bench), (1.0 - SurfaceIndex::kGivenBack) * back - 1e-3);
   EXPECT_LE(room(bench), back + 1e-3);
   EXPECT_LE(bench.made(), 0.0);
@@ -96,7 +96,7 @@ TEST(TeleoperationWalls, EngagingAtAWallGivesNoKick) {
   bench.run(0.5);
   EXPECT_EQ(bench.state(), clutched);
   EXPECT_EQ(bench.force(), 0.0);
-  bench.hand.put(bench.hand.true_position());  // it stands, and means to be there
+  bench.hand.put(bench.hand.true_position());  // the hand rests and means to be here
   bench.run(0.1);
   const Vec3 hand = bench.hand.true_position();
   bench.hand.pressed = true;
@@ -104,13 +104,13 @@ TEST(TeleoperationWalls, EngagingAtAWallGivesNoKick) {
   EXPECT_EQ(bench.state(), engaged);
   EXPECT_LE((bench.hand.true_position() - hand).norm(), 1e-4) << "nothing pushes a resting hand";
   EXPECT_NEAR(bench.force(), 0.0, 0.01);
-  bench.move(Vec3(0.0, 0.0, 0.05), 0.5);  // it pushes on, and feels the wall
+  bench.move(Vec3(0.0, 0.0, 0.05), 0.5);  // the hand pushes on and feels the wall
   EXPECT_NEAR(bench.force(), -kStiffness * kDepth, 0.1);
   EXPECT_LE(room(bench), 1e-5);
   EXPECT_LE(bench.made(), 0.0);
 }
 
-/// A wild hand, on any network: the robot inside, the hand given no energy, no command too large.
+/// A wild hand on any network: the robot stays inside, and the hand gets no energy.
 TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
   test::Random random(21);
   for (const char* link :
@@ -140,7 +140,7 @@ TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
   }
 }
 
-/// A body in the way is felt as a wall that goes along with the robot, and the robot goes around
+/// A body in the way feels like a wall that moves along with the robot, and the robot passes around
 /// it.
 TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
   for (const char* link : {"delay=0", "delay=25,loss=2,seed=3"}) {
@@ -159,7 +159,7 @@ TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
     ASSERT_EQ(bench.state(), engaged);
     EXPECT_LE(room(), 1e-3) << link;
     EXPECT_LE(bench.force(), -1.0) << "it is felt";
-    // Sideways and on, while it presses upwards.
+    // Sideways and on, while the hand presses upwards.
     double least = 1.0;
     for (int i = 0; i < 100; ++i) {
       bench.move(Vec3(1e-3, 0.0, 1.5e-3), 0.02);
@@ -171,7 +171,7 @@ TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
   }
 }
 
-/// A server that lies of its walls gives commands like any other: no energy, nothing not finite.
+/// If a server lies about its walls, the commands stay finite and give the hand no energy.
 TEST(TeleoperationWalls, WallsThatAreNoneGiveTheHandNoEnergy) {
   Teleoperation bench("delay=0", seat());
   test::Random random(9);

@@ -1,5 +1,5 @@
-// A hand leads the arm of the server's own world (scenes/arm/workcell.json): it presses on the mat
-// and lifts the box, over sealed datagrams and an emulated link. Nobody else moves the arm.
+// A hand leads the arm in the server's own world (scenes/arm/workcell.json) over sealed datagrams
+// and an emulated link: it presses on the mat and lifts the box. Nobody else moves the arm.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,14 +19,14 @@ using ::testing::HasSubstr;
 
 constexpr double kTable = 0.3;  // [m] height, scenes/arm/table.xml
 constexpr double kMat = 0.3;    // [m] height, scenes/arm/workcell.xml
-// The arm's spring and the table's, one behind the other.
+// The arm's spring and the table's, in series.
 constexpr double kSeries = 1000.0 * 5000.0 / 6000.0;  // [N/m]
 constexpr double kBoxHalf = 0.02;                     // [m]
 constexpr double kOpen = 0.08;                        // [m] of the gripper
 const Vec3 kOverBox(0.45, 0.0, 0.36);                 // [m] of the tool
 
 Scene arm_scene() { return load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/workcell.json"); }
-/// With a table of 5 kN/m, 0.3 m high.
+/// A scene with a table of 5 kN/m, 0.3 m high.
 Scene table_scene() {
   return parse_scene(R"({ "name": "arm", "materials": [{ "name": "steel", "stiffness": 2000 }],
     "mjcf": { "file": "table.xml", "material": "steel" }, "remote": { "arm": {} } })",
@@ -90,7 +90,7 @@ struct Bench : test::HandSession {
     farthest_step = 0.0;
     run(0.3);
   }
-  /// Engages, and brings the tool above the box.
+  /// Engages and moves the tool above the box.
   void go_over_box() {
     engage();
     ASSERT_EQ(server->link_state(0), engaged);
@@ -113,10 +113,10 @@ struct Bench : test::HandSession {
   std::unique_ptr<SceneSessions> server;
   std::vector<HandSession*> others;
   bool silent = false;         // the hand sends nothing
-  bool names_another = false;  // its samples name the second seat, whatever its servo wants
+  bool names_another = false;  // its samples name the second seat, regardless of its servo
   Nanoseconds now = std::chrono::seconds(100);
   double largest_force = 0.0;  // [N] on the arm's tool
-  double farthest_step = 0.0;  // [m] of its target in a tick
+  double farthest_step = 0.0;  // [m] of the arm's target in one tick
   DatagramBuffer room;
 
  private:
@@ -182,7 +182,7 @@ TEST(WorldArm, LiftsTheBox) {
   EXPECT_LE(bench.made(), 0.0);
 }
 
-/// A hand that leads the arm is not in the scene itself: another one at the same place is.
+/// A hand that leads the arm is not in the scene itself; another hand at that place is.
 TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   Bench bench;
   test::HandSession other(0x900, "delay=0", 5, {.per_contact = 0.0, .power = 0.0});
@@ -205,7 +205,7 @@ TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   EXPECT_EQ(led, 0.0);
 }
 
-/// The server keeps a hand that moves the arm there, whatever it names, and so it touches nothing.
+/// The server keeps a hand at the arm that it moves, whatever it names, so it touches nothing.
 TEST(WorldArm, AHandThatMovesItTouchesNothingElseWhateverItNames) {
   Scene scene = arm_scene();
   std::vector<RemoteSeat> seats(2);
@@ -227,7 +227,7 @@ TEST(WorldArm, AHandThatMovesItTouchesNothingElseWhateverItNames) {
   EXPECT_EQ(bench.server->link_state(0), engaged);
 }
 
-/// Others feel the arm's links and push them; what they push the arm's springs bring back.
+/// Other hands feel and push the arm's links; the arm's springs bring the links back.
 TEST(WorldArm, AnotherHandPushesALink) {
   Bench bench;
   test::HandSession other(0x900, "delay=0", 5, {.per_contact = 0.0, .power = 0.0});
@@ -237,7 +237,7 @@ TEST(WorldArm, AnotherHandPushesALink) {
   const Object& palm = bench.object("palm");
   const Vec3 before = palm.pose.position;
   const Vec3 out = palm.pose.orientation * Vec3::UnitZ();  // the capsule's axis
-  const Vec3 beside = before + 0.13 * out;                 // before its round end
+  const Vec3 beside = before + 0.13 * out;                 // in front of its round end
   other.options.leads.reset();
   other.servo = Servo(other.hand.spec(), other.parameters, other.options);
   other.hand.put(beside);
@@ -258,7 +258,7 @@ TEST(WorldArm, HoldsWhenTheHandIsSilent) {
   Bench bench;
   bench.go_over_box();
   const Vec3 from = bench.hand.meant;
-  for (int n = 0; n < 200; ++n) {  // on the move at 0.1 m/s
+  for (int n = 0; n < 200; ++n) {  // moving at 0.1 m/s
     bench.hand.meant = from + Vec3(0.0, 1e-4 * n, 0.0);
     bench.tick();
   }
@@ -292,7 +292,7 @@ TEST(WorldArm, AReloadPutsItHomeAndTheHandPressesAnew) {
   EXPECT_EQ(bench.server->link_state(0), engaged);
 }
 
-/// 30 N is half of what the arm's own spring can give: a stop, which ends by itself.
+/// 30 N is half of what the arm's own spring can give: a stop that ends by itself.
 TEST(WorldArm, AProtectiveStopEndsWhenNothingPushes) {
   Scene scene = arm_scene();
   std::vector<RemoteSeat> seats = scene.seats();

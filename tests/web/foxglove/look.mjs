@@ -111,7 +111,7 @@ require(first.protocol === 'foxglove.sdk.v1', `the subprotocol is ${first.protoc
 require(await opened(address, ['foxglove.sdk.v1']) === 403, 'a ticket was taken twice');
 require(await opened(`${address}x`, ['foxglove.sdk.v1']) === 403, 'a wrong ticket was taken');
 first.close();
-// What fails before the ticket is looked at leaves it good.
+// A request that fails before the ticket check leaves the ticket valid.
 const kept = await ticket();
 require(await opened(kept, ['other']) === 400, 'another subprotocol was taken');
 const second = await opened(kept, ['foxglove.websocket.v1']);

@@ -1,4 +1,4 @@
-// What the messages of a real server have, so that the server that is played has the same. A test of the server reads the same file.
+// Checks that the mock server's messages have the members of a real server's. A server test reads the same members.json.
 
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';

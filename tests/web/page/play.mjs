@@ -1,4 +1,4 @@
-// What the mock server plays: a floor, a ramp, balls that move, and hands that press them.
+// The mock server's scene: a floor, a ramp, moving balls, and hands that press them.
 
 import {bits} from './members.mjs';
 

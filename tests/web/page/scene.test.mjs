@@ -1,4 +1,4 @@
-// What the live page draws. Every wait is for a condition.
+// Drawings of the live page. Every wait is for a condition.
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';

@@ -211,7 +211,7 @@ export class Admin {
     const value = this.inputs.get(field).valueAsNumber;
     if (Number.isNaN(value)) return this.#showMaterial();
     const set = {object: this.object.value, [field]: value};
-    // One may not be above the other.
+    // Dynamic friction may not be above static friction.
     const other = this.materials[this.objects.indexOf(this.object.value)];
     if (field === 'static_friction' && value < other?.dynamic_friction) set.dynamic_friction = value;
     if (field === 'dynamic_friction' && value > other?.static_friction) set.static_friction = value;

@@ -1,4 +1,4 @@
-// What the page knows of every hand: the newest record, the recent past, and what has bounded its force.
+// The page's data of every hand: the newest record, the recent past, and what has bounded its force.
 
 import {History} from './history.js';
 import {AT, HAND_WORDS, length3} from './messages.js';

@@ -267,7 +267,7 @@ function step(now) {
     writeTexts();
   }
   own.step(now);
-  // Where it is drawn in software, frames of an empty view would put off the first picture.
+  // With software rendering, frames of an empty view would delay the first picture.
   if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
     labels.move(view);
     drawn ||= page.pictures > 0;

@@ -8,7 +8,7 @@ import {withNormals} from './creases.js';
 import {makeFloor} from './floor.js';
 import {BODY_AT} from './messages.js';
 
-// Of objects, in turns: quiet, so that the arrows stand out.
+// Tones of objects, in turns: quiet, so that the arrows stand out.
 const TONES = [[0.62, 0.65, 0.7], [0.72, 0.63, 0.53], [0.58, 0.67, 0.6], [0.68, 0.6, 0.66], [0.56, 0.65, 0.72], [0.7, 0.67, 0.54]];
 const MANY = 4;  // objects of one shape from which they are drawn together
 
@@ -163,7 +163,7 @@ const turn = new Quaternion();
 const matrix = new Matrix4();
 const nowhere = new Matrix4().makeScale(0, 0, 0);
 
-// What is felt from within, as a room, is drawn as seen from within: the near walls do not hide what is in it.
+// An object felt from within, such as a room, is drawn as seen from within: near walls do not hide its content.
 const makeMaterial = (object) => new MeshLambertMaterial({side: object?.felt_from === 'inside' ? BackSide : DoubleSide});
 
 function colorOf(object) {

@@ -1,4 +1,4 @@
-// What hands hold: a ball about the point of the pen, or a body in its place, as large as the scene says.
+// The tools of hands: a ball about the point of the pen, or a body in its place, as large as the scene says.
 
 import {Group, MeshBasicMaterial, MeshLambertMaterial, OctahedronGeometry, Quaternion, SphereGeometry, Vector3} from 'three';
 import {toolPlace} from './hand_view.js';

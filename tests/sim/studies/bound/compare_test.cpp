@@ -41,7 +41,7 @@ TEST(CompareTasks, TheTapStrikesAtOneMetreASecond) {
   std::size_t n = 1;
   while (n < samples.size() && tap.distance(samples[n].position) > 0.0) ++n;
   ASSERT_LT(n, samples.size());
-  const Vec3 way = samples[n - 1].position - samples[n - 2].position;  // still free
+  const Vec3 way = samples[n - 1].position - samples[n - 2].position;  // still in free space
   EXPECT_NEAR(way.norm() / 1e-3, 1.0, 0.01);
 }
 
@@ -123,7 +123,7 @@ TEST(Compare, DelayOscillatesWithoutABoundOnly) {
   EXPECT_LT(row(rows, "stick_slip", "contact_frame").oscillation, kFelt);
 }
 
-// Why every bound that shows a soft torus has some tens of micrometres there: the bumps sink in.
+// The reason why all bounds err by some tens of micrometres on a soft torus: the bumps sink in.
 TEST(Compare, ASofterTorusLetsItsBumpsIn) {
   CompareTask stiff = task("torus"), soft = stiff;
   soft.touch = [](const Tool& tool) {
@@ -140,7 +140,7 @@ std::ptrdiff_t threads() {
   return std::distance(all, end);
 }
 
-// The cost of a step beside other runs would measure the load of the machine.
+// The cost of a step beside other runs would measure the machine's load.
 TEST(Compare, EveryCostIsMeasuredAlone) {
   const std::vector<CompareTask> tasks = {task("tap"), task("edge")};
   const std::vector<Method> both = {method("none"), method("contact_frame")};
@@ -161,7 +161,7 @@ TEST(Compare, EveryCostIsMeasuredAlone) {
     EXPECT_EQ(rows[i].cost, static_cast<double>(i + 1)) << rows[i].method;
 }
 
-// The rows by one hand and over eight are of the same runs.
+// The rows for one hand and for eight hands come from the same runs.
 TEST(Compare, OverEightHandsTheMedianAndTheWorst) {
   const std::vector<CompareTask> wall = {task("wall")};
   const std::vector<Method> one = {method("none")};

@@ -1,4 +1,4 @@
-// The check of the extremes checks: it passes what keeps its promise and catches what does not.
+// The test of the extremes study: it passes laws that keep their promise and catches others.
 
 #include "sim/studies/bound/extremes.hpp"
 
@@ -30,7 +30,7 @@ TEST(Extremes, EveryMethodKeepsWhatItPromises) {
     stresses.insert(r.stress);
     EXPECT_TRUE(r.passed()) << r.stress << ' ' << r.method;
     for (const ExtremeOutcome* o : {&r.in_double, &r.in_float}) EXPECT_GE(o->steps, 200u);
-    // A bound that renders nothing proves nothing. The others' forces explode before long.
+    // A bound that renders nothing proves nothing. The forces of the others soon explode.
     if (r.promise != Promise::port || r.stress == "damping 0") continue;
     if (r.stress == "movements denormal" && r.method == "energy_tank") continue;  // energies are 0
     EXPECT_GT(r.in_double.rendering, 100u) << r.stress << ' ' << r.method;
@@ -41,7 +41,7 @@ TEST(Extremes, EveryMethodKeepsWhatItPromises) {
   EXPECT_TRUE(all_passed(rows));
 }
 
-// Five percent more damping than there is: every stress whose hands can take it tells, in double
+// Five percent more damping than there is: every stress whose hands can use it finds it, in double
 // and in float.
 TEST(Extremes, FivePercentTooMuchDampingIsFound) {
   const auto rows = run_extremes(1.05, 1);
@@ -58,7 +58,7 @@ TEST(Extremes, FivePercentTooMuchDampingIsFound) {
   }
 }
 
-// per_axis and the coupling keep more than they must: they need a larger lie.
+// per_axis and the coupling store more than necessary: only a larger lie shows.
 TEST(Extremes, FiveTimesTheDampingIsFoundInEveryLawThatCountsOnIt) {
   const auto rows = run_extremes(5.0, 2);
   for (const char* method : {"contact_frame", "energy_tank", "per_axis", "virtual_coupling"}) {
@@ -99,8 +99,8 @@ TEST(Extremes, TheCommandFailsWhenARowFails) {
   std::filesystem::remove_all(directory);
 }
 
-// One step by hand, T = 1 ms, b = 0.5 N s/m, c = 1000 N/m: 1 mm pressed burns 0.5 mJ, and pays for
-// 1 N, whose hand can take 0.5 mJ.
+// A step by hand, T = 1 ms, b = 0.5 N s/m, c = 1000 N/m: pressing 1 mm burns 0.5 mJ. This pays for
+// 1 N, with which a hand can take 0.5 mJ.
 TEST(PromiseLedger, PaysForAForceUpToTheLastPartInAMillion) {
   for (const double newton : {1.0 - 1e-6, 1.0, 1.0 + 1e-6}) {
     PromiseLedger ledger({.damping = 0.5});
@@ -119,7 +119,7 @@ TEST(PromiseLedger, AHoldOfTwoPeriodsBurnsHalf) {
   PromiseLedger ledger({.damping = 0.5});
   ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 2e-3);
   Command held;
-  held.elastic.x() = 0.7;  // sqrt(1/2) N are paid for
+  held.elastic.x() = 0.7;  // the energy pays for sqrt(1/2) N
   ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
   EXPECT_FALSE(ledger.broken());
   held.elastic.x() = 0.71;
@@ -132,7 +132,7 @@ TEST(PromiseLedger, ByAxisNoAxisPaysForAnother) {
     PromiseLedger ledger({.promise = promise, .damping = 0.5});
     ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 1e-3);
     Command held;
-    held.elastic.y() = 0.5;  // x paid
+    held.elastic.y() = 0.5;  // x has been paid for
     ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
     EXPECT_EQ(ledger.broken(), promise == Promise::port_by_axis);
   }

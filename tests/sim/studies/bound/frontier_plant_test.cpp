@@ -1,4 +1,4 @@
-// The default law on real plants: the table that says what a lag does which the law is not told.
+// The default law on real plants: the effects of a lag that the law does not know.
 
 #include <gtest/gtest.h>
 
@@ -47,9 +47,9 @@ TEST(FrontierPlant, WithoutLagALightHandIsCalmAndTheMotorMakesNothing) {
     }
 }
 
-/// A lag that the law is not told takes damping from the wall: k L. Without the look at slow swings
-/// the light hand swung by 2.2 mm for ever, and the motor made 143 mJ. The account and the encoder
-/// see nothing of it: no debt, and no energy made.
+/// An unknown lag L takes damping from the wall: k L. Without the rule for slow swings the light
+/// hand swung by 2.2 mm for ever, and the motor made 143 mJ. The account and the encoder cannot see
+/// it: they show no debt and no energy.
 TEST(FrontierPlant, ALagThatIsNotToldIsFoundByTheSwingThatItMakes) {
   for (const double lag : {0.15e-3, 0.3e-3, 0.5e-3})
     for (const bool session : {false, true}) {
@@ -63,7 +63,7 @@ TEST(FrontierPlant, ALagThatIsNotToldIsFoundByTheSwingThatItMakes) {
   EXPECT_GT(run(first_press(with_lag(0.5e-3), true)).energy.made, 1e-3) << "until it was found";
 }
 
-/// The rule for slow swings was chosen with the eight hands. It is judged with others.
+/// The rule for slow swings was chosen with the eight hands, so this test uses other hands.
 TEST(FrontierPlant, NearlyEveryDrawnHandIsCalmInSpiteOfALagThatIsNotTold) {
   std::mt19937_64 random(20'261'129);
   const auto drawn = [&](double least, double most) {
@@ -88,12 +88,12 @@ TEST(FrontierPlant, NearlyEveryDrawnHandIsCalmInSpiteOfALagThatIsNotTold) {
     ++calm;
     EXPECT_GT(row.displayed, 0.95) << row.made.hand.hand.mass << " kg";
   }
-  // A hand of 0.36 kg with 0.4 N s/m swings at less than 11 Hz under the two longer lags: so slow a
-  // swing may be the hand's own will.
+  // Under the two longer lags a hand of 0.36 kg with 0.4 N s/m swings at less than 11 Hz: so slow a
+  // swing may be intended.
   EXPECT_GE(calm, static_cast<int>(cases.size()) - 2);
 }
 
-/// Told the lag, by the device's specification: every hand is calm, and the motor makes nothing.
+/// If the device's specification states the lag, every hand is calm and the motor makes no energy.
 TEST(FrontierPlant, ToldTheLagEveryHandIsCalmAndTheMotorMakesNothing) {
   for (const double lag : {0.15e-3, 0.3e-3})
     for (std::size_t hand = 0; hand < kEightHands.size(); ++hand) {
@@ -113,7 +113,7 @@ TEST(FrontierPlant, AUsualHandIsCalmInSpiteOfTheLag) {
   EXPECT_EQ(row.energy.made, 0.0);
 }
 
-/// Transmission and wall are springs in series: 10 of 15 at the handle.
+/// Transmission (10 kN/m) and wall (5 kN/m) are in series: the handle displays 10 / 15 of the wall.
 TEST(FrontierPlant, BehindATransmissionTheHandleShowsBothSpringsInSeries) {
   Plant plant;
   plant.transmission = {.stiffness = 10e3, .damping = 1.0, .handle_mass = 0.02};

@@ -1,4 +1,4 @@
-// The claims of docs/lab/frontier.md about the account and shaping, on the cases that decide.
+// The claims of docs/lab/frontier.md about the account and shaping, on the decisive cases.
 
 #include "sim/studies/bound/frontier.hpp"
 
@@ -24,7 +24,7 @@ std::vector<FrontierRow> over_all_hands(FrontierCase c) {
 }
 FrontierRow row(const FrontierCase& c) { return run_frontier({c}).front(); }
 
-/// The displayed share of the middle of the hands. A hand that swings is displayed nothing.
+/// The median over hands of the displayed share. For a hand that swings the share is zero.
 double median_share(const std::vector<FrontierRow>& rows) {
   return over_hands(rows, [](const FrontierCase&) { return true; }).median;
 }
@@ -75,7 +75,7 @@ TEST(Frontier, LateForcesShowTwiceWhatTheContactFrameShows) {
 }
 
 TEST(Frontier, NothingBehindAnAccountMakesEnergy) {
-  // A prime step goes through all laws, hands, walls and delays.
+  // A prime step visits all laws, hands, walls and delays.
   const auto all = frontier_cases();
   std::vector<FrontierCase> some;
   for (std::size_t i = 0; i < all.size(); i += 211)
@@ -250,7 +250,7 @@ TEST(FrontierHands, MassAloneCarriesAFirstPress) {
   EXPECT_GT(row(c).displayed, 0.99);
 }
 
-/// With the surfaces at the client, a slow network is felt as none.
+/// If the client has the surfaces, a slow network feels like no network.
 TEST(FrontierSessions, AreFeltOverSlowNetworksAsInProcess) {
   std::vector<FrontierCase> cases;
   for (FrontierCase c : session_cases())

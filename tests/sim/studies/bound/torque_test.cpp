@@ -9,8 +9,8 @@
 namespace feltwire::torque_test {
 namespace {
 
-/// The bar of six degrees of freedom: whole sessions of bodies in the hand, every task, every hand,
-/// over a link that delays, jitters, loses and reorders.
+/// The criterion in six degrees of freedom: whole sessions with a body in the hand, every task and
+/// hand, over a link with delay, jitter, loss and reordering.
 TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   std::vector<TorqueSession> sessions = torque_sessions();
   std::erase_if(sessions,
@@ -28,8 +28,8 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   EXPECT_GT(felt, sessions.size() / 2) << "sessions in which a torque is felt";
 }
 
-/// With body and solids at the client a delay costs nothing: the torque of a peg in its ring and of
-/// a bar on an edge, which planes do not tell, is that of a session without delay.
+/// If the client has body and solids, a delay costs nothing. A peg in its ring and a bar on an
+/// edge, which planes describe badly, have the torque of a session without delay.
 TEST(Torque, OverADelayAWholeBodyIsFeltAsWithoutOne) {
   for (const char* task : {"peg", "roll"}) {
     std::vector<TorqueSession> sessions;
@@ -48,7 +48,7 @@ TEST(Torque, OverADelayAWholeBodyIsFeltAsWithoutOne) {
   }
 }
 
-/// Without a bound the bar is missed: so the test above can fail.
+/// Without a bound the criterion is missed, so the test above can fail.
 TEST(Torque, WithoutABoundTheSamePortMakesEnergy) {
   std::vector<TorqueSession> sessions;
   for (const NamedHand& hand : kEightHands)
@@ -102,7 +102,7 @@ TEST(Torque, RefusesATaskThatIsNotThere) {
               ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("juggle")));
 }
 
-/// Figures 5 and 6, turned: per axis the torque bends away from the stop's, Eq. (3) turns it back.
+/// Figures 5 and 6 for torque: per axis the torque deviates from the stop's; Eq. (3) corrects it.
 TEST(TorqueFigures, ProjectionGivesTheTorqueItsDirectionBack) {
   const TorqueFigure bare = run_torque_figure(kUnbounded);
   const TorqueFigure before = run_torque_figure("per_axis");

@@ -1,5 +1,5 @@
-// The orderings that docs/lab/laboratory.md tells of, and that a map is complete and repeats
-// itself.
+// The orderings that docs/lab/laboratory.md states, and that a map is complete and
+// reproducible.
 
 #include "sim/studies/bound/zwidth.hpp"
 
@@ -27,8 +27,8 @@ TEST(Methods, LabelsAreDistinctAndFound) {
   EXPECT_THROW(method("nothing"), std::invalid_argument);
 }
 
-// A wall is shown as it is when nothing stands between, up to 2 b / T by the contact frame and up
-// to b / T by the paper's axes; the encoder's quantum leaves some percent.
+// Without a limit a wall is displayed as it is; by the contact frame up to 2 b / T; by the paper's
+// axes up to b / T. The encoder's quantum causes an error of some percent.
 TEST(ZWidth, DisplayedStiffnessIsTheWallsOrWhatTheLawAllows) {
   const auto displayed = [](const char* label, double rate, double stiffness) {
     return press_wall(method(label), 2.0, rate, 0.0, stiffness).displayed.value_or(0.0);

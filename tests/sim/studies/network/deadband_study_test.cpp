@@ -1,5 +1,5 @@
-// The study's own claims on a small grid: what a deadband saves, what it may cost, and that no hand
-// takes more than was burned.
+// The study's claims on a small grid: the savings and costs of a deadband, and that no hand takes
+// more than was burned.
 
 #include "sim/studies/network/deadband_study.hpp"
 
@@ -28,7 +28,7 @@ TEST(DeadbandStudy, SavesDatagramsAndKeepsTheForce) {
     }
     EXPECT_EQ(r.saved_up > 0.3, r.kind->position) << r.task << r.kind->name;
     EXPECT_GT(r.saved_down, 0.3) << r.task << r.kind->name;
-    // Each deadband lets the force be off by k.
+    // Each deadband allows an error of k in the force.
     EXPECT_LT(r.relative, r.kind->position && r.kind->force ? 0.21 : 0.11)
         << r.task << r.kind->name;
     EXPECT_GT(r.error_max, 0.0) << r.task << r.kind->name;

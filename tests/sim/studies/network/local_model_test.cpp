@@ -1,5 +1,5 @@
-// A local model makes a delay no matter: the bars of the laboratory's table, on the part of it that
-// is quick.
+// A local model makes a delay harmless: the criteria of the laboratory's table, on the quick part
+// of it.
 
 #include "sim/studies/network/local_model.hpp"
 
@@ -35,7 +35,7 @@ TEST(LocalModelRun, TheForceIsThatOfTheTruePositionWhateverTheDelay) {
     EXPECT_LT(5.0 * model.error, forces.error) << task;
     EXPECT_LT(model.error, 0.05 * model.felt) << task;
     EXPECT_GT(model.from_model, 0.95) << task;
-    // And no worse than forces that are not delayed at all.
+    // No worse than forces without any delay.
     EXPECT_LE(model.error, 1.05 * cell(task, 0.0, false).error) << task;
     EXPECT_LE(cell(task, 0.0, true).error, 1.05 * cell(task, 0.0, false).error) << task;
     EXPECT_EQ(forces.from_model, 0.0);

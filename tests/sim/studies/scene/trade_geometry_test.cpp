@@ -31,12 +31,12 @@ TEST(TradeGeometry, TheSolidIsExactAndTheRestErrsByItsOrder) {
   const auto ratio = [](const GeometryCell& coarse, const GeometryCell& fine) {
     return coarse.direction_error / fine.direction_error;
   };
-  // Facets of half the size turn by half as much; linear by the first, quadratic by the second
-  // power of the resolution.
+  // Facets of half the size turn by half as much: the error is linear by the first, quadratic by
+  // the second power of the resolution.
   for (const char* kind : {"mesh, nearest", "mesh, proxy"})
     EXPECT_NEAR(ratio(cell(kind, "double", 320), cell(kind, "double", 1280)), 2.0, 0.6) << kind;
-  // The proxy stays on its facet until it goes over an edge; but for these places it is the
-  // nearest.
+  // The proxy stays on its facet until it passes an edge; elsewhere it is the nearest
+  // point.
   const GeometryCell &nearest = cell("mesh, nearest", "double", 1280),
                      &proxy = cell("mesh, proxy", "double", 1280);
   EXPECT_NEAR(proxy.direction_error, nearest.direction_error, 1e-4);

@@ -1,5 +1,5 @@
-// The cases of the trade study on scenes leave nothing out, and what it compares with answers
-// alike.
+// The cases of the trade study on scenes are complete, and the compared methods give equal
+// answers.
 
 #include "sim/studies/scene/trade_scene.hpp"
 
@@ -53,7 +53,7 @@ TEST(TradeScene, TheBareAnswerHasTheSameBits) {
 }
 
 TEST(TradeScene, IsWrittenWithARowACase) {
-  // Few and small: what is measured is of the machine and judged by nobody.
+  // Few and small cases: the measured times depend on the machine, so nothing checks them.
   auto cases = scene_cases();
   std::erase_if(cases, [](const SceneCase& c) {
     return c.what.find("327680") != std::string::npos ||
@@ -67,7 +67,7 @@ TEST(TradeScene, IsWrittenWithARowACase) {
     EXPECT_GT(c.sample_ns, 0.0) << c.what;
     EXPECT_GT(c.p99_ns, 0.0) << c.what;
     EXPECT_EQ(c.tick_ns > 0.0, c.what.find("bod") != std::string::npos) << c.what;
-#ifndef FELTWIRE_SANITIZED  // sanitizers have a heap of their own
+#ifndef FELTWIRE_SANITIZED  // sanitizers use their own heap
     EXPECT_GT(c.session_bytes, 1000.0) << c.what;
 #endif
   }

@@ -1,4 +1,4 @@
-// The laws around a ball with friction and into a hole: what docs/teleoperation.md claims of them.
+// The laws around a ball with friction and in a hole: the claims of docs/teleoperation.md.
 
 #include "sim/studies/teleop/space_bench.hpp"
 
@@ -61,9 +61,9 @@ TEST(SpaceShapes, FrictionHoldsWithinItsConeAndSlipsAtItsEdge) {
   const Vec3 top(0.0, 0.0, ball.radius), below(0.0, 0.0, ball.radius - kDeep);
   SurfaceProxy proxy(ball, top + Vec3(0.0, 0.0, 1e-3));
   EXPECT_LT(length(Vec3(proxy.follow(below) - top)), 1e-6);
-  // tan of the angle is 0.2, less than mu: it stays.
+  // The tangent of the angle is 0.2, less than mu: the proxy sticks.
   EXPECT_LT(length(Vec3(proxy.follow(below + Vec3(0.2 * kDeep, 0.0, 0.0)) - top)), 1e-6);
-  // Far to the side it slips until it hangs behind by the angle of friction.
+  // Far to the side it slips until it lags by the friction angle.
   Vec3 goal;
   for (double angle = 0.0; angle < 0.5; angle += 1e-4) {
     goal = (ball.radius - kDeep) * Vec3(std::sin(angle), 0.0, std::cos(angle));
@@ -73,7 +73,7 @@ TEST(SpaceShapes, FrictionHoldsWithinItsConeAndSlipsAtItsEdge) {
   EXPECT_NEAR(length(proxy.follow(goal)), ball.radius, 1e-6);
   EXPECT_NEAR(length(Vec3(pull - along(pull, normal))), ball.friction * pull.dot(normal),
               0.01 * pull.dot(normal));
-  EXPECT_LT(Vec3(pull - along(pull, normal)).x(), 0.0);  // against the way
+  EXPECT_LT(Vec3(pull - along(pull, normal)).x(), 0.0);  // against the movement
 }
 
 TEST(SpaceShapes, ACornerHoldsInBothDirections) {
@@ -82,7 +82,7 @@ TEST(SpaceShapes, ACornerHoldsInBothDirections) {
   const Vec3 middle(0.0, 0.0, -hole.depth), corner(hole.play, 0.0, -hole.depth);
   Vec3 goal(0.0, 0.0, 0.01);
   for (; goal.z() > -0.05; goal.z() -= 1e-4) proxy.follow(goal);
-  // The friction of the ground holds it first, 10 mm times mu; then the wall does.
+  // At first the friction of the ground holds it, up to 10 mm times mu; then the wall holds it.
   for (; goal.x() < 2.9e-3; goal.x() += 1e-5) proxy.follow(goal);
   EXPECT_LT(length(Vec3(proxy.follow(goal) - middle)), 1e-5);
   for (; goal.x() < 6e-3; goal.x() += 1e-5) proxy.follow(goal);
@@ -139,7 +139,7 @@ TEST(SpaceBench, ABallIsFeltInFullOverAHundredMilliseconds) {
       EXPECT_NEAR(*m.displayed, 1.0, 0.05) << trip << ' ' << bad;
       EXPECT_LT(*m.force_share, 0.08) << trip << ' ' << bad;
     }
-  // A force that comes late is not paid for by a hand that moves along the surface.
+  // A hand that moves along the surface does not pay for a late force.
   EXPECT_GT(*run("contact_frame", "sphere", 0.1).force_share, 0.5);
   EXPECT_GT(*run("energy_bounding", "sphere", 0.1).force_share, 0.5);
 }
@@ -155,8 +155,8 @@ TEST(SpaceBench, ThePegGoesInAndWithoutABoundItDoesNot) {
   EXPECT_GT(run("position_force", "peg", 0.1).peak_force, 100.0);
 }
 
-/// The touched side of the hole changes. A hand that is told of one side at a time is told of the
-/// wrong one: 1.41 N, over 100 ms.
+/// The touched side of the hole changes. If the hand is told only one side at a time, it is the
+/// wrong side over 100 ms: 1.41 N.
 TEST(SpaceBench, AHoleIsFeltWithBothItsSides) {
   constexpr double kSwings = 30e-6;  // [m]
   const Measured perfect = run("feltwire", "peg", 0.1);
@@ -169,7 +169,7 @@ TEST(SpaceBench, AHoleIsFeltWithBothItsSides) {
   }
 }
 
-/// A coordinate without motion and force, of a law that divides energy by both.
+/// A coordinate without motion or force, for a law that divides energy by both.
 TEST(SpaceBench, TimeDomainPassivityHasNoNumberThatIsNone) {
   const Measured m = run("time_domain_passivity", "peg", 0.0, true);
   EXPECT_TRUE(std::isfinite(m.force_error.value_or(NAN)));

@@ -1,4 +1,4 @@
-// The claims of docs/lab/teleoperation.md about the laws on the bench, on the cases that decide.
+// The claims of docs/lab/teleoperation.md about the laws on the bench, on the decisive cases.
 
 #include "sim/studies/teleop/teleop.hpp"
 
@@ -53,13 +53,13 @@ TEST(Teleop, TapsOverTwoHundredMilliseconds) {
 }
 
 TEST(Teleop, AWallThatMovesIsFeltOverAHundredMilliseconds) {
-  constexpr double kWithout = 0.31, kWith = 0.10;  // of the force that it should have
+  constexpr double kWithout = 0.31, kWith = 0.10;  // shares of the correct force
   for (const bool bad : {false, true}) {
     const double jitter = bad ? 5e-3 : 0.0, loss = bad ? 0.05 : 0.0;
     EXPECT_LT(*run("feltwire", "moving_wall", 0.1, jitter, loss).force_share, kWithout);
     EXPECT_LT(*run("feltwire_prior", "moving_wall", 0.1, jitter, loss).force_share, kWith);
   }
-  // The best of the published laws that are passive.
+  // The best of the passive published laws.
   EXPECT_GT(*run("two_layer", "moving_wall", 0.1).force_share, kWithout);
 }
 

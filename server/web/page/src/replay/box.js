@@ -1,4 +1,4 @@
-// What stands around the hands of a recording, which does not know the scene: a box with a grid on its floor, and the way of a hand.
+// The surroundings of the hands of a recording, which does not know the scene: a box with a grid on its floor, and the way of a hand.
 
 import {BufferGeometry, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments} from 'three';
 

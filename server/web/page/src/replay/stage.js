@@ -1,4 +1,4 @@
-// One recording on the page: the hands in 3D, plots, and why a hand felt what it felt.
+// A recording on the page: the hands in 3D, plots, and why a hand felt what it felt.
 
 import {Labels} from '../labels.js';
 import {AT, BODY_AT, HAND_WORDS, length3, Picture} from '../messages.js';
