@@ -109,30 +109,32 @@ inline std::optional<std::string> value_on_command_line(const CLI::App& app, int
   return value;
 }
 
-/// Throws std::invalid_argument for a variable of this program that is no option of `app`
+/// Throws std::invalid_argument for a variable of this program that is a misspelled option of `app`
 /// (FELTWIRE_SERVER_PROT), and for one that is spelled as before programs had their own
 /// (FELTWIRE_PORT).
 inline void check_variables(const CLI::App& app, const Variables& variables) {
   if (variables.program.empty()) return;
-  std::vector<std::string> known;
+  std::vector<std::string> known;  // without what all names begin with
   for (const CLI::Option* option : app.get_options()) {
-    if (option->get_envname().empty()) continue;
-    known.push_back(option->get_envname());
-    const std::string old = in_capitals("FELTWIRE_", option->get_lnames().front());
-    const bool shared = std::ranges::count(kSharedVariables, old) > 0;
-    if (!shared && std::getenv(old.c_str()) != nullptr &&
-        std::getenv(known.back().c_str()) == nullptr)
-      throw std::invalid_argument(old + " is " + known.back() +
+    if (option->get_lnames().empty()) continue;
+    known.push_back(in_capitals("", option->get_lnames().front()));
+    const std::string old = "FELTWIRE_" + known.back(), now = option->get_envname();
+    const bool renamed = !now.empty() && std::ranges::count(kSharedVariables, old) == 0;
+    if (renamed && std::getenv(old.c_str()) != nullptr && std::getenv(now.c_str()) == nullptr)
+      throw std::invalid_argument(old + " is " + now +
                                   " now, since each program has variables of its own; rename it");
   }
   const std::string own = in_capitals("FELTWIRE_", variables.program) + "_";
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text(*entry);
     const std::string name(text.substr(0, text.find('=')));
-    if (!name.starts_with(own) || std::ranges::count(known, name) > 0) continue;
-    const std::string meant = nearest(name, known);
-    throw std::invalid_argument("the environment has " + name + ", but no option has that name" +
-                                (meant.empty() ? "; unset it" : "; did you mean " + meant + "?"));
+    if (!name.starts_with(own)) continue;
+    const std::string option = name.substr(own.size());
+    if (std::ranges::count(known, option) > 0) continue;
+    // Others may set variables of this kind: Kubernetes sets FELTWIRE_SERVER_SERVICE_HOST.
+    if (const std::string meant = nearest(option, known); !meant.empty())
+      throw std::invalid_argument("the environment has " + name +
+                                  ", which is no option; did you mean " + own + meant + "?");
   }
 }
 

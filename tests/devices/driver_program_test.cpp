@@ -150,7 +150,7 @@ struct Room {
                  folder / "state/local.token", "--fingerprint-file", folder / "state/fingerprint",
                  "--scene", "room", "--device", device, "--await-still", "0.1",
                  // A busy machine makes ticks come late, which is no fault then.
-                 "--hold-time", "1", "--let-go-after", "1", "--report", report} +
+                 "--hold-time", "1", "--report", report} +
            options;
   }
 

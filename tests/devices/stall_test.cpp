@@ -109,9 +109,7 @@ struct Stall : ::testing::TestWithParam<Law> {};
 TEST_P(Stall, OfAServerGivesTheHandNoEnergy) {
   for (const double stiffness : {900.0, 5e3}) {
     Floor floor(stiffness);
-    Words options = GetParam().options;
-    options.insert(options.end(), {"--let-go-after", "0.1"});  // a busy machine must not end it
-    const auto client = floor.client(options);
+    const auto client = floor.client(GetParam().options);
     bool feels = floor.feels(kFelt);
     EXPECT_TRUE(feels);
     for (const int stall : kStalls) {

@@ -44,18 +44,17 @@ struct TwoDevices : ::testing::Test {
     return std::make_unique<Program>(
         FELTWIRE_CLIENT_PROGRAM,
         std::vector<std::string>{
-            "--connect",      "127.0.0.1:" + std::to_string(server->control_port()),
-            "--token-file",   folder / "token",
-            "--fingerprint",  to_string(server->fingerprint()),
-            "--scene",        "wall",
-            "--device",       "hapi:" + port,
-            "--damping",      "0.5",
-            "--mass",         "0.1",
-            "--duration",     "300",
-            "--await-still",  "0.1",
-            "--hold-time",    "1",  // a busy machine makes ticks come late
-            "--let-go-after", "1",
-            "--report",       folder / (name + ".json")});
+            "--connect",     "127.0.0.1:" + std::to_string(server->control_port()),
+            "--token-file",  folder / "token",
+            "--fingerprint", to_string(server->fingerprint()),
+            "--scene",       "wall",
+            "--device",      "hapi:" + port,
+            "--damping",     "0.5",
+            "--mass",        "0.1",
+            "--duration",    "300",
+            "--await-still", "0.1",
+            "--hold-time",   "1",
+            "--report",      folder / (name + ".json")});
   }
 
   testing::TemporaryFolder folder;

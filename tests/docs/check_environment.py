@@ -5,8 +5,8 @@ Each program is run with one option of a group whose options exclude each other,
 port that it is told, or a file is missing. With all others of the group in the environment it must end likewise, with the same words. The pairs of
 feltwire-client are in tests/client/app/rival_options_test.cpp.
 
-Each program has variables of its own. One that it does not know, and one with the name of before, ends it with the right name. An option that
-ends the program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
+Each program has variables of its own. A misspelled one, and one with the name of before, ends it with the right name. An option that ends the
+program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
 
 usage: check_environment.py BIN_FOLDER SOURCE_FOLDER
 """
@@ -81,23 +81,20 @@ def main():
                 if status == 0 or "FELTWIRE_CA" not in said:
                     wrong.append(f"{words[0]}: two ways to trust in the environment: {status} {said}")
         ending = {variable(option): "true" for option in ("--version", "--help", "--list", "--check", "--list-specs", "--health", "--explain")}
-        others = {"feltwire-client": "feltwire-server", "feltwire-server": "feltwire-client", "feltwire-view": "feltwire-server",
-                  "feltwire-follower": "feltwire-client"}
-        for program, other in others.items():
-            ending[variable("--record", other)] = "other.mcap"  # a variable of another program means nothing here
-            alone, beside = run([programs / program], {}, folder), run([programs / program], ending, folder)
-            del ending[variable("--record", other)]
+        # Program: another one, an option, and the same misspelled.
+        programs_of = {"feltwire-client": ("feltwire-server", "--duration", "--duratoin"),
+                       "feltwire-follower": ("feltwire-client", "--duration", "--duratoin"),
+                       "feltwire-server": ("feltwire-client", "--log-level", "--log-levl"),
+                       "feltwire-view": ("feltwire-server", "--log-level", "--log-levl")}
+        for program, (other, option, misspelled) in programs_of.items():
+            unknown = {**ending, variable("--record", other): "other.mcap", variable("--service-host", program): "10.0.0.1"}
+            alone, beside = run([programs / program], {}, folder), run([programs / program], unknown, folder)
             if alone != beside:
-                wrong.append(f"{program} with {', '.join(ending)}:\n  alone: {alone}\n  beside: {beside}")
-            for name, said in ((variable("--log-levl", program), "has that name"), (variable("--link", None), variable("--link", program)),
-                               (variable("--log-level", None), variable("--log-level", program))):
-                if program in ("feltwire-client", "feltwire-follower") and "LOG_LEVEL" in name:
-                    continue  # they have no such option
-                if program in ("feltwire-server", "feltwire-view") and "LINK" in name:
-                    continue
-                status, text = run([programs / program], {name: "1"}, folder)
-                if status == 0 or said not in text:
-                    wrong.append(f"{program} with {name}: {status} {text}")
+                wrong.append(f"{program} with {', '.join(unknown)}:\n  alone: {alone}\n  beside: {beside}")
+            for name in (variable(option), variable(misspelled, program)):
+                status, said = run([programs / program], {name: "1"}, folder)
+                if status == 0 or name not in said or variable(option, program) not in said:
+                    wrong.append(f"{program} with {name}: {status} {said}")
     print("\n".join(wrong + [f"{pairs} pairs, {len(wrong)} wrong"]))
     return 1 if wrong or pairs < 50 else 0
 

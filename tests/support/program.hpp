@@ -40,7 +40,7 @@ class Program {
       // Close the test's other files: a socket that stays open would keep listening.
       ::close_range(STDERR_FILENO + 1, ~0U, 0);
       // A busy machine must not end a session. Tests of the watchdog set this option themselves.
-      ::setenv("FELTWIRE_LET_GO_AFTER", "0.1", 0);
+      ::setenv("FELTWIRE_CLIENT_LET_GO_AFTER", "0.1", 0);
       ::execv(argv[0], argv.data());
       ::_exit(127);
     }
