@@ -69,6 +69,14 @@ typedef struct feltwire_reading_v1 {
   double lever;
 } feltwire_reading_v1;
 
+/* How the force follows a command within the told time. */
+enum {
+  FELTWIRE_LAG_DELAY = 0,  /* any response that has the whole command by then */
+  FELTWIRE_LAG_FILTER = 1, /* a first-order lag with this time constant */
+  FELTWIRE_LAG_MIXED = 2   /* a delay and a first-order lag after it, this long together */
+};
+
+/* Functions may be added at the end. A plugin that was built against an older header is loaded as if they were null. */
 typedef struct feltwire_device_v1 {
   uint32_t version; /* FELTWIRE_DEVICE_VERSION */
   uint32_t size;    /* sizeof(feltwire_device_v1) */
@@ -96,6 +104,11 @@ typedef struct feltwire_device_v1 {
 
   /* After all else; release() was called before. May block. */
   void (*close)(void* device);
+
+  /* How late the motors follow a write(), beside late_ticks. Called once, after open(). Sets an upper bound in *seconds, 0
+   * for none, and a FELTWIRE_LAG_... in *kind, which is FELTWIRE_LAG_DELAY when it is called. Returns 1; or 0 where it is
+   * not known. May be null. Where nothing is told the client assumes a lag, says so, and gives less of stiff walls. */
+  int (*actuation_lag)(void* device, double* seconds, int32_t* kind);
 } feltwire_device_v1;
 
 /* The plugin's one exported function. What it returns must stay. */

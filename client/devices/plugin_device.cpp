@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
@@ -48,10 +50,12 @@ const feltwire_device_v1& functions(const SharedLibrary& library) {
     refuse(file, "it speaks version " + std::to_string(table->version) +
                      " of the ABI, this client " + std::to_string(FELTWIRE_DEVICE_VERSION) +
                      "; build it against this client's feltwire_device_v1.h");
-  if (table->size < sizeof(feltwire_device_v1))
+  // Plugins of older headers have a shorter table.
+  constexpr std::size_t kShortest = offsetof(feltwire_device_v1, actuation_lag);
+  if (table->size < kShortest)
     refuse(file, "its table of functions has " + std::to_string(table->size) + " bytes, not " +
-                     std::to_string(sizeof(feltwire_device_v1)) +
-                     "; set size to sizeof(feltwire_device_v1)");
+                     std::to_string(kShortest) +
+                     " or more; set size to sizeof(feltwire_device_v1)");
   const std::pair<const char*, bool> needed[] = {{"open", table->open != nullptr},
                                                  {"read", table->read != nullptr},
                                                  {"write", table->write != nullptr},
@@ -104,6 +108,23 @@ SpecSources sources_of(const feltwire_spec_v1& given) {
   return sources;
 }
 
+/// Takes the lag of the motors from the plugin, if it knows one.
+void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* device,
+              SourcedSpec& described, const std::string& source) {
+  if (table.size < sizeof(feltwire_device_v1) || table.actuation_lag == nullptr) return;
+  double lag = 0.0;
+  std::int32_t kind = FELTWIRE_LAG_DELAY;
+  if (table.actuation_lag(device, &lag, &kind) == 0) return;
+  constexpr std::array kKinds = {LagKind::delay, LagKind::filter, LagKind::mixed};
+  if (kind < 0 || kind >= static_cast<std::int32_t>(kKinds.size()))
+    refuse(file, "actuation_lag() sets the kind " + std::to_string(kind) +
+                     "; set FELTWIRE_LAG_DELAY, FELTWIRE_LAG_FILTER or FELTWIRE_LAG_MIXED");
+  described.spec.actuation_lag = lag;
+  described.spec.actuation_kind = kKinds[static_cast<std::size_t>(kind)];
+  described.tells_lag = true;
+  described.sources["actuation_lag"] = source;
+}
+
 class PluginDevice final : public Device {
  public:
   PluginDevice(SharedLibrary library, const std::string& arguments)
@@ -125,6 +146,7 @@ class PluginDevice final : public Device {
         refuse(library_.file(), "longest_tick is set, and its function wait is null; fill it in");
       longest_tick_ = from_seconds(longest);
       described_ = {spec_of(given), sources_of(given)};
+      tell_lag(library_.file(), functions_, device_, described_, described_.sources["damping"]);
       validate(described_.spec);
     } catch (...) {
       close();

@@ -312,7 +312,7 @@ struct SalvagedFile::Scan {
       at = take(parts, at, *head);
     }
     if (!summary_at && !ended && (missing.empty() || missing.back().end < size))
-      miss(size, size, "the file ends before its footer: its last second may be missing", {});
+      miss(size, size, "the file ends before its footer: its last seconds may be missing", {});
     if (summary_at && !ended && missing.empty())
       miss(at, at, "the record that ends the data is damaged, but every chunk is whole", {});
     if (!summary_at && ended) miss(at, size, "the summary is damaged; no message is in it", {});

@@ -228,7 +228,7 @@ void add_export(CLI::App& app) {
       std::cerr << visible("feltwire-lab: " + file.string() + ": " + line) << '\n';
     for (const auto& [file, byte] : cuts)
       std::cerr << "feltwire-lab: " << visible(file.string()) << " was cut at byte " << byte
-                << ": its last second may be missing\n";
+                << ": its last seconds may be missing\n";
     if (tables.empty())
       throw std::runtime_error(o->files.front().string() +
                                ": has no tick of a client and no datagram of a hand; give a file "

@@ -34,7 +34,7 @@ std::string replay_text(const Replay& replay, double took) {
       replay.scene, replay.time, replay.sessions, replay.events, replay.replies, replay.ticks, took,
       speed(replay, took));
   if (replay.cut_at)
-    text += fmt::format("the file was cut at byte {}: its last second may be missing\n",
+    text += fmt::format("the file was cut at byte {}: its last seconds may be missing\n",
                         *replay.cut_at);
   if (replay.recorded_by != replay.replayed_by)
     text += "recorded by another build, which may compute other last bits: " + replay.recorded_by +

@@ -193,6 +193,13 @@ void close_device(void*) {
   ++device->closes;
 }
 
+int lag_of_motors(void*, double* seconds, std::int32_t* kind) {
+  if (device->lag < 0.0) return 0;
+  *seconds = device->lag;
+  *kind = device->lag_kind;
+  return 1;
+}
+
 }  // namespace
 
 extern "C" {
@@ -205,13 +212,14 @@ stand_in::Plugin* stand_in_new() {
 const feltwire_device_v1* feltwire_device(void) {
   static feltwire_device_v1 table;
   table = {.version = device->version,
-           .size = sizeof table,
+           .size = static_cast<std::uint32_t>(sizeof table - device->missing_bytes),
            .open = open_device,
            .wait = wait_for_tick,
            .read = read_device,
            .write = write_device,
            .release = release_device,
-           .close = close_device};
+           .close = close_device,
+           .actuation_lag = lag_of_motors};
   if (std::strcmp(device->null_function, "write") == 0) table.write = nullptr;
   if (std::strcmp(device->null_function, "wait") == 0) table.wait = nullptr;
   return &table;

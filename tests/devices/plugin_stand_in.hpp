@@ -19,6 +19,9 @@ struct Plugin {
   int late_ticks = 0;               // its declared late ticks
   std::uint32_t buttons = 0;        // buttons held now
   double lever = -1.0;              // [m]; < 0: no lever
+  double lag = -1.0;                // [s] of the motors, as it tells; < 0: not known
+  int lag_kind = 0;                 // FELTWIRE_LAG_...
+  std::uint32_t missing_bytes = 0;  // at the end of its table, as of an older header
   bool tells_late = true;           // it reports held forces
   int stale_every = 0;              // ticks; 0: never
   double saturates_at = 1e9;        // [N]

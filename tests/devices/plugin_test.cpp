@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <thread>
 
 #include "client/devices/plugin_device.hpp"
@@ -54,7 +55,7 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->spec().least_mass, 0.1);
   EXPECT_EQ(opened.device->spec().hand_force, 10.0);
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
-  // The ABI has no lag field.
+  // It does not know the lag of its motors.
   EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
   EXPECT_THAT(opened.notes, ::testing::ElementsAre(HasSubstr(
                                 "is an assumption for a connection that the driver does not")));
@@ -94,6 +95,36 @@ TEST_F(Plugin, TellsLatenessButtonsAndLever) {
   EXPECT_EQ(read().gripper, std::optional(0.04));
   stand_in->late_ticks = 5;
   EXPECT_THAT(refusal(), HasSubstr("late_ticks"));
+}
+
+TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
+  stand_in->lag = 2e-4;
+  for (const LagKind kind : {LagKind::delay, LagKind::filter, LagKind::mixed}) {
+    stand_in->lag_kind = static_cast<int>(kind);
+    const OpenedDevice opened = open();
+    EXPECT_EQ(opened.device->spec().actuation_lag, 2e-4);
+    EXPECT_EQ(opened.device->spec().actuation_kind, kind);
+    EXPECT_THAT(opened.notes, IsEmpty());
+  }
+  stand_in->source = nullptr;
+  EXPECT_THAT(open().notes,
+              ::testing::Contains(HasSubstr("actuation_lag 0.0002 s is an assumption")));
+  stand_in->lag_kind = 3;
+  EXPECT_THAT(refusal(), HasSubstr("the kind 3; set FELTWIRE_LAG_DELAY"));
+  stand_in->lag_kind = 0;
+  stand_in->lag = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(), HasSubstr("actuation_lag"));
+  stand_in->lag = 0.0;
+  EXPECT_EQ(open().device->spec().actuation_lag, 0.0);
+}
+
+/// The function came into the header later.
+TEST_F(Plugin, OfAnOlderHeaderIsLoaded) {
+  stand_in->lag = 2e-4;
+  stand_in->missing_bytes = sizeof(void*);
+  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  stand_in->missing_bytes += 1;
+  EXPECT_THAT(refusal(), HasSubstr("set size to sizeof(feltwire_device_v1)"));
 }
 
 TEST_F(Plugin, TorqueGoesOutAndWhatIsHeldOfItComesBack) {

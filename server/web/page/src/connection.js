@@ -47,7 +47,7 @@ export class Connection {
     this.socket?.close();
     this.socket = null;
     if (!token) {
-      this.#become('token', 'This page needs the token that the server printed.');
+      this.#become('token', 'This page needs a token: open the link that the server prints on its terminal, or paste local.token of its state folder.');
       return;
     }
     this.#become('connecting', 'Connecting…');
