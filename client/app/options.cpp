@@ -12,6 +12,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
+#include "core/command_line/short_help.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "core/device/spec_text.hpp"
 #include "protocol/session/profiles.hpp"
@@ -25,6 +26,44 @@ std::string short_text(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
+}
+
+ShortHelp short_help() {
+  return {{{"connect", "HOST:PORT of the server's control port; IPv6 as [::1]:PORT"},
+           {"list", "List the server's scenes and end"},
+           {"check", "Say whether this machine and the network are fit for a session"},
+           {"scene", "Name of the scene to join"},
+           {"tool", "Name of the scene's tool to hold. Usually its first"},
+           {"role", "operator, pointer, or observer (sees the scene, feels nothing)"},
+           {"device",
+            "simulated, replay:FILE.csv, haply, forcedimension, openhaptics, falcon,\n"
+            "hapi:PORT, gamepad, spacemouse or plugin:FILE.so (docs/devices.md)"},
+           {"spec", "A built-in specification of the device, or FILE.json"},
+           {"list-specs", "Print the built-in specifications and end"},
+           {"duration", "[s] Length of the run. 0: until it is stopped"},
+           {"report", "FILE.json for the numbers of the run"},
+           {"record", "FILE.csv or FILE.mcap for a recording of every tick"},
+           {"fingerprint-file", "FILE with the fingerprint of the server to trust"},
+           {"ca", "FILE (PEM) of authorities to trust, instead of a fingerprint"},
+           {"token-file", "FILE with your token; or set FELTWIRE_TOKEN to the token"},
+           {"link", "Emulate a bad network: wifi, 4g, delay=25,jitter=5,loss=10 (--help-all)"},
+           {"mode", "Bounding method (docs/bounding.md)"},
+           {"rate", "[Hz] Rate of the servo loop, if the device does not set it"},
+           {"max-force", "[N] Largest force on the hand"},
+           {"lead", "[s] Time from which it leads the robot (docs/teleoperation.md)"},
+           {"path", "Movement of the simulated hand: press|slide|orbit|figure-eight|taps"},
+           {"center", "X,Y,Z [m] Middle of its movement, on the surface"},
+           {"depth", "[m] Its intended depth below the surface"}},
+          R"(
+Every other option, and what a link can be: feltwire-client --help-all, docs/devices.md.
+Commands, each with its own --help:
+  admin      list the sessions of a running server, and change it (docs/admin.md)
+  devices    list the connected devices, and their problems (docs/devices.md)
+  identify   measure a device's damping, friction and mass (docs/devices.md)
+Example, beside a server on this machine:
+  export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
+  export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
+  feltwire-client --connect localhost:6720 --scene room --path taps --duration 5)"};
 }
 
 void list_specs() {
@@ -46,6 +85,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-client: " + visible(error.what() + advice(error, *failed)) + "; see --help\n";
   });
+  add_helps(app);
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-client"); },
       "Print version, commit, compiler and kind of build");
@@ -412,7 +452,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
     }
     understand(words, task, options);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageError;
+    return exit_with(app, error, short_help()) == 0 ? 0 : kUsageError;
   } catch (const std::invalid_argument& error) {
     std::cerr << "feltwire-client: " << visible(error.what()) << "\n";
     return kUsageError;

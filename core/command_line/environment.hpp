@@ -147,7 +147,7 @@ inline void read_environment(CLI::App& app, int argc, const char* const* argv,
                              const Variables& variables, const Rivals& rivals = {}) {
   for (CLI::Option* option : app.get_options())
     if (!option->get_lnames().empty() && option != app.get_help_ptr() &&
-        option != app.get_version_ptr())
+        option != app.get_help_all_ptr() && option != app.get_version_ptr())
       option->envname(variable_of(variables, option->get_lnames().front()));
   check_variables(app, variables);
   for (const Rival& rival : rivals) {

@@ -9,6 +9,7 @@
 
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
+#include "core/command_line/short_help.hpp"
 #include "core/command_line/suggestion.hpp"
 #include "protocol/session/profiles.hpp"
 
@@ -40,6 +41,21 @@ Once every port is open three lines say so: whom clients trust, where they find 
 End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
 Every option that does not end the program may come from the environment, --log-level from
 FELTWIRE_SERVER_LOG_LEVEL.)";
+}
+
+ShortHelp short_help() {
+  return {{{"config", "Configuration file (JSON), overridden by options (docs/server.md)"},
+           {"scene", "Scene file (JSON). Repeat the option for several scenes"},
+           {"port", "Control port (TCP); the scenes have the UDP ports after it. 0: free"},
+           {"address", "IP address to listen on. '::' for every network"},
+           {"web", "PORT or ADDRESS:PORT of the live page in a browser. 0: a free port"},
+           {"record", "FILE.mcap for a recording, for feltwire-lab replay"},
+           {"flight-recorder", "Folder for the last ten seconds before a fault"},
+           {"log-level", "trace, debug, info, warning, error or off"},
+           {"explain", "Say what this scene file costs and why, and end"},
+           {"health", "Check the server that runs here. Exit status 0: it answers"},
+           {"state", "Folder of certificate, key and tokens"}},
+          examples() + "\nEvery other option: feltwire-server --help-all, docs/server.md."};
 }
 
 /// The options on the command line, which override the file.
@@ -181,6 +197,7 @@ ServerTask server_task(int argc, char** argv) {
       "forces.",
       "feltwire-server");
   app.footer(examples());
+  add_helps(app);
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-server"); },
       "Print version, commit, compiler and kind of build");
@@ -202,7 +219,7 @@ ServerTask server_task(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
+    if (error.get_exit_code() == 0) std::exit(exit_with(app, error, short_help()));
     throw std::invalid_argument(error.what() + advice(error, app) + " (see --help)");
   }
   if (file.empty()) return asked;

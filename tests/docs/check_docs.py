@@ -99,9 +99,12 @@ class Programs:
         return self.asked[command]
 
     def help(self, *command):
-        """Text of --help, None where there is no such (sub)command."""
-        status, text = self.output(*command, "--help")
-        return text if status == 0 else None
+        """Text of --help-all, or of --help where that has every option; None where there is no such (sub)command."""
+        for option in ("--help-all", "--help"):
+            status, text = self.output(*command, option)
+            if status == 0:
+                return text
+        return None
 
 
 def subcommands(programs, words):

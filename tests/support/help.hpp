@@ -5,12 +5,22 @@
 
 #include <filesystem>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/program.hpp"
 
 namespace feltwire::test {
+
+/// Checks that a help text fits on a screen: 45 lines of 100 characters.
+inline void expect_one_screen(const std::string& help) {
+  constexpr std::size_t kLines = 45, kWidth = 100;
+  std::istringstream text(help);
+  std::size_t lines = 0;
+  for (std::string line; std::getline(text, line); ++lines) EXPECT_LE(line.size(), kWidth) << line;
+  EXPECT_LE(lines, kLines) << help;
+}
 
 /// Checks that each input file in the examples of a help text is in the repository. Returns how
 /// many there were. A word in capitals (FILE) is not a file name.

@@ -13,12 +13,14 @@
 #include "protocol/session/profiles.hpp"
 #include "tests/client/app/parsed_options.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/support/help.hpp"
 
 namespace feltwire::options_test {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::text_of;
 
 TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
@@ -445,6 +447,22 @@ TEST(Options, SpecsAreListedWithoutAServer) {
   EXPECT_EQ(std::get<int>(listed), 0);
   for (const DeviceSpec& spec : builtin_devices()) EXPECT_THAT(text, HasSubstr(spec.name));
   EXPECT_THAT(text, HasSubstr("assumption, small on purpose"));
+}
+
+TEST(Options, TheHelpFitsOnAScreenAndHasAllOptionsElsewhere) {
+  const auto help = [](const char* option) {
+    std::string program = "feltwire-client", word = option;
+    char* words[] = {program.data(), word.data()};
+    ::testing::internal::CaptureStdout();
+    const auto asked = parse_options(2, words);
+    EXPECT_EQ(std::get<int>(asked), 0);
+    return ::testing::internal::GetCapturedStdout();
+  };
+  const std::string brief = help("--help"), all = help("--help-all");
+  test::expect_one_screen(brief);
+  EXPECT_THAT(brief, AllOf(HasSubstr("--connect"), HasSubstr("identify"), HasSubstr("--help-all"),
+                           Not(HasSubstr("--dead-zone")), Not(HasSubstr("FELTWIRE_CLIENT_"))));
+  EXPECT_THAT(all, AllOf(HasSubstr("--dead-zone"), HasSubstr("satellite"), HasSubstr("--connect")));
 }
 
 TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {

@@ -221,9 +221,14 @@ TEST(Program, SaysItsVersion) {
 }
 
 TEST(Program, HelpHasExamples) {
-  const Outcome outcome = Program({"--help"}).finish();
+  const Outcome outcome = Program({"--help-all"}).finish();
   EXPECT_EQ(outcome.status, 0);
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("--silence-timeout"), HasSubstr("Examples")));
+  const Outcome brief = Program({"--help"}).finish();
+  EXPECT_EQ(brief.status, 0);
+  EXPECT_THAT(brief.out, AllOf(HasSubstr("--scene"), HasSubstr("Examples"), HasSubstr("--help-all"),
+                               Not(HasSubstr("--silence-timeout"))));
+  test::expect_one_screen(brief.out);
   EXPECT_GE(test::expect_files_of_examples(FELTWIRE_SERVER_PROGRAM, {}), 3);
 }
 
