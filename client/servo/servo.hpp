@@ -23,7 +23,7 @@
 #include "core/base/histogram.hpp"
 #include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
-#include "core/bounding/hold_reserve.hpp"
+#include "core/bounding/hold_time_margin.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
 #include "core/device/possible_movement.hpp"
@@ -44,7 +44,7 @@ struct ServoOptions {
   /// The account stands behind the law. False: a law of a paper as it was published.
   bool account = true;
   bool learns_hand_force = false;  // the account relies on the largest recent force from
-                                   // outside (core/bounding/outside_force.hpp)
+                                   // outside (core/bounding/hand_force_bound.hpp)
   /// The hand leads the scene's robot, and trusts this share of the energy that the robot reports.
   /// Needs a local model.
   std::optional<RemoteTrust> leads{};
@@ -337,7 +337,7 @@ class Servo {
   bool scene_was_changed_ = false;  // since the session was joined
   SafetyStage safety_;
   PortEnergy port_;
-  HoldReserve reserve_;
+  HoldTimeMargin reserve_;
   std::optional<Overdraft> overdraft_;
   double owed_;      // [J] while no account stands
   double forgiven_;  // [J] of the balance, 0 or less: no less is a fault

@@ -15,10 +15,10 @@
 #include <span>
 
 #include "core/base/numeric.hpp"
-#include "core/bounding/certain_path.hpp"
+#include "core/bounding/hand_force_bound.hpp"
 #include "core/bounding/lagging_forces.hpp"
-#include "core/bounding/outside_force.hpp"
-#include "core/bounding/reach.hpp"
+#include "core/bounding/path_lower_bound.hpp"
+#include "core/bounding/reachable_displacement.hpp"
 #include "core/bounding/step.hpp"
 
 namespace feltwire {
@@ -34,7 +34,7 @@ struct AccountConfig {
   /// on its own the account cuts only after an error, and needs no look ahead.
   bool looks_ahead = true;
   /// Uses the largest recent force from outside instead of the specified one, if it is less
-  /// (core/bounding/outside_force.hpp).
+  /// (core/bounding/hand_force_bound.hpp).
   bool learns_outside_force = false;
   /// L: the samples by which the device takes a force up late. The force of sample n is on the hand
   /// from sample n + L on. From 0 to kMostLate.
@@ -194,10 +194,10 @@ class PortBalance {
   double period_;
   bool directional_;  // the damping differs by direction, and every direction has some
   Mat3 inverse_damping_ = Mat3::Zero();
-  Reach reach_;
-  CertainPath path_;
+  ReachableDisplacement reach_;
+  PathLowerBound path_;
   Hold hold_;  // the prepared one; not used if the damping differs by direction
-  std::optional<OutsideForce> learned_;
+  std::optional<HandForceBound> learned_;
   bool limits_speed_;
   bool too_fast_ = false;  // the last sample was faster than specified
   bool strong_hand_ = false;
@@ -213,7 +213,8 @@ class PortBalance {
 ///   A(n) = M(n) - (T/h) f(n-1).dx / 2,  h = max(T, hold time): M half a sample ahead; M(n)
 ///          where it does not look ahead
 ///   need(f) = max of f.y - b_u y^2 / T over 0 <= y <= reach     b_u = 1 / (u' B^-1 u), u = f / |f|
-///   reach   = the smaller of the reach of mass and outside force (core/bounding/reach.hpp) and of
+///   reach   = the smaller of the reach of mass and outside force
+///   (core/bounding/reachable_displacement.hpp) and of
 ///             v h + q |u|_1, if these are known
 ///
 /// If the device takes a force up L samples late, the coming forces f(n-L) to f(n-1) need energy

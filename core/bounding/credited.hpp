@@ -6,8 +6,8 @@
 #include "core/bounding/frame.hpp"
 #include "core/bounding/law.hpp"
 #include "core/bounding/midpoint.hpp"
-#include "core/bounding/swing_counter.hpp"
-#include "core/bounding/wall_frame.hpp"
+#include "core/bounding/multi_contact_frame.hpp"
+#include "core/bounding/oscillation_counter.hpp"
 
 namespace feltwire {
 
@@ -21,10 +21,10 @@ struct CreditedLaw {
 
 /// The movement of the place half a sample ahead, if the motion continues at its speed.
 template <class Real>
-class HalfSampleOn {
+class HalfSampleLead {
  public:
   /// T [s]
-  explicit HalfSampleOn(double period) : period_(static_cast<Real>(period)) {}
+  explicit HalfSampleLead(double period) : period_(static_cast<Real>(period)) {}
 
   /// `way` [m] [rad] is the movement of the last sample, over `time` [s]. Returns the movement of
   /// the place half a sample ahead since the call before, less `way`.
@@ -52,7 +52,7 @@ class HalfSampleOn {
 /// may have less than a. So the credited part is asked half a sample ahead. Without credit this is
 /// contact_frame without its storage, and passive. A force rises and falls by c' or more for every
 /// metre. It keeps no storage and repays no debt, unlike contact_frame. A hand that swings
-/// (swing_counter.hpp) has less damping than a: then a is halved, and grows again by kGrowth.
+/// (oscillation_counter.hpp) has less damping than a: then a is halved, and grows again by kGrowth.
 ///
 /// This is shaping, not a bound: with a hand without damping it generates energy. The account
 /// behind it makes the port passive for every hand (core/bounding/account.hpp). It is for commands
@@ -151,7 +151,7 @@ class Credited {
   /// A channel for each wall. The walls of this command split the held force, so no channel has a
   /// memory.
   BasicCommand<Real> at_walls(const BasicBoundingStep<Real>& s, const Vector3<Real>& way) noexcept {
-    const WallFrame<Real> walls(*s.normals);
+    const MultiContactFrame<Real> walls(*s.normals);
     const Vector3<Real> held = held_.elastic * held_.normal + held_.frictional;
     const Vector3<Real> wanted = s.command.force();
     const Real c = limit_.stiffness;
@@ -193,8 +193,8 @@ class Credited {
   CreditedLaw translation_, rotation_;
   double period_, reckoned_, full_credit_;  // reckoned_: BoundingConfig::reckoned_period()
   Limit limit_, rotation_limit_;            // they follow from the laws
-  SwingCounter swings_;
-  HalfSampleOn<Real> translated_, rotated_;
+  OscillationCounter swings_;
+  HalfSampleLead<Real> translated_, rotated_;
   bool torque_;
   std::uint64_t steps_down_ = 0;
   Metric<Real> plain_{Damping(1.0)};

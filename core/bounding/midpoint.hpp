@@ -5,9 +5,9 @@
 
 #include "core/base/numeric.hpp"
 #include "core/bounding/law.hpp"
-#include "core/bounding/resting_place.hpp"
+#include "core/bounding/oscillation_detector.hpp"
+#include "core/bounding/quantized_rest_position.hpp"
 #include "core/bounding/step.hpp"
-#include "core/bounding/sustained_swing.hpp"
 
 namespace feltwire {
 
@@ -28,12 +28,13 @@ namespace feltwire {
 ///
 /// A motor that lags by more than the device tells takes damping from the wall, k times the rest of
 /// the lag, and a hand with less damping swings at 11 to 46 Hz, by millimetres (docs/bounding.md,
-/// "A lag that is not told"). With each such swing (core/bounding/sustained_swing.hpp) the scene is
-/// asked kLagStep farther ahead, up to kMostUntold. That costs no force. If the swing had another
-/// cause, the wall is only more damped than it should be. It is kept: a motor does not become
-/// faster.
+/// "A lag that is not told"). With each such swing (core/bounding/oscillation_detector.hpp) the
+/// scene is asked kLagStep farther ahead, up to kMostUntold. That costs no force. If the swing had
+/// another cause, the wall is only more damped than it should be. It is kept: a motor does not
+/// become faster.
 ///
-/// For a hand that rests the scene is asked at one place (core/bounding/resting_place.hpp).
+/// For a hand that rests the scene is asked at one place
+/// (core/bounding/quantized_rest_position.hpp).
 ///
 /// Half a sample of foresight is not enough for every hand: a light one on a light handle has an
 /// eigenfrequency near 140 Hz on 40 kN/m, and swings. Whenever it swings that fast and does not
@@ -61,9 +62,9 @@ class Midpoint {
         quanta_(kQuanta * quantum) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {
-    const Swing swing = swings(s);
-    if (swing == Swing::slow) untold_lag_ = std::min(kMostUntold, untold_lag_ + kLagStep);
-    if (swing == Swing::fast) {
+    const Oscillation swing = swings(s);
+    if (swing == Oscillation::slow) untold_lag_ = std::min(kMostUntold, untold_lag_ + kLagStep);
+    if (swing == Oscillation::fast) {
       share_ = std::max(kLeastShare, kStepDown * share_);
       ++steps_down_;
     } else if (share_ < 1.0) {
@@ -87,7 +88,7 @@ class Midpoint {
   }
 
  private:
-  Swing swings(const BasicBoundingStep<Real>& s) noexcept {
+  Oscillation swings(const BasicBoundingStep<Real>& s) noexcept {
     const Vec3 displacement = s.displacement.template cast<double>();
     const double time = static_cast<double>(s.hold_time);
     resting_.moved(displacement, time);
@@ -98,11 +99,11 @@ class Midpoint {
   }
 
   static constexpr double kHalf = 0.5;
-  RestingPlace resting_;
+  QuantizedRestPosition resting_;
   double period_;  // T [s]
   double ahead_;   // [samples] of the place at which the scene is asked
   double quanta_;  // [m]
-  SustainedSwing swing_;
+  OscillationDetector swing_;
   Vec3 normal_ = Vec3::Zero();  // of the last contact
   double share_ = 1.0;          // of the command that is rendered
   std::uint64_t steps_down_ = 0;

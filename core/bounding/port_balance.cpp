@@ -31,9 +31,9 @@ void PortBalance::keep_for_late_ticks(int late) noexcept {
   constexpr double kMost = 0.1;               // of a balance: limits what a device loses by it
   constexpr int kSamples = 4;                 // more than a reach remembers
   const Vec3 none = Vec3::Zero();
-  Reach before(known_);
+  ReachableDisplacement before(known_);
   for (int n = 0; n < kSamples; ++n) before.moved(none, none, period_, period_);
-  Reach after = before;
+  ReachableDisplacement after = before;
   after.moved(none, none, (1.0 + kLate) * period_, period_);
   const auto kept_along = [&](const Vec3& u) {
     const double first = before.along(u, 1.0, period_);

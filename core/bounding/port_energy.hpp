@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/bounding/certain_path.hpp"
+#include "core/bounding/path_lower_bound.hpp"
 #include "core/device/damping.hpp"
 
 namespace feltwire {
@@ -19,7 +19,7 @@ struct ChannelEnergy {
 };
 
 /// A lower bound of a device's dry friction [N], and the quantum of its encoder [m], by which the
-/// path is certain (core/bounding/certain_path.hpp).
+/// path is certain (core/bounding/path_lower_bound.hpp).
 struct DryFriction {
   double force = 0.0, quantum = 0.0;
 };
@@ -57,7 +57,7 @@ class PortEnergy {
  private:
   Damping damping_, rotational_damping_;
   double period_, rounding_, friction_;
-  CertainPath path_;
+  PathLowerBound path_;
   ChannelEnergy delivered_;
   double burned_ = 0.0;
   double exchanged_ = 0.0;  // [J] sum of magnitudes: the scale that rounding is measured against

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/bounding/reach.hpp"
+#include "core/bounding/reachable_displacement.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::test {

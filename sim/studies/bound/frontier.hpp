@@ -48,7 +48,7 @@ struct FrontierCase {
   bool cold = true;          // else the hand moves 2 s in the air first, which fills the account
   double cap = kAccountCap;  // of the account, in needs of the device's largest force at rest
   double hand_force = kHandForce;  // F_h [N] that the account is told
-  bool learns = false;             // the account learns it (core/bounding/outside_force.hpp)
+  bool learns = false;             // the account learns it (core/bounding/hand_force_bound.hpp)
   double duration = 0.0;           // [s] 0: that of the task
   bool session = false;            // a whole session over a network, whose client has a local model
   /// The device's; the mass, damping and stiffness of its hand are not used. Null: it is ideal.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/bounding/device_account.hpp"
-#include "core/bounding/hold_reserve.hpp"
+#include "core/bounding/hold_time_margin.hpp"
 #include "tests/core/bounding/account_samples.hpp"
 
 namespace feltwire::account_notch_test {
@@ -29,7 +29,7 @@ struct Notch {
 Notch stand(const AccountConfig& config, const Command& most, double energy, double late,
             bool deadlines, bool knows_hand) {
   PortAccount account(config);
-  HoldReserve reserve(kPeriod);
+  HoldTimeMargin reserve(kPeriod);
   const auto tick = [&](double hold) {
     reserve.saw(hold, true);
     const Command given =

@@ -33,7 +33,7 @@ TEST(Account, NeedIsTheMostThatAMovementWithinReachTakes) {
     known.damping = std::abs(random.decades(-3.0, 1.5));
     known.mass = std::abs(random.decades(-2.0, 0.0));
     PortBalance balance(known, kPeriod);
-    Reach reach(known);
+    ReachableDisplacement reach(known);
     const Vec3 dx = random.vector(-6.0, -3.5), held = random.vector(-1.0, 1.0);
     balance.earned(dx, held, kPeriod);
     reach.moved(dx, held, kPeriod, kPeriod);

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/bounding/credited.hpp"
-#include "core/bounding/wall_frame.hpp"
+#include "core/bounding/multi_contact_frame.hpp"
 #include "tests/support/seeds.hpp"
 
 namespace feltwire::corner_test {
@@ -110,7 +110,7 @@ TEST(Corner, WallsThatHardlyStandOutAreLeftOut) {
 TEST(Corner, AForceIsTheSumOfItsWallsAndWhatIsAcross) {
   Hand hand(2);
   for (int n = 0; n < 2000; ++n) {
-    const WallFrame<double> walls(hand.walls());
+    const MultiContactFrame<double> walls(hand.walls());
     const Vec3 force = hand.vector();
     Vec3 sum = walls.across(force);
     for (int i = 0; i < walls.count(); ++i) sum += walls.part(i, force) * walls.normal(i);
@@ -118,7 +118,7 @@ TEST(Corner, AForceIsTheSumOfItsWallsAndWhatIsAcross) {
   }
 }
 
-double shares(const WallFrame<double>& walls, const Vec3& dx) {
+double shares(const MultiContactFrame<double>& walls, const Vec3& dx) {
   double sum = walls.across(dx).squaredNorm();
   for (int i = 0; i < walls.count(); ++i)
     sum += walls.weight(i) * walls.normal(i).dot(dx) * walls.normal(i).dot(dx);
@@ -128,7 +128,7 @@ double shares(const WallFrame<double>& walls, const Vec3& dx) {
 TEST(Corner, TheSharesOfAMovementAreNeverMoreThanIt) {
   Hand hand(3);
   for (int n = 0; n < 20'000; ++n) {
-    const WallFrame<double> walls(hand.walls());
+    const MultiContactFrame<double> walls(hand.walls());
     const Vec3 dx = hand.vector();
     EXPECT_LE(shares(walls, dx), dx.squaredNorm() * (1.0 + 1e-12));
   }
@@ -137,7 +137,7 @@ TEST(Corner, TheSharesOfAMovementAreNeverMoreThanIt) {
 TEST(Corner, NoLargerWeightsWouldDo) {
   for (const double angle : {0.3, 1.0, 1.57, 2.0, 2.8}) {
     const Vec3 other(std::cos(angle), std::sin(angle), 0.0);
-    const WallFrame<double> walls(normals({Vec3::UnitX(), other}));
+    const MultiContactFrame<double> walls(normals({Vec3::UnitX(), other}));
     const Vec3 dx = angle < 1.6 ? Vec3(Vec3::UnitX() + other) : Vec3(Vec3::UnitX() - other);
     EXPECT_NEAR(shares(walls, dx), dx.squaredNorm(), 1e-3 * dx.squaredNorm()) << angle;
   }

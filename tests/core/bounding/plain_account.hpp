@@ -167,8 +167,8 @@ class PlainPort {
 
   PortKnowledge known_;
   double period_;
-  CertainPath path_;
-  std::optional<OutsideForce> learned_;
+  PathLowerBound path_;
+  std::optional<HandForceBound> learned_;
   std::array<Past, 3> past_;  // newest first
   bool too_fast_ = false, strong_ = false;
 };

@@ -10,10 +10,10 @@ namespace feltwire {
 /// The assumed time follows the ticks little by little. Else a force that
 /// the account pays to its limit would fall at once, and a hand that stands still would feel each
 /// late tick (docs/bounding.md, "After a tick that is late").
-class HoldReserve {
+class HoldTimeMargin {
  public:
   /// T [s].
-  explicit HoldReserve(double period) : period_(period) {}
+  explicit HoldTimeMargin(double period) : period_(period) {}
 
   /// Takes the duration for which the last force was held [s]. `felt`: a hand that stood still felt
   /// it, so that the need of any hand must not jump.

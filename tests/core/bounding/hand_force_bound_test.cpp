@@ -1,6 +1,6 @@
 // The outside force, learned from the movement that it causes.
 
-#include "core/bounding/outside_force.hpp"
+#include "core/bounding/hand_force_bound.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using namespace test;
 
 constexpr double kPeriod = 1e-3;  // [s]
-constexpr int kWindow = static_cast<int>(OutsideForce::kWindow / kPeriod);
+constexpr int kWindow = static_cast<int>(HandForceBound::kWindow / kPeriod);
 
 PortKnowledge known(double quantum = 0.0) {
   PortKnowledge k;
@@ -30,7 +30,7 @@ PortKnowledge known(double quantum = 0.0) {
 /// A frictionless handle, and the outside force that is learned from it.
 struct Trial {
   PortKnowledge knowledge;
-  OutsideForce learned{knowledge, kPeriod};
+  HandForceBound learned{knowledge, kPeriod};
   Handle handle{.mass = knowledge.mass};
   Vec3 shown = Vec3::Zero();
   int sample = 0;
@@ -53,7 +53,7 @@ Vec3 nothing(int) { return Vec3::Zero(); }
 /// 8 Hz, so that a frictionless handle stays near its place.
 Vec3 swinging(int i) { return 4.0 * std::cos(2.0 * M_PI * 8e-3 * i) * Vec3(0.6, 0.0, 0.8); }
 
-TEST(OutsideForce, IsTheLargestThatWasSeenAndAHalfMore) {
+TEST(HandForceBound, IsTheLargestThatWasSeenAndAHalfMore) {
   Trial trial{known()};
   EXPECT_EQ(trial.learned.bound(), 10.0);
   EXPECT_EQ(trial.after(2 * kWindow - 1, swinging, nothing), 10.0);  // not yet
@@ -64,7 +64,7 @@ TEST(OutsideForce, IsTheLargestThatWasSeenAndAHalfMore) {
 }
 
 /// The device's own force is not an outside force, even if it changes with every sample.
-TEST(OutsideForce, HeldForcesAreTakenOff) {
+TEST(HandForceBound, HeldForcesAreTakenOff) {
   const auto held = [](int i) {
     return Vec3(3.0 * ((i * 7919) % 13 - 6) / 6.0, i % 2 == 0 ? 2.0 : -2.0, 0.0);
   };
@@ -74,7 +74,7 @@ TEST(OutsideForce, HeldForcesAreTakenOff) {
 }
 
 /// The two end readings of a block err by at most q; 30 um and 75 g over 8 ms: 0.12 N.
-TEST(OutsideForce, AnEncoderMakesItLargerNeverSmaller) {
+TEST(HandForceBound, AnEncoderMakesItLargerNeverSmaller) {
   Trial exact{known()}, coarse{known(30e-6)};
   const double truth = exact.after(2 * kWindow, swinging, nothing);
   const double seen = coarse.after(2 * kWindow, swinging, nothing);
@@ -82,14 +82,14 @@ TEST(OutsideForce, AnEncoderMakesItLargerNeverSmaller) {
   EXPECT_LE(seen - truth, 1.5 * 4.0 * std::sqrt(3.0) * 30e-6 * 0.075 / 64e-6);
 }
 
-TEST(OutsideForce, StaysBetweenAShareOfWhatWasToldAndAllOfIt) {
+TEST(HandForceBound, StaysBetweenAShareOfWhatWasToldAndAllOfIt) {
   Trial idle{known()}, strong{known()};
   EXPECT_EQ(idle.after(3 * kWindow, nothing, nothing), 2.5);
   const auto pull = [](int i) { return Vec3(5.0 * swinging(i)); };
   EXPECT_EQ(strong.after(3 * kWindow, pull, nothing), 10.0);
 }
 
-TEST(OutsideForce, AStrongerForceIsBelievedAtOnce) {
+TEST(HandForceBound, AStrongerForceIsBelievedAtOnce) {
   Trial trial{known()};
   ASSERT_LT(trial.after(2 * kWindow, swinging, nothing), 6.0);
   trial.learned.exceeded();
@@ -99,8 +99,8 @@ TEST(OutsideForce, AStrongerForceIsBelievedAtOnce) {
 }
 
 /// A sample of another length begins new blocks: nothing is learned from the broken ones.
-TEST(OutsideForce, SamplesOfOtherLengthsSayNothing) {
-  OutsideForce learned(known(), kPeriod);
+TEST(HandForceBound, SamplesOfOtherLengthsSayNothing) {
+  HandForceBound learned(known(), kPeriod);
   for (int i = 0; i < 4 * kWindow; ++i)  // a jump every 15 samples, none in two whole blocks
     if (i % 15 == 0)
       learned.moved(Vec3(0.01, 0, 0), Vec3::Zero(), 3.0 * kPeriod);
@@ -111,7 +111,7 @@ TEST(OutsideForce, SamplesOfOtherLengthsSayNothing) {
 
 /// The account uses it: a calm hand lowers the learned force. A hand that then pulls harder
 /// overdraws at most once before the told force applies again.
-TEST(OutsideForce, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
+TEST(HandForceBound, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
   AccountConfig config;
   config.period = kPeriod;
   config.translation = known(30e-6);

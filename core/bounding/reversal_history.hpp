@@ -10,7 +10,7 @@ namespace feltwire {
 
 /// The last N movements of a hand, each from one change of direction to the next.
 template <std::size_t N>
-class Movements {
+class ReversalHistory {
  public:
   /// The hand moved by `way` [m] over `time` [s]. A change of direction counts once it has moved
   /// back by more than `swing` > 0 [m]. True where one counts now.

@@ -1,4 +1,4 @@
-#include "core/bounding/reach.hpp"
+#include "core/bounding/reachable_displacement.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,10 +52,13 @@ void validate(const PortKnowledge& port, const char* field) {
            "give an upper bound in m/s (rad/s) above 0, infinity when none is known");
 }
 
-double Reach::Past::magnitude() const noexcept { return joined ? strongest : length(held); }
+double ReachableDisplacement::Past::magnitude() const noexcept {
+  return joined ? strongest : length(held);
+}
 
 /// Joins two samples. The stronger force may have acted all the time, along any direction.
-Reach::Past Reach::together(const Past& first, const Past& second) noexcept {
+ReachableDisplacement::Past ReachableDisplacement::together(const Past& first,
+                                                            const Past& second) noexcept {
   return {.displacement = first.displacement + second.displacement,
           .held = second.held,
           .time = first.time + second.time,
@@ -63,8 +66,8 @@ Reach::Past Reach::together(const Past& first, const Past& second) noexcept {
           .joined = true};
 }
 
-void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time, double period,
-                  double strongest) noexcept {
+void ReachableDisplacement::moved(const Vec3& displacement, const Vec3& held, double hold_time,
+                                  double period, double strongest) noexcept {
   period_ = period;
   // After an unknown movement, the speed stays unknown until one whole sample has shown it.
   const bool too_short = hold_time < 0.5 * period;
@@ -83,8 +86,8 @@ void Reach::moved(const Vec3& displacement, const Vec3& held, double hold_time, 
 
 /// |v| times the largest speed along v at the end of `sample`. `before` is the age of the sample
 /// before it.
-double Reach::fastest(const Past& sample, std::size_t before, const Vec3& v,
-                      double length) const noexcept {
+double ReachableDisplacement::fastest(const Past& sample, std::size_t before, const Vec3& v,
+                                      double length) const noexcept {
   const double outside = known_.outside_force * length;
   const double driven = per_mass_ * (sample.along(v, length) + outside);
   const double way = sample.displacement.dot(v) + known_.quantum * v.lpNorm<1>();
@@ -101,7 +104,8 @@ double Reach::fastest(const Past& sample, std::size_t before, const Vec3& v,
 /// |v| times the largest speed along v after a sample that was not one period long. `simple` is the
 /// bound from that sample alone. The result is never below the bound after a regular period with
 /// the same speed: so a handle at rest keeps its reach with irregular ticks.
-double Reach::irregular(const Vec3& v, double length, double simple) const noexcept {
+double ReachableDisplacement::irregular(const Vec3& v, double length,
+                                        double simple) const noexcept {
   const Past& before = last();
   const double driven =
       per_mass_ * (before.along(v, length) + known_.outside_force * length) * period_;

@@ -1,4 +1,4 @@
-#include "core/bounding/outside_force.hpp"
+#include "core/bounding/hand_force_bound.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace feltwire {
 
-void OutsideForce::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
+void HandForceBound::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
   pass(hold_time);
   // The weights hold only for samples that last about one period.
   if (hold_time < 0.5 * period_ || hold_time > 1.5 * period_) return forget();
@@ -20,7 +20,7 @@ void OutsideForce::moved(const Vec3& displacement, const Vec3& held, double hold
   begin(block_, true);
 }
 
-void OutsideForce::look() noexcept {
+void HandForceBound::look() noexcept {
   const double block_time = kSamples * period_;
   const double per_metre = mass_ / (block_time * block_time);
   const Vec3 force = per_metre * (block_.way - before_.way) -
@@ -29,7 +29,7 @@ void OutsideForce::look() noexcept {
   largest_ = std::max(largest_, length(force) + 2.0 * most_axes * per_metre * quantum_);
 }
 
-void OutsideForce::pass(double time) noexcept {
+void HandForceBound::pass(double time) noexcept {
   time_ += time;
   if (time_ < kWindow - 0.5 * period_) return;  // rounding: a sum of periods is not exact
   const double seen = kMargin * std::max(largest_, largest_before_);
@@ -39,7 +39,7 @@ void OutsideForce::pass(double time) noexcept {
   time_ = 0.0;
 }
 
-void OutsideForce::exceeded() noexcept {
+void HandForceBound::exceeded() noexcept {
   bound_ = largest_before_ = told_;
   largest_ = 0.0;
   time_ = 0.0;

@@ -15,10 +15,10 @@ namespace feltwire {
 /// All shares together never exceed |dx|^2 less the part across all walls (docs/bounding.md,
 /// "Corners"). Walls at right angles have weight 1: their shares use all of it.
 template <class Real>
-class WallFrame {
+class MultiContactFrame {
  public:
   /// Precondition: 2 <= normals.count, filled by ContactNormals::add().
-  explicit WallFrame(const ContactNormals& normals) noexcept : count_(normals.count) {
+  explicit MultiContactFrame(const ContactNormals& normals) noexcept : count_(normals.count) {
     Mat3 n;
     n << normals.unit[0], normals.unit[1],
         count_ > 2 ? normals.unit[2] : normals.unit[0].cross(normals.unit[1]).normalized();

@@ -3,19 +3,19 @@
 
 #include <cstddef>
 
-#include "core/bounding/movements.hpp"
+#include "core/bounding/reversal_history.hpp"
 
 namespace feltwire {
 
 /// kReversals changes of direction within kWithin are no intended motion: that is a swing of 28 Hz
 /// or more, and a hand reaches some 10 Hz.
-class SwingCounter {
+class OscillationCounter {
  public:
   static constexpr std::size_t kReversals = 6;
   static constexpr double kWithin = 0.09;  // [s]
 
   /// `swing` [m], the least movement between two reversals.
-  explicit SwingCounter(double swing) : swing_(swing) {}
+  explicit OscillationCounter(double swing) : swing_(swing) {}
 
   /// The hand moved by `way` [m] along the normal of its contact over `time` [s]. True when it
   /// swings; then the count restarts.
@@ -31,7 +31,7 @@ class SwingCounter {
 
  private:
   double swing_;
-  Movements<kReversals> movements_;
+  ReversalHistory<kReversals> movements_;
 };
 
 }  // namespace feltwire

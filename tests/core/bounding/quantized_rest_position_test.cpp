@@ -1,7 +1,7 @@
 // A hand that rests between two encoder readings: when the law detects the rest, where it then asks
 // the scene, and that a stiff wall takes nothing from such a hand.
 
-#include "core/bounding/resting_place.hpp"
+#include "core/bounding/quantized_rest_position.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kPeriod = 1e-3;   // [s]
 constexpr double kQuantum = 2e-5;  // [m]
-constexpr int kUntilRest = 50;     // samples of RestingPlace::kRest
+constexpr int kUntilRest = 50;     // samples of QuantizedRestPosition::kRest
 constexpr double kAhead = 0.5;     // [samples]
 
 /// Moves to and fro between two readings, one sample each. Returns the last offset.
-double dither(RestingPlace& place, int samples, double first = kQuantum) {
+double dither(QuantizedRestPosition& place, int samples, double first = kQuantum) {
   double offset = 0.0, by = first;
   for (int n = 0; n < samples; ++n, by = -by) {
     offset = place.offset(Vec3(0, 0, by), kAhead).z();
@@ -27,8 +27,8 @@ double dither(RestingPlace& place, int samples, double first = kQuantum) {
   return offset;
 }
 
-TEST(RestingPlace, AMovingHandIsAskedForHalfASampleAhead) {
-  RestingPlace place(kQuantum);
+TEST(QuantizedRestPosition, AMovingHandIsAskedForHalfASampleAhead) {
+  QuantizedRestPosition place(kQuantum);
   for (int n = 0; n < 200; ++n) {
     const Vec3 dx(3e-5, -2e-5, 4e-5);
     EXPECT_EQ(place.offset(dx, kAhead), Vec3(0.5 * dx));
@@ -36,17 +36,17 @@ TEST(RestingPlace, AMovingHandIsAskedForHalfASampleAhead) {
   }
 }
 
-TEST(RestingPlace, AHandThatDithersBetweenTwoReadingsIsAskedForBetweenThem) {
-  RestingPlace place(kQuantum);
+TEST(QuantizedRestPosition, AHandThatDithersBetweenTwoReadingsIsAskedForBetweenThem) {
+  QuantizedRestPosition place(kQuantum);
   dither(place, kUntilRest);
   // s is the share of the quantum above the lower reading: s -> s + kStep (1 - s), then less.
   const double settled = dither(place, 200);  // after a step down
-  const double s = (1.0 - RestingPlace::kStep) / (2.0 - RestingPlace::kStep);
+  const double s = (1.0 - QuantizedRestPosition::kStep) / (2.0 - QuantizedRestPosition::kStep);
   EXPECT_NEAR(settled, s * kQuantum, 1e-12);
 }
 
-TEST(RestingPlace, WhereItStandsStillThePlaceStands) {
-  RestingPlace place(kQuantum);
+TEST(QuantizedRestPosition, WhereItStandsStillThePlaceStands) {
+  QuantizedRestPosition place(kQuantum);
   dither(place, kUntilRest + 30);
   const double offset = place.offset(Vec3::Zero(), kAhead).z();
   EXPECT_NE(offset, 0.0);
@@ -56,8 +56,8 @@ TEST(RestingPlace, WhereItStandsStillThePlaceStands) {
   }
 }
 
-TEST(RestingPlace, AThirdReadingEndsTheRest) {
-  RestingPlace place(kQuantum);
+TEST(QuantizedRestPosition, AThirdReadingEndsTheRest) {
+  QuantizedRestPosition place(kQuantum);
   dither(place, 2 * kUntilRest);  // the last step was down
   const Vec3 on(0, 0, -kQuantum);
   EXPECT_EQ(place.offset(on, kAhead), Vec3(0.5 * on));
@@ -65,8 +65,8 @@ TEST(RestingPlace, AThirdReadingEndsTheRest) {
   EXPECT_EQ(dither(place, 2), -0.5 * kQuantum) << "a rest takes its time again";
 }
 
-TEST(RestingPlace, ThePlaceIsNeverFartherThanAQuantumFromTheReading) {
-  RestingPlace place(kQuantum);
+TEST(QuantizedRestPosition, ThePlaceIsNeverFartherThanAQuantumFromTheReading) {
+  QuantizedRestPosition place(kQuantum);
   unsigned state = 1;
   for (int n = 0; n < 100'000; ++n) {
     state = state * 1664525u + 1013904223u;
@@ -76,8 +76,8 @@ TEST(RestingPlace, ThePlaceIsNeverFartherThanAQuantumFromTheReading) {
   }
 }
 
-TEST(RestingPlace, WithoutAQuantumItIsTheMidpoint) {
-  RestingPlace place(0.0);
+TEST(QuantizedRestPosition, WithoutAQuantumItIsTheMidpoint) {
+  QuantizedRestPosition place(0.0);
   for (int n = 0; n < 1000; ++n) {
     const Vec3 dx(0, 0, 1e-7 * (n % 3 - 1));
     EXPECT_EQ(place.offset(dx, kAhead), Vec3(0.5 * dx));
@@ -103,12 +103,13 @@ double given_by_wall(bool rests, double stiffness) {
   return given;
 }
 
-TEST(RestingPlace, ADitherTakesAShareOfWhatItTookFromTheStaircase) {
+TEST(QuantizedRestPosition, ADitherTakesAShareOfWhatItTookFromTheStaircase) {
   constexpr double kStiffness = 4e4;
   const double cycle = kStiffness * kQuantum * kQuantum;
   EXPECT_NEAR(given_by_wall(false, kStiffness), 125.0 * cycle, 1e-9);
   EXPECT_NEAR(given_by_wall(true, kStiffness),
-              125.0 * cycle * RestingPlace::kStep / (2.0 - RestingPlace::kStep), 1e-9);
+              125.0 * cycle * QuantizedRestPosition::kStep / (2.0 - QuantizedRestPosition::kStep),
+              1e-9);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The reach of the next sample: closed forms, and handles that move as far as they can.
 
-#include "core/bounding/reach.hpp"
+#include "core/bounding/reachable_displacement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,12 +30,12 @@ PortKnowledge knowledge(double mass, double outside, double quantum = 0.0) {
 }
 
 /// [m] the reach along x over a period in which `force` [N] is held along x.
-double along_x(const Reach& reach, double force) {
+double along_x(const ReachableDisplacement& reach, double force) {
   return reach.along(Vec3::UnitX(), 1.0, Vec3(force, 0, 0), kPeriod);
 }
 
-TEST(Reach, IsNewtonsLawForAHandleWithoutFriction) {
-  Reach reach(knowledge(0.1, 5.0));
+TEST(ReachableDisplacement, IsNewtonsLawForAHandleWithoutFriction) {
+  ReachableDisplacement reach(knowledge(0.1, 5.0));
   EXPECT_FALSE(reach.known());
   reach.moved(Vec3(2e-4, 0, 0), Vec3(3, 0, 0), kPeriod, kPeriod);
   ASSERT_TRUE(reach.known());
@@ -45,17 +45,17 @@ TEST(Reach, IsNewtonsLawForAHandleWithoutFriction) {
   EXPECT_NEAR(along_x(reach, 5.0) - along_x(reach, 4.0), reach.per_newton(kPeriod), 1e-15);
 }
 
-TEST(Reach, AHandleThatFrictionStoppedStartsFromRestAtAnyTime) {
-  Reach reach(knowledge(0.1, 5.0));
+TEST(ReachableDisplacement, AHandleThatFrictionStoppedStartsFromRestAtAnyTime) {
+  ReachableDisplacement reach(knowledge(0.1, 5.0));
   reach.moved(Vec3(-1e-3, 0, 0), Vec3::Zero(), kPeriod, kPeriod);
   // Friction may have stopped it at once: G0 T^2 + G T^2 / 2.
   EXPECT_NEAR(along_x(reach, 0.0), 1.5 * 50.0 * kPeriod * kPeriod, 1e-15);
 }
 
-TEST(Reach, AlongAVectorIsItsLengthTimesThatAlongItsDirection) {
+TEST(ReachableDisplacement, AlongAVectorIsItsLengthTimesThatAlongItsDirection) {
   Random random(11);
   for (int i = 0; i < 200; ++i) {
-    Reach reach(knowledge(0.1, 5.0, 3e-5));
+    ReachableDisplacement reach(knowledge(0.1, 5.0, 3e-5));
     for (int n = random.chance(0.3) ? 2 : 1; n > 0; --n)  // two short samples are joined
       reach.moved(random.vector(-6.0, -3.0), random.vector(-1.0, 1.0),
                   random.uniform(0.2, 2.0) * kPeriod, kPeriod);
@@ -72,10 +72,12 @@ TEST(Reach, AlongAVectorIsItsLengthTimesThatAlongItsDirection) {
   }
 }
 
-TEST(Reach, NothingIsKnownWithoutAMassAForceOrAMovement) {
-  Reach none(knowledge(0.0, 5.0)), any(knowledge(0.1, std::numeric_limits<double>::infinity()));
-  Reach moved(knowledge(0.1, 5.0));
-  for (Reach* r : {&none, &any, &moved}) r->moved(Vec3::Zero(), Vec3::Zero(), kPeriod, kPeriod);
+TEST(ReachableDisplacement, NothingIsKnownWithoutAMassAForceOrAMovement) {
+  ReachableDisplacement none(knowledge(0.0, 5.0)),
+      any(knowledge(0.1, std::numeric_limits<double>::infinity()));
+  ReachableDisplacement moved(knowledge(0.1, 5.0));
+  for (ReachableDisplacement* r : {&none, &any, &moved})
+    r->moved(Vec3::Zero(), Vec3::Zero(), kPeriod, kPeriod);
   EXPECT_FALSE(none.known());
   EXPECT_FALSE(any.known());
   EXPECT_TRUE(moved.known());
@@ -83,7 +85,7 @@ TEST(Reach, NothingIsKnownWithoutAMassAForceOrAMovement) {
   EXPECT_FALSE(moved.known());
 }
 
-TEST(Reach, KnowledgeThatCannotBeIsRefusedByName) {
+TEST(ReachableDisplacement, KnowledgeThatCannotBeIsRefusedByName) {
   const auto refused = [](const PortKnowledge& k) -> std::string {
     try {
       validate(k, "handle");
@@ -116,7 +118,8 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
   handle.dry = random.chance(0.5) ? std::abs(random.decades(-2.0, 1.0)) : 0.0;
   const double quantum = random.chance(0.7) ? std::abs(random.decades(-6.0, -4.0)) : 0.0;
   const double strength = std::abs(random.decades(-0.5, 1.3));
-  Reach reach(knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
+  ReachableDisplacement reach(
+      knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
   Used used;
   Vec3 shown = encoded(handle.position, quantum), held = Vec3::Zero();
   const bool even = random.chance(0.4);       // every hold lasts a period
@@ -166,10 +169,10 @@ Used attack_all(double told_mass, double told_force, double told_quantum) {
 }
 
 /// docs/bounding.md, "After a tick that is late": a handle that shows no movement.
-TEST(Reach, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
+TEST(ReachableDisplacement, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
   const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
   for (const double late : {0.1, 0.3, 0.5}) {
-    Reach reach(knowledge(mass, hand, q));
+    ReachableDisplacement reach(knowledge(mass, hand, q));
     for (int n = 0; n < 5; ++n) reach.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
     const double usual = along_x(reach, force);
     EXPECT_NEAR(usual, 1.5 * (force + hand) / mass * kPeriod * kPeriod + q, 1e-15);
@@ -181,13 +184,13 @@ TEST(Reach, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
 }
 
 /// The hand pushed the handle in, and friction allowed it to turn round within the tick.
-TEST(Reach, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
+TEST(ReachableDisplacement, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
   const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
-  Reach reach(knowledge(mass, hand, q));
+  ReachableDisplacement reach(knowledge(mass, hand, q));
   reach.moved(Vec3(-4e-4, 0, 0), Vec3(force, 0, 0), kPeriod, kPeriod);
   reach.moved(Vec3::Zero(), Vec3(force, 0, 0), 1.5 * kPeriod, kPeriod);
   const double turned = along_x(reach, force);
-  Reach stands(knowledge(mass, hand, q));
+  ReachableDisplacement stands(knowledge(mass, hand, q));
   stands.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
   EXPECT_GT(turned, 1.1 * along_x(stands, force));
   // G0 h0 h, the reach without any knowledge of its movement, is more.
@@ -195,14 +198,14 @@ TEST(Reach, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
   EXPECT_LT(turned, 0.9 * (2.0 * acceleration * kPeriod * kPeriod + q));
 }
 
-TEST(Reach, NoHandGoesFarther) {
+TEST(ReachableDisplacement, NoHandGoesFarther) {
   const Used used = attack_all(1.0, 1.0, 1.0);
   EXPECT_EQ(used.broken, 0);
   EXPECT_GT(used.samples, static_cast<long>(500 * kDevices));
   EXPECT_GT(used.most, 0.98);  // sharp: a hand uses nearly all of it
 }
 
-TEST(Reach, IsBrokenWhenToldWrong) {
+TEST(ReachableDisplacement, IsBrokenWhenToldWrong) {
   EXPECT_GT(attack_all(1.25, 1.0, 1.0).broken, 0) << "mass told a quarter too large";
   EXPECT_GT(attack_all(1.0, 0.8, 1.0).broken, 0) << "hand told a fifth too weak";
   EXPECT_GT(attack_all(1.0, 1.0, 0.0).broken, 0) << "the encoder's quantum left out";

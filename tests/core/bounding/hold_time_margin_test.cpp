@@ -1,4 +1,4 @@
-#include "core/bounding/hold_reserve.hpp"
+#include "core/bounding/hold_time_margin.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
 
-TEST(HoldReserve, IsThePeriodWhereTicksAreExact) {
-  HoldReserve reserve(kPeriod);
+TEST(HoldTimeMargin, IsThePeriodWhereTicksAreExact) {
+  HoldTimeMargin reserve(kPeriod);
   for (int i = 0; i < 5000; ++i) {
     reserve.saw(i % 2 == 0 ? kPeriod : 0.2 * kPeriod, true);
     EXPECT_EQ(reserve.hold_time(), kPeriod);
@@ -18,8 +18,8 @@ TEST(HoldReserve, IsThePeriodWhereTicksAreExact) {
   }
 }
 
-TEST(HoldReserve, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
-  HoldReserve reserve(kPeriod);
+TEST(HoldTimeMargin, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
+  HoldTimeMargin reserve(kPeriod);
   reserve.saw(1.1 * kPeriod, true);
   for (int i = 0; i < 900; ++i) reserve.saw(kPeriod, true);
   EXPECT_NEAR(reserve.hold_time(), 1.1 * kPeriod, 1e-15);
@@ -34,16 +34,16 @@ TEST(HoldReserve, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore) {
 }
 
 /// If no force is held or the hand moves, the reserve follows the need of any hand at once.
-TEST(HoldReserve, FollowsAtOnceWhereNoHandWouldFeelIt) {
-  HoldReserve reserve(kPeriod);
+TEST(HoldTimeMargin, FollowsAtOnceWhereNoHandWouldFeelIt) {
+  HoldTimeMargin reserve(kPeriod);
   reserve.saw(1.3 * kPeriod, false);
   EXPECT_NEAR(reserve.hold_time_of_any_hand(), 1.6 * kPeriod, 1e-15);
 }
 
 /// The reach alone may take some of a force after a late tick, so the hold time begins to grow at
 /// the tick after that.
-TEST(HoldReserve, BeginsATickAfterTheLateOne) {
-  HoldReserve reserve(kPeriod);
+TEST(HoldTimeMargin, BeginsATickAfterTheLateOne) {
+  HoldTimeMargin reserve(kPeriod);
   reserve.saw(1.3 * kPeriod, true);
   EXPECT_EQ(reserve.hold_time(), kPeriod);
   reserve.saw(0.7 * kPeriod, true);
@@ -52,8 +52,8 @@ TEST(HoldReserve, BeginsATickAfterTheLateOne) {
 
 /// The need grows with h^2, for any hand with h. In a tick it grows by less than a force step that
 /// a hand feels: 5 %.
-TEST(HoldReserve, FollowsLittleByLittle) {
-  HoldReserve reserve(kPeriod);
+TEST(HoldTimeMargin, FollowsLittleByLittle) {
+  HoldTimeMargin reserve(kPeriod);
   double before = reserve.hold_time(), any_before = reserve.hold_time_of_any_hand();
   for (int i = 0; i < 6000; ++i) {
     reserve.saw(i % 2500 == 0 ? 1.7 * kPeriod : i == 3000 ? 0.3 : kPeriod, true);

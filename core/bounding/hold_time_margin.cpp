@@ -1,10 +1,10 @@
-#include "core/bounding/hold_reserve.hpp"
+#include "core/bounding/hold_time_margin.hpp"
 
 #include <algorithm>
 
 namespace feltwire {
 
-void HoldReserve::saw(double hold_time, bool felt) noexcept {
+void HoldTimeMargin::saw(double hold_time, bool felt) noexcept {
   // Change per tick, as shares of T. A force at its limit falls by up to twice the first share, or
   // by half the second; on a device with late forces, by as much again for each force still to
   // come.

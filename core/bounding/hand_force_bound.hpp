@@ -2,7 +2,7 @@
 // Learns the largest recent force from outside: a smaller bound than the specified one.
 
 #include "core/base/types.hpp"
-#include "core/bounding/reach.hpp"
+#include "core/bounding/reachable_displacement.hpp"
 
 namespace feltwire {
 
@@ -20,7 +20,7 @@ namespace feltwire {
 /// samples, and friction, are seen in part only: the learned bound is an assumption about
 /// the hand, like the specified one. A sample that it does not explain ends it: then the specified
 /// bound holds again, and two windows start again.
-class OutsideForce {
+class HandForceBound {
  public:
   static constexpr int kSamples = 8;           // N
   static constexpr double kMargin = 1.5;       // the largest force to come over the largest seen
@@ -28,7 +28,7 @@ class OutsideForce {
   static constexpr double kWindow = 10.0;      // [s]
 
   /// Precondition: validate(known) passed, mass and outside force are known, period > 0 [s].
-  OutsideForce(const PortKnowledge& known, double period)
+  HandForceBound(const PortKnowledge& known, double period)
       : mass_(known.mass), quantum_(known.quantum), told_(known.outside_force), period_(period) {}
 
   /// The handle moved by `displacement` over `hold_time` [s] while `held` acted.

@@ -45,10 +45,11 @@ void validate(const PortKnowledge& port, const char* field);
 /// docs/bounding.md, "How far the next sample reaches", has the proof. It holds for every friction
 /// and damping that oppose the velocity, known or not. "After a tick that is late" there has what
 /// the samples before the last one add where that one was longer or shorter than a period.
-class Reach {
+class ReachableDisplacement {
  public:
   /// Precondition: validate(known) passed.
-  explicit Reach(const PortKnowledge& known) : known_(known), per_mass_(1.0 / known.mass) {}
+  explicit ReachableDisplacement(const PortKnowledge& known)
+      : known_(known), per_mass_(1.0 / known.mass) {}
 
   /// The handle moved by `displacement` over `hold_time` > 0 [s] while `held` acted. `period` [s]
   /// is the normal duration of a sample: samples shorter than half of it are joined, because an

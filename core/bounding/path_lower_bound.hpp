@@ -9,10 +9,10 @@ namespace feltwire {
 
 /// A lower bound of the true path. A play of half-width q follows each axis; its path is never
 /// longer than the true one. A path in space is at least (|x| + |y| + |z|) / sqrt(3).
-class CertainPath {
+class PathLowerBound {
  public:
   /// q [m], the encoder quantum of each world axis.
-  explicit CertainPath(double quantum) : quantum_(quantum) {}
+  explicit PathLowerBound(double quantum) : quantum_(quantum) {}
 
   /// Returns the path [m] that this displacement [m] adds.
   double moved(const Vec3& displacement) noexcept {

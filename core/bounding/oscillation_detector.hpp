@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/bounding/movements.hpp"
+#include "core/bounding/reversal_history.hpp"
 
 namespace feltwire {
 
-enum class Swing : std::uint8_t { none, slow, fast };
+enum class Oscillation : std::uint8_t { none, slow, fast };
 
 /// A hand that lands hard on a stiff wall bounces, and each bounce is smaller than the one before.
 /// A hand that swings because the wall is too stiff for it goes on. This class tells them apart by
@@ -19,7 +19,7 @@ enum class Swing : std::uint8_t { none, slow, fast };
 /// to 46 Hz, of twice the least size) is what a motor causes that follows its command late. A hand
 /// does not move to and fro as fast by itself: tapping and tremor are slower. A swing that leaves
 /// the contact and comes back counts too.
-class SustainedSwing {
+class OscillationDetector {
  public:
   /// How many movements there are in half of them, the share of its length that is kept from half
   /// to half, and the time within which the movements end [s].
@@ -33,12 +33,12 @@ class SustainedSwing {
 
   /// The hand moved by `way` [m] along the normal of its contact over `time` [s]; `swing` [m] is
   /// the least movement between two reversals. Not `none` when it swings; then the count restarts.
-  Swing moved(double way, double time, double swing) noexcept {
-    if (!movements_.moved(way, time, swing)) return Swing::none;
-    const Swing found = sustained(kFast, swing)               ? Swing::fast
-                        : sustained(kSlow, kSlowSize * swing) ? Swing::slow
-                                                              : Swing::none;
-    if (found != Swing::none) movements_.restart();
+  Oscillation moved(double way, double time, double swing) noexcept {
+    if (!movements_.moved(way, time, swing)) return Oscillation::none;
+    const Oscillation found = sustained(kFast, swing)               ? Oscillation::fast
+                              : sustained(kSlow, kSlowSize * swing) ? Oscillation::slow
+                                                                    : Oscillation::none;
+    if (found != Oscillation::none) movements_.restart();
     return found;
   }
 
@@ -57,7 +57,7 @@ class SustainedSwing {
     return after >= kind.kept * before;
   }
 
-  Movements<2 * kFast.half> movements_;
+  ReversalHistory<2 * kFast.half> movements_;
 };
 
 }  // namespace feltwire

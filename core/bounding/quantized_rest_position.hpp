@@ -16,14 +16,14 @@ namespace feltwire {
 /// readings for kRest were two neighbours, the scene is asked at one place between them. That place
 /// begins at their mean and moves by kStep of the way to each new reading, until the wall balances
 /// the hand there. A third reading ends the rest.
-class RestingPlace {
+class QuantizedRestPosition {
  public:
   static constexpr double kRest = 0.05;  // [s]
   static constexpr double kMean = 0.02;  // [s] over which the mean is taken
   static constexpr double kStep = 0.75;
 
   /// q [m], the encoder quantum of each world axis.
-  explicit RestingPlace(double quantum) : two_readings_(1.5 * quantum) {}
+  explicit QuantizedRestPosition(double quantum) : two_readings_(1.5 * quantum) {}
 
   void moved(const Vec3& displacement, double time) noexcept {
     for (std::size_t i = 0; i < axes_.size(); ++i)
