@@ -27,7 +27,7 @@ void RemoteHand::take(const Remote& remote) noexcept {
 void RemoteHand::lead_another(std::uint8_t seat) noexcept {
   seat_ = seat;
   forget();
-  index_ = {};
+  surface_offset_ = {};
   energy_.restart();
 }
 
@@ -45,14 +45,14 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   const bool tied = engaged && (remote_.contact.surface != 0 || remote_.others.count > 0);
   const std::span walls(remote_.walls.data(),
                         engaged ? static_cast<std::size_t>(remote_.wall_count) : 0);
-  const std::uint32_t known = index_.known_surface();
-  index_.step(
-      hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
-      {.holds = RobotWalls::reach(hand - index_.offset(), walls), .meets = remote_.meets_surfaces},
-      tied ? remote_.others : OtherSurfaces{});
-  walls_.step(hand, walls, index_, elapsed);
+  const std::uint32_t known = surface_offset_.known_surface();
+  surface_offset_.step(hand, displacement, tied ? remote_.contact : RemoteContact{}, elapsed,
+                       {.holds = RobotWalls::reach(hand - surface_offset_.offset(), walls),
+                        .meets = remote_.meets_surfaces},
+                       tied ? remote_.others : OtherSurfaces{});
+  walls_.step(hand, walls, surface_offset_, elapsed);
   // A surface that another hand meets may be in front of this one: its force rises slowly.
-  if (tied && index_.known_surface() > known && !remote_.meets_surfaces) weight_ = 0.0;
+  if (tied && surface_offset_.known_surface() > known && !remote_.meets_surfaces) weight_ = 0.0;
   const double rise = remote_.meets_surfaces ? 1.0 : elapsed / fade_;
   weight_ = tied ? std::min(1.0, weight_ + rise) : std::max(0.0, weight_ - elapsed / fade_);
   if (tied)
@@ -68,7 +68,7 @@ void RemoteHand::show(const Vec3& hand) noexcept {
   LocalModel model;
   const auto add = [&](const RemoteContact& surface) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
-    patch.point = surface.point + index_.offset();
+    patch.point = surface.point + surface_offset_.offset();
     patch.normal = surface.normal.normalized();
     patch.velocity = surface.velocity;
     patch.radius = kReach + (patch.point - hand).norm();

@@ -8,7 +8,7 @@
 #include "core/base/types.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/teleoperation/energy_counters.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -47,8 +47,8 @@ class RemoteHand {
   /// finite or is below zero is ignored.
   Lead lead(bool deadman, std::optional<double> gripper) const noexcept {
     return {.deadman = deadman,
-            .known_surface = index_.known_surface(),
-            .offset = index_.offset(),
+            .known_surface = surface_offset_.known_surface(),
+            .offset = surface_offset_.offset(),
             .hand_work = hand_work_,
             .gripper = gripper && *gripper >= 0.0 && *gripper <= kMaxPosition ? *gripper : -1.0,
             .seat = seat_};
@@ -61,7 +61,7 @@ class RemoteHand {
  private:
   void show(const Vec3& hand) noexcept;
 
-  SurfaceIndex index_;
+  SurfaceOffset surface_offset_;
   LocalContact local_;
   RobotWalls walls_;
   RemoteEnergy energy_;

@@ -27,7 +27,7 @@ double RobotWalls::slack_of(const RemoteWall& wall, double pressed) const noexce
   return known == slacks_.begin() + count_ ? pressed : known->way;
 }
 
-void RobotWalls::step(const Vec3& hand, std::span<const RemoteWall> told, SurfaceIndex& index,
+void RobotWalls::step(const Vec3& hand, std::span<const RemoteWall> told, SurfaceOffset& index,
                       double elapsed) noexcept {
   if (told.empty()) {
     weight_ = std::max(0.0, weight_ - elapsed / fade_);

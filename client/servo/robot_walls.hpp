@@ -7,7 +7,7 @@
 
 #include "core/base/types.hpp"
 #include "core/local_model/local_contact.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 #include "protocol/wire/robot.hpp"
 
 namespace feltwire {
@@ -27,7 +27,7 @@ class RobotWalls {
   /// `wanted`.
   static bool reach(const Vec3& wanted, std::span<const RemoteWall> walls) noexcept;
   /// The hand is at `hand`, and these are the present walls. Empty: the robot does not follow.
-  void step(const Vec3& hand, std::span<const RemoteWall> walls, SurfaceIndex& index,
+  void step(const Vec3& hand, std::span<const RemoteWall> walls, SurfaceOffset& index,
             double elapsed) noexcept;
   /// The force on the hand [N].
   Vec3 push(const Tool& tool, double elapsed) noexcept;

@@ -8,7 +8,7 @@ namespace feltwire {
 /// The hand's orientation means one of the robot's tool, at all times:
 ///   q_t = q_h q_offset
 /// So a hand that turned while its switch was released must turn back before it engages, to within
-/// the gate. What is left of the angle is given back later (EngageIndex::align), so the first
+/// the gate. What is left of the angle is given back later (ClutchOffset::align), so the first
 /// target is equal to the one that the robot has.
 struct Alignment {
   static constexpr double kLargestGate = 3.0;  // [rad]

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/base/time.hpp"
-#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 
 namespace feltwire {
 

@@ -13,7 +13,7 @@ namespace feltwire {
 /// A surface that the robot touches, or touched before. World frame of the robot.
 struct RemoteContact {
   std::uint32_t surface = 0;     // counts surfaces; 0: none is known
-  bool touching = false;         // now, or less than ContactEstimate::kApart ago
+  bool touching = false;         // now, or less than ContactEstimator::kApart ago
   Vec3 point = Vec3::Zero();     // [m] on the surface, where the force would be zero
   Vec3 normal = Vec3::UnitX();   // unit, towards the free side
   double stiffness = 0.0;        // [N/m] > 0 of the surface, along the normal

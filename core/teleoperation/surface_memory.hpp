@@ -26,7 +26,7 @@ struct KnownSurface {
 ///     or gone, or it ends before that place;
 ///   - the tool is farther than kNear from the place where it was touched.
 /// Which surfaces are told: the nearest ones. A surface that comes back to them gets another
-/// number: a hand that did not know of it meets it where the hand is (SurfaceIndex).
+/// number: a hand that did not know of it meets it where the hand is (SurfaceOffset).
 ///
 /// No function allocates, throws or reads a clock.
 class SurfaceMemory {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 
 namespace feltwire {
 
 /// A model of what a robot may touch. It may be wrong: what the robot touches corrects it
-/// (ContactEstimate).
+/// (ContactEstimator).
 class SurfaceModel {
  public:
   SurfaceModel() = default;

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/keep_out_body.hpp"
 
 namespace feltwire {

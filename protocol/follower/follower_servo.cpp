@@ -28,8 +28,8 @@ const FollowerOptions& checked(const FollowerOptions& options) {
 }
 
 /// Thresholds above the sensor's noise, and never below the defaults of the estimate.
-ContactEstimateConfig estimate_of(const FollowerSpec& spec) {
-  ContactEstimateConfig config{.first_stiffness = spec.stiffness};
+ContactEstimatorConfig estimate_of(const FollowerSpec& spec) {
+  ContactEstimatorConfig config{.first_stiffness = spec.stiffness};
   config.on = std::max(config.on, 4.0 * spec.wrench_noise);
   config.off = std::max(config.off, 2.0 * spec.wrench_noise);
   return config;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/follower.hpp"
 #include "core/teleoperation/gripper_follow.hpp"
@@ -53,7 +53,7 @@ struct FollowerStatistics {
 ///   3. the limits of motion (MotionLimit);
 ///   4. first touch, felt, leash (TargetLimiter); the gripper follows at its own speed
 ///      (GripperFollow);
-/// and its state: its pose and wrench, the surface that it touches (ContactEstimate) with the
+/// and its state: its pose and wrench, the surface that it touches (ContactEstimator) with the
 /// stiffness of surface and robot in series, and its energy (ContactEnergy).
 ///
 /// When it begins to follow, it starts from the target that it holds: earlier targets do not count.
@@ -106,7 +106,7 @@ class FollowerServo {
 
   FollowerSpec spec_;
   FollowerOptions options_;
-  ContactEstimate estimate_;
+  ContactEstimator estimate_;
   ContactEnergy energy_;
   WorkspaceLimit limit_;
   MotionLimit motion_;

@@ -7,7 +7,7 @@
 namespace feltwire {
 
 /// 0: the hand leads alone. Otherwise its weight among the hands that lead together is this over
-/// the sum (SharedIndex).
+/// the sum (SharedClutchOffset).
 inline constexpr double kLeastLeadShare = 0.01, kMostLeadShare = 100.0;
 
 /// The reason why there is no such share: the range and the remedy. Empty if there is. NaN is no

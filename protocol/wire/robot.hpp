@@ -8,8 +8,8 @@
 
 #include "core/base/time.hpp"
 #include "core/base/types.hpp"
-#include "core/teleoperation/authority.hpp"
 #include "core/teleoperation/energy_counters.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 #include "core/teleoperation/remote_contact.hpp"
 #include "core/teleoperation/workspace.hpp"
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/base/types.hpp"
-#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 #include "protocol/wire/hand_report.hpp"
 
 namespace feltwire {

@@ -23,10 +23,10 @@ std::string names_of(const std::vector<RemoteSeat>& seats) {
 std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene, World* world) const {
   std::vector<Seat> seats;
   for (const RemoteSeat& seat : scene.seats()) {
-    Seat& made = seats.emplace_back(Seat{.link = RemoteLink(seat)});
+    Seat& made = seats.emplace_back(Seat{.link = TeleopLink(seat)});
     if (!seat.arm || world == nullptr) continue;
     made.arm.emplace(seat, *world);
-    made.link.sit(kFirstArm + static_cast<std::uint32_t>(seats.size()));
+    made.link.seat_robot(kFirstArm + static_cast<std::uint32_t>(seats.size()));
   }
   // A robot keeps its seat if the seats are the same.
   if (has_same_seats(scene))
@@ -34,7 +34,7 @@ std::vector<SceneSessions::Seat> SceneSessions::seats_of(const Scene& scene, Wor
       if (seats[i].arm) continue;
       seats[i].robot = seats_[i].robot;
       seats[i].own = seats_[i].own;
-      if (seats[i].robot != nullptr) seats[i].link.sit(seats[i].robot->number, seats[i].own);
+      if (seats[i].robot != nullptr) seats[i].link.seat_robot(seats[i].robot->number, seats[i].own);
     }
   return seats;
 }
@@ -141,16 +141,16 @@ Remote SceneSessions::lead(SessionSlot& slot, Nanoseconds now) noexcept {
     }
     slot.seat = wanted;
   }
-  RemoteLink& link = seats_[slot.seat].link;
+  TeleopLink& link = seats_[slot.seat].link;
   link.lead(slot.number, batch_, slot.session.parameters().servo_period, now, slot.lead_share);
-  Remote told = link.told(slot.number, now);
-  told.seat = slot.seat;
-  return told;
+  Remote reply = link.reply_for(slot.number, now);
+  reply.seat = slot.seat;
+  return reply;
 }
 
 std::optional<SeenRobot> SceneSessions::seen_robot(std::size_t seat,
                                                    Nanoseconds now) const noexcept {
-  std::optional<SeenRobot> robot = seats_[seat].link.seen(now);
+  std::optional<SeenRobot> robot = seats_[seat].link.view(now);
   if (!robot) return robot;
   robot->seat = static_cast<std::uint8_t>(seat);
   unsigned all = 0;

@@ -228,7 +228,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     Seat& seat = seats_[slot.seat];
     seat.robot = &slot;
     seat.own = request.workspace;
-    seat.link.sit(slot.number, seat.own);
+    seat.link.seat_robot(slot.number, seat.own);
     accepted.workspace = wanted.workspace;
   }
   log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});

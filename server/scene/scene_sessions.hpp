@@ -22,9 +22,9 @@
 #include "server/scene/id_map.hpp"
 #include "server/scene/live_change.hpp"
 #include "server/scene/observer_view.hpp"
-#include "server/scene/remote_link.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
+#include "server/scene/teleop_link.hpp"
 #include "server/scene/world_arm.hpp"
 
 namespace feltwire {
@@ -222,7 +222,7 @@ class SceneSessions {
   struct AskedChange;
   /// A seat of the scene for a robot.
   struct Seat {
-    RemoteLink link;
+    TeleopLink link;
     SessionSlot* robot = nullptr;      // who sits there
     Workspace own = {};                // the robot's own
     std::optional<WorldArm> arm = {};  // the robot is of the world, and sits there always

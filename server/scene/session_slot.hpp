@@ -54,7 +54,7 @@ struct SceneSessions::SessionSlot {
   bool disturbing = false;   // it had no reset left: it pushes nothing any more, and ends
   ChangesTaken takes = {};   // changes that its client takes
   std::optional<AskedChange> asked = {};
-  double lead_share = 0.0;  // for RemoteLink::lead()
+  double lead_share = 0.0;  // for TeleopLink::lead()
   std::uint8_t seat = 0;    // a robot's, or that of the robot that the hand leads
   bool leads = false;       // its samples have a lead
   std::uint8_t seen = 0;    // for an observer: the seat of the robot in its last view

@@ -16,7 +16,7 @@ WorldArm::WorldArm(const RemoteSeat& seat, World& world)
     : arm_(*seat.arm, world.tick(), "the scene's mjcf", world.model(), world.state()),
       servo_(arm_.spec(), options_of(seat)) {}
 
-void WorldArm::drive(World& world, RemoteLink& link, Nanoseconds now) noexcept {
+void WorldArm::drive(World& world, TeleopLink& link, Nanoseconds now) noexcept {
   if (link.target_due(now)) servo_.take(link.target(now), now);
   const FollowerTarget wanted = servo_.step(arm_.reading(), now);
   link.follow(servo_.report(arm_.aim(wanted, world.state())), now);

@@ -8,7 +8,7 @@
 #include "core/dynamics/world.hpp"
 #include "core/scene/scene.hpp"
 #include "protocol/follower/follower_servo.hpp"
-#include "server/scene/remote_link.hpp"
+#include "server/scene/teleop_link.hpp"
 
 namespace feltwire {
 
@@ -26,7 +26,7 @@ class WorldArm {
 
   /// Before a step of the world at `now`: tells the link the arm's state, takes its target, and
   /// sets the motors.
-  void drive(World& world, RemoteLink& link, Nanoseconds now) noexcept;
+  void drive(World& world, TeleopLink& link, Nanoseconds now) noexcept;
   /// After the step.
   void sense(World& world) noexcept;
 

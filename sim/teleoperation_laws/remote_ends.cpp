@@ -40,7 +40,7 @@ void RemoteLeader::show(const RemoteContact& contact, const OtherSurfaces& other
   LocalModel model;
   const auto add = [&](const RemoteContact& surface) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
-    patch.point = surface.point + index_.offset();
+    patch.point = surface.point + surface_offset_.offset();
     patch.normal = surface.normal;
     patch.velocity = surface.velocity;
     patch.radius = kReach;
@@ -59,7 +59,7 @@ Vec3 RemoteLeader::step(const Vec3& hand, const Vec3& velocity, const RemoteCont
                         const OtherSurfaces& others, double age) {
   const Vec3 displacement = moved(hand_before_, hand);
   hand_work_ -= held_.dot(displacement);
-  index_.step(hand, displacement, contact, plant_.period, {}, others);
+  surface_offset_.step(hand, displacement, contact, plant_.period, {}, others);
   show(contact, others, hand);
 
   account_.credit(remote_.step(plant_.period));

@@ -7,9 +7,9 @@
 #include "core/bounding/account.hpp"
 #include "core/bounding/midpoint.hpp"
 #include "core/local_model/local_contact.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/energy_counters.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 #include "sim/teleoperation_laws/teleoperation_law.hpp"
 
@@ -47,15 +47,15 @@ class RemoteLeader {
   Vec3 step(const Vec3& hand, const Vec3& velocity, const RemoteContact& contact,
             const OtherSurfaces& others, double age);
 
-  const Vec3& offset() const noexcept { return index_.offset(); }
-  std::uint32_t known_surface() const noexcept { return index_.known_surface(); }
+  const Vec3& offset() const noexcept { return surface_offset_.offset(); }
+  std::uint32_t known_surface() const noexcept { return surface_offset_.known_surface(); }
   double hand_work() const noexcept { return hand_work_; }
 
  private:
   void show(const RemoteContact& contact, const OtherSurfaces& others, const Vec3& hand);
 
   Plant plant_;
-  SurfaceIndex index_;
+  SurfaceOffset surface_offset_;
   LocalContact local_;
   Midpoint<double> midpoint_;
   PortAccount account_;
@@ -84,7 +84,7 @@ class RemoteFollower {
  private:
   Plant plant_;
   ContactEnergy counted_;
-  ContactEstimate estimate_;
+  ContactEstimator estimate_;
   TargetLimiter limiter_;
   Vec3 tip_ = Vec3::Zero();         // [m]
   Vec3 force_ = Vec3::Zero();       // [N]

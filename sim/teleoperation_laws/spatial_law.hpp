@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "core/base/types.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/energy_counters.hpp"
 #include "sim/teleoperation_laws/remote_ends.hpp"
 #include "sim/teleoperation_laws/teleoperation_law.hpp"

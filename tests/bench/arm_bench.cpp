@@ -40,8 +40,8 @@ void world_arm(benchmark::State& state) {
   const Scene scene = load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/workcell.json");
   World world(scene);
   WorldArm arm(scene.seats().front(), world);
-  RemoteLink link(scene.seats().front());
-  link.sit(1);
+  TeleopLink link(scene.seats().front());
+  link.seat_robot(1);
   Nanoseconds now{0};
   for (auto _ : state) {
     arm.drive(world, link, now);

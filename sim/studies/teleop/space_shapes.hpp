@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/base/types.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 
 namespace feltwire::teleop::in_space {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/teleoperation/engage_index.hpp"
+#include "core/teleoperation/clutch_offset.hpp"
 #include "tests/core/support.hpp"
 
 namespace feltwire::alignment_test {
@@ -45,7 +45,7 @@ TEST(Alignment, WhatIsLeftIsGivenBackWhileTheHandTurns) {
     const Pose robot{Vec3(0.1, 0.2, 0.3),
                      turned(hand.orientation * aligned.offset,
                             random.uniform(0.0, aligned.gate) * random.direction())};
-    EngageIndex index(1.0);
+    ClutchOffset index(1.0);
     index.engage(hand, robot);
     index.align(aligned.offset, 0.0);
     Pose target = index.target(hand);
@@ -72,7 +72,7 @@ TEST(Alignment, WhatIsLeftIsGivenBackWhileTheHandTurns) {
 }
 
 TEST(Alignment, AHandThatStandsTurnsNothing) {
-  EngageIndex index(1.0);
+  ClutchOffset index(1.0);
   const Pose hand{Vec3::Zero(), Quaternion(Eigen::AngleAxisd(0.2, Vec3::UnitX()))};
   index.engage(hand, Pose{});
   for (int i = 0; i < 100; ++i) index.align(Quaternion::Identity(), 0.0);

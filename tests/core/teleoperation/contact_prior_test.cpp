@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include "core/teleoperation/contact_estimate.hpp"
-#include "core/teleoperation/place_tracker.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
+#include "core/teleoperation/surface_offset.hpp"
+#include "core/teleoperation/surface_tracker.hpp"
 
 namespace feltwire::contact_prior_test {
 namespace {
@@ -22,7 +22,7 @@ struct Floor {
   double place = 0.0, stiffness = 2000.0;
   SurfacePrior prior{.key = 7, .normal = Vec3::UnitZ(), .stiffness = 1500.0, .friction = 0.2};
 
-  const RemoteContact& at(ContactEstimate& estimate, double height, double speed = 0.0) const {
+  const RemoteContact& at(ContactEstimator& estimate, double height, double speed = 0.0) const {
     const double depth = std::max(0.0, place - height);
     return estimate.step({.position = Vec3(0, 0, height),
                           .velocity = Vec3(0, 0, speed),
@@ -31,7 +31,7 @@ struct Floor {
                           .prior = prior});
   }
   /// Moves from one height to another at a constant speed [m/s].
-  const RemoteContact& go(ContactEstimate& estimate, double from, double to, double speed) const {
+  const RemoteContact& go(ContactEstimator& estimate, double from, double to, double speed) const {
     const int steps = static_cast<int>(std::ceil(std::abs(to - from) / (speed * kPeriod)));
     for (int n = 1; n <= steps; ++n)
       at(estimate, from + (to - from) * n / steps, to > from ? speed : -speed);
@@ -40,7 +40,7 @@ struct Floor {
 };
 
 TEST(ContactPrior, TheSurfaceIsThereBeforeTheTouch) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   const RemoteContact& seen = Floor{}.at(estimate, 0.05);
   EXPECT_EQ(seen.surface, 1u);
   EXPECT_FALSE(seen.touching);
@@ -53,7 +53,7 @@ TEST(ContactPrior, TheSurfaceIsThereBeforeTheTouch) {
 
 TEST(ContactPrior, ATouchIsOfTheSameSurfaceAndCorrectsItForTheNextOne) {
   for (const double wrong : {-3e-3, 3e-3}) {
-    ContactEstimate estimate({});
+    ContactEstimator estimate({});
     const Floor floor{.place = wrong};
     floor.go(estimate, 0.02, wrong - 3e-3, 0.05);
     for (int n = 0; n < 300; ++n) floor.at(estimate, wrong - 3e-3);
@@ -70,12 +70,12 @@ TEST(ContactPrior, ATouchIsOfTheSameSurfaceAndCorrectsItForTheNextOne) {
 }
 
 TEST(ContactPrior, AModelOfNothingRecedesAndIsNotBelieved) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   const Floor nothing{.place = -1.0};
-  nothing.go(estimate, 0.01, -0.5 * ContactEstimate::kSame, 0.05);
+  nothing.go(estimate, 0.01, -0.5 * ContactEstimator::kSame, 0.05);
   EXPECT_EQ(estimate.contact().surface, 1u);
-  EXPECT_LE(estimate.contact().point.z(), -0.5 * ContactEstimate::kSame + 1e-12);
-  nothing.go(estimate, 0.0, -1.5 * ContactEstimate::kSame, 0.05);
+  EXPECT_LE(estimate.contact().point.z(), -0.5 * ContactEstimator::kSame + 1e-12);
+  nothing.go(estimate, 0.0, -1.5 * ContactEstimator::kSame, 0.05);
   EXPECT_EQ(estimate.contact().surface, 0u);
   nothing.go(estimate, 0.0, 0.1, 0.05);
   EXPECT_EQ(estimate.contact().surface, 0u) << "nor where the tool has left";
@@ -85,7 +85,7 @@ TEST(ContactPrior, AModelOfNothingRecedesAndIsNotBelieved) {
 }
 
 TEST(ContactPrior, WhatNoModelHasIsASurfaceOfItsOwn) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   const Floor box{.place = 0.05};  // on the model's floor
   box.go(estimate, 0.07, 0.048, 0.05);
   const std::uint32_t found = estimate.contact().surface;
@@ -99,7 +99,7 @@ TEST(ContactPrior, WhatNoModelHasIsASurfaceOfItsOwn) {
 
 TEST(ContactPrior, WhatIsNotFiniteOrUsableSaysNothing) {
   for (int which = 0; which < 4; ++which) {
-    ContactEstimate estimate({.first_stiffness = 800.0});
+    ContactEstimator estimate({.first_stiffness = 800.0});
     Floor floor;
     if (which == 0) floor.prior.point.z() = kNan;
     if (which == 1) floor.prior.normal.x() = kNan;
@@ -115,7 +115,7 @@ TEST(ContactPrior, WhatIsNotFiniteOrUsableSaysNothing) {
 }
 
 TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
-  SurfaceIndex index;
+  SurfaceOffset index;
   RemoteContact seen{.surface = 1,
                      .touching = false,
                      .point = Vec3::Zero(),
@@ -142,8 +142,8 @@ TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
   EXPECT_NEAR(index.offset().z(), 3.1e-3, 1e-15);
 }
 
-TEST(PlaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
-  PlaceTracker place;
+TEST(SurfaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
+  SurfaceTracker place;
   place.begin(0.1, 0.1);
   double speed = 0.0;
   const auto noise = [](int n) { return n % 2 == 0 ? 5e-6 : -5e-6; };

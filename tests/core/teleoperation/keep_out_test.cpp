@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/teleoperation/engage_index.hpp"
+#include "core/teleoperation/clutch_offset.hpp"
 #include "core/teleoperation/workspace.hpp"
 #include "tests/core/support.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 
 namespace feltwire::second_touch_test {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kStiffness = 5000.0, kFriction = 0.3;  // of the floor z = 0
 constexpr double kAside = 0.3;  // sideways movement of the arm's tool per metre of depth
 
 /// Moves the tool to that depth [m] and a little aside. Returns the estimate.
-const RemoteContact& move(ContactEstimate& estimate, double depth, double speed) {
+const RemoteContact& move(ContactEstimator& estimate, double depth, double speed) {
   const Vec3 tip(kAside * depth, 0.0, -depth);
   const Vec3 velocity(kAside * speed, 0.0, -speed);
   Vec3 force = Vec3::Zero();
@@ -30,7 +30,7 @@ const RemoteContact& move(ContactEstimate& estimate, double depth, double speed)
 /// Moves from 5 mm above the floor to 2 mm inside at this speed [m/s], rests, and moves out again.
 /// `sees` gets the estimate after each sample.
 template <typename See>
-void touch(ContactEstimate& estimate, double speed, double rest, const See& sees) {
+void touch(ContactEstimator& estimate, double speed, double rest, const See& sees) {
   constexpr double kAbove = 5e-3, kDepth = 2e-3;  // [m]
   const int way = static_cast<int>((kAbove + kDepth) / (speed * kPeriod));
   for (int n = 0; n < way; ++n) sees(move(estimate, n * speed * kPeriod - kAbove, speed));
@@ -40,7 +40,7 @@ void touch(ContactEstimate& estimate, double speed, double rest, const See& sees
 
 /// Friction tilts the first force of a touch. It must not affect a surface that is already known.
 TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   touch(estimate, 0.03, 2.0, [](const RemoteContact&) {});
   const double before = estimate.contact().normal.z();
   const std::uint32_t surface = estimate.contact().surface;
@@ -56,7 +56,7 @@ TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
 /// The surface springs back: the tool moves out along the force and does not slide. The estimate
 /// once took this for sliding, and the normal turned with the tool's movement.
 TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   for (int n = 0; n < 1000; ++n) move(estimate, 2e-3, 0.0);
   // Out and along, 27 degrees to the floor.
   double least = 1.0;
@@ -71,7 +71,7 @@ TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
 
 /// Before the stiffness is known, a place computed with a wrong one would move with the force.
 TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   double fastest = 0.0;
   // The tool hits and gives way: it moves too little for a fit while the force falls by 10 N.
   for (int n = 0; n < 300; ++n) {
@@ -87,7 +87,7 @@ TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
 /// An arm that hits a surface sticks and springs back: friction tilts the force to either side in
 /// turn. The normal once followed it, and the hand's force jumped with the normal.
 TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   double most = -1.0, least = 1.0;
   for (int n = 0; n < 60; ++n) {
     const double normal_force = 3.0, side = kFriction * normal_force;
@@ -104,14 +104,14 @@ TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
 /// The stiffness is learnt late, because the tool shakes at first, unlike a spring. Place and
 /// stiffness then change together, so that the force does not jump.
 TEST(FirstTouch, AStiffnessThatIsLearntLateChangesNoForce) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   Vec3 tip(0, 0, -0.5e-3);
   for (int n = 0; n < 100; ++n) {
     const bool even = n % 2 == 0;
     estimate.step({tip, Vec3::Zero(), Vec3(0, 0, even ? 2.0 : 3.0), kPeriod});
     tip.z() += even ? -0.05e-3 : 0.05e-3;
   }
-  const double assumed = ContactEstimateConfig{}.first_stiffness;
+  const double assumed = ContactEstimatorConfig{}.first_stiffness;
   ASSERT_EQ(estimate.contact().stiffness, assumed) << "nothing was learnt yet";
   constexpr double kIn = 5e-6;  // [m] in one sample
   double felt = 0.0;

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/base/numeric.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 
 namespace feltwire::surface_memory_test {
@@ -39,7 +39,7 @@ struct Slot {
 /// A tool that moves along x [m].
 class Tool {
  public:
-  explicit Tool(ContactEstimate& estimate) : estimate_(estimate) {}
+  explicit Tool(ContactEstimator& estimate) : estimate_(estimate) {}
   const RemoteContact& at(const Slot& slot, double x) {
     const Vec3 tip(x, 0.0, 0.0);
     const Vec3 velocity = (tip - before_) / kPeriod;
@@ -53,12 +53,12 @@ class Tool {
   }
 
  private:
-  ContactEstimate& estimate_;
+  ContactEstimator& estimate_;
   Vec3 before_ = Vec3::Zero();
 };
 
 /// All surfaces that a hand is told of.
-std::vector<RemoteContact> told(const ContactEstimate& estimate) {
+std::vector<RemoteContact> told(const ContactEstimator& estimate) {
   std::vector<RemoteContact> all(estimate.others().view().begin(), estimate.others().view().end());
   if (estimate.contact().surface != 0) all.push_back(estimate.contact());
   return all;
@@ -74,7 +74,7 @@ Vec3 force_of(const std::vector<RemoteContact>& surfaces, const Vec3& tip) {
 
 TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
   constexpr double kWay = 0.75e-3, kTurns = 2.0;  // [m], [Hz] of the tool from side to side
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   Tool tool(estimate);
   const auto x = [](int n) { return kWay * std::sin(kTwoPi * kTurns * n * kPeriod); };
   const int round = static_cast<int>(1.0 / (kTurns * kPeriod));
@@ -98,7 +98,7 @@ TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
 
 /// The tool moves from one wall into the other within a sample: the touch goes on.
 TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   Tool tool(estimate);
   tool.go({}, kPlay, 1e-3, 0.01);
   const RemoteContact& seen = tool.at({}, -1e-3);
@@ -113,7 +113,7 @@ TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
 /// A load shows no stiffness: a push against it counts as another surface only after a gap.
 TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
   for (const bool gap : {false, true}) {
-    ContactEstimate estimate({});
+    ContactEstimator estimate({});
     const auto feel = [&](const Vec3& force, int samples) {
       for (int n = 0; n < samples; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), force, kPeriod});
     };
@@ -129,7 +129,7 @@ TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
 TEST(SurfaceMemory, TheWayBetweenTwoTouchesLiesInTheSurface) {
   constexpr double kFriction = 0.3, kFall = 0.1, kDeep = 1e-3;  // mu, [m/s], [m]
   constexpr double kInAndOut = 0.04, kBetween = 0.05;           // [s]
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   double tilt[2] = {};
   double time = 0.0;
   for (double& seen : tilt) {
@@ -152,7 +152,7 @@ TEST(SurfaceMemory, TheWayBetweenTwoTouchesLiesInTheSurface) {
 
 TEST(SurfaceMemory, AWallThatIsGoneIsForgotten) {
   for (const bool gone : {false, true}) {
-    ContactEstimate estimate({});
+    ContactEstimator estimate({});
     Tool tool(estimate);
     tool.go({}, 0.0, 1e-3, 0.01);
     tool.go({}, 1e-3, -1e-3, 0.01);
@@ -189,7 +189,7 @@ TEST(SurfaceMemory, ATouchOfAnotherSurfaceIsNoWitnessForThisOne) {
 TEST(SurfaceMemory, FrictionOpensNoSecondSurface) {
   for (const double mu : {0.1, 0.3, 0.5})
     for (const double speed : {0.003, 0.05}) {
-      ContactEstimate estimate({});
+      ContactEstimator estimate({});
       const double depth = 1e-3;
       for (int n = 0; n < 4000; ++n) {
         const double turn = kTwoPi * 1.0 * n * kPeriod;
@@ -264,7 +264,7 @@ TEST(SurfaceMemory, AFollowerThatLiesBreaksNothing) {
     std::uniform_real_distribution<double> place(-most, most);
     return Vec3(place(random), place(random), place(random));
   };
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   std::uint32_t newest = 0;
   for (int n = 0; n < 100'000; ++n) {
     const int lie = static_cast<int>(random() % 8);
@@ -299,8 +299,8 @@ RemoteContact wall_at(double x, double normal, std::uint32_t surface, bool touch
 }
 
 /// The hand changes between two known walls: the index stays, so the force is the wall's own.
-TEST(SurfaceIndex, AKnownWallIsMetWhereItIs) {
-  SurfaceIndex index;
+TEST(SurfaceOffset, AKnownWallIsMetWhereItIs) {
+  SurfaceOffset index;
   const RemoteContact right = wall_at(kPlay, -1.0, 1, true);
   const Vec3 deep(5e-3, 0.0, 0.0);
   index.step(deep, Vec3::Zero(), right, kPeriod);
@@ -328,8 +328,8 @@ TEST(SurfaceIndex, AKnownWallIsMetWhereItIs) {
   }
 }
 
-TEST(SurfaceIndex, AnUnknownSurfaceBesideTheContactIsMetAtTheHandToo) {
-  SurfaceIndex index;
+TEST(SurfaceOffset, AnUnknownSurfaceBesideTheContactIsMetAtTheHandToo) {
+  SurfaceOffset index;
   const RemoteContact right = wall_at(0.0, -1.0, 1, true);
   index.step(Vec3(1e-3, 0.0, 0.0), Vec3::Zero(), right, kPeriod);
   OtherSurfaces others;
@@ -343,9 +343,9 @@ TEST(SurfaceIndex, AnUnknownSurfaceBesideTheContactIsMetAtTheHandToo) {
 }
 
 /// Free motion reduces the offset only while the hand is in front of all surfaces.
-TEST(SurfaceIndex, NothingIsGivenBackBesideAnotherSurface) {
+TEST(SurfaceOffset, NothingIsGivenBackBesideAnotherSurface) {
   for (const double near : {1e-3, 1e-2}) {
-    SurfaceIndex index;
+    SurfaceOffset index;
     RemoteContact floor{.surface = 1, .touching = true, .normal = Vec3::UnitZ(), .stiffness = 1e3};
     index.step(Vec3(0, 0, -2e-3), Vec3::Zero(), floor, kPeriod);
     floor.touching = false;
@@ -356,7 +356,7 @@ TEST(SurfaceIndex, NothingIsGivenBackBesideAnotherSurface) {
     index.step(Vec3(0, 0, 0.05), Vec3::Zero(), floor, kPeriod, {}, others);
     const double before = length(index.offset());
     index.step(Vec3(0, 0, 0.06), Vec3(0, 0, 5e-3), floor, kPeriod, {}, others);
-    EXPECT_EQ(length(index.offset()) < before, near > SurfaceIndex::kFreeAbove) << near;
+    EXPECT_EQ(length(index.offset()) < before, near > SurfaceOffset::kFreeAbove) << near;
   }
 }
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "core/teleoperation/engage_index.hpp"
+#include "core/teleoperation/clutch_offset.hpp"
 
 namespace feltwire::workspace_test {
 namespace {
@@ -159,7 +159,7 @@ TEST(Workspace, ALockedAxisKeepsItsValueAndWallsHoldOnTheOthers) {
 TEST(Workspace, AnIndexThatMovesWithTheClampHasNoRatchet) {
   for (const double scale : {0.2, 1.0, 5.0}) {
     WorkspaceLimit limit(box(Vec3(-1, -1, -1), Vec3(1, 1, 0.1)));
-    EngageIndex index(scale);
+    ClutchOffset index(scale);
     Pose hand{Vec3(3.0, 2.0, 1.0), Quaternion::Identity()};
     Pose target{Vec3(0.5, 0.0, 0.0), Quaternion::Identity()};
     index.engage(hand, target);

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "tests/server/scene/remote_link_bench.hpp"
+#include "tests/server/scene/teleop_link_bench.hpp"
 
-namespace feltwire::remote_link_test {
+namespace feltwire::teleop_link_test {
 namespace {
 
 using enum LinkState;
@@ -57,14 +57,15 @@ TEST(RemoteWalls, AHandThatComesBackFromAWallMovesTheRobotAtOnce) {
 TEST(RemoteWalls, TellsTheNearestWallsWhereTheHandMeetsThem) {
   Bench bench(walled_seat(2.0));
   bench.send(bench.anna);
-  EXPECT_EQ(bench.link.told(bench.anna.number, bench.now).wall_count, 0) << "only while engaged";
+  EXPECT_EQ(bench.link.reply_for(bench.anna.number, bench.now).wall_count, 0)
+      << "only while engaged";
   bench.press(bench.anna);
   const Vec3 began = bench.anna.at;
   for (int i = 0; i < 10; ++i) {
     bench.anna.at += Vec3(3e-3, -2e-3, 1e-3);  // 20 times for the robot: 60, -40, 20 mm
     bench.send(bench.anna);
   }
-  const Remote told = bench.link.told(bench.anna.number, bench.now);
+  const Remote told = bench.link.reply_for(bench.anna.number, bench.now);
   ASSERT_EQ(told.wall_count, 3);
   // The robot is at (0.46, 0.06, 0.32) in the box: 40 mm to x = 0.5, 60 mm to y = 0, 80 mm to z =
   // 0.4.
@@ -135,4 +136,4 @@ TEST(RemoteWalls, TheTighterOfTwoWorkspacesHolds) {
 }
 
 }  // namespace
-}  // namespace feltwire::remote_link_test
+}  // namespace feltwire::teleop_link_test

@@ -6,13 +6,13 @@
 #include <random>
 #include <vector>
 
-#include "tests/server/scene/remote_link_bench.hpp"
+#include "tests/server/scene/teleop_link_bench.hpp"
 
 namespace feltwire::shared_lead_test {
 namespace {
 
-using remote_link_test::Bench;
-using remote_link_test::Hand;
+using teleop_link_test::Bench;
+using teleop_link_test::Hand;
 using enum LinkState;
 
 struct SharedBench : Bench {
@@ -66,14 +66,14 @@ TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
                          .stiffness = 600.0};
   bench.say();
   for (const Hand* hand : {&bench.anna, &bench.ben}) {
-    const RemoteContact seen = bench.link.told(hand->number, bench.now).contact;
+    const RemoteContact seen = bench.link.reply_for(hand->number, bench.now).contact;
     EXPECT_NEAR(seen.stiffness * (seen.point - hand->at).z(), 1.8, 1e-9);
     EXPECT_NEAR(seen.stiffness, 600.0 * 2.0 * hand->share, 1e-9) << "that its own way meets";
   }
   // He moves the target 0.1 mm deeper, and she feels it.
   bench.ben.at.z() -= 0.1e-3 / (2.0 * 0.25);
   bench.send(bench.ben);
-  const RemoteContact seen = bench.link.told(bench.anna.number, bench.now).contact;
+  const RemoteContact seen = bench.link.reply_for(bench.anna.number, bench.now).contact;
   EXPECT_NEAR(seen.stiffness * (seen.point - bench.anna.at).z(), 1.86, 1e-9);
   // The work of a force on the target is the sum of the hands' energies.
   const double before = bench.target.hand_work;
@@ -161,7 +161,7 @@ TEST(SharedLead, ASwitchThatFlickersTakesNothingFromTheOther) {
   }
   EXPECT_EQ(bench.told(bench.anna), engaged);
   EXPECT_NEAR(bench.place().x() - before.x(), 1e-3, 1e-12) << "she leads alone";
-  EXPECT_TRUE(bench.link.told(bench.anna.number, bench.now).meets_surfaces);
+  EXPECT_TRUE(bench.link.reply_for(bench.anna.number, bench.now).meets_surfaces);
   // A switch held long enough counts again.
   bench.ben.pressed = true;
   for (int n = 0; n < 600; ++n) {

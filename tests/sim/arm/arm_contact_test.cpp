@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "tests/sim/arm/arm_support.hpp"
 
 namespace feltwire::arm_test {
@@ -66,7 +66,7 @@ TEST(ArmContact, SlidesWithFriction) {
 
 TEST(ArmContact, TheEstimateFindsTheTable) {
   AboveTheTable run(0.01);
-  ContactEstimate estimate({.first_stiffness = run.arm.spec().stiffness});
+  ContactEstimator estimate({.first_stiffness = run.arm.spec().stiffness});
   RemoteContact found;
   for (int i = 0; i < 4000; ++i) {
     const double u = std::min(1.0, i / 2000.0);

@@ -65,7 +65,7 @@ TEST(TeleoperationWalls, AHandThatComesBackMovesTheRobotAtOnce) {
   EXPECT_GE(back, 0.02);
   EXPECT_EQ(bench.force(), 0.0);
   // All of it moves the robot, except for the offset that free movement gives back.
-  EXPECT_GE(room(bench), (1.0 - SurfaceIndex::kGivenBack) * back - 1e-3);
+  EXPECT_GE(room(bench), (1.0 - SurfaceOffset::kGivenBack) * back - 1e-3);
   EXPECT_LE(room(bench), back + 1e-3);
   EXPECT_LE(bench.made(), 0.0);
 }

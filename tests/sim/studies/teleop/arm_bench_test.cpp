@@ -24,8 +24,8 @@ TEST(ArmBench, PressesSlidesAndLiftsOverABadLink) {
       EXPECT_FALSE(m.stopped) << task << ' ' << seed;
       EXPECT_NEAR(m.robot_force, *m.intended, 0.15 * *m.intended) << task << ' ' << seed;
       EXPECT_NEAR(m.hand_force, m.robot_force, 0.15 * m.robot_force) << task << ' ' << seed;
-      // A slipping tool leaves the ball for longer than ContactEstimate::kApart, and meets it again
-      // elsewhere.
+      // A slipping tool leaves the ball for longer than ContactEstimator::kApart, and meets it
+      // again elsewhere.
       EXPECT_LE(m.flicker, task == ball ? 1.0 : 0.2) << task << ' ' << seed;
       // On a known surface, the robot's touch takes no force from the hand.
       EXPECT_LE(task == "again" ? m.fall.value_or(9.0) : 0.0, 0.5) << seed;

@@ -5,7 +5,7 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/energy_counters.hpp"
 #include "core/teleoperation/workspace.hpp"
 
@@ -18,13 +18,13 @@ namespace feltwire {
 /// is turned as the hand is (Alignment), align() takes q_h0^-1 q_t0 to the offset of both.
 ///
 /// The hand's force is the robot's times a scale, F_h = f F_r. What else is the robot's is
-/// converted to the hand: places by the index, speeds by 1 / s, stiffness by f s, energy by f / s,
-/// as F dx is.
-class EngageIndex {
+/// converted to the hand: places by this offset, speeds by 1 / s, stiffness by f s, energy by f /
+/// s, as F dx is.
+class ClutchOffset {
  public:
   /// `scale` s > 0 [m of the robot per m of the hand], `force_scale` f > 0 [N at the hand per N at
   /// the robot].
-  explicit EngageIndex(double scale, double force_scale = 1.0)
+  explicit ClutchOffset(double scale, double force_scale = 1.0)
       : scale_(scale), force_scale_(force_scale) {}
 
   /// From now on `hand`, less its offset, corresponds to `target`.

@@ -22,7 +22,7 @@ namespace feltwire {
 /// speed over a delay pushes it on: it bounces.
 ///
 /// Nothing here allocates, throws or reads a clock.
-class PlaceTracker {
+class SurfaceTracker {
  public:
   static constexpr double kQuickPlace = 35.0;   // [Hz]
   static constexpr double kTracker = 5.0;       // [Hz]

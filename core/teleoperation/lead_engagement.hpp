@@ -1,5 +1,5 @@
 #pragma once
-// The states of a hand that leads a robot: when it may move the robot.
+// The engagement of a hand that leads a robot: when it may move the robot.
 
 #include <cstdint>
 #include <string_view>
@@ -41,7 +41,7 @@ struct LinkInputs {
 /// engaged it may turn as it likes.
 ///
 /// A pure function of its inputs in their order. It is no safety-rated function.
-class Authority {
+class LeadEngagement {
  public:
   LinkState step(const LinkInputs& in) noexcept {
     const LinkState before = state_;

@@ -1,4 +1,4 @@
-#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 
 #include <array>
 

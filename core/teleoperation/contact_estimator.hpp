@@ -5,9 +5,9 @@
 
 #include "core/base/types.hpp"
 #include "core/teleoperation/line_fit.hpp"
-#include "core/teleoperation/place_tracker.hpp"
 #include "core/teleoperation/remote_contact.hpp"
 #include "core/teleoperation/surface_memory.hpp"
+#include "core/teleoperation/surface_tracker.hpp"
 
 namespace feltwire {
 
@@ -22,7 +22,7 @@ struct SurfacePrior {
   Vec3 velocity = Vec3::Zero();  // [m/s] of the surface
 };
 
-struct ContactEstimateConfig {
+struct ContactEstimatorConfig {
   /// [N/m] of the robot's own controller. A surface is assumed to have as much until the force over
   /// the way shows another.
   double first_stiffness = 1000.0;
@@ -41,7 +41,8 @@ struct ContactEstimateConfig {
 ///              0.1 mm and explain 98 % of the force; it improves for half a second and is then
 ///              kept. Later a moving wall changes force and depth, too, and would be taken for a
 ///              stiffness. A touch that bounces before that is one touch.
-///   place      tip + normal F / k, and its speed: PlaceTracker. A surface under a tool that slides
+///   place      tip + normal F / k, and its speed: SurfaceTracker. A surface under a tool that
+///   slides
 ///              stands: what a curved one changes would be taken for its motion, and a hand that is
 ///              told so over a delay swings. A surface whose stiffness is not known yet stands,
 ///              too: a place that is computed with another stiffness moves as the force does
@@ -64,12 +65,12 @@ struct ContactEstimateConfig {
 /// tool is kSame away from it.
 ///
 /// No function allocates, throws or reads a clock. A sample that is not finite is ignored.
-class ContactEstimate {
+class ContactEstimator {
  public:
   static constexpr double kSame = 20e-3;   // [m]
   static constexpr double kApart = 20e-3;  // [s]
 
-  explicit ContactEstimate(const ContactEstimateConfig& config) : config_(config) {}
+  explicit ContactEstimator(const ContactEstimatorConfig& config) : config_(config) {}
 
   struct Sample {
     Vec3 position = Vec3::Zero();  // [m] of the tool's tip
@@ -98,7 +99,7 @@ class ContactEstimate {
   double height_of(const Sample& sample, double force) const noexcept;
   void estimate_place(const Sample& sample, double force) noexcept;
 
-  ContactEstimateConfig config_;
+  ContactEstimatorConfig config_;
   RemoteContact contact_;
   SurfaceMemory memory_;
   LineFit fit_;
@@ -115,7 +116,7 @@ class ContactEstimate {
   Vec3 last_ = Vec3::Zero();        // [m] on the surface, where it was touched last
   Vec3 within_ = Vec3::Zero();      // unit: lies in the surface; zero: no such direction is known
   double last_height_ = 0.0;        // [m] height in the last sample of the fit
-  PlaceTracker place_;              // along the normal
+  SurfaceTracker place_;            // along the normal
   std::uint32_t expected_key_ = 0;  // of the prior
   std::uint32_t expected_ = 0;      // the surface of the prior
   double shift_ = 0.0;              // [m] along its normal, correction by touches

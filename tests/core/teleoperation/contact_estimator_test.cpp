@@ -1,6 +1,6 @@
 // The surface estimated from a robot's wrench, the leader's contact with it, and target limits.
 
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 
 namespace feltwire::contact_estimate_test {
@@ -30,7 +30,8 @@ struct Wall {
 };
 
 /// Moves from 2 mm in front to `depth` within `time` and stays there for the same time.
-const RemoteContact& press(ContactEstimate& estimate, const Wall& wall, double depth, double time) {
+const RemoteContact& press(ContactEstimator& estimate, const Wall& wall, double depth,
+                           double time) {
   const int steps = static_cast<int>(time / kPeriod);
   double before = 2e-3;
   for (int n = 0; n <= 2 * steps; ++n) {
@@ -44,10 +45,10 @@ const RemoteContact& press(ContactEstimate& estimate, const Wall& wall, double d
   return estimate.contact();
 }
 
-TEST(ContactEstimate, FindsPlaceNormalAndStiffnessOfASpringInEveryDirection) {
+TEST(ContactEstimator, FindsPlaceNormalAndStiffnessOfASpringInEveryDirection) {
   for (const double stiffness : {300.0, 2000.0, 20000.0})
     for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(Vec3(1, 2, -2) / 3.0)}) {
-      ContactEstimate estimate({});
+      ContactEstimator estimate({});
       const Wall wall{.normal = normal, .stiffness = stiffness, .place = 0.1};
       const RemoteContact& seen = press(estimate, wall, 4e-3, 0.2);
       EXPECT_EQ(seen.surface, 1u);
@@ -59,20 +60,20 @@ TEST(ContactEstimate, FindsPlaceNormalAndStiffnessOfASpringInEveryDirection) {
     }
 }
 
-TEST(ContactEstimate, ADamperOfTheWallIsNotTakenForStiffness) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, ADamperOfTheWallIsNotTakenForStiffness) {
+  ContactEstimator estimate({});
   const RemoteContact& seen = press(estimate, {.damping = 20.0}, 4e-3, 0.1);
   EXPECT_NEAR(seen.stiffness, 2000.0, 40.0);
 }
 
-TEST(ContactEstimate, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
+  ContactEstimator estimate({});
   press(estimate, {}, 4e-3, 0.2);
   Vec3 tip = Vec3::Zero();
   for (int n = 0; n < 100; ++n) {
     tip.z() -= 1e-4;
     estimate.step({tip, Vec3(0, 0, -0.1), Vec3::Zero(), kPeriod});
-    const bool waits = (n + 1) * kPeriod < ContactEstimate::kApart - 1e-9;
+    const bool waits = (n + 1) * kPeriod < ContactEstimator::kApart - 1e-9;
     EXPECT_EQ(estimate.contact().touching, waits) << n;
     if (!waits) {
       EXPECT_LE(estimate.contact().point.z(), tip.z() + 1e-12);
@@ -86,8 +87,8 @@ TEST(ContactEstimate, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
   EXPECT_EQ(estimate.contact().surface, 0u);
 }
 
-TEST(ContactEstimate, AWallThatMovesHasItsSpeed) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, AWallThatMovesHasItsSpeed) {
+  ContactEstimator estimate({});
   Wall wall;
   press(estimate, wall, 4e-3, 0.4);  // the stiffness is learnt in the first half second
   for (int n = 0; n < 1000; ++n) {
@@ -99,8 +100,8 @@ TEST(ContactEstimate, AWallThatMovesHasItsSpeed) {
   EXPECT_NEAR(estimate.contact().stiffness, 2000.0, 2.0);
 }
 
-TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, SlidingShowsFrictionAndKeepsTheNormal) {
+  ContactEstimator estimate({});
   press(estimate, {}, 4e-3, 0.2);
   for (int n = 0; n < 500; ++n)
     estimate.step(
@@ -110,11 +111,11 @@ TEST(ContactEstimate, SlidingShowsFrictionAndKeepsTheNormal) {
 }
 
 /// A tool sticks to a ball and slips around it: the surface stays at rest, its normal turns.
-TEST(ContactEstimate, ACurvedSurfaceUnderAToolThatSlipsStands) {
+TEST(ContactEstimator, ACurvedSurfaceUnderAToolThatSlipsStands) {
   constexpr double kRadius = 0.1, kDepth = 2e-3, kFriction = 0.3;
   constexpr double kSlips = 0.2;               // [m/s]
   constexpr int kSlipTime = 20, kEvery = 150;  // [ms]
-  ContactEstimate estimate({});
+  ContactEstimator estimate({});
   const Wall top{.place = kRadius};
   press(estimate, top, kDepth, 0.3);
   double fastest = 0.0, farthest = 0.0, most_turned = 0.0, angle = 0.0;
@@ -135,8 +136,8 @@ TEST(ContactEstimate, ACurvedSurfaceUnderAToolThatSlipsStands) {
   EXPECT_LE(most_turned, std::atan(kFriction) + 1e-3) << "[rad] friction leans it where it sticks";
 }
 
-TEST(ContactEstimate, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
+  ContactEstimator estimate({});
   for (int n = 0; n < 110; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 8), kPeriod});
   // The tool moves in and slides a little: the force leans by atan(0.3).
   for (int n = 0; n < 300; ++n)
@@ -144,8 +145,8 @@ TEST(ContactEstimate, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
 }
 
-TEST(ContactEstimate, ATouchThatBouncesIsOneTouch) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, ATouchThatBouncesIsOneTouch) {
+  ContactEstimator estimate({});
   const Wall wall;
   double before = -1e-4;
   for (int bounce = 0; bounce < 4; ++bounce)
@@ -158,8 +159,8 @@ TEST(ContactEstimate, ATouchThatBouncesIsOneTouch) {
   EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 1.0);
 }
 
-TEST(ContactEstimate, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAtOnePlace) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAtOnePlace) {
+  ContactEstimator estimate({});
   press(estimate, {}, 4e-3, 0.2);
   const Vec3 place = estimate.contact().point;
   for (int n = 0; n < 1000; ++n) {
@@ -174,8 +175,8 @@ TEST(ContactEstimate, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAtO
   }
 }
 
-TEST(ContactEstimate, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
+  ContactEstimator estimate({});
   const Wall wall{.stiffness = 5000.0};
   // The touch pushes an arm aside, to and fro: the force leans by atan(0.3) at first.
   Vec3 before(0, 0, 1e-4);
@@ -192,8 +193,8 @@ TEST(ContactEstimate, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
   EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 0.1 * wall.stiffness);
 }
 
-TEST(ContactEstimate, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
+  ContactEstimator estimate({});
   const Wall wall;
   for (int n = 1; n <= 2000; ++n) {
     const Vec3 tip(0, 0, -0.2e-3 - 0.3e-3 * n * kPeriod), velocity(0, 0, -0.3e-3);
@@ -205,8 +206,8 @@ TEST(ContactEstimate, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
   EXPECT_NEAR(estimate.contact().stiffness, wall.stiffness, 1.0);
 }
 
-TEST(ContactEstimate, AWeightThatIsCarriedIsNoFriction) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, AWeightThatIsCarriedIsNoFriction) {
+  ContactEstimator estimate({});
   // A gripper closes with some sideways force, then it lifts.
   for (int n = 0; n < 200; ++n)
     estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0.3, 0, 0), kPeriod});
@@ -216,8 +217,8 @@ TEST(ContactEstimate, AWeightThatIsCarriedIsNoFriction) {
   EXPECT_LT(estimate.contact().friction, 1.0);
 }
 
-TEST(ContactEstimate, WhatIsNotFiniteIsLeftOut) {
-  ContactEstimate estimate({});
+TEST(ContactEstimator, WhatIsNotFiniteIsLeftOut) {
+  ContactEstimator estimate({});
   const RemoteContact before = press(estimate, {}, 4e-3, 0.2);
   estimate.step({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3(0, 0, 1), kPeriod});
   estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, kNan, 1), kPeriod});
@@ -229,8 +230,8 @@ RemoteContact surface_at(double place) {
   return {.surface = 1, .touching = true, .point = Vec3(0, 0, place), .normal = Vec3::UnitZ()};
 }
 
-TEST(SurfaceIndex, TheFirstTouchMeetsTheHandWhereItIs) {
-  SurfaceIndex index;
+TEST(SurfaceOffset, TheFirstTouchMeetsTheHandWhereItIs) {
+  SurfaceOffset index;
   const Vec3 hand(0.01, 0.0, -0.017);
   index.step(hand, Vec3::Zero(), surface_at(0.0), kPeriod);
   EXPECT_EQ(index.known_surface(), 1u);
@@ -246,10 +247,10 @@ TEST(SurfaceIndex, TheFirstTouchMeetsTheHandWhereItIs) {
   EXPECT_EQ(index.offset(), settled);
 }
 
-TEST(SurfaceIndex, WhatAnotherLeaderMeetsMovesNoOffset) {
-  SurfaceIndex index;
+TEST(SurfaceOffset, WhatAnotherLeaderMeetsMovesNoOffset) {
+  SurfaceOffset index;
   const Vec3 hand(0.0, 0.0, -0.017);
-  const IndexRole other{.meets = false};
+  const SurfaceOffsetRole other{.meets = false};
   index.step(hand, Vec3::Zero(), surface_at(0.0), kPeriod, other);
   EXPECT_EQ(index.known_surface(), 1u);
   index.step(hand, Vec3::Zero(), surface_at(-0.01), kPeriod, other);
@@ -259,18 +260,18 @@ TEST(SurfaceIndex, WhatAnotherLeaderMeetsMovesNoOffset) {
   EXPECT_TRUE(index.offset().isZero(0.0));
 }
 
-TEST(SurfaceIndex, AHandInTheAirKeepsItsIndexAndFreeMotionGivesBack) {
-  SurfaceIndex index;
+TEST(SurfaceOffset, AHandInTheAirKeepsItsIndexAndFreeMotionGivesBack) {
+  SurfaceOffset index;
   index.step(Vec3(0, 0, 0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
   EXPECT_TRUE(index.offset().isZero(0.0));
-  SurfaceIndex deep;
+  SurfaceOffset deep;
   deep.step(Vec3(0, 0, -0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
   for (int n = 0; n < 200; ++n)
     deep.step(Vec3(0, 0, -0.01), Vec3::Zero(), surface_at(0.0), kPeriod);
   RemoteContact left = surface_at(0.0);
   left.touching = false;
   deep.step(Vec3(0, 0, 0.02), Vec3(0, 0, 0.01), left, kPeriod);
-  EXPECT_NEAR(deep.offset().z(), -0.01 + SurfaceIndex::kGivenBack * 0.01, 1e-15);
+  EXPECT_NEAR(deep.offset().z(), -0.01 + SurfaceOffset::kGivenBack * 0.01, 1e-15);
   for (int n = 0; n < 20; ++n) deep.step(Vec3(0, 0, 0.02), Vec3(0, 0, 0.01), left, kPeriod);
   EXPECT_NEAR(deep.offset().norm(), 0.0, 1e-15);
 }

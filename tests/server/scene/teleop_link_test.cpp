@@ -5,14 +5,14 @@
 #include <random>
 #include <vector>
 
-#include "tests/server/scene/remote_link_bench.hpp"
+#include "tests/server/scene/teleop_link_bench.hpp"
 
-namespace feltwire::remote_link_test {
+namespace feltwire::teleop_link_test {
 namespace {
 
 using enum LinkState;
 
-TEST(RemoteLink, AHandThatReleasesHandsOverWithoutAStep) {
+TEST(TeleopLink, AHandThatReleasesHandsOverWithoutAStep) {
   Bench bench;
   bench.press(bench.anna);
   bench.anna.at.x() += 1e-4;
@@ -34,7 +34,7 @@ TEST(RemoteLink, AHandThatReleasesHandsOverWithoutAStep) {
   EXPECT_NEAR(bench.target.pose.position.y(), robot.y() - 1e-4, 1e-12);
 }
 
-TEST(RemoteLink, NobodyTakesTheLeadFromAHandThatPresses) {
+TEST(TeleopLink, NobodyTakesTheLeadFromAHandThatPresses) {
   Bench bench;
   bench.press(bench.anna);
   bench.press(bench.ben);
@@ -56,12 +56,12 @@ TEST(RemoteLink, NobodyTakesTheLeadFromAHandThatPresses) {
   EXPECT_EQ(bench.told(bench.anna), engaged);
 }
 
-TEST(RemoteLink, AHandThatFellSilentKeepsNobodyWaiting) {
+TEST(TeleopLink, AHandThatFellSilentKeepsNobodyWaiting) {
   Bench bench;
   bench.press(bench.anna);
   bench.send(bench.ben);
   bench.ben.pressed = true;
-  bench.now += RemoteLink::kSilence;
+  bench.now += TeleopLink::kSilence;
   bench.send(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
   bench.send(bench.anna);  // it returns, still pressed
@@ -69,7 +69,7 @@ TEST(RemoteLink, AHandThatFellSilentKeepsNobodyWaiting) {
   EXPECT_EQ(bench.told(bench.anna), disabled);
 }
 
-TEST(RemoteLink, AHandOverPaysNothing) {
+TEST(TeleopLink, AHandOverPaysNothing) {
   Bench bench;
   bench.press(bench.anna);
   bench.anna.work = 0.25;
@@ -86,7 +86,7 @@ TEST(RemoteLink, AHandOverPaysNothing) {
   EXPECT_NEAR(bench.target.hand_work, paid + 0.5, 1e-9);
 }
 
-TEST(RemoteLink, AHandThatLeavesMakesRoom) {
+TEST(TeleopLink, AHandThatLeavesMakesRoom) {
   Bench bench;
   bench.press(bench.anna);
   bench.send(bench.ben);
@@ -94,7 +94,7 @@ TEST(RemoteLink, AHandThatLeavesMakesRoom) {
   bench.press(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
   std::vector<Hand> crowd;
-  for (std::uint32_t n = 0; n < 2 * RemoteLink::kMostWaiting; ++n)
+  for (std::uint32_t n = 0; n < 2 * TeleopLink::kMostWaiting; ++n)
     crowd.push_back({100 + n, Vec3::Zero()});
   for (Hand& hand : crowd) bench.send(hand);
   for (const Hand& hand : crowd) bench.link.leave(hand.number);
@@ -110,14 +110,14 @@ RemoteSeat aligned_seat(double gate) {
   return seat;
 }
 
-TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
+TEST(TeleopLink, AHandTurnsToTheRobotBeforeItEngages) {
   const RemoteSeat seat = aligned_seat(0.2);
   Bench bench(seat);
   const Quaternion robot = bench.state.commanded.orientation =
       Quaternion(Eigen::AngleAxisd(0.7, Vec3::UnitY()));
   const Quaternion there = robot * seat.aligned->offset.conjugate();  // the aligned orientation
   Hand& anna = bench.anna;
-  const auto missing = [&] { return bench.link.told(anna.number, bench.now).turn; };
+  const auto missing = [&] { return bench.link.reply_for(anna.number, bench.now).turn; };
   anna.turn = turned(there, Vec3(0.0, 0.0, 0.5));
   bench.press(anna);
   EXPECT_EQ(bench.told(anna), aligning);
@@ -155,7 +155,7 @@ TEST(RemoteLink, AHandTurnsToTheRobotBeforeItEngages) {
 
 /// Hands turn and press at random. None engages outside of the gate, no target turns more than 1.5
 /// times as far as its hand, and no target steps at an engagement.
-TEST(RemoteLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
+TEST(TeleopLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   const RemoteSeat seat = aligned_seat(0.3);
@@ -187,7 +187,7 @@ TEST(RemoteLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
 }
 
 /// Hands press at random from anywhere. The target stays when another hand begins to lead.
-TEST(RemoteLink, NoHandOverOfManyMovesTheRobot) {
+TEST(TeleopLink, NoHandOverOfManyMovesTheRobot) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-10.0, 10.0);
   Bench bench;
@@ -215,7 +215,7 @@ TEST(RemoteLink, NoHandOverOfManyMovesTheRobot) {
 }
 
 /// A hand gets all surfaces at its own contact place, along its free axes.
-TEST(RemoteLink, TellsTheSurfacesBesideTheContact) {
+TEST(TeleopLink, TellsTheSurfacesBesideTheContact) {
   RemoteSeat seat;
   seat.scale = 2.0;
   seat.workspace.locked = {false, true, false};
@@ -231,7 +231,7 @@ TEST(RemoteLink, TellsTheSurfacesBesideTheContact) {
   bench.state.contact = surface(3, Vec3::UnitZ());
   others.surfaces = {surface(1, Vec3::UnitX()), surface(2, Vec3::UnitY())};
   bench.say();
-  const Remote told = bench.link.told(bench.anna.number, bench.now);
+  const Remote told = bench.link.reply_for(bench.anna.number, bench.now);
   EXPECT_EQ(told.contact.surface, 3u);
   ASSERT_EQ(told.others.count, 1) << "nothing is told along a locked axis";
   const RemoteContact& other = told.others.surfaces[0];
@@ -240,8 +240,8 @@ TEST(RemoteLink, TellsTheSurfacesBesideTheContact) {
   EXPECT_EQ(other.stiffness, 1400.0);
   bench.anna.pressed = false;
   bench.send(bench.anna);
-  EXPECT_EQ(bench.link.told(bench.anna.number, bench.now).others.count, 0) << "not engaged";
+  EXPECT_EQ(bench.link.reply_for(bench.anna.number, bench.now).others.count, 0) << "not engaged";
 }
 
 }  // namespace
-}  // namespace feltwire::remote_link_test
+}  // namespace feltwire::teleop_link_test

@@ -1,4 +1,4 @@
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
 
 }  // namespace
 
-const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
+const RemoteContact& ContactEstimator::step(const Sample& s) noexcept {
   if (!s.position.allFinite() || !s.velocity.allFinite() || !s.force.allFinite() ||
       !(s.elapsed > 0.0))
     return contact_;
@@ -40,7 +40,7 @@ const RemoteContact& ContactEstimate::step(const Sample& s) noexcept {
   return contact_;
 }
 
-void ContactEstimate::estimate(const Sample& s) noexcept {
+void ContactEstimator::estimate(const Sample& s) noexcept {
   const double force = length(s.force);
   const bool pressed = force > (pressed_ ? config_.off : config_.on);
   pressed_ = pressed;
@@ -69,7 +69,7 @@ void ContactEstimate::estimate(const Sample& s) noexcept {
 }
 
 /// No force: the tip cannot be inside the surface. Moves the surface back to the tip.
-void ContactEstimate::recede(const Sample& s) noexcept {
+void ContactEstimator::recede(const Sample& s) noexcept {
   contact_.velocity.setZero();
   const double inside = (contact_.point - s.position).dot(contact_.normal);
   if (contact_.surface == 0 || !(inside > 0.0)) return;
@@ -80,7 +80,7 @@ void ContactEstimate::recede(const Sample& s) noexcept {
 
 /// No force: the surface is where the model and the last touch have it, but not in front of the
 /// tip. False: the model has nothing valid to say here.
-bool ContactEstimate::expect(const Sample& s) noexcept {
+bool ContactEstimator::expect(const Sample& s) noexcept {
   const SurfacePrior& prior = s.prior;
   if (!says(prior)) return false;
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
@@ -113,7 +113,7 @@ bool ContactEstimate::expect(const Sample& s) noexcept {
 }
 
 /// The first sample of a touch of the last surface or of another.
-void ContactEstimate::begin(const Sample& s) noexcept {
+void ContactEstimator::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
   const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
@@ -136,7 +136,7 @@ void ContactEstimate::begin(const Sample& s) noexcept {
 }
 
 /// The way from the last touch of the surface lies in it. A force along this way is friction.
-Vec3 ContactEstimate::way_within(const Sample& s, double force) const noexcept {
+Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
   constexpr double kSteep = 0.35;  // sine of 20 degrees: more is no error of the normal
   const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
@@ -147,7 +147,7 @@ Vec3 ContactEstimate::way_within(const Sample& s, double force) const noexcept {
 }
 
 /// The touch belongs to another surface than the last one. Returns whether the memory knows it.
-bool ContactEstimate::change(const Sample& s, const Vec3& normal) noexcept {
+bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
   if (found)
     memory_.keep({.contact = contact_,
@@ -175,7 +175,7 @@ bool ContactEstimate::change(const Sample& s, const Vec3& normal) noexcept {
   return false;
 }
 
-void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
+void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   constexpr double kCone = 0.7;                   // cosine of kMostFriction's cone
   constexpr double kSlow = 3.0;                   // [Hz]
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
@@ -222,7 +222,7 @@ void ContactEstimate::estimate_normal(const Sample& s, double force) noexcept {
   contact_.normal = turned;
 }
 
-void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept {
+void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcept {
   constexpr double kExcited = 0.1e-3;  // [m]
   constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
   constexpr double kExplained = 0.98;
@@ -248,11 +248,11 @@ void ContactEstimate::estimate_stiffness(const Sample& s, double force) noexcept
 }
 
 /// [m] Height along the normal of a surface that answers with this force.
-double ContactEstimate::height_of(const Sample& s, double force) const noexcept {
+double ContactEstimator::height_of(const Sample& s, double force) const noexcept {
   return s.position.dot(contact_.normal) + force / contact_.stiffness;
 }
 
-void ContactEstimate::estimate_place(const Sample& s, double force) noexcept {
+void ContactEstimator::estimate_place(const Sample& s, double force) noexcept {
   const bool unknown = !known_ && touched_ < kLearns;
   place_.step(height_of(s, force), s.elapsed, slides(s.velocity, contact_.normal) || unknown);
   contact_.velocity = place_.speed() * contact_.normal;

@@ -1,6 +1,6 @@
 // The right to move a robot, and its motion: the switch, the index and the motion limits.
 
-#include "core/teleoperation/authority.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/teleoperation/engage_index.hpp"
+#include "core/teleoperation/clutch_offset.hpp"
 #include "core/teleoperation/motion_limit.hpp"
 #include "tests/core/support.hpp"
 
@@ -26,32 +26,32 @@ LinkInputs with(LinkInputs in, bool LinkInputs::*what, bool value = true) {
   return in;
 }
 
-/// An authority in the engaged state.
-Authority engaged_one() {
-  Authority authority;
-  authority.step(kReleased);
-  EXPECT_EQ(authority.step(kPressed), engaged);
-  return authority;
+/// An engagement in the engaged state.
+LeadEngagement engaged_one() {
+  LeadEngagement engagement;
+  engagement.step(kReleased);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
+  return engagement;
 }
 
-TEST(Authority, EngagesAndClutches) {
-  Authority authority;
-  EXPECT_EQ(authority.state(), disabled);
-  EXPECT_EQ(authority.step({}), disabled);
-  EXPECT_EQ(authority.step(kReleased), ready);
-  EXPECT_EQ(authority.step(kPressed), engaged);
-  EXPECT_EQ(authority.step(kReleased), clutched);
-  EXPECT_EQ(authority.step(kPressed), engaged);
+TEST(LeadEngagement, EngagesAndClutches) {
+  LeadEngagement engagement;
+  EXPECT_EQ(engagement.state(), disabled);
+  EXPECT_EQ(engagement.step({}), disabled);
+  EXPECT_EQ(engagement.step(kReleased), ready);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
+  EXPECT_EQ(engagement.step(kReleased), clutched);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
 }
 
-TEST(Authority, ATapedSwitchNeverEngages) {
-  Authority authority;
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(authority.step(kPressed), disabled);
-  EXPECT_EQ(authority.step(kReleased), ready);
-  EXPECT_EQ(authority.step(kPressed), engaged);
+TEST(LeadEngagement, ATapedSwitchNeverEngages) {
+  LeadEngagement engagement;
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(engagement.step(kPressed), disabled);
+  EXPECT_EQ(engagement.step(kReleased), ready);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
 }
 
-TEST(Authority, WhatBreaksTheLinkDemandsAReleasedSwitch) {
+TEST(LeadEngagement, WhatBreaksTheLinkDemandsAReleasedSwitch) {
   const struct {
     LinkInputs in;
     LinkState state;
@@ -62,50 +62,51 @@ TEST(Authority, WhatBreaksTheLinkDemandsAReleasedSwitch) {
                 {with(kPressed, &LinkInputs::wrench_above), hold}};
   for (const auto& broken : breaks) {
     SCOPED_TRACE(name(broken.state));
-    Authority authority = engaged_one();
-    EXPECT_EQ(authority.step(broken.in), broken.state);
-    EXPECT_EQ(authority.step(kPressed), broken.state) << "all is well again, the switch is pressed";
-    EXPECT_EQ(authority.step(kReleased), ready);
-    EXPECT_EQ(authority.step(kPressed), engaged);
+    LeadEngagement engagement = engaged_one();
+    EXPECT_EQ(engagement.step(broken.in), broken.state);
+    EXPECT_EQ(engagement.step(kPressed), broken.state)
+        << "all is well again, the switch is pressed";
+    EXPECT_EQ(engagement.step(kReleased), ready);
+    EXPECT_EQ(engagement.step(kPressed), engaged);
   }
 }
 
-TEST(Authority, AHandLeadsTheRobotOutOfAWrenchThatIsAbove) {
-  Authority authority = engaged_one();
+TEST(LeadEngagement, AHandLeadsTheRobotOutOfAWrenchThatIsAbove) {
+  LeadEngagement engagement = engaged_one();
   const LinkInputs above = with(kPressed, &LinkInputs::wrench_above);
-  EXPECT_EQ(authority.step(above), hold);
-  EXPECT_EQ(authority.step(with(kReleased, &LinkInputs::wrench_above)), ready);
-  EXPECT_EQ(authority.step(above), engaged) << "else it could never be led out";
-  EXPECT_EQ(authority.step(above), engaged);
-  EXPECT_EQ(authority.step(kPressed), engaged);
-  EXPECT_EQ(authority.step(above), hold) << "it rose again";
+  EXPECT_EQ(engagement.step(above), hold);
+  EXPECT_EQ(engagement.step(with(kReleased, &LinkInputs::wrench_above)), ready);
+  EXPECT_EQ(engagement.step(above), engaged) << "else it could never be led out";
+  EXPECT_EQ(engagement.step(above), engaged);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
+  EXPECT_EQ(engagement.step(above), hold) << "it rose again";
 }
 
-TEST(Authority, AHandThatIsNotAlignedDoesNotEngage) {
+TEST(LeadEngagement, AHandThatIsNotAlignedDoesNotEngage) {
   const LinkInputs turned_away = with(kReleased, &LinkInputs::aligned, false);
   const LinkInputs pressed_away = with(kPressed, &LinkInputs::aligned, false);
-  Authority authority;
-  EXPECT_EQ(authority.step(turned_away), aligning);
-  EXPECT_EQ(authority.step(pressed_away), aligning);
-  EXPECT_EQ(authority.step(kPressed), aligning) << "pressed before it was aligned";
-  EXPECT_EQ(authority.step(kReleased), ready);
-  EXPECT_EQ(authority.step(pressed_away), aligning);
-  EXPECT_EQ(authority.step(turned_away), aligning);
-  EXPECT_EQ(authority.step(kReleased), ready);
-  EXPECT_EQ(authority.step(kPressed), engaged);
-  EXPECT_EQ(authority.step(pressed_away), engaged) << "now the robot turns with it";
-  EXPECT_EQ(authority.step(turned_away), aligning);
-  EXPECT_EQ(authority.step(with(turned_away, &LinkInputs::hand_silent)), hold);
-  EXPECT_EQ(authority.step(pressed_away), hold);
-  EXPECT_EQ(authority.step(with(turned_away, &LinkInputs::robot_well, false)), fault);
+  LeadEngagement engagement;
+  EXPECT_EQ(engagement.step(turned_away), aligning);
+  EXPECT_EQ(engagement.step(pressed_away), aligning);
+  EXPECT_EQ(engagement.step(kPressed), aligning) << "pressed before it was aligned";
+  EXPECT_EQ(engagement.step(kReleased), ready);
+  EXPECT_EQ(engagement.step(pressed_away), aligning);
+  EXPECT_EQ(engagement.step(turned_away), aligning);
+  EXPECT_EQ(engagement.step(kReleased), ready);
+  EXPECT_EQ(engagement.step(kPressed), engaged);
+  EXPECT_EQ(engagement.step(pressed_away), engaged) << "now the robot turns with it";
+  EXPECT_EQ(engagement.step(turned_away), aligning);
+  EXPECT_EQ(engagement.step(with(turned_away, &LinkInputs::hand_silent)), hold);
+  EXPECT_EQ(engagement.step(pressed_away), hold);
+  EXPECT_EQ(engagement.step(with(turned_away, &LinkInputs::robot_well, false)), fault);
 }
 
 /// For any inputs in any order: the robot moves only while the newest sample's switch is pressed
 /// and nothing is wrong, and after a fault only once the switch was released. The motion begins
 /// only while the hand is aligned.
-TEST(Authority, MovesNothingUnlessItMay) {
+TEST(LeadEngagement, MovesNothingUnlessItMay) {
   Random random(41);
-  Authority authority;
+  LeadEngagement engagement;
   bool armed = false;
   int engagements = 0;
   for (int i = 0; i < 200000; ++i) {
@@ -116,8 +117,8 @@ TEST(Authority, MovesNothingUnlessItMay) {
                         .deadman = random.chance(0.7),
                         .wrench_above = random.chance(0.01),
                         .aligned = random.chance(0.8)};
-    const LinkState before = authority.state();
-    const LinkState state = authority.step(in);
+    const LinkState before = engagement.state();
+    const LinkState state = engagement.step(in);
     const bool sound = in.seated && in.robot_well && !in.hand_silent;
     if (!sound || state == hold || (state == aligning && in.deadman)) armed = false;
     if (sound && !in.deadman && state != hold) armed = true;
@@ -136,10 +137,10 @@ Pose any_pose(Random& random) {
           Quaternion(Eigen::AngleAxisd(angle, random.direction()))};
 }
 
-TEST(EngageIndex, TheFirstStepIsZero) {
+TEST(ClutchOffset, TheFirstStepIsZero) {
   Random random(42);
   for (int i = 0; i < 1000; ++i) {
-    EngageIndex index(std::pow(10.0, random.uniform(-2.0, 2.0)));
+    ClutchOffset index(std::pow(10.0, random.uniform(-2.0, 2.0)));
     const Pose hand = any_pose(random), robot = any_pose(random);
     index.engage(hand, robot);
     const Pose target = index.target(hand);
@@ -148,10 +149,10 @@ TEST(EngageIndex, TheFirstStepIsZero) {
   }
 }
 
-TEST(EngageIndex, ScalesMovementAndKeepsPower) {
+TEST(ClutchOffset, ScalesMovementAndKeepsPower) {
   Random random(43);
   constexpr double kScale = 0.25;
-  EngageIndex index(kScale);
+  ClutchOffset index(kScale);
   const Pose hand = any_pose(random), robot = any_pose(random);
   index.engage(hand, robot);
   Pose there = hand;
@@ -175,9 +176,9 @@ TEST(EngageIndex, ScalesMovementAndKeepsPower) {
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{kScale, 0.0, 0.0}).given, 1.0);
 }
 
-TEST(EngageIndex, ScalesForcesAndKeepsPower) {
+TEST(ClutchOffset, ScalesForcesAndKeepsPower) {
   constexpr double kScale = 0.25, kForceScale = 3.0;
-  EngageIndex index(kScale, kForceScale);
+  ClutchOffset index(kScale, kForceScale);
   index.engage({}, {});
   const RemoteContact contact{.surface = 1, .stiffness = 800.0};
   const double depth = 0.01;                       // [m] at the robot

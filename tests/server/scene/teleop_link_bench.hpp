@@ -1,9 +1,9 @@
 #pragma once
 // A link between hands and a robot that follows exactly.
 
-#include "server/scene/remote_link.hpp"
+#include "server/scene/teleop_link.hpp"
 
-namespace feltwire::remote_link_test {
+namespace feltwire::teleop_link_test {
 
 inline constexpr double kPeriod = 1e-3;  // [s]
 inline constexpr std::uint32_t kRobot = 9;
@@ -22,7 +22,7 @@ struct Hand {
 /// A link whose robot works and reaches its targets.
 struct Bench {
   explicit Bench(const RemoteSeat& seat = {}, const Workspace& own = {}) : link(seat) {
-    link.sit(kRobot, own);
+    link.seat_robot(kRobot, own);
     state.commanded.position = state.pose.position = Vec3(0.4, 0.1, 0.3);
     say();
   }
@@ -52,9 +52,9 @@ struct Bench {
     hand.pressed = true;
     send(hand);
   }
-  LinkState told(const Hand& hand) const { return link.told(hand.number, now).state; }
+  LinkState told(const Hand& hand) const { return link.reply_for(hand.number, now).state; }
 
-  RemoteLink link;
+  TeleopLink link;
   RobotState state;
   RobotTarget target;
   Nanoseconds now = std::chrono::seconds(1);
@@ -62,4 +62,4 @@ struct Bench {
   Hand anna{1, Vec3(1.0, 0.0, 0.0)}, ben{2, Vec3(-3.0, 2.0, 1.0)};
 };
 
-}  // namespace feltwire::remote_link_test
+}  // namespace feltwire::teleop_link_test

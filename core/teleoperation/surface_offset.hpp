@@ -6,17 +6,17 @@
 
 #include "core/base/numeric.hpp"
 #include "core/base/types.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
 #include "core/teleoperation/workspace.hpp"
 
 namespace feltwire {
 
-struct IndexRole {
+struct SurfaceOffsetRole {
   bool holds = false;  // the offset is not given back now
   bool meets = true;   // the offset takes up a first touch; false: that of another leader does
 };
 
-/// The leader's index: the robot's target is the hand's position less `offset()`.
+/// The leader's offset: the robot's target is the hand's position less `offset()`.
 ///
 /// The leader knows of a first touch one round trip late, when the hand is already far inside the
 /// surface. Then the offset moves along the normal until the surface is at the hand. So the hand
@@ -33,7 +33,7 @@ struct IndexRole {
 ///
 /// The offset is sent in every sample, so that both sides have the same. No function allocates,
 /// throws or reads a clock.
-class SurfaceIndex {
+class SurfaceOffset {
  public:
   static constexpr double kYoung = 0.1;       // [s]
   static constexpr double kGivenBack = 0.2;   // of free movement
@@ -43,7 +43,7 @@ class SurfaceIndex {
   /// The hand moved by `displacement` [m] to `hand` in `elapsed` [s]. `seen` is the newest contact
   /// that the leader knows, `others` are the surfaces beside it. All are finite.
   void step(const Vec3& hand, const Vec3& displacement, const RemoteContact& seen, double elapsed,
-            const IndexRole& role = {}, const OtherSurfaces& others = {}) noexcept {
+            const SurfaceOffsetRole& role = {}, const OtherSurfaces& others = {}) noexcept {
     const double height = height_of(seen, hand);
     const bool known = seen.surface != 0 && knows(seen.surface);
     if (known && seen.surface != contact_) {
