@@ -48,10 +48,10 @@ int show_rate(const std::string& words, const std::string& firmware, double span
     request.name = choice.name;
     request.firmware = firmware_for(*choice.driver, firmware);
     const OpenedDevice opened = choice.driver->open(request);
-    const std::vector<Finding> findings = judge(watch_ticks(*opened.device, span, rate));
+    const std::vector<CheckResult> results = judge(watch_ticks(*opened.device, span, rate));
     std::printf("%s for %.1f s, without a force\n%s", visible(opened.device->spec().name).c_str(),
-                span, table(findings).c_str());
-    return worst(findings) == Verdict::fail ? 1 : 0;
+                span, table(results).c_str());
+    return worst(results) == Verdict::fail ? 1 : 0;
   } catch (const std::invalid_argument& error) {
     return rate_failed(error.what(), 2);
   } catch (const std::exception& error) {

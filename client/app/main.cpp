@@ -59,14 +59,14 @@ std::string first_scene(const ServerAccess& server) {
 /// Makes a run that is judged. The exit code is 0 if nothing fails.
 int check(ClientOptions& options) {
   if (options.scene.empty()) options.scene = first_scene(options.server);
-  std::vector<Finding> findings;
+  std::vector<CheckResult> results;
   options.on_end = [&](const RunFigures& run) {
-    findings = judge(run, machine_facts(run.server));
-    return json(findings);
+    results = judge(run, machine_facts(run.server));
+    return json(results);
   };
   options.on_exit = [&](int ran) {
-    std::printf("%s", table(findings).c_str());
-    return ran == 0 && worst(findings) != Verdict::fail ? 0 : 1;
+    std::printf("%s", table(results).c_str());
+    return ran == 0 && worst(results) != Verdict::fail ? 0 : 1;
   };
   auto device = open_device(options);
   return run_client(std::move(device), options);

@@ -16,35 +16,36 @@ const char* const kQuietMachine =
     "give the client a machine with less to do, the rights of docs/devices.md (real-time "
     "scheduling), or a lower --rate";
 
-Finding session(const RunFigures& run) {
+CheckResult session(const RunFigures& run) {
   const bool whole = run.end == EndReason::duration || run.end == EndReason::requested;
-  return found(
+  return check_result(
       "session", whole ? Verdict::pass : Verdict::fail,
       whole ? figure(run.duration, 1) + " s" : "ended early: " + std::string(name(run.end)),
       "the last lines of the client and the server's log say why");
 }
 
-Finding rate(const RunFigures& run) {
+CheckResult rate(const RunFigures& run) {
   constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
   const double wanted = 1.0 / run.servo_period;
   const auto due = static_cast<double>(run.samples + run.missed_deadlines);
   const double missing = due > 0.0 ? static_cast<double>(run.missed_deadlines) / due : 1.0;
-  return found("rate", rising(missing, kPasses, kWorks),
-               figure((1.0 - missing) * wanted, 1) + " of " + figure(wanted, 0) + " ticks a second",
-               kQuietMachine);
+  return check_result(
+      "rate", rising(missing, kPasses, kWorks),
+      figure((1.0 - missing) * wanted, 1) + " of " + figure(wanted, 0) + " ticks a second",
+      kQuietMachine);
 }
 
-Finding wakeups(const RunFigures& run) {
+CheckResult wakeups(const RunFigures& run) {
   constexpr double kPasses = 0.1, kWorks = 0.5;  // of a servo period
   const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
-  return found("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
-               "99 % of ticks within " + figure(kMicro * late, 0) + " us, the worst " +
-                   figure(static_cast<double>(run.wakeup_late.max()) / kMilli, 0) + " us",
-               kQuietMachine);
+  return check_result("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
+                      "99 % of ticks within " + figure(kMicro * late, 0) + " us, the worst " +
+                          figure(static_cast<double>(run.wakeup_late.max()) / kMilli, 0) + " us",
+                      kQuietMachine);
 }
 
 /// Deep sleep matters only if ticks are late.
-Finding processors(const RunFigures& run, const MachineFacts& machine) {
+CheckResult processors(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kShort = 50;  // [us]
   const bool late = wakeups(run).verdict != Verdict::pass;
   const bool deep = !machine.wake_latency || *machine.wake_latency > kShort;
@@ -52,66 +53,70 @@ Finding processors(const RunFigures& run, const MachineFacts& machine) {
                              : *machine.wake_latency > kShort
                                  ? "may sleep deeply"
                                  : "wake within " + std::to_string(*machine.wake_latency) + " us";
-  return found("processors", late && deep ? Verdict::warn : Verdict::pass, figure,
-               "keep them from deep sleep: tuned-adm profile latency-performance, or a program "
-               "that holds /dev/cpu_dma_latency open with 0 in it");
+  return check_result(
+      "processors", late && deep ? Verdict::warn : Verdict::pass, figure,
+      "keep them from deep sleep: tuned-adm profile latency-performance, or a program "
+      "that holds /dev/cpu_dma_latency open with 0 in it");
 }
 
-Finding clock(const MachineFacts& machine) {
+CheckResult clock(const MachineFacts& machine) {
   constexpr std::array<std::string_view, 3> kSlow = {"hpet", "acpi_pm", "jiffies"};
   constexpr double kPasses = 1e-6, kWorks = 1e-4;  // [s]
   const bool slow = std::ranges::find(kSlow, machine.clock_source) != kSlow.end();
   const Verdict verdict = rising(machine.clock_resolution, kPasses, kWorks);
-  return found("clock", slow ? std::max(verdict, Verdict::warn) : verdict,
-               (machine.clock_source.empty() ? "unknown source" : machine.clock_source) + ", " +
-                   figure(kNanoseconds * machine.clock_resolution, 0) + " ns",
-               "boot the kernel with clocksource=tsc where the processor has a steady one, or a "
-               "kernel with high resolution timers");
+  return check_result(
+      "clock", slow ? std::max(verdict, Verdict::warn) : verdict,
+      (machine.clock_source.empty() ? "unknown source" : machine.clock_source) + ", " +
+          figure(kNanoseconds * machine.clock_resolution, 0) + " ns",
+      "boot the kernel with clocksource=tsc where the processor has a steady one, or a "
+      "kernel with high resolution timers");
 }
 
-Finding answers(const RunFigures& run) {
-  return found("answers", run.round_trip.count() > 0 ? Verdict::pass : Verdict::fail,
-               std::to_string(run.round_trip.count()) + " of " + std::to_string(run.datagrams),
-               "the control port answers and the scene's does not: open its udp port, which the "
-               "server's listening: line names, in every firewall on the way");
+CheckResult answers(const RunFigures& run) {
+  return check_result(
+      "answers", run.round_trip.count() > 0 ? Verdict::pass : Verdict::fail,
+      std::to_string(run.round_trip.count()) + " of " + std::to_string(run.datagrams),
+      "the control port answers and the scene's does not: open its udp port, which the "
+      "server's listening: line names, in every firewall on the way");
 }
 
 const char* const kLongLine =
     "a line with less to do, or --profile wan with the local model; a longer --hold-time lets "
     "older commands count";
 
-Finding round_trip(const RunFigures& run) {
+CheckResult round_trip(const RunFigures& run) {
   constexpr double kPasses = 0.25, kWorks = 0.5;  // of the hold time; then commands fade
   const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
   const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
-  return found("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
-               "half within " + figure(kMilli * p50, 2) + " ms, 99 % within " +
-                   figure(kMilli * p99, 2) + " ms",
-               kLongLine);
+  return check_result("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
+                      "half within " + figure(kMilli * p50, 2) + " ms, 99 % within " +
+                          figure(kMilli * p99, 2) + " ms",
+                      kLongLine);
 }
 
-Finding jitter(const RunFigures& run) {
+CheckResult jitter(const RunFigures& run) {
   constexpr double kWorks = 0.125;  // of the hold time
   const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
-  return found("jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
-               figure(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
-               "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
+  return check_result(
+      "jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
+      figure(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
+      "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
 }
 
-Finding loss(const RunFigures& run) {
+CheckResult loss(const RunFigures& run) {
   constexpr double kPasses = 0.001, kWorks = 0.05;
   const double share = static_cast<double>(run.lost) / static_cast<double>(run.datagrams);
-  return found(
+  return check_result(
       "loss", rising(share, kPasses, kWorks),
       figure(kPercent * share, 2) + " % of " + std::to_string(run.datagrams) + " datagrams",
       "--redundancy 2 repeats samples; a cable instead of radio; less traffic beside it");
 }
 
-Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
+CheckResult datagram_size(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kUdp = 8, kIpv4 = 20, kIpv6 = 40;  // [bytes] of headers
   const int needed = static_cast<int>(kMaxDatagram) + kUdp + (machine.ipv6 ? kIpv6 : kIpv4);
   const bool small = !machine.path_mtu || *machine.path_mtu < needed;
-  return found(
+  return check_result(
       "datagram size",
       run.too_long > 0 || run.shortened > 0 ? Verdict::fail
       : small                               ? Verdict::warn
@@ -128,21 +133,21 @@ Finding datagram_size(const RunFigures& run, const MachineFacts& machine) {
 
 }  // namespace
 
-std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine) {
-  std::vector<Finding> findings = {session(run),
-                                   rate(run),
-                                   wakeups(run),
-                                   permissions(run.real_time),
-                                   processors(run, machine),
-                                   clock(machine),
-                                   answers(run)};
+std::vector<CheckResult> judge(const RunFigures& run, const MachineFacts& machine) {
+  std::vector<CheckResult> results = {session(run),
+                                      rate(run),
+                                      wakeups(run),
+                                      permissions(run.real_time),
+                                      processors(run, machine),
+                                      clock(machine),
+                                      answers(run)};
   if (run.round_trip.count() > 0) {
-    findings.push_back(round_trip(run));
-    if (run.jitter) findings.push_back(jitter(run));
-    findings.push_back(loss(run));
+    results.push_back(round_trip(run));
+    if (run.jitter) results.push_back(jitter(run));
+    results.push_back(loss(run));
   }
-  findings.push_back(datagram_size(run, machine));
-  return findings;
+  results.push_back(datagram_size(run, machine));
+  return results;
 }
 
 }  // namespace feltwire

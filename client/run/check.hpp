@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "client/run/finding.hpp"
+#include "client/run/check_result.hpp"
 #include "client/run/machine_facts.hpp"
 #include "client/run/run_figures.hpp"
 
@@ -12,6 +12,6 @@ namespace feltwire {
 /// Judges each of: session, rate, late wake-ups, permissions, processors, clock, answers, round
 /// trip, jitter, loss, datagram size. docs/troubleshooting.md has the limits. Without any answer of
 /// the server, round trip, jitter and loss are left out.
-std::vector<Finding> judge(const RunFigures& run, const MachineFacts& machine);
+std::vector<CheckResult> judge(const RunFigures& run, const MachineFacts& machine);
 
 }  // namespace feltwire

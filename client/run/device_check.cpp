@@ -53,48 +53,49 @@ std::string milliseconds(double nanoseconds) {
   return figure(kMilli * nanoseconds / kPerSecond, 2) + " ms";
 }
 
-Finding rate(const DeviceTicks& t) {
+CheckResult rate(const DeviceTicks& t) {
   constexpr double kPasses = 0.0, kWorks = 0.01;  // of the ticks
-  return found("rate", rising(share(t.missed, t.ticks + t.missed), kPasses, kWorks),
-               figure(t.span > 0.0 ? static_cast<double>(t.ticks) / t.span : 0.0, 1) +
-                   " ticks a second, " + std::to_string(t.missed) + " missed",
-               std::string("see that the device is on and calibrated; ") + kCalmMachine);
+  return check_result("rate", rising(share(t.missed, t.ticks + t.missed), kPasses, kWorks),
+                      figure(t.span > 0.0 ? static_cast<double>(t.ticks) / t.span : 0.0, 1) +
+                          " ticks a second, " + std::to_string(t.missed) + " missed",
+                      std::string("see that the device is on and calibrated; ") + kCalmMachine);
 }
 
-Finding jitter(const DeviceTicks& t) {
+CheckResult jitter(const DeviceTicks& t) {
   constexpr double kPasses = 0.2, kWorks = 1.0;  // of the usual interval
   const double half = t.interval.quantile(0.5), most = t.interval.quantile(0.99);
   const double spread = half > 0.0 ? (most - half) / half : kWorks + 1.0;
-  return found("jitter", rising(spread, kPasses, kWorks),
-               "half within " + milliseconds(half) + ", 99 % within " + milliseconds(most) +
-                   ", the longest " + milliseconds(static_cast<double>(t.interval.max())),
-               kCalmMachine);
+  return check_result("jitter", rising(spread, kPasses, kWorks),
+                      "half within " + milliseconds(half) + ", 99 % within " + milliseconds(most) +
+                          ", the longest " + milliseconds(static_cast<double>(t.interval.max())),
+                      kCalmMachine);
 }
 
-Finding longest(const DeviceTicks& t) {
+CheckResult longest(const DeviceTicks& t) {
   constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
-  return found("longest tick", rising(share(t.overlong, t.ticks), kPasses, kWorks),
-               std::to_string(t.overlong) + " of " + std::to_string(t.ticks) +
-                   " ticks longer than the " + milliseconds(kPerSecond * t.longest_tick) +
-                   " that the driver counts on",
-               kCalmMachine);
+  return check_result("longest tick", rising(share(t.overlong, t.ticks), kPasses, kWorks),
+                      std::to_string(t.overlong) + " of " + std::to_string(t.ticks) +
+                          " ticks longer than the " + milliseconds(kPerSecond * t.longest_tick) +
+                          " that the driver counts on",
+                      kCalmMachine);
 }
 
-Finding readings(const DeviceTicks& t) {
+CheckResult readings(const DeviceTicks& t) {
   constexpr double kPasses = 0.01, kWorks = 0.5;  // of the ticks
   const std::uint64_t fresh = t.ticks - std::min(t.repeated, t.ticks);
   const double fresh_rate = t.span > 0.0 ? static_cast<double>(fresh) / t.span : 0.0;
-  return found(
+  return check_result(
       "readings", rising(share(t.repeated, t.ticks), kPasses, kWorks),
       figure(fresh_rate, 1) + " new ones a second",
       "--rate " + figure(fresh_rate, 0) + " for the session: a faster servo gains nothing");
 }
 
-Finding faults(const DeviceTicks& t) {
-  return found("faults", t.faults == 0 && t.ticks > 0 ? Verdict::pass : Verdict::fail,
-               std::to_string(t.faults) + " of " + std::to_string(t.ticks) + " readings",
-               "see the device's cable, power and calibration; docs/devices.md says what each "
-               "driver takes for a fault");
+CheckResult faults(const DeviceTicks& t) {
+  return check_result(
+      "faults", t.faults == 0 && t.ticks > 0 ? Verdict::pass : Verdict::fail,
+      std::to_string(t.faults) + " of " + std::to_string(t.ticks) + " readings",
+      "see the device's cable, power and calibration; docs/devices.md says what each "
+      "driver takes for a fault");
 }
 
 }  // namespace
@@ -113,13 +114,13 @@ DeviceTicks watch_ticks(Device& device, double span, double rate) {
   return told;
 }
 
-std::vector<Finding> judge(const DeviceTicks& ticks) {
-  std::vector<Finding> findings = {rate(ticks), jitter(ticks)};
-  if (ticks.longest_tick > 0.0) findings.push_back(longest(ticks));
-  findings.push_back(readings(ticks));
-  findings.push_back(faults(ticks));
-  findings.push_back(permissions(ticks.real_time));
-  return findings;
+std::vector<CheckResult> judge(const DeviceTicks& ticks) {
+  std::vector<CheckResult> results = {rate(ticks), jitter(ticks)};
+  if (ticks.longest_tick > 0.0) results.push_back(longest(ticks));
+  results.push_back(readings(ticks));
+  results.push_back(faults(ticks));
+  results.push_back(permissions(ticks.real_time));
+  return results;
 }
 
 }  // namespace feltwire

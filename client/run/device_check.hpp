@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/devices/device.hpp"
-#include "client/run/finding.hpp"
+#include "client/run/check_result.hpp"
 #include "core/base/histogram.hpp"
 #include "protocol/net/real_time.hpp"
 
@@ -28,6 +28,6 @@ struct DeviceTicks {
 DeviceTicks watch_ticks(Device& device, double span, double rate);
 
 /// Judges each of: rate, jitter, longest tick, readings, faults, permissions.
-std::vector<Finding> judge(const DeviceTicks& ticks);
+std::vector<CheckResult> judge(const DeviceTicks& ticks);
 
 }  // namespace feltwire

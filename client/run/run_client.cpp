@@ -10,18 +10,18 @@
 #include <exception>
 #include <optional>
 
-#include "client/run/attend.hpp"
 #include "client/run/crash_release.hpp"
 #include "client/run/debts.hpp"
 #include "client/run/device_words.hpp"
 #include "client/run/emergency_key.hpp"
 #include "client/run/hold_time.hpp"
+#include "client/run/out_of_memory_reserve.hpp"
 #include "client/run/output_files.hpp"
-#include "client/run/readiness.hpp"
 #include "client/run/rehearsal.hpp"
 #include "client/run/report.hpp"
-#include "client/run/reserve.hpp"
 #include "client/run/status_line.hpp"
+#include "client/run/supervise_session.hpp"
+#include "client/run/wait_until_ready.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/choice.hpp"
 #include "core/base/units.hpp"
@@ -275,8 +275,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (const auto target = recording_target(options)) check_writable(numbered(*target, 1));
   if (options.view) check_writable(*options.view);
   const Signals signals(options.flight_recorder.has_value());
-  Reserve reserve;
-  if (!get_ready(*device, signals)) return 0;
+  OutOfMemoryReserve reserve;
+  if (!wait_until_ready(*device, signals)) return 0;
 
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
@@ -330,8 +330,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0)
       std::fputs("feltwire-client: the space bar takes all force off at once\n", stderr);
-    attend(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector, *fetch,
-           fetching_session(joined.accepted, options), keys);
+    supervise_session(signals, *thread, all->statuses, *all->records, *all->changes, *reconnector,
+                      *fetch, fetching_session(joined.accepted, options), keys);
   }
   const bool ended = thread->end();
   LoopResult& result = all->result;

@@ -34,11 +34,11 @@ MachineFacts good_machine() {
   return {.clock_source = "tsc", .clock_resolution = 1e-9, .wake_latency = 0, .path_mtu = 1500};
 }
 
-/// The finding with that name.
-Finding of(std::string_view what, const RunFigures& run,
-           const MachineFacts& machine = good_machine()) {
-  for (const Finding& finding : judge(run, machine))
-    if (finding.what == what) return finding;
+/// The result with that name.
+CheckResult of(std::string_view what, const RunFigures& run,
+               const MachineFacts& machine = good_machine()) {
+  for (const CheckResult& result : judge(run, machine))
+    if (result.what == what) return result;
   ADD_FAILURE() << "nothing is said of " << what;
   return {};
 }
@@ -51,13 +51,13 @@ Histogram with_slow(int slow_ones, std::int64_t slow, std::int64_t fast = 1000) 
 }
 
 TEST(Check, AGoodRunPasses) {
-  const auto findings = judge(good_run(), good_machine());
-  EXPECT_EQ(findings.size(), 11u);
-  for (const Finding& finding : findings) {
-    EXPECT_EQ(finding.verdict, Verdict::pass) << finding.what << ": " << finding.figure;
-    EXPECT_EQ(finding.remedy, "") << finding.what;
+  const auto results = judge(good_run(), good_machine());
+  EXPECT_EQ(results.size(), 11u);
+  for (const CheckResult& result : results) {
+    EXPECT_EQ(result.verdict, Verdict::pass) << result.what << ": " << result.figure;
+    EXPECT_EQ(result.remedy, "") << result.what;
   }
-  EXPECT_EQ(worst(findings), Verdict::pass);
+  EXPECT_EQ(worst(results), Verdict::pass);
 }
 
 TEST(Check, Rate) {
@@ -94,7 +94,7 @@ TEST(Check, LateWakeUps) {
 TEST(Check, Permissions) {
   RunFigures run = good_run();
   run.real_time.scheduler = false;
-  const Finding less = of("permissions", run);
+  const CheckResult less = of("permissions", run);
   EXPECT_EQ(less.verdict, Verdict::warn);
   EXPECT_THAT(less.remedy, HasSubstr("CAP_SYS_NICE"));
   run.real_time = {.scheduler = true, .memory_locked = false};
@@ -180,18 +180,18 @@ TEST(Check, ASessionThatEndedOrWasNeverAnswered) {
   run = good_run();
   run.round_trip = {};
   EXPECT_EQ(of("answers", run).verdict, Verdict::fail);
-  for (const Finding& finding : judge(run, good_machine()))
-    EXPECT_NE(finding.what, "loss") << "of what was never answered nothing is known";
+  for (const CheckResult& result : judge(run, good_machine()))
+    EXPECT_NE(result.what, "loss") << "of what was never answered nothing is known";
 }
 
 TEST(Check, IsSaidInATableAndInJson) {
-  const std::vector<Finding> findings = {{"rate", Verdict::pass, "1000 of 1000", ""},
-                                         {"loss", Verdict::fail, "9 %", "a \"cable\""}};
-  EXPECT_EQ(worst(findings), Verdict::fail);
-  EXPECT_EQ(table(findings),
+  const std::vector<CheckResult> results = {{"rate", Verdict::pass, "1000 of 1000", ""},
+                                            {"loss", Verdict::fail, "9 %", "a \"cable\""}};
+  EXPECT_EQ(worst(results), Verdict::fail);
+  EXPECT_EQ(table(results),
             "pass  rate            1000 of 1000\nfail  loss            9 %\n"
             "      remedy: a \"cable\"\n");
-  const auto list = nlohmann::json::parse(json(findings));
+  const auto list = nlohmann::json::parse(json(results));
   EXPECT_EQ(list[1]["verdict"], "fail");
   EXPECT_EQ(list[1]["remedy"], "a \"cable\"");
 }

@@ -52,9 +52,9 @@ class Scripted final : public Device {
   DeviceSpec spec_ = sourced_spec("touch").spec;
 };
 
-Finding of(const DeviceTicks& ticks, std::string_view what) {
-  for (const Finding& finding : judge(ticks))
-    if (finding.what == what) return finding;
+CheckResult of(const DeviceTicks& ticks, std::string_view what) {
+  for (const CheckResult& result : judge(ticks))
+    if (result.what == what) return result;
   return {.what = "none", .figure = {}, .remedy = {}};
 }
 

@@ -12,10 +12,10 @@
 #include <new>
 #include <optional>
 
-#include "client/run/attend.hpp"
+#include "client/run/out_of_memory_reserve.hpp"
 #include "client/run/output_files.hpp"
 #include "client/run/report.hpp"
-#include "client/run/reserve.hpp"
+#include "client/run/supervise_session.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/security.hpp"
@@ -188,8 +188,8 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     failed_once.store(false);
     left = nth;
     EmergencyKey no_keys(nullptr, -1);
-    attend(run.signals, thread, run.statuses, run.records, *run.changes, reconnector, fetch, 0,
-           no_keys);
+    supervise_session(run.signals, thread, run.statuses, run.records, *run.changes, reconnector,
+                      fetch, 0, no_keys);
     left = kNever;
     run.expect_good_end(thread, nth);
     EXPECT_GE(reconnector.attempts(), 1u) << nth;
@@ -285,7 +285,7 @@ TEST(FaultInjection, EachAllocationOfTheReportFailsAndItIsWrittenAllTheSame) {
   const std::string whole = report_json({}, servo, {}, *result);
   long points = 0;
   for (long nth = 0;; ++nth) {
-    Reserve reserve;
+    OutOfMemoryReserve reserve;
     reserve.stand_in();
     failed_once.store(false);
     left = nth;
@@ -300,7 +300,7 @@ TEST(FaultInjection, EachAllocationOfTheReportFailsAndItIsWrittenAllTheSame) {
 }
 
 TEST(FaultInjection, WhatIsPutByIsGivenBackOnce) {
-  Reserve reserve;
+  OutOfMemoryReserve reserve;
   reserve.stand_in();
   left = 0;
   EXPECT_NO_THROW(::operator delete(::operator new(1)));

@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <fstream>
 
-#include "client/run/attend.hpp"
 #include "client/run/records.hpp"
+#include "client/run/supervise_session.hpp"
 #include "core/base/file_error.hpp"
 #include "core/recording/flight_files.hpp"
 #include "core/recording/mcap_reader.hpp"

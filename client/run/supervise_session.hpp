@@ -38,8 +38,8 @@ class Signals {
 /// (`keys`). It fetches the scene in full for `session`, the first one of the loop, and for those
 /// after it (session 0: for none). No failure in here ends the run: a status line without memory is
 /// not shown.
-void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
-            std::uint64_t session, EmergencyKey& keys) noexcept;
+void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
+                       Records& records, Changes& changes, Reconnector& reconnector,
+                       SceneFetch& fetch, std::uint64_t session, EmergencyKey& keys) noexcept;
 
 }  // namespace feltwire

@@ -1,5 +1,5 @@
 #pragma once
-// The findings of a check. Each has a measured figure, a verdict and a remedy.
+// The results of a check. Each has a measured figure, a verdict and a remedy.
 
 #include <cstdint>
 #include <string>
@@ -17,7 +17,7 @@ enum class Verdict : std::uint8_t {
 };
 std::string_view name(Verdict verdict);
 
-struct Finding {
+struct CheckResult {
   std::string_view what;  // "rate"
   Verdict verdict = Verdict::pass;
   std::string figure;  // the measured value, with its unit
@@ -26,18 +26,19 @@ struct Finding {
 
 /// Passes up to the first limit and fails above the second.
 Verdict rising(double value, double passes, double works);
-/// Makes a finding. A finding that passes gets no remedy.
-Finding found(std::string_view what, Verdict verdict, std::string figure, std::string remedy);
+/// Makes a result. A result that passes gets no remedy.
+CheckResult check_result(std::string_view what, Verdict verdict, std::string figure,
+                         std::string remedy);
 /// The number as text, with `digits` behind the point.
 std::string figure(double value, int digits);
-/// The finding about the real-time rights of the servo's thread.
-Finding permissions(RealTime granted);
+/// The result about the real-time rights of the servo's thread.
+CheckResult permissions(RealTime granted);
 
 /// The worst of them; pass if there is none.
-Verdict worst(const std::vector<Finding>& findings);
+Verdict worst(const std::vector<CheckResult>& results);
 /// A line each, and its remedy below it.
-std::string table(const std::vector<Finding>& findings);
+std::string table(const std::vector<CheckResult>& results);
 /// A JSON list, for the report.
-std::string json(const std::vector<Finding>& findings);
+std::string json(const std::vector<CheckResult>& results);
 
 }  // namespace feltwire

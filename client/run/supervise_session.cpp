@@ -1,4 +1,4 @@
-#include "client/run/attend.hpp"
+#include "client/run/supervise_session.hpp"
 
 #include <poll.h>
 #include <sys/signalfd.h>
@@ -130,9 +130,9 @@ Signals::Taken Signals::take() const noexcept {
   return came;
 }
 
-void attend(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-            Records& records, Changes& changes, Reconnector& reconnector, SceneFetch& fetch,
-            std::uint64_t session, EmergencyKey& keys) noexcept {
+void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
+                       Records& records, Changes& changes, Reconnector& reconnector,
+                       SceneFetch& fetch, std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
   std::string told;  // about the fetched data
   bool connected = true;

@@ -1,4 +1,4 @@
-#include "client/run/readiness.hpp"
+#include "client/run/wait_until_ready.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,22 +20,22 @@ struct Waiting final : Device {
   void release() noexcept override {}
 };
 
-TEST(Readiness, WaitsUntilTheDeviceIsReadyAndSaysWhatToDo) {
+TEST(WaitUntilReady, WaitsUntilTheDeviceIsReadyAndSaysWhatToDo) {
   const Signals signals;
   Waiting device;
   ::testing::internal::CaptureStderr();
-  EXPECT_TRUE(get_ready(device, signals));
+  EXPECT_TRUE(wait_until_ready(device, signals));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
             "feltwire-client: no force yet: pull the handle out\n");
   EXPECT_EQ(device.asked, 4);
 }
 
-TEST(Readiness, ASignalEndsTheWait) {
+TEST(WaitUntilReady, ASignalEndsTheWait) {
   const Signals signals;
   Waiting device;
   device.ready_after = 1000;
   ::testing::internal::CaptureStderr();
-  EXPECT_FALSE(get_ready(device, signals));
+  EXPECT_FALSE(wait_until_ready(device, signals));
   ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(device.asked, 3);
 }

@@ -2,12 +2,12 @@
 // Before a session: a person homes the device, or takes its stylus out of the inkwell.
 
 #include "client/devices/device.hpp"
-#include "client/run/attend.hpp"
+#include "client/run/supervise_session.hpp"
 
 namespace feltwire {
 
 /// Waits until the device can give force (Device::prepare()), and prints what a person must do.
 /// False: a signal ended the wait.
-bool get_ready(Device& device, const Signals& signals);
+bool wait_until_ready(Device& device, const Signals& signals);
 
 }  // namespace feltwire

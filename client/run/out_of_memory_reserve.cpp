@@ -1,4 +1,4 @@
-#include "client/run/reserve.hpp"
+#include "client/run/out_of_memory_reserve.hpp"
 
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -25,7 +25,7 @@ void give_memory_back() {
 
 }  // namespace
 
-Reserve::Reserve() : descriptor_(::eventfd(0, EFD_CLOEXEC)) {
+OutOfMemoryReserve::OutOfMemoryReserve() : descriptor_(::eventfd(0, EFD_CLOEXEC)) {
   if (descriptor_ < 0)
     throw std::system_error(errno, std::generic_category(),
                             "cannot reserve a file descriptor for the report; raise ulimit -n");
@@ -35,13 +35,13 @@ Reserve::Reserve() : descriptor_(::eventfd(0, EFD_CLOEXEC)) {
   throw std::bad_alloc();
 }
 
-Reserve::~Reserve() {
+OutOfMemoryReserve::~OutOfMemoryReserve() {
   std::set_new_handler(nullptr);
   if (descriptor_ >= 0) ::close(descriptor_);
   std::free(put_by.exchange(nullptr));
 }
 
-void Reserve::stand_in() noexcept {
+void OutOfMemoryReserve::stand_in() noexcept {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
   std::set_new_handler(give_memory_back);

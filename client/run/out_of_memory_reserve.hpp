@@ -3,13 +3,13 @@
 
 namespace feltwire {
 
-class Reserve {
+class OutOfMemoryReserve {
  public:
   /// Reserves a descriptor and some memory. Throws std::system_error or std::bad_alloc.
-  Reserve();
-  ~Reserve();
-  Reserve(const Reserve&) = delete;
-  Reserve& operator=(const Reserve&) = delete;
+  OutOfMemoryReserve();
+  ~OutOfMemoryReserve();
+  OutOfMemoryReserve(const OutOfMemoryReserve&) = delete;
+  OutOfMemoryReserve& operator=(const OutOfMemoryReserve&) = delete;
 
   /// From now on the system has one more descriptor, and the first operator new that finds no
   /// memory frees the reserved memory and tries again. Without that, some destructors that allocate

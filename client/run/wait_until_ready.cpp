@@ -1,4 +1,4 @@
-#include "client/run/readiness.hpp"
+#include "client/run/wait_until_ready.hpp"
 
 #include <poll.h>
 
@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-bool get_ready(Device& device, const Signals& signals) {
+bool wait_until_ready(Device& device, const Signals& signals) {
   constexpr int kBetween = 10;  // [ms]
   pollfd waiting{signals.descriptor(), POLLIN, 0};
   const auto tell = [](const std::string& wanted) {
