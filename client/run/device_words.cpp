@@ -47,7 +47,7 @@ std::string device_faults_text(std::uint64_t faults, std::uint64_t jumps) {
 
 std::string trouble_text(const std::optional<Servo::DeviceTrouble>& trouble, double end) {
   if (!trouble) return {};
-  const bool silent = trouble->reason == NoForce::device_fault;
+  const bool silent = trouble->reason == ZeroForceReason::device_fault;
   std::array<char, kLongestWords> text{};
   std::snprintf(
       text.data(), text.size(), "the device failed at %.1f s, and there was no force any more: %s",

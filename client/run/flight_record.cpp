@@ -29,8 +29,8 @@ FlightRecord::FlightRecord(FlightTarget target, double servo_period)
 void FlightRecord::add(const TickRecord& row) noexcept {
   rows_[count_++ % rows_.size()] = row;
   const std::array<bool, kCauses> now = {is_debt(row.balance.value_or(0.0)),
-                                         row.no_force == NoForce::reconnecting,
-                                         row.no_force == NoForce::device_fault};
+                                         row.no_force == ZeroForceReason::reconnecting,
+                                         row.no_force == ZeroForceReason::device_fault};
   for (std::size_t i = 0; i < kCauses; ++i) {
     Cause& cause = causes_[i];
     // A cause that comes and goes counts once: all of it is in the file, or in the next.

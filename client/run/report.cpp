@@ -233,8 +233,8 @@ Json hand_credit(const std::optional<HandCredit>& credit) {
 /// Ticks by the reason why the hand got no force, and the reason of a run that gave none at all.
 Json no_force(const ServoStatistics& s) {
   Json samples = Json::object();
-  for (std::size_t i = 1; i < kNoForceReasons; ++i)
-    samples[name(static_cast<NoForce>(i))] = s.no_force[i];
+  for (std::size_t i = 1; i < kZeroForceReasons; ++i)
+    samples[name(static_cast<ZeroForceReason>(i))] = s.no_force[i];
   const bool none = s.max_force < kFeltForce;
   return {{"run", none ? Json(name(prevailing(s.no_force))) : Json(nullptr)},
           {"samples", std::move(samples)}};

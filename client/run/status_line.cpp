@@ -126,7 +126,7 @@ std::string device(const LiveStatus& s, const LiveStatus& before) {
 
 std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
-  if (s.no_force != NoForce::felt) return "  no force: " + std::string(text(s.no_force));
+  if (s.no_force != ZeroForceReason::felt) return "  no force: " + std::string(text(s.no_force));
   if (!s.answered_lately) return "  no answer";
   if (s.recovering) return "  what moves was put back";
   return s.withholds_change ? "  the scene has changed: let go and touch anew to feel all of it"
@@ -162,7 +162,7 @@ std::string cut_text(const ServoStatistics& statistics) {
   return ", contact cut off in " + std::to_string(statistics.contact_cut) + " ticks";
 }
 
-std::string feel_text(const HandMeasures& measures) {
+std::string feel_text(const FeelMetrics& measures) {
   constexpr double kMicrometres = 1e6;
   std::array<char, kLongest> part{};
   std::string line;

@@ -16,7 +16,7 @@ std::string text(const LiveStatus& status, const LiveStatus& before);
 /// empty.
 std::string no_force_text(const ServoStatistics& statistics);
 /// ", oscillation 3.1 um, displayed stiffness 487 N/m": the measured ones of the two.
-std::string feel_text(const HandMeasures& measures);
+std::string feel_text(const FeelMetrics& measures);
 /// ", contact cut off in 12 ticks"; empty if it was in none.
 std::string cut_text(const ServoStatistics& statistics);
 

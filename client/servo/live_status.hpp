@@ -15,18 +15,18 @@ namespace feltwire {
 struct LiveStatus {
   double time = 0.0;  // [s] since the first tick
   std::uint64_t samples = 0;
-  std::uint64_t lost = 0;                             // datagrams, up to the newest answered
-  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  // [ns]
-  bool clock_known = false;                           // false: the four below are not valid
-  double delay_up = 0.0, delay_down = 0.0;            // [s] one way, of the last exchange
-  double jitter_up = 0.0, jitter_down = 0.0;          // [s] their mean variation
-  double force = 0.0;                                 // [N] held now
-  NoForce no_force = NoForce::no_reply;               // the reason for no force
-  HandMeasures::Squares oscillation;                  // so far
-  std::optional<double> displayed_stiffness;          // [N/m] so far
-  double energy = 0.0;                                // [J] delivered to the hand so far
-  bool answered_lately = false;                       // the command in use is not fading
-  bool connected = true;                              // the session is not lost
+  std::uint64_t lost = 0;                                // datagrams, up to the newest answered
+  double round_trip_p50 = 0.0, round_trip_p99 = 0.0;     // [ns]
+  bool clock_known = false;                              // false: the four below are not valid
+  double delay_up = 0.0, delay_down = 0.0;               // [s] one way, of the last exchange
+  double jitter_up = 0.0, jitter_down = 0.0;             // [s] their mean variation
+  double force = 0.0;                                    // [N] held now
+  ZeroForceReason no_force = ZeroForceReason::no_reply;  // the reason for no force
+  FeelMetrics::Squares oscillation;                      // so far
+  std::optional<double> displayed_stiffness;             // [N/m] so far
+  double energy = 0.0;                                   // [J] delivered to the hand so far
+  bool answered_lately = false;                          // the command in use is not fading
+  bool connected = true;                                 // the session is not lost
   bool recovering = false;        // moving objects were put back, and are felt in part
   bool withholds_change = false;  // the scene was changed, and the hand does not yet feel all of it
   bool shapes = false;            // the method shapes, and the two below are valid

@@ -84,7 +84,7 @@ void Servo::forget_surfaces() noexcept {
   local_body_.clear();
   if (remote_) remote_->forget();
   last_offset_.setZero();
-  if (law_.admission) law_.admission->forget();
+  if (law_.scene_change_gate) law_.scene_change_gate->forget();
 }
 
 bool Servo::waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept {
@@ -211,13 +211,14 @@ Command Servo::safeguard(const Command& bounded, const BoundingStep& step, bool 
 }
 
 /// Lets in the part of a changed scene that the hand has paid for.
-void Servo::let_in(const BoundingStep& step) noexcept {
-  const double energy = law_.admission->energy({.held = held_,
-                                                .displacement = step.displacement,
-                                                .hold_time = reserve_.hold_time_of_any_hand(),
-                                                .command = step.command,
-                                                .margin = port_.margin()},
-                                               *law_.account);
+void Servo::admit_change(const BoundingStep& step) noexcept {
+  const double energy =
+      law_.scene_change_gate->energy({.held = held_,
+                                      .displacement = step.displacement,
+                                      .hold_time = reserve_.hold_time_of_any_hand(),
+                                      .command = step.command,
+                                      .margin = port_.margin()},
+                                     *law_.account);
   // Elastic storage already has the pressed energy: do not add it twice.
   if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
 }
@@ -327,9 +328,10 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     near_ = false;
   }
 
-  if (law_.admission) let_in(step);
+  if (law_.scene_change_gate) admit_change(step);
   Bounded bounded = law_.bounding.step(step);
-  if (law_.admission) law_.admission->given(bounded.rendered.elastic, step.command.elastic);
+  if (law_.scene_change_gate)
+    law_.scene_change_gate->given(bounded.rendered.elastic, step.command.elastic);
   // The paper's laws would keep a part of the last force; zero is passive too.
   if (!(factor > 0.0)) bounded.rendered = {};
   statistics_.bound_active += bounded.active ? 1 : 0;
@@ -433,7 +435,7 @@ double Servo::account_cut() const noexcept {
 
 void Servo::explain(const Command& held) noexcept {
   trail_.held = held;
-  no_force_ = why_no_force(trail_);
+  no_force_ = zero_force_reason(trail_);
   ++statistics_.no_force[static_cast<std::size_t>(no_force_)];
   if (!position_known_) return;
   if (feels_scene())
@@ -462,8 +464,8 @@ void Servo::follow_trouble(const Command& held) noexcept {
 std::optional<Servo::DeviceTrouble> Servo::device_trouble() const noexcept {
   const double patience = kDevicePatience * law_.parameters.hold_time;
   if (!device_ended_ && no_position_for_ >= patience)
-    return DeviceTrouble{NoForce::device_fault, no_position_for_};
-  if (not_held_for_ >= patience) return DeviceTrouble{NoForce::not_held, not_held_for_};
+    return DeviceTrouble{ZeroForceReason::device_fault, no_position_for_};
+  if (not_held_for_ >= patience) return DeviceTrouble{ZeroForceReason::not_held, not_held_for_};
   return std::nullopt;
 }
 

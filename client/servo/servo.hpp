@@ -13,13 +13,13 @@
 
 #include "client/devices/device.hpp"
 #include "client/devices/taken_up.hpp"
-#include "client/servo/admission.hpp"
 #include "client/servo/clock_estimate.hpp"
-#include "client/servo/hand_measures.hpp"
-#include "client/servo/no_force.hpp"
+#include "client/servo/feel_metrics.hpp"
 #include "client/servo/overdraft.hpp"
 #include "client/servo/remote_hand.hpp"
 #include "client/servo/rise_limit.hpp"
+#include "client/servo/scene_change_gate.hpp"
+#include "client/servo/zero_force_reason.hpp"
 #include "core/base/histogram.hpp"
 #include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
@@ -78,7 +78,7 @@ struct ServoLaw {
   SessionParameters parameters;  // in force with this law
   Bounding bounding;
   std::optional<PortAccount> account;
-  std::optional<Admission> admission;  // if this side bounds by contact_frame
+  std::optional<SceneChangeGate> scene_change_gate;  // if this side bounds by contact_frame
   bool shapes, counts_on_mass;
 };
 
@@ -114,8 +114,8 @@ struct ServoStatistics {
   std::uint64_t contact_cut = 0;  // of those beyond: the model's contact took too much work
   std::uint64_t most_work = 0;    // units of work (core/base/work_limit.hpp) of a tick's contact
   std::uint64_t hand_overs = 0;   // times that the use of the model alone began or ended
-  std::array<std::uint64_t, kNoForceReasons> no_force{};  // ticks by reason; `felt` too
-  double max_force = 0.0;                                 // [N] held
+  std::array<std::uint64_t, kZeroForceReasons> no_force{};  // ticks by reason; `felt` too
+  double max_force = 0.0;                                   // [N] held
   Histogram round_trip;       // [ns] from the sample's reading to the reply's arrival
   Histogram direction_error;  // [1e-6 deg] held force against its command
 };
@@ -208,8 +208,8 @@ class Servo {
   /// The device has kept all force from the hand for a quarter of the hold time or longer, until
   /// the last tick or until release().
   struct DeviceTrouble {
-    NoForce reason = NoForce::device_fault;  // or jumped, or not_held
-    double time = 0.0;                       // [s] for which it has lasted
+    ZeroForceReason reason = ZeroForceReason::device_fault;  // or jumped, or not_held
+    double time = 0.0;                                       // [s] for which it has lasted
   };
   std::optional<DeviceTrouble> device_trouble() const noexcept;
 
@@ -267,14 +267,17 @@ class Servo {
     return given_;
   }  // the result of the last render(): a device with
      // late_ticks takes it up later
-  /// The reason for no force on the hand since the last tick; NoForce::felt: there is force.
-  NoForce no_force() const { return no_force_; }
+  /// The reason for no force on the hand since the last tick; ZeroForceReason::felt: there is
+  /// force.
+  ZeroForceReason no_force() const { return no_force_; }
   /// Oscillation and displayed stiffness so far.
-  const HandMeasures& measures() const { return measures_; }
+  const FeelMetrics& measures() const { return measures_; }
   const Reply& newest_reply() const { return newest_; }
   bool has_reply() const { return newest_.sample_index > 0; }
   /// The scene was changed under the hand, and the bound still withholds some of its force.
-  bool withholds_change() const { return law_.admission && law_.admission->withheld(); }
+  bool withholds_change() const {
+    return law_.scene_change_gate && law_.scene_change_gate->withheld();
+  }
   /// [s] from the arrival of the newest reply to the last tick.
   double command_age() const { return command_age_; }
 
@@ -319,7 +322,7 @@ class Servo {
   void exchange_law() noexcept;
   void forget_surfaces() noexcept;
   void begin_anew(std::uint64_t last_sample_before) noexcept;
-  void let_in(const BoundingStep& step) noexcept;
+  void admit_change(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, bool original) noexcept;
   Command paid_for(const Command& command, BoundingStep step, bool moved_known) noexcept;
   void judge_debt(double hold_time, std::uint64_t strong_hand_before) noexcept;
@@ -357,8 +360,8 @@ class Servo {
   double command_age_ = 0.0;
   double share_ = 1.0;  // of the command, in the last tick: less while it fades and comes back
   ForceTrail trail_;    // of this tick
-  NoForce no_force_ = NoForce::no_reply;
-  HandMeasures measures_;
+  ZeroForceReason no_force_ = ZeroForceReason::no_reply;
+  FeelMetrics measures_;
   Vec3 displacement_ = Vec3::Zero();  // [m] of this tick
 
   // Only for sessions with a local model.

@@ -60,7 +60,7 @@ bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
 }
 
 void Servo::scene_changed() noexcept {
-  if (law_.admission) law_.admission->begin();
+  if (law_.scene_change_gate) law_.scene_change_gate->begin();
   law_.bounding.scene_changed();
   scene_was_changed_ = true;
 }

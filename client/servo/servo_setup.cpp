@@ -75,12 +75,14 @@ PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
 /// the hold time, as fast as a fade removes it.
 double largest_slew(double most, const SessionParameters& p) { return most / (0.5 * p.hold_time); }
 
-/// Only an admission withholds a changed scene's force, and makes sure that the hand pays for it.
-std::optional<Admission> admission_of(const SessionParameters& p, const DeviceSpec& spec,
-                                      const Bounding& bounding,
-                                      const std::optional<PortAccount>& account) {
+/// Only a scene change gate withholds a changed scene's force, and makes sure that the hand pays
+/// for it.
+std::optional<SceneChangeGate> scene_change_gate_of(const SessionParameters& p,
+                                                    const DeviceSpec& spec,
+                                                    const Bounding& bounding,
+                                                    const std::optional<PortAccount>& account) {
   if (!bounding.takes_endowment() || !account || p.operator_damping > 0.0) return std::nullopt;
-  return Admission(largest_slew(spec.max_force, p));
+  return SceneChangeGate(largest_slew(spec.max_force, p));
 }
 
 /// The robot's contact is rendered like the local model.
@@ -138,7 +140,7 @@ ServoLaw::ServoLaw(const DeviceSpec& spec, const SessionParameters& in_force,
     : parameters(in_force),
       bounding(bound_of(in_force, spec, options.scene_stiffness)),
       account(account_of(in_force, spec, options)),
-      admission(admission_of(in_force, spec, bounding, account)),
+      scene_change_gate(scene_change_gate_of(in_force, spec, bounding, account)),
       shapes(bounding_method(in_force.mode).shapes),
       counts_on_mass(feltwire::counts_on_mass(in_force)) {}
 

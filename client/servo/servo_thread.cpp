@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "client/servo/tick_watch.hpp"
+#include "client/servo/stall_detector.hpp"
 #include "protocol/net/clock.hpp"
 
 namespace feltwire {
@@ -79,7 +79,7 @@ void ServoThread::watch(Shared& shared) noexcept {
   const double late = let_go_time(shared.servo_period, shared.hold_time, task.let_go_after,
                                   shared.real_time.scheduler);
   shared.let_go_after.store(late);
-  TickWatch watch(from_seconds(late), from_seconds(shared.hold_time));
+  StallDetector watch(from_seconds(late), from_seconds(shared.hold_time));
   watch.look(monotonic_now(), {});  // it counts from here
   while (!shared.ended) {
     if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
@@ -90,9 +90,9 @@ void ServoThread::watch(Shared& shared) noexcept {
                                          .tick = task.guard.tick(),
                                          .pulls = task.guard.pulls(),
                                          .awaits = call == DeviceCall::await_tick})) {
-      case TickWatch::Verdict::ticks:
+      case StallDetector::Verdict::ticks:
         break;
-      case TickWatch::Verdict::gone:
+      case StallDetector::Verdict::gone:
         if (!shared.given_up) {
           task.guard.abandon();
           shared.given_up = true;
@@ -100,7 +100,7 @@ void ServoThread::watch(Shared& shared) noexcept {
           shared.over_event.set();
         }
         [[fallthrough]];
-      case TickWatch::Verdict::stands_still:
+      case StallDetector::Verdict::stands_still:
         if (!shared.stood_still.load()) {
           shared.still_for.store(seconds(watch.still()));
           shared.still_in.store(call);

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "client/servo/device_guard.hpp"
+#include "client/servo/guarded_device.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "protocol/net/real_time.hpp"
 
@@ -28,7 +28,7 @@ struct ServoTask {
   }
 
   std::unique_ptr<Device> device;
-  DeviceGuard guard;
+  GuardedDevice guard;
   std::shared_ptr<Transport> transport;
   Servo servo;
   LoopOptions options;
@@ -42,7 +42,7 @@ struct ServoTask {
 };
 
 /// Runs the loop of a task. If it makes no tick for let_go_time() while a force is on the hand
-/// (TickWatch), a second thread releases the device, and the run has failed. That thread needs
+/// (StallDetector), a second thread releases the device, and the run has failed. That thread needs
 /// nothing of the first one, which may be in a computation or in a call of the device.
 class ServoThread {
  public:

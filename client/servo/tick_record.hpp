@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/servo/no_force.hpp"
+#include "client/servo/zero_force_reason.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -19,10 +19,10 @@ struct TickRecord {
   double age = -1.0;               // [s] age of the command; -1 before the first
   std::int64_t clock = 0;          // [ns] time of the tick, by the servo's clock
   Quaternion orientation = Quaternion::Identity();
-  Vec3 torque = Vec3::Zero();                   // [N m] the torque on the hand together with `held`
-  std::optional<double> balance{};              // [J] balance of the account; empty: there is none
-  double account_cut = 0.0;                     // share of the command that the account took off
-  NoForce no_force = NoForce::touches_nothing;  // the reason for no force
+  Vec3 torque = Vec3::Zero();       // [N m] the torque on the hand together with `held`
+  std::optional<double> balance{};  // [J] balance of the account; empty: there is none
+  double account_cut = 0.0;         // share of the command that the account took off
+  ZeroForceReason no_force = ZeroForceReason::touches_nothing;  // the reason for no force
 };
 
 }  // namespace feltwire

@@ -43,7 +43,7 @@ class ContactFrameBound {
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept;
   void set_held(const BasicCommand<Real>& held) noexcept;
   /// The elastic channel of the next step may use `energy` [J] beside its store. The caller must
-  /// know that the port has it (client/servo/admission.hpp).
+  /// know that the port has it (client/servo/scene_change_gate.hpp).
   void endow(Real energy) noexcept {
     constexpr Real kTwo = 2;
     endowed_ = std::sqrt(kTwo * force_law_.c * energy);

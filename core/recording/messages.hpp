@@ -26,7 +26,7 @@ struct RecordedAccount {
   double time = 0.0;                // [s] since the first tick
   std::optional<double> balance{};  // [J]; empty: there is no account
   double cut = 0.0;                 // share by which the account reduced the command
-  std::uint32_t no_force = 0;       // NoForce (client/servo/no_force.hpp)
+  std::uint32_t no_force = 0;       // ZeroForceReason (client/servo/zero_force_reason.hpp)
 };
 
 void append(std::string& out, const RecordedSample& sample);

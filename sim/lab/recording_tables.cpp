@@ -9,7 +9,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "client/servo/no_force.hpp"
+#include "client/servo/zero_force_reason.hpp"
 #include "core/base/file_error.hpp"
 #include "core/base/line_file.hpp"
 #include "core/recording/mcap_reader.hpp"
@@ -28,8 +28,8 @@ namespace {
 constexpr const char* kRemedy = "give a file that --record or --flight-recorder wrote";
 
 std::string reason_text(double value) {
-  return value < static_cast<double>(kNoForceReasons)
-             ? std::string(name(static_cast<NoForce>(value)))
+  return value < static_cast<double>(kZeroForceReasons)
+             ? std::string(name(static_cast<ZeroForceReason>(value)))
              : std::to_string(static_cast<std::uint32_t>(value));
 }
 

@@ -27,7 +27,7 @@ double median(std::vector<double> values);
 /// The oscillation of a value: the RMS [unit of the values] of the values less their centred moving
 /// average over kOscillationWindow, over the second half of the run. The values are sampled at
 /// `rate` [Hz]. The ends that the window does not cover are left out. 0 for a run shorter than two
-/// windows. The client's report has the same measure (client/servo/hand_measures.hpp).
+/// windows. The client's report has the same measure (client/servo/feel_metrics.hpp).
 double highpass_rms(std::span<const double> values, double rate);
 
 struct ExperimentMetrics {

@@ -41,7 +41,7 @@ TickRecord tick(std::int64_t n, std::uint64_t hand) {
           .torque = Vec3::Zero(),
           .balance = 1e-4 + noise(4),
           .account_cut = 0.0,
-          .no_force = force > 0.0 ? NoForce::felt : NoForce::touches_nothing};
+          .no_force = force > 0.0 ? ZeroForceReason::felt : ZeroForceReason::touches_nothing};
 }
 
 void record(benchmark::State& state, const std::string& ending) {

@@ -37,14 +37,14 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
         EXPECT_EQ(mapped.tool.position, stands.position);
         EXPECT_EQ(mapped.tool.orientation.coeffs(), stands.orientation.coeffs());
         EXPECT_EQ(handle.on_hand, Command{});
-        EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+        EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::clutched);
       }
       EXPECT_GT((vec(handle.mass.position) - hand).norm(), 1e-4);
       handle.clutch = false;
       mapped.tick();
       EXPECT_EQ(mapped.tool.position, stands.position);
       EXPECT_EQ(mapped.tool.orientation.coeffs(), stands.orientation.coeffs());
-      EXPECT_NE(mapped.servo.no_force(), NoForce::clutched);
+      EXPECT_NE(mapped.servo.no_force(), ZeroForceReason::clutched);
     }
     EXPECT_EQ(mapped.servo.statistics().device_faults, 0u);
   }
@@ -69,7 +69,7 @@ TEST(Clutch, IsLetGoWithoutAKick) {
     most = std::max(most, handle.on_hand.force().norm());
   }
   EXPECT_LT(most, 0.05);
-  EXPECT_EQ(mapped.servo.no_force(), NoForce::waiting);
+  EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::waiting);
   handle.mass.stiffness = 200.0;
   handle.mass.hand_damping = 2.0;
   mapped.feel(0.5);
@@ -107,7 +107,7 @@ void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
     EXPECT_EQ(mapped.tool.position, vec(mapped.handle->mass.sensed())) << lag << ' ' << n;
   }
   EXPECT_GE(pulled, static_cast<int>(lag));
-  EXPECT_EQ(mapped.servo.no_force(), NoForce::clutched);
+  EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::clutched);
 }
 
 /// The movement counts until the device has released its force, however long that takes.
@@ -143,7 +143,7 @@ TEST(Clutch, APressThatIsShorterThanTheDeviceTakesToLetGoIsWhole) {
   bool clutched = false;
   for (int n = 0; n < 6; ++n) {
     mapped.tick();
-    clutched |= mapped.servo.no_force() == NoForce::clutched;
+    clutched |= mapped.servo.no_force() == ZeroForceReason::clutched;
   }
   EXPECT_TRUE(clutched);
   EXPECT_EQ(mapped.handle->on_hand, Command{});
@@ -157,7 +157,7 @@ TEST(Clutch, AFaultMeanwhileIsAFault) {
   const Vec3 stands = mapped.tool.position;
   mapped.handle->ok = false;
   mapped.run(0.02);
-  EXPECT_EQ(mapped.servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::device_fault);
   EXPECT_EQ(mapped.servo.statistics().device_faults, 20u);
   mapped.handle->ok = true;
   mapped.run(0.1);

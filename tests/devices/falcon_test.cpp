@@ -163,7 +163,8 @@ TEST_F(Falcon, GivesNoForceBeforeItIsHomed) {
   EXPECT_TRUE(stand_in->homing);
   EXPECT_EQ(stand_in->lights, 2);
   Servo servo = servo_of(opened);
-  session.run(*opened.device, servo, [&] { return servo.no_force() == NoForce::not_homed; });
+  session.run(*opened.device, servo,
+              [&] { return servo.no_force() == ZeroForceReason::not_homed; });
   const int requests = stand_in->requests;
   session.run(*opened.device, servo, [&] { return stand_in->requests > requests + 300; });
   EXPECT_EQ(stand_in->largest_motor, 0);
@@ -317,7 +318,7 @@ TEST_F(Falcon, UnpluggedItIsAFaultForGood) {
   stand_in->unplug = true;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
   EXPECT_EQ(servo.given(), Command{});
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("does not answer"));
 }
 

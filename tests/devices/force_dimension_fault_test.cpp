@@ -162,7 +162,7 @@ TEST_F(ForceDimension, CallsThatFailLetTheForceGo) {
   stand_in->fails_until = stand_in->readings + 1000;
   session.run(*opened.device, servo, 0.5);
   testing::expect_in_time("forcedimension", "calls that fail", stand_in->edge, 0.0);
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
 /// A USB transfer does not return.

@@ -270,7 +270,7 @@ TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
   const std::uint64_t faults = servo.statistics().device_faults;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
   EXPECT_EQ(servo.given(), Command{});
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
 /// The servo does not wait for a blocked port. A force that waited in the port is at once followed

@@ -292,7 +292,7 @@ struct HaplyLoss : ::testing::Test {
     session.run(*opened.device, servo,
                 [&] { return servo.statistics().device_faults > faults + 3; });
     EXPECT_EQ(servo.given(), Command{});
-    EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+    EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
     service.blocks = false;
     test::eventually("it is let go", [&] { return service.force == 0.0; });
   }

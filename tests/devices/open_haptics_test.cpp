@@ -243,7 +243,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   Servo servo(opened.device->spec(), parameters, {});
   // The pose is still sent. The next frame may have begun; then look again.
   felt(*opened.device, servo, [&] {
-    return servo.no_force() == NoForce::in_inkwell &&
+    return servo.no_force() == ZeroForceReason::in_inkwell &&
            servo.sample().pose.position.x() == stand_in->told_near;
   });
   stand_in->inkwell.store(false);
@@ -253,7 +253,8 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   testing::PacedSession session;
   session.strike(stand_in->edge);
   stand_in->inkwell.store(true);
-  session.run(*opened.device, servo, [&] { return servo.no_force() == NoForce::in_inkwell; });
+  session.run(*opened.device, servo,
+              [&] { return servo.no_force() == ZeroForceReason::in_inkwell; });
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "the inkwell", stand_in->edge);
   stand_in->asked_in_inkwell = 0.0;  // the frame of the change had already begun
@@ -280,7 +281,7 @@ TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "an error", stand_in->edge);
   const int frames = stand_in->frames;
-  felt(*opened.device, servo, [&] { return servo.no_force() == NoForce::starting; });
+  felt(*opened.device, servo, [&] { return servo.no_force() == ZeroForceReason::starting; });
   felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // the force is back
   EXPECT_GE(stand_in->frames, frames + 900);
   // The frame of the error was in progress.
@@ -313,7 +314,7 @@ TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   session.expect_let_go("openhaptics", "unplugged", stand_in->edge);
   session.run(*opened.device, servo,
               [&] { return servo.statistics().device_faults > faults + 100; });
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
 /// A call of the maker's does not return: no tick comes, and the servo holds no force.
@@ -323,7 +324,7 @@ TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   stand_in->blocks.store(true);
   felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
   EXPECT_EQ(servo.held(), Command{});
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   stand_in->blocks.store(false);
 }
 
@@ -384,7 +385,7 @@ TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
   stand_in->stuck.store(true);
   felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 0; });
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
 /// Neither the servo's thread nor the scheduler's may allocate.

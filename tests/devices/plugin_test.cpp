@@ -243,7 +243,7 @@ TEST_F(PluginSession, ADeviceThatIsUnpluggedHoldsNothing) {
   ASSERT_TRUE(session.tick(*opened.device, servo));
   EXPECT_FALSE(session.tick(*opened.device, servo));
   EXPECT_EQ(servo.held(), Command{});
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
 TEST_F(PluginSession, ATickDoesNotTouchTheHeap) {

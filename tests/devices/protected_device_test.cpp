@@ -287,7 +287,7 @@ double made(const WorkspaceMapping& mapping, double told, double real, std::size
   // handle is not late; after that it is as late as it reports.
   mapped.handle->lag = 0;
   do mapped.tick();
-  while (mapped.servo.no_force() == NoForce::starting);
+  while (mapped.servo.no_force() == ZeroForceReason::starting);
   mapped.handle->lag = lag;
   mapped.handle->mass.counter = told;
   mapped.handle->mass.delivered = mapped.handle->mass.burned = mapped.handle->mass.most_made = 0.0;

@@ -57,7 +57,7 @@ TEST_F(Session, AnUnpluggedOneIsAFaultForGood) {
   for (int n = 0; n < 50; ++n) wall.tick(*device, servo);
   EXPECT_EQ(servo.statistics().device_faults, 50u);
   EXPECT_EQ(servo.held(), Command{});
-  EXPECT_EQ(servo.no_force(), NoForce::device_fault);
+  EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   const DeviceReading reading = device->read(wall.now);
   EXPECT_FALSE(reading.ok);
   EXPECT_FALSE(reading.deadman);

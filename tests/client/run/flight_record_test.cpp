@@ -103,29 +103,29 @@ TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
 /// Each cause has its own ten seconds: a file for one cause does not suppress another cause.
 TEST_F(FlightRecordTest, LostSessionAndDeviceFaultAreCauses) {
   FlightRecord flight(target, kPeriod);
-  const auto add = [&](int n, NoForce reason) {
+  const auto add = [&](int n, ZeroForceReason reason) {
     TickRecord row = tick(n);
     row.no_force = reason;
     flight.add(row);
   };
-  add(0, NoForce::touches_nothing);
-  add(1, NoForce::silent);
+  add(0, ZeroForceReason::touches_nothing);
+  add(1, ZeroForceReason::silent);
   EXPECT_EQ(flight.cause(), "");
-  add(2, NoForce::reconnecting);
-  add(3, NoForce::reconnecting);
+  add(2, ZeroForceReason::reconnecting);
+  add(3, ZeroForceReason::reconnecting);
   EXPECT_EQ(flight.cause(), "a lost session goes on");
   flight.write(flight.cause());
   EXPECT_EQ(flight.cause(), "");
-  add(4, NoForce::device_fault);
+  add(4, ZeroForceReason::device_fault);
   EXPECT_EQ(flight.cause(), "the device had a fault");
   flight.write(flight.cause());
-  add(5, NoForce::felt);
-  add(6, NoForce::reconnecting);
-  add(7, NoForce::device_fault);
+  add(5, ZeroForceReason::felt);
+  add(6, ZeroForceReason::reconnecting);
+  add(7, ZeroForceReason::device_fault);
   EXPECT_EQ(flight.cause(), "");
-  add(8, NoForce::felt);
-  add(10'003, NoForce::reconnecting);
-  add(10'005, NoForce::device_fault);
+  add(8, ZeroForceReason::felt);
+  add(10'003, ZeroForceReason::reconnecting);
+  add(10'005, ZeroForceReason::device_fault);
   EXPECT_EQ(flight.cause(), "a lost session goes on; the device had a fault");
 }
 

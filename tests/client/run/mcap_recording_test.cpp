@@ -37,7 +37,7 @@ TickRecord tick(int n) {
           .torque = {0.0, 0.0, 0.002},
           .balance = n < 10 ? std::nullopt : std::optional(1e-6 * n),
           .account_cut = 0.1,
-          .no_force = n % 2 == 0 ? NoForce::felt : NoForce::account};
+          .no_force = n % 2 == 0 ? ZeroForceReason::felt : ZeroForceReason::account};
 }
 
 /// Writes a few ticks at a time, as the writing thread does.
@@ -249,9 +249,9 @@ TEST(McapRecording, TheReasonsAreThoseOfTheReport) {
   std::size_t n = 0;
   for (std::sregex_iterator at(reasons.begin(), reasons.end(), line), end; at != end; ++at, ++n) {
     ASSERT_EQ((*at)[2].str(), std::to_string(n));
-    ASSERT_EQ((*at)[1].str(), name(static_cast<NoForce>(n)));
+    ASSERT_EQ((*at)[1].str(), name(static_cast<ZeroForceReason>(n)));
   }
-  EXPECT_EQ(n, kNoForceReasons);
+  EXPECT_EQ(n, kZeroForceReasons);
 }
 
 }  // namespace

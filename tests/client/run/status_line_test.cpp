@@ -25,7 +25,7 @@ LiveStatus under_way() {
           .jitter_up = 3e-6,
           .jitter_down = 40e-6,
           .force = 1.5,
-          .no_force = NoForce::felt,
+          .no_force = ZeroForceReason::felt,
           .oscillation = {},
           .displayed_stiffness = {},
           .energy = -0.25,
@@ -149,7 +149,7 @@ TEST(StatusLine, SaysThatContactIsCutOff) {
 TEST(StatusLine, SaysWhyThereIsNoForce) {
   LiveStatus status = under_way();
   status.force = 0.0;
-  status.no_force = NoForce::waiting;
+  status.no_force = ZeroForceReason::waiting;
   EXPECT_THAT(text(status, {}), EndsWith("  no force: waits: move the hand out of contact first"));
 }
 

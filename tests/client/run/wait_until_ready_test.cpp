@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-namespace feltwire::readiness_test {
+namespace feltwire::wait_until_ready_test {
 namespace {
 
 struct Waiting final : Device {
@@ -41,4 +41,4 @@ TEST(WaitUntilReady, ASignalEndsTheWait) {
 }
 
 }  // namespace
-}  // namespace feltwire::readiness_test
+}  // namespace feltwire::wait_until_ready_test

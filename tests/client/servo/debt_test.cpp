@@ -8,7 +8,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "client/run/debts.hpp"
-#include "client/servo/tick_watch.hpp"
+#include "client/servo/stall_detector.hpp"
 #include "server/scene/session.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "tests/client/servo_bench.hpp"
@@ -175,7 +175,7 @@ double made_in_a_stall(const char* law, double stiffness, double held) {
 }
 
 /// The watch releases the device a few periods after a late tick, however long the stall lasts
-/// (client/servo/tick_watch.hpp). The device must burn enough until then.
+/// (client/servo/stall_detector.hpp). The device must burn enough until then.
 TEST(Debt, NoneIsMadeInTheTimeUntilTheWatchLetsGo) {
   const double held = let_go_time(1e-3, 0.1, 0.0, true);
   for (const char* law : kLaws)
@@ -270,7 +270,7 @@ TEST(Debt, AboveAFewMicrojoulesIsAFaultThatIsTold) {
   for (int n = 0; n < 3000; ++n) {
     hand.tick();
     ASSERT_EQ(hand.servo.held(), Command{});
-    ASSERT_EQ(hand.servo.no_force(), NoForce::overdrawn);
+    ASSERT_EQ(hand.servo.no_force(), ZeroForceReason::overdrawn);
   }
   EXPECT_NE(hand.servo.report().reasons & bit(HandReason::debt), 0u);
   const std::string told = text(*overdraft, hand.spec);

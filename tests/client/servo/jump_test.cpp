@@ -80,14 +80,14 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
       hand.rest({0, 0, 0.005}, 0.2);
       const double before = hand.balance();
       EXPECT_EQ(hand.tick(at(0, 0, 0.005 - way)).force(), Vec3::Zero()) << rate;
-      EXPECT_EQ(hand.servo.no_force(), NoForce::jumped);
+      EXPECT_EQ(hand.servo.no_force(), ZeroForceReason::jumped);
       EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << way;
       EXPECT_EQ(hand.servo.statistics().device_faults, 1u);
       EXPECT_LE(hand.balance(), before);
       // The scene's force is then withheld, as for a hand that begins in contact.
       hand.rest({0, 0, 0.005 - way}, 0.3);
       EXPECT_LT(hand.most, 1e-9) << rate << " " << way;
-      EXPECT_EQ(hand.servo.no_force(), NoForce::waiting);
+      EXPECT_EQ(hand.servo.no_force(), ZeroForceReason::waiting);
       EXPECT_LE(hand.balance(), before);
       EXPECT_EQ(hand.servo.statistics().jumps, 1u);
       EXPECT_EQ(hand.servo.port().violations(), 0u);

@@ -160,7 +160,7 @@ TEST(ServoFault, AForceThatFadedForWantOfAnswersWaitsAnewHoweverShortTheOutage) 
         answer(bench, 5.0);
         EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << outage << " " << n;
       }
-      EXPECT_EQ(bench.servo.no_force(), NoForce::waiting) << outage;
+      EXPECT_EQ(bench.servo.no_force(), ZeroForceReason::waiting) << outage;
       answer(bench, 0.0);  // the hand is out
       bench.tick();
       answer(bench, 3.0);
@@ -219,7 +219,7 @@ TEST(ServoFault, ADeviceThatGivesNothingIsInTrouble) {
   EXPECT_FALSE(bench.servo.device_trouble()) << "that may pass";
   for (int n = 0; n < 20; ++n) bench.tick({.pose = {}, .ok = false});
   ASSERT_TRUE(bench.servo.device_trouble());
-  EXPECT_EQ(bench.servo.device_trouble()->reason, NoForce::device_fault);
+  EXPECT_EQ(bench.servo.device_trouble()->reason, ZeroForceReason::device_fault);
   EXPECT_NEAR(bench.servo.device_trouble()->time, 0.04, 1e-9);
   bench.servo.release();
   bench.tick({.pose = {}, .ok = false});
@@ -243,7 +243,7 @@ TEST(ServoFault, ADeviceThatHoldsNothingIsInTrouble) {
   bench.tick();
   refuse(30);
   ASSERT_TRUE(bench.servo.device_trouble());
-  EXPECT_EQ(bench.servo.device_trouble()->reason, NoForce::not_held);
+  EXPECT_EQ(bench.servo.device_trouble()->reason, ZeroForceReason::not_held);
   // A clutch, or a device that withholds its force, is no trouble.
   Bench clutched = holding(2.0);
   for (int n = 0; n < 100; ++n) clutched.tick({.pose = {}, .clutched = true});

@@ -16,14 +16,14 @@
 
 #include "client/devices/let_go.hpp"
 #include "client/run/crash_release.hpp"
-#include "client/servo/tick_watch.hpp"
+#include "client/servo/stall_detector.hpp"
 #include "tests/client/peer.hpp"
 
 namespace feltwire::servo_thread_test {
 namespace {
 
 using testing::ScenePeer;
-using Verdict = TickWatch::Verdict;
+using Verdict = StallDetector::Verdict;
 
 constexpr Nanoseconds kLate = std::chrono::milliseconds(5), kHold = std::chrono::milliseconds(100);
 constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
@@ -31,9 +31,9 @@ constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
 /// Calls the watch as its thread does, late by a given time. The servo thread ticks until it stands
 /// still.
 struct Looks {
-  TickWatch watch{kLate, kHold};
+  StallDetector watch{kLate, kHold};
   Nanoseconds now = std::chrono::hours(3);
-  TickWatch::Life life{.calls = 1, .tick = now, .pulls = true};
+  StallDetector::Life life{.calls = 1, .tick = now, .pulls = true};
 
   Verdict look(Nanoseconds late = {}) {
     now += watch.pause() + late;
@@ -52,20 +52,20 @@ struct Looks {
   }
 };
 
-TEST(TickWatch, LetsGoWhenATickIsLateBySomePeriods) {
+TEST(StallDetector, LetsGoWhenATickIsLateBySomePeriods) {
   Looks looks;
   for (int n = 0; n < 1000; ++n) ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
   EXPECT_EQ(looks.until_it_stands_still(), kLate);
   EXPECT_EQ(looks.watch.still(), kLate);
   const Nanoseconds still = looks.now;
   while (looks.look() == Verdict::stands_still) continue;
-  EXPECT_EQ(looks.now - still, TickWatch::kGrace);
+  EXPECT_EQ(looks.now - still, StallDetector::kGrace);
   ++looks.life.calls;
   EXPECT_EQ(looks.look(), Verdict::gone);  // a later tick changes nothing
 }
 
 /// A tick that is less late does not count, however often it happens.
-TEST(TickWatch, LateTicksThatComeAreNoStandstill) {
+TEST(StallDetector, LateTicksThatComeAreNoStandstill) {
   Looks looks;
   Nanoseconds next = looks.now;
   for (int n = 0; n < 1000; ++n) {
@@ -80,7 +80,7 @@ TEST(TickWatch, LateTicksThatComeAreNoStandstill) {
 }
 
 /// Each read() returns, but late.
-TEST(TickWatch, ACallThatAlwaysTakesLongIsFound) {
+TEST(StallDetector, ACallThatAlwaysTakesLongIsFound) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
   looks.life.calls += 1;  // the write after a read of 20 ms returned; the next read began
@@ -89,7 +89,7 @@ TEST(TickWatch, ACallThatAlwaysTakesLongIsFound) {
 }
 
 /// It wakes once in several ticks, not at every tick.
-TEST(TickWatch, LooksSeldom) {
+TEST(StallDetector, LooksSeldom) {
   Looks looks;
   const Nanoseconds began = looks.now;
   for (int n = 0; n < 1000; ++n) ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
@@ -97,7 +97,7 @@ TEST(TickWatch, LooksSeldom) {
 }
 
 /// Late looks do not add up: only the last one delays the verdict.
-TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
+TEST(StallDetector, AWatchThatIsWokenLateIsLateOnlyOnce) {
   for (const int late : {100, 1000, 3000, 5000}) {
     const Nanoseconds by = std::chrono::microseconds(late);
     Looks looks;
@@ -109,7 +109,7 @@ TEST(TickWatch, AWatchThatIsWokenLateIsLateOnlyOnce) {
 }
 
 /// The whole program was stopped. The servo thread gets some time to tick, but only once.
-TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
+TEST(StallDetector, AProgramThatWasStoppedAsAWholeGoesOn) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
   ASSERT_EQ(looks.look(std::chrono::seconds(20)), Verdict::ticks);
@@ -132,16 +132,16 @@ TEST(TickWatch, AProgramThatWasStoppedAsAWholeGoesOn) {
   EXPECT_EQ(ticked.now - thawed, kLate);
 }
 
-TEST(TickWatch, WaitsLongerWhereNothingIsHeld) {
+TEST(StallDetector, WaitsLongerWhereNothingIsHeld) {
   Looks looks;
   looks.life.pulls = false;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
-  EXPECT_GE(looks.until_it_stands_still(), TickWatch::kIdle);
-  EXPECT_LE(looks.now - looks.life.tick, TickWatch::kIdle + kLate);
+  EXPECT_GE(looks.until_it_stands_still(), StallDetector::kIdle);
+  EXPECT_LE(looks.now - looks.life.tick, StallDetector::kIdle + kLate);
 }
 
 /// Without a device tick the servo itself removes the force.
-TEST(TickWatch, ATickOfTheDeviceIsWaitedForAsLongAsTheServoDoes) {
+TEST(StallDetector, ATickOfTheDeviceIsWaitedForAsLongAsTheServoDoes) {
   Looks looks;
   looks.life.awaits = true;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
@@ -150,7 +150,7 @@ TEST(TickWatch, ATickOfTheDeviceIsWaitedForAsLongAsTheServoDoes) {
   EXPECT_LE(took, kHold + kLate);
 }
 
-TEST(TickWatch, AForceThatComesLateIsHeldNoLonger) {
+TEST(StallDetector, AForceThatComesLateIsHeldNoLonger) {
   Looks looks;
   looks.life.pulls = false;
   for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(), Verdict::ticks);
@@ -160,7 +160,7 @@ TEST(TickWatch, AForceThatComesLateIsHeldNoLonger) {
   EXPECT_LE(looks.now - began, kLate);
 }
 
-TEST(TickWatch, TheTimeIsAFewPeriodsUnlessTheUserHasAnother) {
+TEST(StallDetector, TheTimeIsAFewPeriodsUnlessTheUserHasAnother) {
   EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.0, true), 5e-3);
   EXPECT_DOUBLE_EQ(let_go_time(1e-3, 0.1, 0.0, false), 20e-3);
   EXPECT_DOUBLE_EQ(let_go_time(1e-4, 0.1, 0.0, true), 5e-4);
@@ -195,9 +195,9 @@ class Driver final : public Device {
 
 const Command kPull{.elastic = Vec3(0, 0, 2)};
 
-TEST(DeviceGuard, PassesOnUntilItIsReleased) {
+TEST(GuardedDevice, PassesOnUntilItIsReleased) {
   Driver driver;
-  DeviceGuard guard(driver);
+  GuardedDevice guard(driver);
   EXPECT_FALSE(guard.pulls());
   EXPECT_EQ(guard.write(kPull).elastic.z(), 2.0);
   EXPECT_TRUE(guard.pulls());
@@ -214,18 +214,18 @@ TEST(DeviceGuard, PassesOnUntilItIsReleased) {
   EXPECT_FALSE(guard.read({}).ok);
 }
 
-TEST(DeviceGuard, AWriteThatWasUnderWayIsTakenBack) {
+TEST(GuardedDevice, AWriteThatWasUnderWayIsTakenBack) {
   Driver driver;
-  DeviceGuard guard(driver);
+  GuardedDevice guard(driver);
   driver.in_write = [&] { guard.release(); };
   EXPECT_EQ(guard.write(kPull).force(), Vec3::Zero());
   EXPECT_EQ(driver.told, 0.0);
 }
 
 /// The last force stays on the hand until the zero write has returned.
-TEST(DeviceGuard, PullsWhileTheForceIsBeingTakenOff) {
+TEST(GuardedDevice, PullsWhileTheForceIsBeingTakenOff) {
   Driver driver;
-  DeviceGuard guard(driver);
+  GuardedDevice guard(driver);
   guard.write(kPull);
   bool pulled = false;
   driver.in_write = [&] { pulled = guard.pulls(); };
@@ -356,7 +356,7 @@ TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
     SharedDevice device;
     EXPECT_EXIT(
         {
-          DeviceGuard guard(device);
+          GuardedDevice guard(device);
           const CrashRelease release(guard);
           guard.write(kPull);
           ::raise(signal);
@@ -384,7 +384,7 @@ TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
         {
           // The test's parent may ignore some signals.
           if (!own) ::signal(signal, SIG_DFL);
-          DeviceGuard guard(device);
+          GuardedDevice guard(device);
           const CrashRelease release(guard);
           guard.write(kPull);
           ::syscall(SYS_tgkill, ::getpid(), ::syscall(SYS_gettid), signal);
@@ -455,7 +455,7 @@ TEST(CrashReleaseDeathTest, AnExceptionThatNobodyCatchesTakesTheForceOff) {
   SharedDevice device;
   EXPECT_EXIT(
       {
-        DeviceGuard guard(device);
+        GuardedDevice guard(device);
         const CrashRelease release(guard);
         guard.write(kPull);
         std::thread([] { throw std::bad_alloc(); }).join();

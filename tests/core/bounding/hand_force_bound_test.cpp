@@ -10,7 +10,7 @@
 #include "core/bounding/account.hpp"
 #include "tests/core/handle.hpp"
 
-namespace feltwire::outside_force_test {
+namespace feltwire::hand_force_bound_test {
 namespace {
 
 using namespace test;
@@ -144,4 +144,4 @@ TEST(HandForceBound, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
 }
 
 }  // namespace
-}  // namespace feltwire::outside_force_test
+}  // namespace feltwire::hand_force_bound_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace feltwire::hold_reserve_test {
+namespace feltwire::hold_time_margin_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
@@ -68,4 +68,4 @@ TEST(HoldTimeMargin, FollowsLittleByLittle) {
 }
 
 }  // namespace
-}  // namespace feltwire::hold_reserve_test
+}  // namespace feltwire::hold_time_margin_test

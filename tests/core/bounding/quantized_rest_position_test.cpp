@@ -9,7 +9,7 @@
 
 #include "core/bounding/midpoint.hpp"
 
-namespace feltwire::resting_place_test {
+namespace feltwire::quantized_rest_position_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;   // [s]
@@ -113,4 +113,4 @@ TEST(QuantizedRestPosition, ADitherTakesAShareOfWhatItTookFromTheStaircase) {
 }
 
 }  // namespace
-}  // namespace feltwire::resting_place_test
+}  // namespace feltwire::quantized_rest_position_test

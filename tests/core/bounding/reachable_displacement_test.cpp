@@ -9,7 +9,7 @@
 #include "core/base/numeric.hpp"
 #include "tests/core/handle.hpp"
 
-namespace feltwire::reach_test {
+namespace feltwire::reachable_displacement_test {
 namespace {
 
 using namespace test;
@@ -212,4 +212,4 @@ TEST(ReachableDisplacement, IsBrokenWhenToldWrong) {
 }
 
 }  // namespace
-}  // namespace feltwire::reach_test
+}  // namespace feltwire::reachable_displacement_test

@@ -12,7 +12,7 @@
 #include "core/teleoperation/surface_offset.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 
-namespace feltwire::contact_estimate_test {
+namespace feltwire::contact_estimator_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
@@ -381,4 +381,4 @@ TEST(TargetLimiter, TheFirstStepIsZeroAndNoStepIsFasterThanTheLimit) {
 }
 
 }  // namespace
-}  // namespace feltwire::contact_estimate_test
+}  // namespace feltwire::contact_estimator_test

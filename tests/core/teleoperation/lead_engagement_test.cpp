@@ -12,7 +12,7 @@
 #include "core/teleoperation/motion_limit.hpp"
 #include "tests/core/support.hpp"
 
-namespace feltwire::authority_test {
+namespace feltwire::lead_engagement_test {
 namespace {
 
 using namespace test;
@@ -291,4 +291,4 @@ TEST(MotionLimit, TurnsNoFasterThanItMay) {
 }
 
 }  // namespace
-}  // namespace feltwire::authority_test
+}  // namespace feltwire::lead_engagement_test

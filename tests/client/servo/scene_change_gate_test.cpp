@@ -1,6 +1,6 @@
 // A scene changes while a hand presses: this is the force that the hand gets.
 
-#include "client/servo/admission.hpp"
+#include "client/servo/scene_change_gate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "server/scene/session.hpp"
 #include "tests/client/servo_bench.hpp"
 
-namespace feltwire::admission_test {
+namespace feltwire::scene_change_gate_test {
 namespace {
 
 using namespace testing::servo;
@@ -54,7 +54,7 @@ struct Hand {
 
 /// The stiffness rises to the geometric mean of the old one and the bound's own, c = 2 b / T. The
 /// work k d^2 / 2 pressed into the old wall pays for the stored energy (k' d)^2 / (2 c).
-TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
+TEST(SceneChangeGate, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
   const Scene soft = wall(100.0), stiff = wall(900.0), middle = wall(250.0);
   for (const Storage storage : {Storage::minimal, Storage::elastic}) {
     SessionParameters p = parameters("contact_frame");
@@ -93,7 +93,7 @@ TEST(Admission, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
   }
 }
 
-TEST(Admission, ASofterWallIsFeltAtOnce) {
+TEST(SceneChangeGate, ASofterWallIsFeltAtOnce) {
   const Scene stiff = wall(900.0), soft = wall(100.0);
   Hand hand(parameters("contact_frame"), stiff);
   hand.press(kDepth);
@@ -104,7 +104,7 @@ TEST(Admission, ASofterWallIsFeltAtOnce) {
 }
 
 /// Energy that the device burned before, in free space, must not count.
-TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
+TEST(SceneChangeGate, AHandThatASceneClosesRoundIsNotFlungOut) {
   const Scene nothing = wall(1e-3), stiff = wall(900.0);
   Hand hand(parameters("contact_frame"), nothing);
   for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);  // burns 0.07 J a time
@@ -116,7 +116,7 @@ TEST(Admission, AHandThatASceneClosesRoundIsNotFlungOut) {
   EXPECT_TRUE(hand.bench.servo.withholds_change());
 }
 
-TEST(Admission, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
+TEST(SceneChangeGate, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
   const Scene soft = wall(100.0), stiff = wall(900.0);
   SessionParameters credited = parameters("contact_frame");
   credited.operator_damping = 0.1;
@@ -131,4 +131,4 @@ TEST(Admission, OnlyTheContactFrameOfThisSideThatCreditsTheDeviceAloneHasIt) {
 }
 
 }  // namespace
-}  // namespace feltwire::admission_test
+}  // namespace feltwire::scene_change_gate_test

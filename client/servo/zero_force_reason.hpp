@@ -16,7 +16,7 @@ inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at a lever of 0
 
 /// The reasons for no force, in the order in which they are checked: from the device's reading to
 /// the force that it holds.
-enum class NoForce : std::uint8_t {
+enum class ZeroForceReason : std::uint8_t {
   felt,             // there is force, and no wait takes most of it
   observer,         // an observer gets no force
   device_ended,     // the recording is over
@@ -48,12 +48,13 @@ enum class NoForce : std::uint8_t {
   jumped,           // no hand can have moved to the place that the device gave
   overdrawn         // the hand got more energy than the device burned: the force has ended
 };
-inline constexpr std::size_t kNoForceReasons = static_cast<std::size_t>(NoForce::overdrawn) + 1;
+inline constexpr std::size_t kZeroForceReasons =
+    static_cast<std::size_t>(ZeroForceReason::overdrawn) + 1;
 
 /// The name in the report: "touches_nothing".
-std::string_view name(NoForce reason);
+std::string_view name(ZeroForceReason reason);
 /// The text for people: "touches nothing"; empty for `felt`.
-std::string_view text(NoForce reason);
+std::string_view text(ZeroForceReason reason);
 
 /// The stages of one command on its way to the hand in one tick.
 struct ForceTrail {
@@ -78,10 +79,10 @@ struct ForceTrail {
 };
 
 /// The first stage after which there is no force any more.
-NoForce why_no_force(const ForceTrail& trail) noexcept;
+ZeroForceReason zero_force_reason(const ForceTrail& trail) noexcept;
 
 /// The reason of a whole run without force, from the ticks of each reason. A reason that kept a
 /// force away counts before the absence of one, if it applied at one tick in a hundred or more.
-NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept;
+ZeroForceReason prevailing(const std::array<std::uint64_t, kZeroForceReasons>& ticks) noexcept;
 
 }  // namespace feltwire

@@ -1,10 +1,10 @@
-#include "client/servo/device_guard.hpp"
+#include "client/servo/guarded_device.hpp"
 
 #include <unistd.h>
 
 namespace feltwire {
 
-void DeviceGuard::leave() noexcept {
+void GuardedDevice::leave() noexcept {
   call_.store(DeviceCall::none, std::memory_order_release);
   calls_.fetch_add(1, std::memory_order_release);
   Where expected = Where::in_device;
@@ -12,12 +12,12 @@ void DeviceGuard::leave() noexcept {
   while (true) ::pause();  // abandoned: other threads read its data now
 }
 
-bool DeviceGuard::abandon() noexcept {
+bool GuardedDevice::abandon() noexcept {
   Where expected = Where::in_device;
   return where_.compare_exchange_strong(expected, Where::abandoned);
 }
 
-bool DeviceGuard::await_tick(Nanoseconds latest) noexcept {
+bool GuardedDevice::await_tick(Nanoseconds latest) noexcept {
   if (released()) return true;  // read() says that it has ended
   enter(DeviceCall::await_tick);
   const bool came = device_.await_tick(latest);
@@ -25,7 +25,7 @@ bool DeviceGuard::await_tick(Nanoseconds latest) noexcept {
   return came;
 }
 
-DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
+DeviceReading GuardedDevice::read(Nanoseconds now) noexcept {
   if (released()) return {.pose = {}, .ok = false, .ended = true};
   tick_.store(now, std::memory_order_release);
   enter(DeviceCall::read);
@@ -35,7 +35,7 @@ DeviceReading DeviceGuard::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-Command DeviceGuard::write(const Command& on_hand) noexcept {
+Command GuardedDevice::write(const Command& on_hand) noexcept {
   Command held;
   if (!released()) {
     enter(DeviceCall::write);
@@ -54,7 +54,7 @@ Command DeviceGuard::write(const Command& on_hand) noexcept {
   return held;
 }
 
-bool DeviceGuard::lower_tool(Nanoseconds now) noexcept {
+bool GuardedDevice::lower_tool(Nanoseconds now) noexcept {
   if (released()) return true;
   enter(DeviceCall::lower_tool);
   const bool lowered = device_.lower_tool(now);
@@ -62,7 +62,7 @@ bool DeviceGuard::lower_tool(Nanoseconds now) noexcept {
   return lowered;
 }
 
-void DeviceGuard::release() noexcept {
+void GuardedDevice::release() noexcept {
   released_.store(true);
   device_.release();
 }

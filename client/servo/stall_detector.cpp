@@ -1,4 +1,4 @@
-#include "client/servo/tick_watch.hpp"
+#include "client/servo/stall_detector.hpp"
 
 #include <algorithm>
 
@@ -9,13 +9,13 @@ double let_go_time(double servo_period, double hold_time, double asked, bool rea
   return std::max(std::min(asked > 0.0 ? asked : usual, hold_time), kLeastLateTicks * servo_period);
 }
 
-Nanoseconds TickWatch::pause() const noexcept {
+Nanoseconds StallDetector::pause() const noexcept {
   constexpr int kShortest = 8;  // part of late_
   if (stands_still_) return late_;
   return std::clamp(limit_ - pulling_, late_ / kShortest, late_);
 }
 
-TickWatch::Verdict TickWatch::look(Nanoseconds now, const Life& life) noexcept {
+StallDetector::Verdict StallDetector::look(Nanoseconds now, const Life& life) noexcept {
   const Nanoseconds most = pause() + late_;
   const Nanoseconds slept = std::max(now - looked_.value_or(now), Nanoseconds(0));
   looked_ = now;

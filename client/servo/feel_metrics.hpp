@@ -27,10 +27,10 @@ namespace feltwire {
 ///
 /// Both use the device's readings, encoder quanta included. The class allocates only when it is
 /// made.
-class HandMeasures {
+class FeelMetrics {
  public:
   /// `period` of the servo [s].
-  explicit HandMeasures(double period);
+  explicit FeelMetrics(double period);
 
   /// Takes a tick. `displacement` [m] since the last one. `elastic` [N]: the scene's command on the
   /// hand; `held` [N]: the force on the hand from now on.

@@ -14,7 +14,7 @@ namespace feltwire {
 ///
 /// The added energy never exceeds the energy that the hand has pressed into its present contact, or
 /// the margin of the port. The account behind the bound keeps the port passive.
-class Admission {
+class SceneChangeGate {
  public:
   struct Tick {
     const Command& held;     // during the movement
@@ -25,7 +25,7 @@ class Admission {
   };
 
   /// `slew` [N/s]: the largest rate at which a force may rise.
-  explicit Admission(double slew) : slew_(slew) {}
+  explicit SceneChangeGate(double slew) : slew_(slew) {}
 
   /// The scene is a new one from this tick's command on.
   void begin() noexcept {

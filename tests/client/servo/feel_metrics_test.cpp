@@ -1,6 +1,6 @@
 // Oscillation and displayed stiffness against closed forms.
 
-#include "client/servo/hand_measures.hpp"
+#include "client/servo/feel_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 
-namespace feltwire::hand_measures_test {
+namespace feltwire::feel_metrics_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -20,7 +20,7 @@ const Vec3 kUp(0, 0, 1);
 /// A hand on a surface at places that the test sets; the held force does not matter.
 struct Hand {
   double period;
-  HandMeasures measures{period};
+  FeelMetrics measures{period};
   Vec3 last = Vec3::Zero();
 
   void at(const Vec3& position, const Vec3& elastic, const Vec3& held) {
@@ -105,7 +105,7 @@ TEST(Oscillation, NeedsAWholeWindowOfContact) {
 }
 
 /// Presses into a spring repeatedly; `share` of the force is given, `delay` ticks late.
-HandMeasures pressed(double stiffness, double share, int delay, double speed) {
+FeelMetrics pressed(double stiffness, double share, int delay, double speed) {
   Hand hand{0.001};
   const auto height = [&](int n) {
     constexpr int kPeriod = 400;
@@ -241,4 +241,4 @@ TEST(DisplayedStiffness, AFadeAndWhatIsWithheldAfterItDoNotCount) {
 }
 
 }  // namespace
-}  // namespace feltwire::hand_measures_test
+}  // namespace feltwire::feel_metrics_test

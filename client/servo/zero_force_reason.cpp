@@ -1,4 +1,4 @@
-#include "client/servo/no_force.hpp"
+#include "client/servo/zero_force_reason.hpp"
 
 #include <numeric>
 
@@ -11,7 +11,7 @@ struct ReasonText {
   std::string_view name, text;
 };
 
-constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
+constexpr std::array<ReasonText, kZeroForceReasons> kWords = {{
     {"felt", ""},
     {"observer", "an observer is given none"},
     {"device_ended", "the recording is over"},
@@ -47,20 +47,20 @@ constexpr std::array<ReasonText, kNoForceReasons> kWords = {{
 bool felt(const Command& c) {
   return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
 }
-NoForce reason_of(Withheld withheld) {
+ZeroForceReason reason_of(Withheld withheld) {
   switch (withheld) {
     case Withheld::not_homed:
-      return NoForce::not_homed;
+      return ZeroForceReason::not_homed;
     case Withheld::in_inkwell:
-      return NoForce::in_inkwell;
+      return ZeroForceReason::in_inkwell;
     case Withheld::starting:
-      return NoForce::starting;
+      return ZeroForceReason::starting;
     case Withheld::emergency:
-      return NoForce::emergency;
+      return ZeroForceReason::emergency;
     case Withheld::nothing:
       break;
   }
-  return NoForce::device_fault;
+  return ZeroForceReason::device_fault;
 }
 /// Whether the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
@@ -73,50 +73,55 @@ bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) 
 
 }  // namespace
 
-std::string_view name(NoForce reason) { return kWords[static_cast<std::size_t>(reason)].name; }
-std::string_view text(NoForce reason) { return kWords[static_cast<std::size_t>(reason)].text; }
-
-NoForce why_no_force(const ForceTrail& t) noexcept {
-  if (felt(t.held) && !held_back(t)) return NoForce::felt;
-  if (t.observer) return NoForce::observer;
-  if (t.device_ended) return NoForce::device_ended;
-  if (t.overdrawn) return NoForce::overdrawn;
-  if (t.released) return NoForce::ending;
-  if (t.clutched) return NoForce::clutched;
-  if (t.jumped) return NoForce::jumped;
-  if (!t.read) return reason_of(t.withheld);
-  if (!t.answered) return NoForce::no_reply;
-  if (t.letting_go) return t.law_change ? NoForce::law_change : NoForce::reconnecting;
-  if (t.silent) return NoForce::silent;
-  if (!felt(t.asked)) {
-    if (t.recovering) return NoForce::recovering;
-    if (t.server_bound) return NoForce::server_bound;
-    return any(t.asked) ? NoForce::too_little : NoForce::touches_nothing;
-  }
-  if (!felt(t.actuated)) return NoForce::not_actuated;
-  // Before the bound: while nothing is held it may let nothing through, but that is not the reason.
-  if (t.stage_waits) return NoForce::waiting;
-  if (!felt(t.faded)) return NoForce::silent;
-  if (!felt(t.bounded)) return t.refused ? NoForce::refused : NoForce::bound;
-  if (!felt(t.safe)) {
-    if (t.refused) return NoForce::refused;
-    if (t.too_fast) return NoForce::velocity_limit;
-    if (t.ramped) return NoForce::ramp;
-    return t.slewed ? NoForce::slew : NoForce::force_limit;
-  }
-  return felt(t.paid) ? NoForce::not_held : NoForce::account;
+std::string_view name(ZeroForceReason reason) {
+  return kWords[static_cast<std::size_t>(reason)].name;
+}
+std::string_view text(ZeroForceReason reason) {
+  return kWords[static_cast<std::size_t>(reason)].text;
 }
 
-NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noexcept {
+ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
+  if (felt(t.held) && !held_back(t)) return ZeroForceReason::felt;
+  if (t.observer) return ZeroForceReason::observer;
+  if (t.device_ended) return ZeroForceReason::device_ended;
+  if (t.overdrawn) return ZeroForceReason::overdrawn;
+  if (t.released) return ZeroForceReason::ending;
+  if (t.clutched) return ZeroForceReason::clutched;
+  if (t.jumped) return ZeroForceReason::jumped;
+  if (!t.read) return reason_of(t.withheld);
+  if (!t.answered) return ZeroForceReason::no_reply;
+  if (t.letting_go)
+    return t.law_change ? ZeroForceReason::law_change : ZeroForceReason::reconnecting;
+  if (t.silent) return ZeroForceReason::silent;
+  if (!felt(t.asked)) {
+    if (t.recovering) return ZeroForceReason::recovering;
+    if (t.server_bound) return ZeroForceReason::server_bound;
+    return any(t.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
+  }
+  if (!felt(t.actuated)) return ZeroForceReason::not_actuated;
+  // Before the bound: while nothing is held it may let nothing through, but that is not the reason.
+  if (t.stage_waits) return ZeroForceReason::waiting;
+  if (!felt(t.faded)) return ZeroForceReason::silent;
+  if (!felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
+  if (!felt(t.safe)) {
+    if (t.refused) return ZeroForceReason::refused;
+    if (t.too_fast) return ZeroForceReason::velocity_limit;
+    if (t.ramped) return ZeroForceReason::ramp;
+    return t.slewed ? ZeroForceReason::slew : ZeroForceReason::force_limit;
+  }
+  return felt(t.paid) ? ZeroForceReason::not_held : ZeroForceReason::account;
+}
+
+ZeroForceReason prevailing(const std::array<std::uint64_t, kZeroForceReasons>& ticks) noexcept {
   // There was no force to be given, or the hand was on its way in or out.
   constexpr std::array kNothingToGive = {
-      NoForce::felt,     NoForce::ending,          NoForce::device_ended,
-      NoForce::no_reply, NoForce::touches_nothing, NoForce::too_little,
-      NoForce::clutched};
+      ZeroForceReason::felt,     ZeroForceReason::ending,          ZeroForceReason::device_ended,
+      ZeroForceReason::no_reply, ZeroForceReason::touches_nothing, ZeroForceReason::too_little,
+      ZeroForceReason::clutched};
   constexpr std::uint64_t kShare = 100;
   const std::uint64_t all = std::accumulate(ticks.begin(), ticks.end(), std::uint64_t{0});
   auto rest = ticks;
-  for (const NoForce reason : kNothingToGive) rest[static_cast<std::size_t>(reason)] = 0;
+  for (const ZeroForceReason reason : kNothingToGive) rest[static_cast<std::size_t>(reason)] = 0;
   const auto most = [](const auto& counts) {
     std::size_t best = 0;
     for (std::size_t i = 1; i < counts.size(); ++i)
@@ -125,8 +130,8 @@ NoForce prevailing(const std::array<std::uint64_t, kNoForceReasons>& ticks) noex
   };
   const std::size_t kept_away = most(rest);
   if (rest[kept_away] > 0 && rest[kept_away] * kShare >= all)
-    return static_cast<NoForce>(kept_away);
-  return static_cast<NoForce>(most(ticks));
+    return static_cast<ZeroForceReason>(kept_away);
+  return static_cast<ZeroForceReason>(most(ticks));
 }
 
 }  // namespace feltwire

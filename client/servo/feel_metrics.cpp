@@ -1,19 +1,19 @@
-#include "client/servo/hand_measures.hpp"
+#include "client/servo/feel_metrics.hpp"
 
 #include <cmath>
 
-#include "client/servo/no_force.hpp"
+#include "client/servo/zero_force_reason.hpp"
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
 
-HandMeasures::HandMeasures(double period)
+FeelMetrics::FeelMetrics(double period)
     : period_(period),
       axes_{CentredHighPass(odd_window(kOscillationWindow, 1.0 / period)),
             CentredHighPass(odd_window(kOscillationWindow, 1.0 / period)),
             CentredHighPass(odd_window(kOscillationWindow, 1.0 / period))} {}
 
-void HandMeasures::take(const Vec3& displacement, const Vec3& elastic, const Vec3& held) noexcept {
+void FeelMetrics::take(const Vec3& displacement, const Vec3& elastic, const Vec3& held) noexcept {
   const double asked = length(elastic);
   const bool touches = asked >= kFeltForce;
   if (!touches && !in_contact_) return;
@@ -49,7 +49,7 @@ void HandMeasures::take(const Vec3& displacement, const Vec3& elastic, const Vec
   if (without_force_ >= 0.5 * kOscillationWindow) end_contact();
 }
 
-void HandMeasures::press(const Vec3& displacement, const Vec3& held) noexcept {
+void FeelMetrics::press(const Vec3& displacement, const Vec3& held) noexcept {
   const double inwards = -displacement.dot(normal_), force = held.dot(normal_);
   const bool deeper = depth_ > deepest_;
   deepest_ = std::max(deepest_, depth_);
@@ -64,7 +64,7 @@ void HandMeasures::press(const Vec3& displacement, const Vec3& held) noexcept {
   depth_force_ += from_mean * (force - mean_force_);
 }
 
-void HandMeasures::end_contact() noexcept {
+void FeelMetrics::end_contact() noexcept {
   if (!in_contact_) return;
   in_contact_ = false;
   pending_ = {};
@@ -72,12 +72,12 @@ void HandMeasures::end_contact() noexcept {
   for (CentredHighPass& axis : axes_) axis.begin_anew();
 }
 
-std::optional<double> HandMeasures::Squares::rms() const {
+std::optional<double> FeelMetrics::Squares::rms() const {
   if (count == 0) return std::nullopt;
   return std::sqrt(sum / static_cast<double>(count));
 }
 
-std::optional<double> HandMeasures::displayed_stiffness() const {
+std::optional<double> FeelMetrics::displayed_stiffness() const {
   constexpr double kTicks = 32.0, kSpread = 20e-6;  // [m]
   if (all_ticks_ < kTicks || depth_depth_ < all_ticks_ * kSpread * kSpread) return std::nullopt;
   return depth_force_ / depth_depth_;

@@ -21,7 +21,7 @@ double let_go_time(double servo_period, double hold_time, double asked, bool rea
 /// Counts the time in which a servo thread shows no sign of life. If the watch itself was not run
 /// for so long that the servo thread was not either (the program was stopped as a whole), then that
 /// time counts once as none, and the servo thread has time to tick again.
-class TickWatch {
+class StallDetector {
  public:
   static constexpr Nanoseconds kIdle =
       std::chrono::seconds(2);  // the same time if there is no force
@@ -43,7 +43,7 @@ class TickWatch {
 
   /// A force is held for at most `late` after the beginning of the newest tick, and for at most
   /// `hold` if the next tick is the device's.
-  TickWatch(Nanoseconds late, Nanoseconds hold)
+  StallDetector(Nanoseconds late, Nanoseconds hold)
       : late_(late), hold_(hold < late ? late : hold), limit_(late) {}
 
   /// The time from a look to the next one.

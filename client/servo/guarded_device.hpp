@@ -18,9 +18,9 @@ inline constexpr std::array<std::string_view, 5> kDeviceCallNames = {"none", "aw
 /// The device for the servo thread. After release() no force stays on the hand: a write() that was
 /// under way takes its force back, later ones write nothing, and read() says that the device has
 /// ended.
-class DeviceGuard final : public Device {
+class GuardedDevice final : public Device {
  public:
-  explicit DeviceGuard(Device& device) : device_(device) {}
+  explicit GuardedDevice(Device& device) : device_(device) {}
 
   const DeviceSpec& spec() const override { return device_.spec(); }
   double motion_scale() const override { return device_.motion_scale(); }

@@ -1,4 +1,4 @@
-#include "client/servo/admission.hpp"
+#include "client/servo/scene_change_gate.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 namespace feltwire {
 
-double Admission::energy(const Tick& tick, const PortAccount& account) noexcept {
+double SceneChangeGate::energy(const Tick& tick, const PortAccount& account) noexcept {
   const double wanted = length(tick.command.elastic);
   if (!(wanted > 0.0)) {  // the contact is lost, and so is the energy pressed into it
     forget();
@@ -27,7 +27,7 @@ double Admission::energy(const Tick& tick, const PortAccount& account) noexcept 
   return std::max(0.0, std::min(spare, needed));
 }
 
-void Admission::given(const Vec3& rendered, const Vec3& commanded) noexcept {
+void SceneChangeGate::given(const Vec3& rendered, const Vec3& commanded) noexcept {
   constexpr double kAll = 1.0 - 1e-9;
   if (length(rendered) >= kAll * length(commanded)) open_ = false;
 }
