@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "client/identify/burned.hpp"
+#include "client/identify/dissipation_per_cycle.hpp"
 #include "client/identify/impulse_fit.hpp"
 #include "client/identify/lag_fit.hpp"
 
@@ -81,19 +81,19 @@ Vec3 diagonal_below(const Measured& a, int dof) {
 /// The runs along one line, which are adjacent in the plan.
 struct Line {
   Vec3 along = Vec3::Zero();
-  std::vector<const SweptRun*> runs;
+  std::vector<const SweepRecord*> runs;
   ImpulseFit impulse;  // of the fastest
 };
 
-std::vector<Line> lines_of(std::span<const SweptRun> runs) {
+std::vector<Line> lines_of(std::span<const SweepRecord> runs) {
   std::vector<Line> lines;
-  for (const SweptRun& run : runs) {
+  for (const SweepRecord& run : runs) {
     if (lines.empty() || !lines.back().along.isApprox(run.sweep.along, 1e-6))
       lines.push_back({run.sweep.along, {}, {}});
     lines.back().runs.push_back(&run);
   }
   for (Line& line : lines) {
-    const auto slower = [](const SweptRun* a, const SweptRun* b) {
+    const auto slower = [](const SweepRecord* a, const SweepRecord* b) {
       return a->sweep.speed < b->sweep.speed;
     };
     line.impulse = impulse_fit(**std::max_element(line.runs.begin(), line.runs.end(), slower));
@@ -103,15 +103,15 @@ std::vector<Line> lines_of(std::span<const SweptRun> runs) {
 
 /// A lower bound of the friction along one line: the smaller of two estimates. One uses all cycles,
 /// the other only the faster half, where stiction is over.
-double friction_below(const std::vector<BurnedCycle>& cycles) {
+double friction_below(const std::vector<DissipationCycle>& cycles) {
   const FittedLine all = fitted_line(cycles);
   double fastest = 0.0, most = 0.0, slow_share = 0.0;
-  for (const BurnedCycle& c : cycles) {
+  for (const DissipationCycle& c : cycles) {
     fastest = std::max(fastest, c.speed);
     most = std::max(most, c.resistance);
   }
-  std::vector<BurnedCycle> faster;
-  for (const BurnedCycle& c : cycles)
+  std::vector<DissipationCycle> faster;
+  for (const DissipationCycle& c : cycles)
     if (c.speed > 0.4 * fastest) {
       faster.push_back(c);
       slow_share = std::max(slow_share, c.slow_share);
@@ -123,10 +123,10 @@ double friction_below(const std::vector<BurnedCycle>& cycles) {
          kSpeedError * std::max(0.0, all.slope) * 0.5 * fastest;
 }
 
-std::vector<BurnedCycle> cycles_of(const Line& line, double delay) {
-  std::vector<BurnedCycle> cycles;
-  for (const SweptRun* run : line.runs)
-    for (const BurnedCycle& cycle : burned_cycles(*run, delay, line.impulse.mass))
+std::vector<DissipationCycle> cycles_of(const Line& line, double delay) {
+  std::vector<DissipationCycle> cycles;
+  for (const SweepRecord* run : line.runs)
+    for (const DissipationCycle& cycle : dissipation_per_cycle(*run, delay, line.impulse.mass))
       cycles.push_back(cycle);
   return cycles;
 }
@@ -153,7 +153,7 @@ std::string disagreement(const Vec3& along, const FittedLine& energy, const char
 }
 
 /// Takes the decay along an axis, which can only lower the damping.
-void cross_check(std::span<const CoastRun> coasts, std::size_t axis, const Line& line,
+void cross_check(std::span<const CoastDownRecord> coasts, std::size_t axis, const Line& line,
                  const FittedLine& energy, const AlongLine& damping, DeviceEstimate& found) {
   const ImpulseFit& impulse = line.impulse;
   const DecayFit decay = decay_fit(coasts, line.along, impulse.mass, impulse.delay);
@@ -167,10 +167,10 @@ void cross_check(std::span<const CoastRun> coasts, std::size_t axis, const Line&
   if (!doubt.empty()) found.doubts.push_back(std::move(doubt));
 }
 
-void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
+void read_noise(std::span<const SweepRecord> runs, std::span<const SweepTick> rest,
                 DeviceEstimate& found) {
   double least = std::numeric_limits<double>::infinity();
-  for (const SweptRun& run : runs)
+  for (const SweepRecord& run : runs)
     for (std::size_t k = 1; k < run.ticks.size(); ++k)
       for (const double step : (run.ticks[k].position - run.ticks[k - 1].position).cwiseAbs())
         if (step > 1e-12) least = std::min(least, step);
@@ -178,12 +178,12 @@ void read_noise(std::span<const SweptRun> runs, std::span<const SweptTick> rest,
   if (rest.size() < 2) return;
   Vec3 mean = Vec3::Zero(), squares = Vec3::Zero();
   const double count = static_cast<double>(rest.size());
-  for (const SweptTick& tick : rest) mean += tick.position / count;
-  for (const SweptTick& tick : rest) squares += (tick.position - mean).cwiseAbs2() / count;
+  for (const SweepTick& tick : rest) mean += tick.position / count;
+  for (const SweepTick& tick : rest) squares += (tick.position - mean).cwiseAbs2() / count;
   found.noise = std::sqrt(squares.maxCoeff());
 }
 
-void read_lag(std::span<const SweptRun> shaken, DeviceEstimate& found) {
+void read_lag(std::span<const SweepRecord> shaken, DeviceEstimate& found) {
   const LagFit fit = lag_fit(shaken);
   if (!fit.valid) return;
   const double open = student(fit.freedom) * fit.error;
@@ -194,11 +194,12 @@ void read_lag(std::span<const SweptRun> shaken, DeviceEstimate& found) {
 
 }  // namespace
 
-DeviceEstimate estimate(std::span<const SweptRun> all_runs, std::span<const CoastRun> coasts,
-                        std::span<const SweptTick> rest, int dof) {
+DeviceEstimate estimate(std::span<const SweepRecord> all_runs,
+                        std::span<const CoastDownRecord> coasts, std::span<const SweepTick> rest,
+                        int dof) {
   DeviceEstimate found;
   const auto shaken = std::find_if(all_runs.begin(), all_runs.end(),
-                                   [](const SweptRun& run) { return run.sweep.shake > 0.0; });
+                                   [](const SweepRecord& run) { return run.sweep.shake > 0.0; });
   const std::span runs(all_runs.begin(), shaken);
   read_noise(runs, rest, found);
   read_lag({shaken, all_runs.end()}, found);
@@ -219,7 +220,7 @@ DeviceEstimate estimate(std::span<const SweptRun> all_runs, std::span<const Coas
   found.friction = found.friction_bound = std::numeric_limits<double>::infinity();
   for (const Line& line : lines) {
     const ImpulseFit& impulse = line.impulse;
-    const std::vector<BurnedCycle> cycles = cycles_of(line, made_good);
+    const std::vector<DissipationCycle> cycles = cycles_of(line, made_good);
     const FittedLine energy = fitted_line(cycles);
     const double t = student(energy.freedom);
     dampings.push_back({line.along, energy.slope, t * energy.slope_error});

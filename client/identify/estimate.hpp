@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "client/identify/coast.hpp"
-#include "client/identify/swept.hpp"
+#include "client/identify/coast_down.hpp"
+#include "client/identify/sweep_record.hpp"
 
 namespace feltwire {
 
@@ -53,8 +53,8 @@ struct DeviceEstimate {
 /// The lag: lag_fit(). Its bound is the 99.9 % upper bound of the fit, and 40 us and 2 % more.
 ///
 /// Precondition: the runs are those of sweep_plan() and then of shaken_plan(), and the coasts those
-/// of coast_plan(), in their order.
-DeviceEstimate estimate(std::span<const SweptRun> runs, std::span<const CoastRun> coasts,
-                        std::span<const SweptTick> rest, int dof);
+/// of coast_down_plan(), in their order.
+DeviceEstimate estimate(std::span<const SweepRecord> runs, std::span<const CoastDownRecord> coasts,
+                        std::span<const SweepTick> rest, int dof);
 
 }  // namespace feltwire

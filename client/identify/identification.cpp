@@ -69,15 +69,15 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
   std::vector<Sweep> plan = sweep_plan(dof_, limits.top_speed);
   for (const Sweep& sweep : shaken_plan(dof_, limits.top_speed)) plan.push_back(sweep);
   for (const Sweep& sweep : plan) {
-    SweptRun run{sweep, {}, {}};
+    SweepRecord run{sweep, {}, {}};
     const double time = sweep_time(sweep, limits.amplitude) + kBeyond;
     run.ticks.reserve(room(time));
     run.turns.reserve(static_cast<std::size_t>(sweep.cycles) + 1);
     duration_ += kApproach + time;
     runs_.push_back(std::move(run));
   }
-  for (const Coast& coast : coast_plan(dof_, limits.top_speed)) {
-    CoastRun run{coast, {}};
+  for (const CoastDown& coast : coast_down_plan(dof_, limits.top_speed)) {
+    CoastDownRecord run{coast, {}};
     run.ticks.reserve(room(kLongestCoast));
     duration_ += kApproach + 2.0 * limits.amplitude / coast.speed;
     coasts_.push_back(std::move(run));
@@ -175,7 +175,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::push: {
-      const Coast& coast = coasts_[coast_].coast;
+      const CoastDown& coast = coasts_[coast_].coast;
       meant = coast.speed;
       const double at = led_to({coast.along, coast.speed, 1}, amplitude, in_phase);
       led_ = at * coast.along;
@@ -183,7 +183,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::coast: {
-      const Coast& coast = coasts_[coast_].coast;
+      const CoastDown& coast = coasts_[coast_].coast;
       const double at = coast.along.dot(position - start_);
       coasted_ = coast.along.dot(velocity_);
       led_ = at * coast.along;
@@ -193,7 +193,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::brake: {  // from its present speed to rest, as at a sweep's turn
-      const Coast& coast = coasts_[coast_].coast;
+      const CoastDown& coast = coasts_[coast_].coast;
       meant = coast.speed;
       const double speed = std::max(coasted_, 0.0);
       const double room = std::max(amplitude - coast.along.dot(led_from_), 0.1 * amplitude);
@@ -263,7 +263,7 @@ void Identification::next(double time) noexcept {
 
 /// Marks a turn if the next recorded tick begins a cycle, or ends the last one.
 void Identification::look_for_turn(double in_phase) noexcept {
-  SweptRun& run = runs_[run_];
+  SweepRecord& run = runs_[run_];
   const double next = static_cast<double>(run.turns.size()) + 1.0;
   if (run.turns.size() <= static_cast<std::size_t>(run.sweep.cycles) &&
       in_phase >= next * cycle_time(run.sweep, limits_.amplitude))
@@ -274,7 +274,7 @@ void Identification::record(double time, const Vec3& position) noexcept {
   const bool rests = phase_ == Phase::rest && time - phase_began_ > kSettle;
   const bool coasts = phase_ == Phase::coast;
   if (!rests && !coasts && phase_ != Phase::sweep) return;
-  std::vector<SweptTick>& ticks = rests    ? rest_
+  std::vector<SweepTick>& ticks = rests    ? rest_
                                   : coasts ? coasts_[coast_].ticks
                                            : runs_[run_].ticks;
   if (ticks.size() == ticks.capacity())

@@ -67,10 +67,10 @@ class Identification {
 
   IdentifyLimits limits_;
   int dof_;
-  std::vector<SweptRun> runs_;
-  std::vector<CoastRun> coasts_;  // after all sweeps
-  std::vector<SweptTick> rest_;
-  std::vector<SweptTick>* recorded_ = nullptr;  // where held() completes the last tick
+  std::vector<SweepRecord> runs_;
+  std::vector<CoastDownRecord> coasts_;  // after all sweeps
+  std::vector<SweepTick> rest_;
+  std::vector<SweepTick>* recorded_ = nullptr;  // where held() completes the last tick
   double duration_ = 0.0;
 
   State state_ = State::measuring;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "client/identify/burned.hpp"
+#include "client/identify/dissipation_per_cycle.hpp"
 
 namespace feltwire {
 namespace {
@@ -17,7 +17,7 @@ struct Means {
   double force, velocity, acceleration;
 };
 
-std::vector<Means> means(const SweptRun& run) {
+std::vector<Means> means(const SweepRecord& run) {
   constexpr std::size_t h = kHalfWindow;
   std::vector<Means> list;
   if (run.ticks.size() < 6 * h) return list;
@@ -75,7 +75,7 @@ Fit fit(const std::vector<Means>& list, double shift, double slowest) {
 
 }  // namespace
 
-ImpulseFit impulse_fit(const SweptRun& run) {
+ImpulseFit impulse_fit(const SweepRecord& run) {
   ImpulseFit best;
   const std::vector<Means> list = means(run);
   if (list.empty()) return best;

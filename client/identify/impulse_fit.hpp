@@ -1,7 +1,7 @@
 #pragma once
 // Mass, delay and, as a cross-check, damping, from the impulse of a sweep by least squares.
 
-#include "client/identify/swept.hpp"
+#include "client/identify/sweep_record.hpp"
 
 namespace feltwire {
 
@@ -15,6 +15,6 @@ struct ImpulseFit {
 };
 
 /// Delays up to 8 ms are tried, in steps of 0.25 ms.
-ImpulseFit impulse_fit(const SweptRun& run);
+ImpulseFit impulse_fit(const SweepRecord& run);
 
 }  // namespace feltwire

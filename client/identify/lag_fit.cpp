@@ -54,7 +54,7 @@ class TestFunction {
 
 /// The integrals over one way of a run, with its cycles turned back to one phase.
 struct ShakenWay {
-  const SweptRun* run;
+  const SweepRecord* run;
   TestFunction test;
   Complex accelerated = 0.0;  // of x p''
   Complex moved = 0.0;        // of -x p'
@@ -65,7 +65,7 @@ struct ShakenWay {
 
 /// Calls visit(turn back by the phase, ticks from the cycle's begin on, time of that begin).
 template <class Visit>
-void for_each_cycle(const SweptRun& run, Visit visit) {
+void for_each_cycle(const SweepRecord& run, Visit visit) {
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
     const std::size_t first = run.turns[n];
     const double phase = shake_phase(static_cast<int>(n) + 1);  // one cycle came before
@@ -75,7 +75,7 @@ void for_each_cycle(const SweptRun& run, Visit visit) {
 
 Complex ShakenWay::forced(double lag) const {
   Complex sum = 0.0;
-  for_each_cycle(*run, [&](const Complex& turned, std::span<const SweptTick> ticks, double origin) {
+  for_each_cycle(*run, [&](const Complex& turned, std::span<const SweepTick> ticks, double origin) {
     for (std::size_t k = 0; k + 1 < ticks.size(); ++k) {
       const double from = ticks[k].time - origin + lag, to = ticks[k + 1].time - origin + lag;
       if (from > test.ends()) break;
@@ -88,9 +88,9 @@ Complex ShakenWay::forced(double lag) const {
   return sum;
 }
 
-ShakenWay way_of(const SweptRun& run, const TestFunction& test) {
+ShakenWay way_of(const SweepRecord& run, const TestFunction& test) {
   ShakenWay way{&run, test};
-  for_each_cycle(run, [&](const Complex& turned, std::span<const SweptTick> ticks, double origin) {
+  for_each_cycle(run, [&](const Complex& turned, std::span<const SweepTick> ticks, double origin) {
     for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
       const double at = ticks[k].time - origin;
       if (at > test.ends()) break;
@@ -105,9 +105,9 @@ ShakenWay way_of(const SweptRun& run, const TestFunction& test) {
 }
 
 /// Both ways of each run.
-std::vector<ShakenWay> ways_of(std::span<const SweptRun> runs) {
+std::vector<ShakenWay> ways_of(std::span<const SweepRecord> runs) {
   std::vector<ShakenWay> ways;
-  for (const SweptRun& run : runs) {
+  for (const SweepRecord& run : runs) {
     if (run.turns.size() < 5) continue;
     const double cycle = (run.ticks[run.turns.back()].time - run.ticks[run.turns.front()].time) /
                          static_cast<double>(run.turns.size() - 1);
@@ -171,7 +171,7 @@ Solution solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& right,
 
 }  // namespace
 
-LagFit lag_fit(std::span<const SweptRun> runs) {
+LagFit lag_fit(std::span<const SweepRecord> runs) {
   LagFit fit;
   const std::vector<ShakenWay> shaken = ways_of(runs);
   std::vector<Vec3> lines;

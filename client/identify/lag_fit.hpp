@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "client/identify/swept.hpp"
+#include "client/identify/sweep_record.hpp"
 
 namespace feltwire {
 
@@ -30,6 +30,6 @@ struct LagFit {
 /// far. What a transmission or another loss adds to b grows as w^4 below its resonance and is
 /// fitted too; it is never negative. Where m(w) differs by 30 % from that at the lowest frequency a
 /// resonance is near, and these frequencies are left out.
-LagFit lag_fit(std::span<const SweptRun> runs);
+LagFit lag_fit(std::span<const SweepRecord> runs);
 
 }  // namespace feltwire

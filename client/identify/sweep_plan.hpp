@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "client/identify/swept.hpp"
+#include "client/identify/sweep_record.hpp"
 
 namespace feltwire {
 

@@ -1,10 +1,10 @@
-#include "client/identify/coast.hpp"
+#include "client/identify/coast_down.hpp"
 
 #include <array>
 #include <cmath>
 #include <optional>
 
-#include "client/identify/burned.hpp"
+#include "client/identify/dissipation_per_cycle.hpp"
 
 namespace feltwire {
 namespace {
@@ -18,7 +18,7 @@ constexpr std::size_t kShortest = 10;                 // [ticks]
 constexpr int kLeastFreedom = 4;
 
 /// [m] the mean place about tick k, over the window of velocity_at().
-double place_at(const CoastRun& run, std::size_t k) {
+double place_at(const CoastDownRecord& run, std::size_t k) {
   double sum = 0.0;
   for (std::size_t n = k - kHalfWindow + 1; n < k + kHalfWindow; ++n)
     sum += run.coast.along.dot(run.ticks[n].position);
@@ -27,7 +27,7 @@ double place_at(const CoastRun& run, std::size_t k) {
   return (sum + 0.5 * ends) / (2.0 * kHalfWindow);
 }
 
-double speed_at(const CoastRun& run, std::size_t k) {
+double speed_at(const CoastDownRecord& run, std::size_t k) {
   return run.coast.along.dot(velocity_at(run.ticks, k, kHalfWindow));
 }
 
@@ -38,7 +38,7 @@ struct Slowing {
 
 /// Uses the part without a force. The integral of dv/dt = -(b v + f_c) / m between two ticks has
 /// only the errors of its two ends.
-std::optional<Slowing> slowing(const CoastRun& run, double delay) {
+std::optional<Slowing> slowing(const CoastDownRecord& run, double delay) {
   std::size_t free = run.ticks.size();
   while (free > 0 && std::abs(run.coast.along.dot(run.ticks[free - 1].force)) < kNoForce) --free;
   if (free == run.ticks.size()) return std::nullopt;
@@ -57,8 +57,8 @@ std::optional<Slowing> slowing(const CoastRun& run, double delay) {
 
 }  // namespace
 
-std::vector<Coast> coast_plan(int dof, double top_speed) {
-  std::vector<Coast> plan;
+std::vector<CoastDown> coast_down_plan(int dof, double top_speed) {
+  std::vector<CoastDown> plan;
   plan.reserve(static_cast<std::size_t>(dof) * 2 * kPushes.size() * kPlaces.size());
   for (int i = 0; i < dof; ++i)
     for (const double from : kPlaces)
@@ -68,8 +68,9 @@ std::vector<Coast> coast_plan(int dof, double top_speed) {
   return plan;
 }
 
-DecayFit decay_fit(std::span<const CoastRun> runs, const Vec3& axis, double mass, double delay) {
-  std::vector<BurnedCycle> pairs;
+DecayFit decay_fit(std::span<const CoastDownRecord> runs, const Vec3& axis, double mass,
+                   double delay) {
+  std::vector<DissipationCycle> pairs;
   for (std::size_t n = 0; n + 1 < runs.size(); n += 2) {
     if (!runs[n].coast.along.isApprox(axis, 1e-6)) continue;
     const auto there = slowing(runs[n], delay), back = slowing(runs[n + 1], delay);

@@ -17,15 +17,15 @@ struct Sweep {
 };
 
 /// A tick.
-struct SweptTick {
+struct SweepTick {
   double time = 0.0;             // [s] of the reading
   Vec3 position = Vec3::Zero();  // [m] as read
   Vec3 force = Vec3::Zero();     // [N] held from this reading to the next
 };
 
-struct SweptRun {
+struct SweepRecord {
   Sweep sweep;
-  std::vector<SweptTick> ticks;
+  std::vector<SweepTick> ticks;
   std::vector<std::size_t> turns;  // ticks at which a measured cycle begins, and the last one's end
 };
 

@@ -1,4 +1,4 @@
-#include "client/identify/burned.hpp"
+#include "client/identify/dissipation_per_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace {
 /// The velocity at a time that lies between ticks, `shift` [ticks] after tick k.
 class VelocityBetween {
  public:
-  VelocityBetween(std::span<const SweptTick> ticks, double shift)
+  VelocityBetween(std::span<const SweepTick> ticks, double shift)
       : ticks_(ticks),
         whole_(static_cast<std::size_t>(shift)),
         part_(shift - std::floor(shift)),
@@ -22,7 +22,7 @@ class VelocityBetween {
   }
 
  private:
-  std::span<const SweptTick> ticks_;
+  std::span<const SweepTick> ticks_;
   std::size_t whole_;
   double part_;
   std::size_t last_;
@@ -30,14 +30,15 @@ class VelocityBetween {
 
 }  // namespace
 
-Vec3 velocity_at(std::span<const SweptTick> ticks, std::size_t k, std::size_t half) {
-  const SweptTick &before = ticks[k - half], &after = ticks[k + half];
+Vec3 velocity_at(std::span<const SweepTick> ticks, std::size_t k, std::size_t half) {
+  const SweepTick &before = ticks[k - half], &after = ticks[k + half];
   return (after.position - before.position) / (after.time - before.time);
 }
 
-std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double mass) {
-  std::vector<BurnedCycle> cycles;
-  const std::span<const SweptTick> ticks = run.ticks;
+std::vector<DissipationCycle> dissipation_per_cycle(const SweepRecord& run, double delay,
+                                                    double mass) {
+  std::vector<DissipationCycle> cycles;
+  const std::span<const SweepTick> ticks = run.ticks;
   if (ticks.size() < 4 * kHalfWindow || run.turns.size() < 2) return cycles;
   const double period =
       (ticks.back().time - ticks.front().time) / static_cast<double>(ticks.size() - 1);
@@ -66,7 +67,7 @@ std::vector<BurnedCycle> burned_cycles(const SweptRun& run, double delay, double
   return cycles;
 }
 
-double pull_back(const SweptRun& run) {
+double pull_back(const SweepRecord& run) {
   if (run.turns.size() < 2) return 0.0;
   const std::size_t first = run.turns.front(), end = run.turns.back();
   const double count = static_cast<double>(end - first);
@@ -83,21 +84,21 @@ double pull_back(const SweptRun& run) {
   return xx > 0.0 ? xf / xx : 0.0;
 }
 
-FittedLine fitted_line(std::span<const BurnedCycle> cycles) {
+FittedLine fitted_line(std::span<const DissipationCycle> cycles) {
   FittedLine line;
   const double count = static_cast<double>(cycles.size());
   line.freedom = static_cast<int>(cycles.size()) - 2;
   if (line.freedom < 1) return line;
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, squares = 0.0;
-  for (const BurnedCycle& c : cycles) x += c.speed / count, y += c.resistance / count;
-  for (const BurnedCycle& c : cycles) {
+  for (const DissipationCycle& c : cycles) x += c.speed / count, y += c.resistance / count;
+  for (const DissipationCycle& c : cycles) {
     xx += (c.speed - x) * (c.speed - x);
     xy += (c.speed - x) * (c.resistance - y);
   }
   if (!(xx > 0.0)) return FittedLine{};
   line.slope = xy / xx;
   line.offset = y - line.slope * x;
-  for (const BurnedCycle& c : cycles) {
+  for (const DissipationCycle& c : cycles) {
     const double off = c.resistance - line.offset - line.slope * c.speed;
     squares += off * off;
   }
