@@ -7,7 +7,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/units.hpp"
-#include "core/whole_surfaces/contact_trial.hpp"
+#include "core/prefetched_geometry/contact_trial.hpp"
 
 namespace feltwire {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/base/types.hpp"
 #include "core/local_model/contact_budget.hpp"
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 #include "protocol/wire/datagram.hpp"
 
 namespace feltwire {
@@ -25,9 +25,9 @@ struct ContactCost {
   double unit = kUsualUnit;  // [s] that a unit of work takes at most; never less than kUsualUnit
 };
 
-/// Tries ticks where the contact is likely to cost the most (core/whole_surfaces/trial_ways.hpp),
-/// first to measure a unit, then with the limit that follows from it, up to the first tick that
-/// takes too long. `servo_period` [s].
+/// Tries ticks where the contact is likely to cost the most
+/// (core/prefetched_geometry/trial_ways.hpp), first to measure a unit, then with the limit that
+/// follows from it, up to the first tick that takes too long. `servo_period` [s].
 ContactCost contact_cost(const FetchedScene& scene, double servo_period,
                          const ComputingClock& clock);
 

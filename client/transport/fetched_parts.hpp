@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/transport/control_dialogue.hpp"
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire {

@@ -10,8 +10,8 @@
 #include "client/transport/control_dialogue.hpp"
 #include "client/transport/detached.hpp"
 #include "client/transport/fetched_parts.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {
@@ -61,7 +61,8 @@ std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t ses
   if (offer.solids.body) {
     const std::vector<SolidData> solids = fetched_solids(dialogue, session, offer.solids);
     for (const SolidData& solid : solids) all->objects.push_back(solid.object);
-    all->body = whole_body(offer.version, fetched_body(dialogue, session, offer.solids), solids);
+    all->body =
+        make_prefetched_tool(offer.version, fetched_body(dialogue, session, offer.solids), solids);
     return all;
   }
   const std::vector<SurfaceData> surfaces = fetched_surfaces(dialogue, session, offer.surfaces);

@@ -11,7 +11,7 @@
 #include "client/transport/contact_cost.hpp"
 #include "client/transport/control_client.hpp"
 #include "core/base/ring.hpp"
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 
 namespace feltwire {
 

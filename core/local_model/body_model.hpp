@@ -54,8 +54,8 @@ inline constexpr int kMaxBodyPatches = 3;
 /// The contacts of a tool, valid while way / reach + angle / turn of its movement is below 1.
 struct BodyModel {
   std::uint32_t scene = 0;  // as in LocalModel
-  /// The version of the solids that the receiver has in full (WholeBody::version): they are met
-  /// besides the points. 0: the points are all that is met.
+  /// The version of the solids that the receiver has in full (PrefetchedTool::version): they are
+  /// met besides the points. 0: the points are all that is met.
   std::uint32_t solids = 0;
   Pose tool;              // the pose at which the contacts held the tool when the model was made
   double reach = 0.0;     // [m] 0: the model is empty

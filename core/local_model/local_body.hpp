@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/local_model/body_model.hpp"
-#include "core/local_model/whole_body.hpp"
+#include "core/local_model/prefetched_tool.hpp"
 
 namespace feltwire {
 
@@ -28,7 +28,7 @@ class LocalBody {
 
   /// Uses this tool with its solids until the next call; null: none was fetched. It must live so
   /// long.
-  void use(const WholeBody* whole) noexcept { whole_ = whole; }
+  void use(const PrefetchedTool* whole) noexcept { whole_ = whole; }
   /// Whether the model means solids that are here.
   bool has_whole() const noexcept {
     return model_.solids != 0 && whole_ != nullptr && whole_->version == model_.solids;
@@ -65,7 +65,7 @@ class LocalBody {
 
   void correct(const BodyModel& model, std::uint64_t ticks) noexcept;
 
-  const WholeBody* whole_ = nullptr;
+  const PrefetchedTool* whole_ = nullptr;
   BodyModel model_;
   BodyMemory memory_;
   double last_weight_ = 0.0;

@@ -36,7 +36,7 @@ ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexc
   return normals;
 }
 
-void LocalContact::use(const WholeSurfaces* surfaces) noexcept {
+void LocalContact::use(const PrefetchedSurfaces* surfaces) noexcept {
   if (surfaces == surfaces_) return;
   surfaces_ = surfaces;
   // A memory of the old surfaces is invalid on the new ones.

@@ -8,8 +8,8 @@
 #include "core/base/types.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/local_model/patch_proxy.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 #include "core/local_model/share_within.hpp"
-#include "core/local_model/whole_surfaces.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
@@ -46,14 +46,14 @@ class LocalContact {
 
   /// Forgets model and contacts, not the whole surfaces.
   void clear() noexcept {
-    const WholeSurfaces* surfaces = surfaces_;
+    const PrefetchedSurfaces* surfaces = surfaces_;
     *this = {};
     surfaces_ = surfaces;
   }
 
   /// The surfaces that are here in full, until the next call; null: none. They outlive that time.
-  void use(const WholeSurfaces* surfaces) noexcept;
-  const WholeSurfaces* surfaces() const noexcept { return surfaces_; }
+  void use(const PrefetchedSurfaces* surfaces) noexcept;
+  const PrefetchedSurfaces* surfaces() const noexcept { return surfaces_; }
 
   /// Takes a new model. A contact continues if the model still describes its surface; for other
   /// surfaces the state comes from the model. Every force of touch() is finite for all numbers in
@@ -100,7 +100,7 @@ class LocalContact {
   LocalForce cut_off() noexcept;
   void adopt_whole() noexcept;
 
-  const WholeSurfaces* surfaces_ = nullptr;
+  const PrefetchedSurfaces* surfaces_ = nullptr;
   LocalModel model_;  // normals and axes exactly unit
   std::array<Contact, kMaxPatches> contacts_{};
   int count_ = 0;

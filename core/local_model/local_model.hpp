@@ -40,8 +40,8 @@ struct SurfacePatch {
   bool joined = false;
   bool faceted = false;  // made of facets: the stick point turns with the normal, see carried()
   bool rough = false;    // has a texture, whose force is only in the reply and not in the patches
-  /// The receiver has this object's whole surface (whole_surfaces.hpp). The patch marks where the
-  /// server's proxy stands, or the nearest point. Its radius, curvature and offset say nothing.
+  /// The receiver has this object's whole surface (prefetched_geometry.hpp). The patch marks where
+  /// the server's proxy stands, or the nearest point. Its radius, curvature and offset say nothing.
   bool whole = false;
 };
 
@@ -53,8 +53,8 @@ struct LocalModel {
   /// Counts the scenes of the session. After a reload no surface is the same as before, even if its
   /// object and feature have the same numbers.
   std::uint32_t scene = 0;
-  /// The version of the whole surfaces that the patches mean (WholeSurfaces::version()); 0: there
-  /// is no such patch.
+  /// The version of the whole surfaces that the patches mean (PrefetchedSurfaces::version()); 0:
+  /// there is no such patch.
   std::uint32_t surfaces = 0;
   Vec3 center = Vec3::Zero();  // [m] the tool position that it was made for
   double reach = 0.0;          // [m] 0: the model is empty

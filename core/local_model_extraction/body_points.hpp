@@ -23,8 +23,8 @@ inline constexpr int kLeastBodyPoints = 4;
 /// points beside a solid's edge may be nearer. The model is empty if the view's tool has no body or
 /// was not placed yet. It never allocates.
 ///
-/// `version`: of the tool and solids that the receiver has in full (WholeBody), 0: none. Then the
-/// objects of `known` have no points and do not end the reach. Without them the model of a tool
+/// `version`: of the tool and solids that the receiver has in full (PrefetchedTool), 0: none. Then
+/// the objects of `known` have no points and do not end the reach. Without them the model of a tool
 /// with mass is empty: a receiver would render it without mass.
 ///
 /// `most`: of its points; with fewer it is coarser, or its reach is less.

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "core/local_model_extraction/patches.hpp"
-#include "core/local_model_extraction/whole_body_data.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 
 namespace feltwire {
 namespace {

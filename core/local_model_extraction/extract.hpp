@@ -16,7 +16,7 @@ inline constexpr double kModelReach = 0.1;
 /// mesh that can_travel(), for a body of points a primitive or a mesh.
 bool can_travel(const ToolView& view, std::size_t object) noexcept;
 
-/// By object of the scene: the receiver has its whole surface (whole_surfaces.hpp). Of objects
+/// By object of the scene: the receiver has its whole surface (prefetched_geometry.hpp). Of objects
 /// beyond the end it has none. Only objects that can_travel() may be in it.
 using KnownSurfaces = std::vector<bool>;
 

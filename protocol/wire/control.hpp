@@ -10,7 +10,7 @@
 
 #include "core/base/time_counts.hpp"
 #include "core/device/device_spec.hpp"
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 #include "core/material/material.hpp"
 #include "core/teleoperation/workspace.hpp"
 #include "protocol/crypto/secret.hpp"
@@ -241,7 +241,7 @@ struct SurfaceEntry {
   std::uint32_t vertices = 0, triangles = 0;
 };
 struct SurfaceList {
-  std::uint32_t version = 0;           // WholeSurfaces::version()
+  std::uint32_t version = 0;           // PrefetchedSurfaces::version()
   std::vector<SurfaceEntry> surfaces;  // at most kMaxSurfaces
 };
 /// Asks for the part of a surface after so many vertices and triangles.
@@ -274,7 +274,7 @@ struct SolidEntry {
   std::uint32_t vertices = 0, triangles = 0;  // of its mesh; 0: it is a primitive
 };
 struct SolidList {
-  std::uint32_t version = 0;            // WholeBody::version
+  std::uint32_t version = 0;            // PrefetchedTool::version
   std::optional<BodyData> body = {};    // without its points; empty: there is nothing to have
   std::uint32_t points = 0;             // of the body
   std::vector<SolidEntry> solids = {};  // at most kMaxSurfaces; of shapes that this program knows

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "core/tool/body_tool.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
@@ -71,7 +71,7 @@ control::SolidList solids_of(const SceneInView::CurrentScene& current, const std
   const ToolView* view = body_view_of(*current.scene, tool);
   if (view == nullptr) return {.version = current.version};
   const BodyTool& body = *view->tool().body;
-  control::SolidList list{.version = whole_version(*view, current.version, current.changes),
+  control::SolidList list{.version = prefetched_version(*view, current.version, current.changes),
                           .body = body_data(body, current.gravity),
                           .points = static_cast<std::uint32_t>(body.shell().points.size())};
   for (std::size_t i = 0; i < view->still() && list.solids.size() < control::kMaxSurfaces; ++i)
@@ -85,7 +85,7 @@ control::Message points_of(const SceneInView::CurrentScene& current, const std::
   if (view == nullptr)
     return Refused{RefusalCode::bad_parameters,
                    "this hand's tool has no body to have in full; list the solids first"};
-  if (request.version != whole_version(*view, current.version, current.changes))
+  if (request.version != prefetched_version(*view, current.version, current.changes))
     return other_version(request.version);
   return control::BodyPoints{part(view->tool().body->shell().points, request.points)};
 }
@@ -100,7 +100,8 @@ const MeshSurface* mesh_of(const ToolView* view, std::size_t object) {
 control::Message part_of(const SceneInView::CurrentScene& current, const std::string& tool,
                          const control::GetSurface& request) {
   const ToolView* view = current.scene->view(tool);
-  if (view != nullptr && request.version != whole_version(*view, current.version, current.changes))
+  if (view != nullptr &&
+      request.version != prefetched_version(*view, current.version, current.changes))
     return other_version(request.version);
   const MeshSurface* surface = mesh_of(view, request.object);
   if (surface == nullptr) return Refused{RefusalCode::bad_parameters, no_surface(request.object)};

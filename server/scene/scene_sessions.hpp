@@ -77,7 +77,8 @@ control::Refused unknown_session(std::uint64_t id);
 control::Refused other_version(std::uint32_t version);
 /// The version of what clients with this tool have in full of the scene of `version` after so many
 /// live `changes`.
-std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes);
+std::uint32_t prefetched_version(const ToolView& view, std::uint32_t version,
+                                 std::uint32_t changes);
 
 class SceneSessions {
  public:

@@ -8,7 +8,7 @@
 #include "core/local_model/local_contact.hpp"
 #include "core/local_model_extraction/body_points.hpp"
 #include "core/local_model_extraction/extract.hpp"
-#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {

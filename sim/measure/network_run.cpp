@@ -7,10 +7,10 @@
 #include <variant>
 
 #include "client/transport/datagram_session.hpp"
-#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "core/tool/body_tool.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
 
 namespace feltwire {
 namespace {
@@ -148,16 +148,16 @@ std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& ses
     const auto index = static_cast<std::uint16_t>(i);
     fetched.objects.push_back(index);
     if (body != nullptr)
-      solids.push_back(whole_solid_data(view, index));
+      solids.push_back(solid_data_with_triangles(view, index));
     else
-      surfaces.push_back(whole_surface_data(view.objects()[i], index, view.tool().radius));
+      surfaces.push_back(surface_data_with_triangles(view.objects()[i], index, view.tool().radius));
   }
   if (body == nullptr && surfaces.empty()) return nullptr;
   const std::uint32_t version =
-      whole_version(view, sessions.scene_version(), sessions.live_changes());
+      prefetched_version(view, sessions.scene_version(), sessions.live_changes());
   sessions.answer(control::TakeSurfaces{kSessionId, version, fetched.objects}, 0, {}, {});
   if (body != nullptr)
-    fetched.body = whole_body(version, body_data(*body, sessions.gravity()), solids);
+    fetched.body = make_prefetched_tool(version, body_data(*body, sessions.gravity()), solids);
   else
     fetched.surfaces = mesh_surfaces(version, surfaces);
   return std::make_unique<const FetchedScene>(std::move(fetched));

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 
 namespace feltwire::test {
 

@@ -12,7 +12,7 @@
 
 #include "client/servo/servo_thread.hpp"
 #include "core/local_model/contact_budget.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "protocol/net/clock.hpp"
 #include "protocol/net/real_time.hpp"
 #include "tests/client/peer.hpp"

@@ -4,7 +4,7 @@
 
 #include "client/devices/simulated_device.hpp"
 #include "client/servo/servo.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/core/support.hpp"
@@ -48,7 +48,7 @@ BodyModel any_model(test::Random& random, const Pose& about) {
 
 constexpr std::uint64_t kTicks = test::rounds(1500);
 
-/// A body that whole_body() accepts, with any solids and any mass.
+/// A body that make_prefetched_tool() accepts, with any solids and any mass.
 FetchedScene any_body(test::Random& random) {
   BodyData body;
   body.coupling = {std::pow(10.0, random.uniform(1, 5)), std::pow(10.0, random.uniform(-2, 2)),
@@ -73,7 +73,7 @@ FetchedScene any_body(test::Random& random) {
                                    .damping = random.uniform(0.0, 100.0),
                                    .static_friction = random.uniform(0.5, 2.0),
                                    .dynamic_friction = random.uniform(0.0, 0.5)}});
-  return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = whole_body(1, body, solids)};
+  return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = make_prefetched_tool(1, body, solids)};
 }
 
 /// `told`: the device description that the servo gets.

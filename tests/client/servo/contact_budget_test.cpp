@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "client/servo/servo.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "tests/client/servo_bench.hpp"
 #include "tests/client/touched_surfaces.hpp"
 #include "tests/core/heavy_geometry.hpp"
@@ -119,10 +119,11 @@ void hold_the_tool_there(Reply& reply, const Vec3& hand) {
 
 TEST(ContactBudget, NoBodyMakesATickLong) {
   for (const std::string_view mode : {kSessionMethod, std::string_view("contact_frame")}) {
-    const FetchedScene scene = limited(
-        {.objects = {},
-         .surfaces = nullptr,
-         .body = whole_body(kVersion, test::ball_of_points(20'000), test::thin_boxes(150))});
+    const FetchedScene scene =
+        limited({.objects = {},
+                 .surfaces = nullptr,
+                 .body = make_prefetched_tool(kVersion, test::ball_of_points(20'000),
+                                              test::thin_boxes(150))});
     Bench bench(modelled(mode), without_known_mass());
     bench.servo.use(&scene);
     test::Random random(4);
@@ -137,7 +138,8 @@ TEST(ContactBudget, AHandWithoutTheMassThatWasToldGetsOneDebtThatIsCalledAStrong
   const FetchedScene scene =
       limited({.objects = {},
                .surfaces = nullptr,
-               .body = whole_body(kVersion, test::ball_of_points(20'000), test::thin_boxes(150))});
+               .body = make_prefetched_tool(kVersion, test::ball_of_points(20'000),
+                                            test::thin_boxes(150))});
   Bench bench(modelled(kSessionMethod));
   bench.servo.use(&scene);
   test::Random random(4);

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "core/mesh/tessellation.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "tests/core/heavy_geometry.hpp"
 
 namespace feltwire::contact_cost_test {
@@ -85,7 +85,7 @@ TEST(ContactCost, WhatALyingServerSendsIsRefusedOnEveryMachine) {
        .body = nullptr},
       {.objects = {0},
        .surfaces = nullptr,
-       .body = whole_body(1, test::ball_of_points(20'000), test::thin_boxes(150))}};
+       .body = make_prefetched_tool(1, test::ball_of_points(20'000), test::thin_boxes(150))}};
   for (const FetchedScene& lie : lies) {
     const ContactCost cost = contact_cost(lie, kPeriod, each_takes(Nanoseconds(1)));
     EXPECT_TRUE(cost.cut) << &lie - lies.data();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 
 namespace feltwire {
 
@@ -18,11 +18,11 @@ bool can_travel(const Object& object) noexcept;
 /// that of the object in its scene.
 std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t index, double ball);
 /// With vertices and triangles. Precondition: can_travel(object).
-SurfaceData whole_surface_data(const Object& object, std::uint16_t index, double ball);
+SurfaceData surface_data_with_triangles(const Object& object, std::uint16_t index, double ball);
 
 /// Makes the surfaces of a scene ready for touch(). Their triangles keep their numbers: it throws
 /// std::invalid_argument if a surface has triangles that a mesh of a scene cannot have.
-std::shared_ptr<const WholeSurfaces> mesh_surfaces(std::uint32_t version,
-                                                   const std::vector<SurfaceData>& surfaces);
+std::shared_ptr<const PrefetchedSurfaces> mesh_surfaces(std::uint32_t version,
+                                                        const std::vector<SurfaceData>& surfaces);
 
 }  // namespace feltwire

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
+#include "core/local_model/prefetched_tool.hpp"
 #include "core/local_model/trial_way.hpp"
-#include "core/local_model/whole_body.hpp"
 
 namespace feltwire {
 

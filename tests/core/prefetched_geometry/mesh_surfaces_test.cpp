@@ -1,7 +1,7 @@
 // A client has these meshes in full: its local model equals the scene there, wherever the tool is
 // and however old the model is.
 
-#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,12 +33,12 @@ Object ring(const MeshOptions& options = {}) {
 Scene of(const Object& object) { return Scene("scene", {object}); }
 
 /// As after the transfer: made again from the object's data.
-std::shared_ptr<const WholeSurfaces> surfaces_of(const Scene& scene) {
+std::shared_ptr<const PrefetchedSurfaces> surfaces_of(const Scene& scene) {
   std::vector<SurfaceData> all;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
     if (can_travel(scene.objects()[i]))
-      all.push_back(whole_surface_data(scene.objects()[i], static_cast<std::uint16_t>(i),
-                                       scene.tool().radius));
+      all.push_back(surface_data_with_triangles(scene.objects()[i], static_cast<std::uint16_t>(i),
+                                                scene.tool().radius));
   return mesh_surfaces(kVersion, all);
 }
 
@@ -179,7 +179,7 @@ TEST(MeshSurfaces, OnlyMeshesWithoutAHeightMapTravel) {
 }
 
 TEST(MeshSurfaces, WhatNoSceneCanHaveIsRefused) {
-  SurfaceData data = whole_surface_data(ring(), 3, 0.0);
+  SurfaceData data = surface_data_with_triangles(ring(), 3, 0.0);
   EXPECT_NO_THROW(mesh_surfaces(1, {data}));
   EXPECT_TRUE(mesh_surfaces(1, {data})->has(3));
   EXPECT_FALSE(mesh_surfaces(1, {data})->has(2));

@@ -1,4 +1,4 @@
-#include "core/whole_surfaces/contact_trial.hpp"
+#include "core/prefetched_geometry/contact_trial.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ bool each_step(const Vec3& from, const Vec3& to, int most, Go go) {
 }
 
 /// Tries a point on a mesh. The first tick takes its memory from a model, as after a cut-off tick.
-bool try_way(const WholeSurfaces& surfaces, const TrialWay& way, const Visit& visit) {
+bool try_way(const PrefetchedSurfaces& surfaces, const TrialWay& way, const Visit& visit) {
   constexpr int kMostSteps = 32;
   const Material material{.stiffness = 1000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
   SurfacePatch patch;
@@ -52,7 +52,7 @@ bool try_way(const WholeSurfaces& surfaces, const TrialWay& way, const Visit& vi
 /// Moves to the place at which the tool first meets something. `meets` stays false if the tool
 /// begins in a solid or meets nothing.
 struct Approach {
-  const WholeBody& body;
+  const PrefetchedTool& body;
   const TrialWay& way;
   const Visit& visit;
   Pose pose;
@@ -81,7 +81,7 @@ struct Approach {
   }
 };
 
-bool try_way(const WholeBody& body, const TrialWay& way, double period, const Visit& visit) {
+bool try_way(const PrefetchedTool& body, const TrialWay& way, double period, const Visit& visit) {
   constexpr int kMostSteps = 12;
   Approach approach{body, way, visit, {}};
   if (!approach.run()) return false;

@@ -8,7 +8,8 @@
 namespace feltwire {
 
 /// The data of a body includes materials and gravity. For a point the patches have them.
-std::uint32_t whole_version(const ToolView& view, std::uint32_t version, std::uint32_t changes) {
+std::uint32_t prefetched_version(const ToolView& view, std::uint32_t version,
+                                 std::uint32_t changes) {
   return view.tool().body != nullptr ? version + changes : version;
 }
 
@@ -22,7 +23,7 @@ control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& reque
   SessionSlot** slot = by_id_.find(request.session);
   if (slot == nullptr) return unknown_session(request.session);
   const ToolView* view = scene_->view((*slot)->tool);
-  if (view == nullptr || request.version != whole_version(*view, version_, live_changes_))
+  if (view == nullptr || request.version != prefetched_version(*view, version_, live_changes_))
     return other_version(request.version);
   control::TakeSurfaces logged = request;
   logged.session = (*slot)->number;

@@ -10,9 +10,9 @@
 #include "core/local_model/local_body.hpp"
 #include "core/local_model/local_contact.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/whole_surfaces/contact_trial.hpp"
-#include "core/whole_surfaces/mesh_surfaces.hpp"
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/contact_trial.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "tests/core/heavy_geometry.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -100,7 +100,7 @@ bool same(const BodyMemory& a, const BodyMemory& b) {
 }
 
 /// [J] of a massless tool at rest at `tool`.
-double energy_at(const WholeBody& body, const Pose& device, const Pose& tool) {
+double energy_at(const PrefetchedTool& body, const Pose& device, const Pose& tool) {
   return coupled_tool::pull(body.coupling, device, tool).energy + body.solids->contact(tool).energy;
 }
 
@@ -112,7 +112,7 @@ TEST(WorkLimit, AStepOfABodyGoesAsFarAsItsWorkLasts) {
     data.inertia.mass = mass;
     data.inertia.inertia = 1e-4 * Mat3::Identity();
     data.inertia.integration = ToolIntegration::midpoint;
-    const auto body = whole_body(kVersion, data, test::thin_boxes(5));
+    const auto body = make_prefetched_tool(kVersion, data, test::thin_boxes(5));
     BodyMemory memory;
     memory.placed = true;
     memory.pose.position = Vec3(0.0, 0.0, 0.0412);
@@ -230,7 +230,7 @@ TEST(WorkLimit, AfterACutTickTheModelsMemoryIsTaken) {
   EXPECT_TRUE(after.command == first.command);
 }
 
-BodyModel held_at(const Vec3& place, const WholeBody& body) {
+BodyModel held_at(const Vec3& place, const PrefetchedTool& body) {
   BodyModel model;
   model.solids = kVersion;
   model.tool.position = place;
@@ -243,7 +243,8 @@ BodyModel held_at(const Vec3& place, const WholeBody& body) {
 
 /// 20,000 points against 150 thin boxes, wherever the server places the tool.
 TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
-  const auto body = whole_body(kVersion, test::ball_of_points(20'000), test::thin_boxes(150));
+  const auto body =
+      make_prefetched_tool(kVersion, test::ball_of_points(20'000), test::thin_boxes(150));
   LocalBody local;
   local.use(body.get());
   std::uint64_t cut = 0;
@@ -341,10 +342,10 @@ TEST(ContactTrial, FindsWhatTakesTooMuch) {
       most_of({.objects = {0}, .surfaces = mesh_surfaces(kVersion, {ring()}), .body = nullptr}),
       kMost / 4);
   const auto of_body = [&](std::size_t points, std::size_t boxes) {
-    return most_of(
-        {.objects = {0},
-         .surfaces = nullptr,
-         .body = whole_body(kVersion, test::ball_of_points(points), test::thin_boxes(boxes))});
+    return most_of({.objects = {0},
+                    .surfaces = nullptr,
+                    .body = make_prefetched_tool(kVersion, test::ball_of_points(points),
+                                                 test::thin_boxes(boxes))});
   };
   EXPECT_EQ(of_body(20'000, 150), kMost);
   EXPECT_LT(of_body(1000, 3), kMost);

@@ -1,4 +1,4 @@
-#include "core/whole_surfaces/trial_ways.hpp"
+#include "core/prefetched_geometry/trial_ways.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -9,16 +9,16 @@
 #include "core/base/types.hpp"
 #include "core/geometry/triangle_soup.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/local_model/prefetched_tool.hpp"
 #include "core/local_model/trial_way.hpp"
-#include "core/local_model/whole_body.hpp"
 #include "core/material/contact_law.hpp"
 
 namespace feltwire {
 
 /// Immutable. No noexcept function allocates, throws or reads a clock, except for the destructor.
-class WholeSurfaces {
+class PrefetchedSurfaces {
  public:
-  virtual ~WholeSurfaces() = default;
+  virtual ~PrefetchedSurfaces() = default;
   /// Counts the scenes that the server had; never 0.
   virtual std::uint32_t version() const noexcept = 0;
   /// Whether this object of the scene is here.
@@ -60,9 +60,10 @@ struct SurfaceData {
 
 /// The objects of a scene that a client has fetched for the tool of its hand. Immutable.
 struct FetchedScene {
-  std::vector<std::uint16_t> objects;             // their numbers in the scene, rising
-  std::shared_ptr<const WholeSurfaces> surfaces;  // for a tool that is a point or a ball; or null
-  std::shared_ptr<const WholeBody> body;          // for a tool with a body; or null
+  std::vector<std::uint16_t> objects;  // their numbers in the scene, rising
+  /// For a tool that is a point or a ball; or null.
+  std::shared_ptr<const PrefetchedSurfaces> surfaces;
+  std::shared_ptr<const PrefetchedTool> body;  // for a tool with a body; or null
   /// The units of work that its contact may take in one tick. Beyond them the tick's contact is cut
   /// off.
   std::uint64_t most_work = WorkLimit::kUnlimited;

@@ -16,7 +16,7 @@
 namespace feltwire {
 
 /// Immutable. What it is made of never allocates when it is asked.
-struct WholeBody {
+struct PrefetchedTool {
   std::uint32_t version = 0;  // of tool and solids together; never 0
   ToolCoupling coupling;      // nothing in it is zero
   double radius = 0.0;        // [m] of the tool's farthest point from its origin

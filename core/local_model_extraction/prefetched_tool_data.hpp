@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/local_model/whole_body.hpp"
+#include "core/local_model/prefetched_tool.hpp"
 #include "core/scene/tool_view.hpp"
 
 namespace feltwire {
@@ -18,6 +18,6 @@ BodyData body_data(const BodyTool& tool, const std::optional<Vec3>& gravity);
 /// Precondition: can_travel(view, index) (extract.hpp).
 SolidData solid_data(const ToolView& view, std::uint16_t index);
 /// With its triangles.
-SolidData whole_solid_data(const ToolView& view, std::uint16_t index);
+SolidData solid_data_with_triangles(const ToolView& view, std::uint16_t index);
 
 }  // namespace feltwire

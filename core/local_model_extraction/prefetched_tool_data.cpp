@@ -1,4 +1,4 @@
-#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
 
 #include "core/local_model_extraction/fitted_patches.hpp"
 #include "core/mesh/mesh_surface.hpp"
@@ -30,7 +30,7 @@ SolidData solid_data(const ToolView& view, std::uint16_t index) {
           .material = object.material};
 }
 
-SolidData whole_solid_data(const ToolView& view, std::uint16_t index) {
+SolidData solid_data_with_triangles(const ToolView& view, std::uint16_t index) {
   SolidData data = solid_data(view, index);
   if (const MeshSurface* surface = view.sampled_mesh(index)) {
     data.mesh = {surface->mesh().vertices(), surface->mesh().triangles()};

@@ -1,4 +1,4 @@
-#include "core/whole_surfaces/whole_body.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "core/coupled_tool/tool_checks.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
-#include "core/whole_surfaces/trial_ways.hpp"
+#include "core/prefetched_geometry/trial_ways.hpp"
 
 namespace feltwire {
 namespace {
@@ -81,8 +81,9 @@ void check(const BodyData& tool) {
 
 }  // namespace
 
-std::shared_ptr<const WholeBody> whole_body(std::uint32_t version, const BodyData& tool,
-                                            const std::vector<SolidData>& solids) {
+std::shared_ptr<const PrefetchedTool> make_prefetched_tool(std::uint32_t version,
+                                                           const BodyData& tool,
+                                                           const std::vector<SolidData>& solids) {
   check(tool);
   std::vector<Object> objects;
   for (const SolidData& solid : solids) {
@@ -96,14 +97,14 @@ std::shared_ptr<const WholeBody> whole_body(std::uint32_t version, const BodyDat
   PointShell shell = point_shell(tool.points, tool.area);
   const double radius = shell.radius;
   require_above_zero("radius", radius, "[m]");
-  return std::make_shared<const WholeBody>(
-      WholeBody{.version = version,
-                .coupling = tool.coupling,
-                .radius = radius,
-                .inertia = tool.inertia,
-                .solids = std::make_unique<const OwnSurroundings>(
-                    std::move(shell), tool.contact_area, std::move(objects)),
-                .ways = body_ways(solids, radius)});
+  return std::make_shared<const PrefetchedTool>(
+      PrefetchedTool{.version = version,
+                     .coupling = tool.coupling,
+                     .radius = radius,
+                     .inertia = tool.inertia,
+                     .solids = std::make_unique<const OwnSurroundings>(
+                         std::move(shell), tool.contact_area, std::move(objects)),
+                     .ways = body_ways(solids, radius)});
 }
 
 }  // namespace feltwire

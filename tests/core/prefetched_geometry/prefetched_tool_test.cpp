@@ -1,7 +1,5 @@
 // A client has a tool with a body and its solids in full: it equals the scene at every delay.
 
-#include "core/whole_surfaces/whole_body.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,15 +10,16 @@
 
 #include "core/local_model/local_body.hpp"
 #include "core/local_model_extraction/body_points.hpp"
-#include "core/local_model_extraction/whole_body_data.hpp"
+#include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
+#include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "tests/core/massive_tool.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
-namespace feltwire::whole_body_test {
+namespace feltwire::prefetched_tool_test {
 namespace {
 
 constexpr std::uint32_t kVersion = 3;
@@ -46,12 +45,13 @@ Scene room(const BodyTool& tool) {
 std::vector<SolidData> solids_of(const ToolView& view, const KnownSurfaces& known) {
   std::vector<SolidData> solids;
   for (std::size_t i = 0; i < known.size(); ++i)
-    if (known[i]) solids.push_back(whole_solid_data(view, static_cast<std::uint16_t>(i)));
+    if (known[i]) solids.push_back(solid_data_with_triangles(view, static_cast<std::uint16_t>(i)));
   return solids;
 }
 
-std::shared_ptr<const WholeBody> fetched(const ToolView& view, const KnownSurfaces& known) {
-  return whole_body(kVersion, body_data(*view.tool().body, std::nullopt), solids_of(view, known));
+std::shared_ptr<const PrefetchedTool> fetched(const ToolView& view, const KnownSurfaces& known) {
+  return make_prefetched_tool(kVersion, body_data(*view.tool().body, std::nullopt),
+                              solids_of(view, known));
 }
 
 ShellContact of_scene(const ToolView& view, const Pose& tool) {
@@ -60,7 +60,7 @@ ShellContact of_scene(const ToolView& view, const Pose& tool) {
       .contact(tool);
 }
 
-TEST(WholeBody, MeetsItsSolidsAsTheSceneDoes) {
+TEST(PrefetchedTool, MeetsItsSolidsAsTheSceneDoes) {
   const Scene scene = room(test::tool(1500));
   const auto whole = fetched(scene, {true, true, true});
   EXPECT_EQ(whole->radius, scene.tool().body->shell().radius);
@@ -82,7 +82,7 @@ TEST(WholeBody, MeetsItsSolidsAsTheSceneDoes) {
 }
 
 // Known objects have no points in the model and do not limit its reach.
-TEST(WholeBody, ItsModelHasOnlyWhatTheReceiverHasNot) {
+TEST(PrefetchedTool, ItsModelHasOnlyWhatTheReceiverHasNot) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
   BodyMemory memory;
@@ -102,7 +102,7 @@ TEST(WholeBody, ItsModelHasOnlyWhatTheReceiverHasNot) {
 }
 
 // The fully known objects and the planes of the others add up to the scene at the model's pose.
-TEST(WholeBody, AddsThePlanesOfTheRest) {
+TEST(PrefetchedTool, AddsThePlanesOfTheRest) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion(Eigen::AngleAxisd(0.1, Vec3::UnitX()))};
   BodyMemory memory;
@@ -163,14 +163,14 @@ Errors followed(const Scene& scene, std::size_t delay) {
 }
 
 // Curved solids and edges, which planes describe badly. The remaining error is friction's history.
-TEST(WholeBody, OverADelayIsTheScene) {
+TEST(PrefetchedTool, OverADelayIsTheScene) {
   const Scene scene = room(test::tool(600));
   const Errors errors = followed(scene, 50);
   EXPECT_GT(errors.late, 0.3);
   EXPECT_LT(errors.whole, 0.01 * errors.late);
 }
 
-TEST(WholeBody, AToolWithMassIsMovedAtTheClient) {
+TEST(PrefetchedTool, AToolWithMassIsMovedAtTheClient) {
   for (const auto rule : {ToolIntegration::implicit, ToolIntegration::midpoint}) {
     ToolInertia inertia;
     inertia.gravity = Vec3(0, 0, -test::kGravity);
@@ -187,7 +187,7 @@ TEST(WholeBody, AToolWithMassIsMovedAtTheClient) {
 }
 
 // If a model refers to another version, its weight is zero: the reply is felt instead.
-TEST(WholeBody, OfAnotherVersionIsNotUsed) {
+TEST(PrefetchedTool, OfAnotherVersionIsNotUsed) {
   const Scene scene = room(test::tool(600));
   const auto whole = fetched(scene, {true, true, true});
   const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
@@ -204,7 +204,7 @@ TEST(WholeBody, OfAnotherVersionIsNotUsed) {
   EXPECT_EQ(local.touch(device, 0.0, 1e-3).weight, 0.0);
 }
 
-TEST(WholeBody, NeverAllocatesOnceItIsMade) {
+TEST(PrefetchedTool, NeverAllocatesOnceItIsMade) {
   const Scene scene = room(test::tool(600));
   const KnownSurfaces known = {true, false, true};
   const auto whole = fetched(scene, known);
@@ -222,7 +222,7 @@ TEST(WholeBody, NeverAllocatesOnceItIsMade) {
 }
 
 // The client meets a mesh as the grid that the server uses.
-TEST(WholeBody, MeetsAMeshAsTheSceneDoes) {
+TEST(PrefetchedTool, MeetsAMeshAsTheSceneDoes) {
   Object bumpy = test::object(Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.05, 3)))},
                               Vec3(0.0, 0.0, -0.055));
   bumpy.name = "bumpy";
@@ -240,7 +240,7 @@ TEST(WholeBody, MeetsAMeshAsTheSceneDoes) {
   EXPECT_LT(20.0 * errors.whole, errors.late);
 }
 
-TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
+TEST(PrefetchedTool, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
   const BodyTool points = test::tool(500);
   EXPECT_TRUE(can_travel(points));
   EXPECT_FALSE(can_travel(test::tool(kMostBodyPoints + 1)));
@@ -260,12 +260,12 @@ TEST(WholeBody, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
 }
 
 // A server may send any number.
-TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
+TEST(PrefetchedTool, NumbersThatAreNoneOfABodyAreRefused) {
   const double nan = std::nan("");
   const BodyTool tool = test::tool(100);
   const BodyData good = body_data(tool, std::nullopt);
   const SolidData box{.object = 0, .shape = Box{Vec3(1, 1, 1)}, .pose = {}, .material = {}};
-  EXPECT_NO_THROW(whole_body(1, good, {box}));
+  EXPECT_NO_THROW(make_prefetched_tool(1, good, {box}));
   const std::vector<std::function<void(BodyData&)>> spoilt = {
       [](BodyData& b) { b.points.clear(); },
       [=](BodyData& b) { b.points[7].y() = nan; },
@@ -289,7 +289,7 @@ TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
   for (std::size_t i = 0; i < spoilt.size(); ++i) {
     BodyData bad = good;
     spoilt[i](bad);
-    EXPECT_THROW(whole_body(1, bad, {box}), std::invalid_argument) << i;
+    EXPECT_THROW(make_prefetched_tool(1, bad, {box}), std::invalid_argument) << i;
   }
   const std::vector<std::function<void(SolidData&)>> solids = {
       [](SolidData& s) { s.shape = Box{Vec3(1, 0, 1)}; },
@@ -309,9 +309,9 @@ TEST(WholeBody, NumbersThatAreNoneOfABodyAreRefused) {
   for (std::size_t i = 0; i < solids.size(); ++i) {
     SolidData bad = box;
     solids[i](bad);
-    EXPECT_THROW(whole_body(1, good, {bad}), std::invalid_argument) << i;
+    EXPECT_THROW(make_prefetched_tool(1, good, {bad}), std::invalid_argument) << i;
   }
 }
 
 }  // namespace
-}  // namespace feltwire::whole_body_test
+}  // namespace feltwire::prefetched_tool_test

@@ -1,4 +1,4 @@
-#include "core/whole_surfaces/mesh_surfaces.hpp"
+#include "core/prefetched_geometry/mesh_surfaces.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/mesh/mesh_surface.hpp"
-#include "core/whole_surfaces/trial_ways.hpp"
+#include "core/prefetched_geometry/trial_ways.hpp"
 
 namespace feltwire {
 namespace {
@@ -37,7 +37,7 @@ Object object_of(const SurfaceData& data) {
   return object;
 }
 
-class MeshSurfaces final : public WholeSurfaces {
+class MeshSurfaces final : public PrefetchedSurfaces {
  public:
   MeshSurfaces(std::uint32_t version, const std::vector<SurfaceData>& surfaces)
       : version_(version) {
@@ -133,15 +133,15 @@ std::optional<SurfaceData> surface_data(const Object& object, std::uint16_t inde
                      .triangles = {}};
 }
 
-SurfaceData whole_surface_data(const Object& object, std::uint16_t index, double ball) {
+SurfaceData surface_data_with_triangles(const Object& object, std::uint16_t index, double ball) {
   SurfaceData data = *surface_data(object, index, ball);
   data.vertices = mesh_of(object)->mesh().vertices();
   data.triangles = mesh_of(object)->mesh().triangles();
   return data;
 }
 
-std::shared_ptr<const WholeSurfaces> mesh_surfaces(std::uint32_t version,
-                                                   const std::vector<SurfaceData>& surfaces) {
+std::shared_ptr<const PrefetchedSurfaces> mesh_surfaces(std::uint32_t version,
+                                                        const std::vector<SurfaceData>& surfaces) {
   return std::make_shared<MeshSurfaces>(version, surfaces);
 }
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/local_model/whole_surfaces.hpp"
+#include "core/local_model/prefetched_geometry.hpp"
 
 namespace feltwire {
 
