@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/devices/drivers.hpp"
-#include "client/devices/plugged_in.hpp"
+#include "client/devices/usb_scan.hpp"
 #include "client/run/device_check.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/command_line/suggestion.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 /// Prints for each driver that needs a maker's library or service what it found. True: something is
 /// missing although a device that needs it is plugged in.
-bool show_libraries(const std::vector<PluggedIn>& devices) {
+bool show_libraries(const std::vector<ConnectedDevice>& devices) {
   bool missed = false;
   for (const Driver& driver : drivers()) {
     if (driver.library == nullptr) continue;
@@ -28,7 +28,7 @@ bool show_libraries(const std::vector<PluggedIn>& devices) {
     } catch (const std::runtime_error& error) {
       line = error.what();
       missed |= std::any_of(devices.begin(), devices.end(),
-                            [&](const PluggedIn& one) { return one.kind == driver.kind; });
+                            [&](const ConnectedDevice& one) { return one.kind == driver.kind; });
     }
     std::printf("%s\n", visible(line).c_str());
   }
@@ -90,12 +90,13 @@ int devices_command(int argc, char** argv) {
   }
   if (!rated.empty()) return show_rate(rated, firmware, span, rate);
   machine.root = root;
-  const std::vector<PluggedIn> devices = plugged_in(machine);
+  const std::vector<ConnectedDevice> devices = scan_usb(machine);
   std::printf("Plugged in\n%s\nMakers' libraries and services\n",
               visible_lines(text(devices)).c_str());
   const bool missed = show_libraries(devices);
-  const bool complaints = std::any_of(devices.begin(), devices.end(),
-                                      [](const PluggedIn& one) { return !one.complaints.empty(); });
+  const bool complaints =
+      std::any_of(devices.begin(), devices.end(),
+                  [](const ConnectedDevice& one) { return !one.complaints.empty(); });
   return missed || complaints ? 1 : 0;
 }
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "client/devices/falcon_board.hpp"
-#include "client/devices/handover.hpp"
+#include "client/devices/sample_mailbox.hpp"
 #include "client/devices/usb_line.hpp"
 #include "core/base/ring.hpp"
 

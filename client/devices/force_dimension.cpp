@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/devices/async_signal_release.hpp"
 #include "client/devices/connection.hpp"
 #include "client/devices/force_dimension_library.hpp"
 #include "client/devices/held_command.hpp"
-#include "client/devices/let_go.hpp"
 #include "core/device/spec_text.hpp"
 
 namespace feltwire {
@@ -290,7 +290,7 @@ class ForceDimensionDevice final : public Device {
               "force is not accounted"
             : "gravity compensation is off, although it was asked for: the handle pulls down. "
               "hand_force of the specification must have its weight in it");
-    let_go_ = std::make_unique<LetGo>([this] { give({}); });
+    let_go_ = std::make_unique<AsyncSignalRelease>([this] { give({}); });
   }
 
   /// Ends the force when this program cannot: crashed, killed, machine stopped.
@@ -319,7 +319,7 @@ class ForceDimensionDevice final : public Device {
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Command on_hand_;
-  std::unique_ptr<LetGo> let_go_;
+  std::unique_ptr<AsyncSignalRelease> let_go_;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/devices/event_node.hpp"
-#include "client/devices/plugged_in.hpp"
+#include "client/devices/usb_scan.hpp"
 
 namespace feltwire {
 

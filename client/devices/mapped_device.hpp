@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
+#include "client/devices/actuation_lag.hpp"
 #include "client/devices/device.hpp"
-#include "client/devices/taken_up.hpp"
 
 namespace feltwire {
 
@@ -76,7 +76,7 @@ class MappedDevice final : public Device {
   // Members of the servo's thread.
   Pose hand_, tool_;  // the tool's pose, and the hand's pose at the same moment
   Tool state_ = Tool::led;
-  TakenUp taken_up_;  // of what it wrote, in the device's own axes
+  ActuationLag actuation_lag_;  // of what it wrote, in the device's own axes
 };
 
 }  // namespace feltwire

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "client/devices/connection.hpp"
-#include "client/devices/handover.hpp"
+#include "client/devices/sample_mailbox.hpp"
 #include "client/devices/shared_library.hpp"
 #include "core/device/spec_text.hpp"
 
@@ -128,7 +128,7 @@ Mat3 turned() {
 class OpenHapticsDevice final : public Device {
  public:
   OpenHapticsDevice(SharedLibrary library, const DeviceRequest& request)
-      : library_(std::move(library)), call_(library_), handover_(kMostRepeated), turn_(turned()) {
+      : library_(std::move(library)), call_(library_), mailbox_(kMostRepeated), turn_(turned()) {
     handle_ = opened(request.name);
     try {
       prepare(request);
@@ -139,7 +139,7 @@ class OpenHapticsDevice final : public Device {
   }
   ~OpenHapticsDevice() override {
     constexpr int kTicks = 50;
-    handover_.release();
+    mailbox_.release();
     for (int n = 0; n < kTicks && !let_go_; ++n)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     call_.unschedule(task_);
@@ -157,11 +157,11 @@ class OpenHapticsDevice final : public Device {
     return in_inkwell_.load() ? "take the stylus out of its inkwell" : "";
   }
 
-  bool await_tick(Nanoseconds latest) noexcept override { return handover_.await(latest); }
-  DeviceReading read(Nanoseconds) noexcept override { return handover_.newest(); }
-  Command write(const Command& on_hand) noexcept override { return handover_.write(on_hand); }
+  bool await_tick(Nanoseconds latest) noexcept override { return mailbox_.await(latest); }
+  DeviceReading read(Nanoseconds) noexcept override { return mailbox_.newest(); }
+  Command write(const Command& on_hand) noexcept override { return mailbox_.write(on_hand); }
   /// The callback acts on it at its next tick.
-  void release() noexcept override { handover_.release(); }
+  void release() noexcept override { mailbox_.release(); }
 
  private:
   unsigned opened(const std::string& name) const {
@@ -298,10 +298,10 @@ class OpenHapticsDevice final : public Device {
     call_.begin(handle_);
     const bool in_inkwell = has_inkwell_ && is_in_inkwell();
     in_inkwell_.store(in_inkwell);
-    Command given = handover_.exchange(sensed(in_inkwell), kPatience);
+    Command given = mailbox_.exchange(sensed(in_inkwell), kPatience);
     if (ramping_ > 0 || in_inkwell) {
       given = {};
-      handover_.cut_to(given);
+      mailbox_.cut_to(given);
     }
     const Vec3 force = turn_.transpose() * given.force();
     call_.set_doubles(kCurrentForce, force.data());
@@ -310,7 +310,7 @@ class OpenHapticsDevice final : public Device {
       call_.set_doubles(kCurrentTorque, torque.data());
     }
     call_.end(handle_);
-    if (handover_.released()) let_go_.store(true);
+    if (mailbox_.released()) let_go_.store(true);
     look_for_errors();
   }
 
@@ -330,7 +330,7 @@ class OpenHapticsDevice final : public Device {
 
   SharedLibrary library_;
   Calls call_;
-  Handover handover_;
+  SampleMailbox mailbox_;
   Mat3 turn_;
   unsigned handle_ = kNoHandle;
   unsigned long task_ = 0;

@@ -18,7 +18,7 @@ constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSY
 constexpr std::array kIgnored = {SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
 /// No program can react to the first two; the others end no program.
 constexpr std::array kHarmless = {SIGKILL, SIGSTOP, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
-/// [ns] for a driver's thread to do what release() asked for (LetGo).
+/// [ns] for a driver's thread to do what release() asked for (AsyncSignalRelease).
 constexpr timespec kTimeToLetGo{.tv_sec = 0, .tv_nsec = 20'000'000};
 
 std::atomic<Device*> device_to_release{nullptr};

@@ -289,8 +289,8 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
     step.displacement = moved.displacement;
     step.rotation = moved.rotation;
     moved_known = moved.known;
-    if (!taken_up_.certain() && moved.known && !reading.held)
-      account_for(taken_up_.worst(moved.displacement, moved.rotation));
+    if (!actuation_lag_.certain() && moved.known && !reading.held)
+      account_for(actuation_lag_.worst(moved.displacement, moved.rotation));
     displacement_ = moved.displacement;
     port_.step(held_, moved.displacement, moved.rotation, step.hold_time);
     if (remote_) {
@@ -359,7 +359,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
 const Sample* Servo::hold(const Command& held) noexcept {
   if (!held.finite()) ++statistics_.device_faults;
-  held_ = taken_up_.written(given_, held.finite() ? held : Command{});
+  held_ = actuation_lag_.written(given_, held.finite() ? held : Command{});
   law_.bounding.set_held(held_);
   safety_.set_held(held_);
   if (law_.account) law_.account->set_held(held_);

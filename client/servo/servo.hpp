@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "client/devices/actuation_lag.hpp"
 #include "client/devices/device.hpp"
-#include "client/devices/taken_up.hpp"
 #include "client/servo/clock_estimate.hpp"
 #include "client/servo/feel_metrics.hpp"
 #include "client/servo/overdraft.hpp"
@@ -298,7 +298,7 @@ class Servo {
   bool waits_for_news(const DeviceReading& reading, Nanoseconds now) noexcept;
   bool jumps(const DeviceReading& reading, double elapsed) noexcept;
   /// A force is on the hand, or will be without another write.
-  bool holds() const { return pulls(held_) || !taken_up_.nothing_left(); }
+  bool holds() const { return pulls(held_) || !actuation_lag_.nothing_left(); }
   void correct(const Command& held) noexcept;
   void account_for(const Command& held) noexcept;
   double time_since_last_tick(Nanoseconds now) noexcept;
@@ -396,7 +396,7 @@ class Servo {
   Nanoseconds let_go_from_{0};
   Command wanted_;  // the device's part of the command from which this tick's force comes
   Command given_;   // the last result of render()
-  TakenUp taken_up_;
+  ActuationLag actuation_lag_;
   Command held_;  // on the hand since the last tick
   Sample sample_;
 

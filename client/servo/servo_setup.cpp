@@ -163,7 +163,7 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
       wanted_seat_(options.seat),
       moves_(position_bounds(spec, options.motion_scale)),
       turns_(rotation_bounds(spec)),
-      taken_up_(spec.late_ticks),
+      actuation_lag_(spec.late_ticks),
       sent_(kRemembered) {
   validate(options, parameters);
   if (law_.account) law_.account->begin_in_debt(owed_);

@@ -17,20 +17,21 @@ constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr const char* kName = "page hand";
 
 /// A device that keeps the ring alive from which it reads.
-class OwnPointings final : public Device {
+class OwnPointerMessages final : public Device {
  public:
-  OwnPointings(const PointedHandOptions& options, std::shared_ptr<Ring<Pointing>> pointings)
-      : pointings_(std::move(pointings)), device_(options, *pointings_) {}
+  OwnPointerMessages(const PointerHandOptions& options,
+                     std::shared_ptr<Ring<PointerMessage>> messages)
+      : messages_(std::move(messages)), device_(options, *messages_) {}
   const DeviceSpec& spec() const override { return device_.spec(); }
   void begin(const Vec3& position, const Vec3& normal) override { device_.begin(position, normal); }
   DeviceReading read(Nanoseconds now) noexcept override { return device_.read(now); }
   Command write(const Command& on_hand) noexcept override { return device_.write(on_hand); }
   void release() noexcept override { device_.release(); }
-  const PointedDevice& device() const { return device_; }
+  const PointerDevice& device() const { return device_; }
 
  private:
-  std::shared_ptr<Ring<Pointing>> pointings_;
-  PointedDevice device_;
+  std::shared_ptr<Ring<PointerMessage>> messages_;
+  PointerDevice device_;
 };
 
 std::string why(const LoopResult& result, bool neglected) {
@@ -80,8 +81,8 @@ void wait_for_end_of(const ServoThread& thread) {
 
 }  // namespace
 
-PointedHandOptions page_hand_options() {
-  PointedHandOptions options;
+PointerHandOptions page_hand_options() {
+  PointerHandOptions options;
   options.spec = builtin_device("simulated");
   options.spec.name = kName;
   return options;
@@ -112,12 +113,12 @@ web::PageHand::Status ClientPageHand::status() const {
 
 void ClientPageHand::point(const Vec3& target) noexcept {
   // Drop a pointing that does not fit: the next one has the new place of the hand.
-  pointings_->push({.kind = Pointing::Kind::to, .target = target});
+  messages_->push({.kind = PointerMessage::Kind::to, .target = target});
 }
 
 void ClientPageHand::release() noexcept {
   // A full ring means that no servo reads it, or that a pause of a second ends the hand.
-  pointings_->push({.kind = Pointing::Kind::let_go});
+  messages_->push({.kind = PointerMessage::Kind::let_go});
 }
 
 void ClientPageHand::become(Status status) noexcept {
@@ -144,9 +145,9 @@ void ClientPageHand::run() noexcept {
 
 /// Waits until the session has ended. Returns the reason.
 std::string ClientPageHand::hold() {
-  const PointedHandOptions options = page_hand_options();
-  auto device = std::make_unique<OwnPointings>(options, pointings_);
-  const PointedDevice& hand = device->device();
+  const PointerHandOptions options = page_hand_options();
+  auto device = std::make_unique<OwnPointerMessages>(options, messages_);
+  const PointerDevice& hand = device->device();
   // No human hand is at this device, so the server may choose how long a command holds.
   const Joined joined = join(server_, request_of(client_, scene_, device->spec(), mode_), kJoinTime,
                              {.hold_time = kLongestGrantedHold});

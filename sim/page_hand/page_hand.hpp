@@ -5,14 +5,14 @@
 #include <mutex>
 #include <thread>
 
-#include "client/devices/pointed_device.hpp"
+#include "client/devices/pointer_device.hpp"
 #include "client/transport/control_client.hpp"
 #include "server/web/page_hands.hpp"
 
 namespace feltwire {
 
 /// The device and the arm of such a hand.
-PointedHandOptions page_hand_options();
+PointerHandOptions page_hand_options();
 
 /// Joins by TLS and UDP as any client does, with the usual parameters but for the bounding method
 /// of the request, and the limits that protect a hand, and has role pointer.
@@ -40,11 +40,11 @@ class ClientPageHand final : public web::PageHand {
   void end(const char* reason) noexcept;
   void become(Status status) noexcept;
 
-  static constexpr std::size_t kRoom = 256;  // pointings: more than come while a thread is late
+  static constexpr std::size_t kRoom = 256;  // messages: more than come while a thread is late
   ServerAccess server_;
   const std::string scene_, client_, mode_;
   /// Shared, because a servo thread that hangs in its device is left behind with it.
-  std::shared_ptr<Ring<Pointing>> pointings_ = std::make_shared<Ring<Pointing>>(kRoom);
+  std::shared_ptr<Ring<PointerMessage>> messages_ = std::make_shared<Ring<PointerMessage>>(kRoom);
   mutable std::mutex mutex_;
   Status status_;  // with the mutex
   std::atomic<bool> over_{false};

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "client/devices/input_nodes.hpp"
-#include "tests/devices/steered_hand.hpp"
+#include "tests/devices/joystick_hand.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::input_node_test {
@@ -143,7 +143,7 @@ TEST_F(Nodes, TheDoctorKnowsThem) {
   std::filesystem::create_directories(root / "proc/81/fd");
   std::filesystem::create_symlink("/dev/input/event10", root / "proc/81/fd/5");
   const auto seen = [&](bool may) {
-    return text(plugged_in({root, [may](const std::filesystem::path&) { return may; }}));
+    return text(scan_usb({root, [may](const std::filesystem::path&) { return may; }}));
   };
   EXPECT_THAT(seen(true),
               AllOf(HasSubstr("3D mouse, \"SpaceMouse\" (256f:c635), /dev/input/event9"),

@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "client/devices/input_nodes.hpp"
+#include "client/devices/joystick_device.hpp"
 #include "client/devices/machine_files.hpp"
-#include "client/devices/steered_device.hpp"
 
 namespace feltwire::kernel_pad_test {
 namespace {

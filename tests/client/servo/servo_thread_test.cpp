@@ -14,7 +14,7 @@
 #include <functional>
 #include <semaphore>
 
-#include "client/devices/let_go.hpp"
+#include "client/devices/async_signal_release.hpp"
 #include "client/run/crash_release.hpp"
 #include "client/servo/stall_detector.hpp"
 #include "tests/client/peer.hpp"
@@ -433,7 +433,7 @@ class LettingGoDevice final : public Device {
 
  private:
   SharedDevice& device_;
-  LetGo let_go_;
+  AsyncSignalRelease let_go_;
 };
 
 TEST(CrashReleaseDeathTest, AThreadOfTheDriverHasTheTimeToLetGo) {

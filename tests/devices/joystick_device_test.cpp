@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/devices/steered_hand.hpp"
+#include "tests/devices/joystick_hand.hpp"
 
 namespace feltwire::steered_device_test {
 namespace {
@@ -92,7 +92,7 @@ TEST_F(Steered, SpeedDeadZoneAndShapeAreThoseOfTheOptions) {
 TEST_F(Steered, TheKernelsDeadZoneCountsWhereItIsMore) {
   stand_in::be_xpad(input);
   input.axes[ABS_X].flat = 16384;
-  device.emplace(node(), "gamepad", SteeredHandOptions{builtin_device("simulated_6dof"), {}, {}});
+  device.emplace(node(), "gamepad", JoystickHandOptions{builtin_device("simulated_6dof"), {}, {}});
   move(0.01);
   push(ABS_X, 16000);
   move(1.0);
@@ -152,7 +152,7 @@ TEST_F(Steered, TheSecondButtonOfA3DMouseIsTheClutch) {
 TEST_F(Steered, AStickThatIsHeldAtTheStartCountsOnceItWasAtRest) {
   stand_in::be_xpad(input);
   input.axes[ABS_X].value = kFull;
-  device.emplace(node(), "gamepad", SteeredHandOptions{builtin_device("simulated_6dof"), {}, {}});
+  device.emplace(node(), "gamepad", JoystickHandOptions{builtin_device("simulated_6dof"), {}, {}});
   move(1.0);
   EXPECT_EQ(device->true_position(), Vec3::Zero());
   push(ABS_X, 0);

@@ -5,25 +5,25 @@
 #include <functional>
 #include <thread>
 
-#include "client/devices/handover.hpp"
+#include "client/devices/sample_mailbox.hpp"
 #include "protocol/net/real_time.hpp"
 
 namespace feltwire {
 
 /// A thread that takes the force off on request. The library's call may block and lock, so it does
 /// not run in the thread or signal handler that requests it.
-class LetGo {
+class AsyncSignalRelease {
  public:
   /// `take_off` must not throw. Throws std::system_error if the system gives no thread.
-  explicit LetGo(std::function<void()> take_off)
+  explicit AsyncSignalRelease(std::function<void()> take_off)
       : take_off_(std::move(take_off)), thread_([this] { run(); }) {}
-  ~LetGo() {
+  ~AsyncSignalRelease() {
     over_.store(true);
     wake_.set();
     thread_.join();
   }
-  LetGo(const LetGo&) = delete;
-  LetGo& operator=(const LetGo&) = delete;
+  AsyncSignalRelease(const AsyncSignalRelease&) = delete;
+  AsyncSignalRelease& operator=(const AsyncSignalRelease&) = delete;
 
   /// For any thread and any signal handler. Each call takes the force off once more.
   void now() noexcept {

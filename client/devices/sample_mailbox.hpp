@@ -35,10 +35,10 @@ class Wake {
 /// the mean of the old force (until the new one arrived) and the new one.
 ///
 /// No function allocates or locks after construction.
-class Handover {
+class SampleMailbox {
  public:
   /// `most_repeated`: the largest number of ticks in a row for which a force is repeated.
-  explicit Handover(int most_repeated) : most_repeated_(most_repeated) {}
+  explicit SampleMailbox(int most_repeated) : most_repeated_(most_repeated) {}
 
   /// For the device's thread, at its tick: offers a reading, waits for `patience` at most, and
   /// returns the force to put on the hand now.

@@ -1,4 +1,4 @@
-#include "client/devices/handover.hpp"
+#include "client/devices/sample_mailbox.hpp"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -51,7 +51,7 @@ void Wake::wait() const noexcept {
   [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
 }
 
-Command Handover::exchange(DeviceReading reading, Nanoseconds patience) noexcept {
+Command SampleMailbox::exchange(DeviceReading reading, Nanoseconds patience) noexcept {
   const Nanoseconds now = monotonic_now();
   const double span = seconds(now - offered_at_);
   if (number_ > 0 && span > 0.0) {
@@ -82,7 +82,7 @@ Command Handover::exchange(DeviceReading reading, Nanoseconds patience) noexcept
 
 /// Takes the offers since the last call. Averages the held forces of skipped readings, weighted by
 /// time. A fault of one reading is a fault of all. Returns whether there is news.
-bool Handover::take() noexcept {
+bool SampleMailbox::take() noexcept {
   Offer offer;
   while (offers_.pop(offer)) {
     if (news_.held && offer.reading.held && news_span_ + offer.span > 0.0) {
@@ -97,7 +97,7 @@ bool Handover::take() noexcept {
   return news_.fresh;
 }
 
-bool Handover::await(Nanoseconds latest) noexcept {
+bool SampleMailbox::await(Nanoseconds latest) noexcept {
   while (!take()) {
     if (released() || monotonic_now() >= latest) return false;
     servo_wake_.wait_until(latest);
@@ -105,7 +105,7 @@ bool Handover::await(Nanoseconds latest) noexcept {
   return true;
 }
 
-DeviceReading Handover::newest() noexcept {
+DeviceReading SampleMailbox::newest() noexcept {
   take();
   DeviceReading newest = news_;
   if (newest.fresh && newest.held) expected_ = *newest.held;
@@ -114,7 +114,7 @@ DeviceReading Handover::newest() noexcept {
   return newest;
 }
 
-Command Handover::write(const Command& on_hand) noexcept {
+Command SampleMailbox::write(const Command& on_hand) noexcept {
   if (released()) return {};
   if (taken_ == 0) return expected_;
   std::uint64_t standing = taken_;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/devices/joystick_hand.hpp"
 #include "tests/devices/stand_in_session.hpp"
-#include "tests/devices/steered_hand.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::steered_session_test {
@@ -66,7 +66,7 @@ TEST_F(Session, AnUnpluggedOneIsAFaultForGood) {
 /// A restless person for a minute at a late wall. [J] The most that the true motion made beyond the
 /// burned energy.
 double made_in_a_minute(Session& session, std::string_view mode, ServoStatistics& statistics) {
-  SteeredDevice& device = session.spacemouse();
+  JoystickDevice& device = session.spacemouse();
   const DeviceSpec& spec = device.spec();
   SessionParameters parameters = testing::session_of(device);
   parameters.mode = mode;

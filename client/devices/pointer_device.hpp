@@ -8,13 +8,13 @@
 namespace feltwire {
 
 /// A message to the hand: go to a target, or release.
-struct Pointing {
+struct PointerMessage {
   enum class Kind : std::uint8_t { to, let_go };
   Kind kind = Kind::to;
   Vec3 target = Vec3::Zero();  // [m] target of the hand, world frame; for `to`
 };
 
-struct PointedHandOptions {
+struct PointerHandOptions {
   DeviceSpec spec;
   Hand hand;
   double speed = 0.5;   // [m/s] largest speed of the intended place
@@ -30,11 +30,11 @@ struct PointedHandOptions {
 /// The intended place of the hand follows the newest target smoothly, with at most the speed of the
 /// options, also if the target jumps. The device ends (DeviceReading::ended) on a release message,
 /// or if no message comes for the patience of the options, after its beginning.
-class PointedDevice final : public HandDevice {
+class PointerDevice final : public HandDevice {
  public:
-  /// The servo thread reads `pointings`, which must outlive this object. Throws
+  /// The servo thread reads `messages`, which must outlive this object. Throws
   /// std::invalid_argument if a number is not usable.
-  PointedDevice(const PointedHandOptions& options, Ring<Pointing>& pointings);
+  PointerDevice(const PointerHandOptions& options, Ring<PointerMessage>& messages);
 
   /// Puts the hand in front of the surface.
   void begin(const Vec3& position, const Vec3& normal) override;
@@ -48,8 +48,8 @@ class PointedDevice final : public HandDevice {
  private:
   Vec3 intended(double time) noexcept override;
 
-  PointedHandOptions options_;
-  Ring<Pointing>& pointings_;
+  PointerHandOptions options_;
+  Ring<PointerMessage>& messages_;
   Vec3 start_ = Vec3::Zero(), target_ = Vec3::Zero(), aim_ = Vec3::Zero();
   double aimed_at_ = 0.0;  // [s] the time of aim_
   bool started_ = false, ended_ = false;

@@ -8,12 +8,12 @@
 
 #include "client/devices/drivers.hpp"
 #include "client/devices/hand_device.hpp"
-#include "client/devices/plugged_in.hpp"
 #include "client/devices/steering.hpp"
+#include "client/devices/usb_scan.hpp"
 
 namespace feltwire {
 
-struct SteeredHandOptions {
+struct JoystickHandOptions {
   DeviceSpec spec;  // of the simulated device in the hand
   Hand hand;
   SteeringOptions steering;
@@ -25,11 +25,11 @@ struct SteeredHandOptions {
 
 /// The axes give a velocity of the intended place, and of the intended orientation. An unplugged
 /// input device is a permanent fault.
-class SteeredDevice final : public HandDevice {
+class JoystickDevice final : public HandDevice {
  public:
   /// `kind` is "gamepad" or "spacemouse". Throws std::runtime_error if the node is of another kind,
   /// std::invalid_argument if a number is not usable.
-  SteeredDevice(EventNode node, std::string_view kind, const SteeredHandOptions& options);
+  JoystickDevice(EventNode node, std::string_view kind, const JoystickHandOptions& options);
 
   /// Puts the hand in front of the surface.
   void begin(const Vec3& position, const Vec3& normal) override;
@@ -41,7 +41,7 @@ class SteeredDevice final : public HandDevice {
   void take_events(Nanoseconds now) noexcept;
 
   EventNode node_;
-  SteeredHandOptions options_;
+  JoystickHandOptions options_;
   InputState input_;
   Steering steering_;
   Vec3 aim_ = Vec3::Zero();                         // [m] intended place

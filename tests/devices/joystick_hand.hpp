@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "client/devices/steered_device.hpp"
+#include "client/devices/joystick_device.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/input_stand_in.hpp"
 #include "tests/devices/tick.hpp"
@@ -24,9 +24,9 @@ struct Steered : ::testing::Test {
               return input.control(request, room);
             }};
   }
-  SteeredDevice& start(Maker maker, std::string_view kind, const SteeringOptions& steering = {}) {
+  JoystickDevice& start(Maker maker, std::string_view kind, const SteeringOptions& steering = {}) {
     maker(input);
-    SteeredHandOptions options;
+    JoystickHandOptions options;
     options.spec = builtin_device("simulated_6dof");
     options.steering = steering;
     device.emplace(node(), kind, options);
@@ -34,8 +34,8 @@ struct Steered : ::testing::Test {
     begun = device->true_position();
     return *device;
   }
-  SteeredDevice& gamepad() { return start(stand_in::be_xpad, "gamepad"); }
-  SteeredDevice& spacemouse() { return start(stand_in::be_spacemouse, "spacemouse"); }
+  JoystickDevice& gamepad() { return start(stand_in::be_xpad, "gamepad"); }
+  JoystickDevice& spacemouse() { return start(stand_in::be_spacemouse, "spacemouse"); }
   /// Moves through free space for `time` [s].
   DeviceReading move(double time) {
     DeviceReading reading;
@@ -54,8 +54,8 @@ struct Steered : ::testing::Test {
   Vec3 way() const { return device->true_position() - begun; }
   std::string refusal(std::string_view kind) {
     try {
-      SteeredDevice(node(), kind,
-                    {.spec = builtin_device("simulated_6dof"), .hand = {}, .steering = {}});
+      JoystickDevice(node(), kind,
+                     {.spec = builtin_device("simulated_6dof"), .hand = {}, .steering = {}});
     } catch (const std::exception& error) {
       return error.what();
     }
@@ -63,7 +63,7 @@ struct Steered : ::testing::Test {
   }
 
   stand_in::InputDevice input;
-  std::optional<SteeredDevice> device;
+  std::optional<JoystickDevice> device;
   Nanoseconds now = std::chrono::seconds(7);
   Vec3 begun = Vec3::Zero();
 };

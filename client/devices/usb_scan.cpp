@@ -1,4 +1,4 @@
-#include "client/devices/plugged_in.hpp"
+#include "client/devices/usb_scan.hpp"
 
 #include <unistd.h>
 
@@ -75,7 +75,7 @@ std::string holders(const fs::path& root, const fs::path& node) {
 
 /// Complains if the node does not exist, or may not be opened with these rights.
 void check_node(const Machine& machine, const fs::path& node, int rights, const std::string& rule,
-                PluggedIn& device) {
+                ConnectedDevice& device) {
   const fs::path file = machine.root / node.relative_path();
   std::error_code none;
   if (!fs::exists(file, none)) {
@@ -88,7 +88,7 @@ void check_node(const Machine& machine, const fs::path& node, int rights, const 
 }
 
 void examine(const Machine& machine, const Known& known, const std::string& product,
-             PluggedIn& device) {
+             ConnectedDevice& device) {
   const std::string rule = "SUBSYSTEMS==\"usb\", ATTRS{idVendor}==\"" + std::string(known.vendor) +
                            "\", ATTRS{idProduct}==\"" + product + "\", TAG+=\"uaccess\"";
   for (const fs::path& node : device.nodes) {
@@ -110,13 +110,13 @@ void examine(const Machine& machine, const Known& known, const std::string& prod
 }
 
 /// Many programs may listen to an event node at once, unless one has grabbed it.
-PluggedIn examined(const Machine& machine, const InputNode& node) {
-  PluggedIn device{node.vendor + ":" + node.product,
-                   (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +
-                       (node.name.empty() ? std::string() : ", \"" + node.name + "\""),
-                   std::string(node.kind),
-                   {node.node},
-                   {}};
+ConnectedDevice examined(const Machine& machine, const InputNode& node) {
+  ConnectedDevice device{node.vendor + ":" + node.product,
+                         (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +
+                             (node.name.empty() ? std::string() : ", \"" + node.name + "\""),
+                         std::string(node.kind),
+                         {node.node},
+                         {}};
   check_node(machine, node.node, R_OK, input_rule(node.vendor, node.product), device);
   const std::string held = holders(machine.root, node.node);
   if (held.find("spacenavd") != std::string::npos)
@@ -127,8 +127,8 @@ PluggedIn examined(const Machine& machine, const InputNode& node) {
 
 }  // namespace
 
-std::vector<PluggedIn> plugged_in(const Machine& machine) {
-  std::vector<PluggedIn> found;
+std::vector<ConnectedDevice> scan_usb(const Machine& machine) {
+  std::vector<ConnectedDevice> found;
   for (const fs::path& device : entries(machine.root / "sys/bus/usb/devices")) {
     const std::string vendor = line_of(device / "idVendor"),
                       product = line_of(device / "idProduct");
@@ -137,11 +137,11 @@ std::vector<PluggedIn> plugged_in(const Machine& machine) {
     });
     if (known == kKnown.end()) continue;
     const std::string own = line_of(device / "product");
-    PluggedIn one{vendor + ":" + product,
-                  std::string(known->what) + (own.empty() ? "" : ", \"" + own + "\""),
-                  std::string(known->kind),
-                  nodes_of(device),
-                  {}};
+    ConnectedDevice one{vendor + ":" + product,
+                        std::string(known->what) + (own.empty() ? "" : ", \"" + own + "\""),
+                        std::string(known->kind),
+                        nodes_of(device),
+                        {}};
     examine(machine, *known, product, one);
     found.push_back(std::move(one));
   }
@@ -149,12 +149,12 @@ std::vector<PluggedIn> plugged_in(const Machine& machine) {
   return found;
 }
 
-std::string text(const std::vector<PluggedIn>& devices) {
+std::string text(const std::vector<ConnectedDevice>& devices) {
   if (devices.empty())
     return "no haptic device that feltwire knows is on USB, and no gamepad or 3D mouse at an event "
            "node; is it plugged in and switched on? One on Ethernet is not seen here.\n";
   std::string lines;
-  for (const PluggedIn& device : devices) {
+  for (const ConnectedDevice& device : devices) {
     lines += device.what + " (" + device.id + ")";
     for (const fs::path& node : device.nodes) lines += ", " + node.string();
     lines += "\n";

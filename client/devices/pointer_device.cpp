@@ -1,4 +1,4 @@
-#include "client/devices/pointed_device.hpp"
+#include "client/devices/pointer_device.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
-PointedDevice::PointedDevice(const PointedHandOptions& options, Ring<Pointing>& pointings)
-    : HandDevice(options.spec, options.hand), options_(options), pointings_(pointings) {
+PointerDevice::PointerDevice(const PointerHandOptions& options, Ring<PointerMessage>& messages)
+    : HandDevice(options.spec, options.hand), options_(options), messages_(messages) {
   const auto usable = [](double v) { return std::isfinite(v) && v > 0.0; };
   for (const double number : {options.speed, options.reach, options.smoothing, options.patience,
                               options.beginning, options.clearance})
@@ -17,20 +17,20 @@ PointedDevice::PointedDevice(const PointedHandOptions& options, Ring<Pointing>& 
       throw std::invalid_argument("each number of a pointed hand must be finite and above zero");
 }
 
-void PointedDevice::begin(const Vec3& position, const Vec3& normal) {
+void PointerDevice::begin(const Vec3& position, const Vec3& normal) {
   start_ = target_ = aim_ = position + options_.clearance * normal.normalized();
   place(start_);
 }
 
-DeviceReading PointedDevice::read(Nanoseconds now) noexcept {
+DeviceReading PointerDevice::read(Nanoseconds now) noexcept {
   if (!started_) began_ = heard_ = now;
   started_ = true;
-  Pointing told;
-  while (pointings_.pop(told)) {
+  PointerMessage told;
+  while (messages_.pop(told)) {
     heard_ = now;
-    if (told.kind == Pointing::Kind::let_go) ended_ = true;
+    if (told.kind == PointerMessage::Kind::let_go) ended_ = true;
     // Ignore a target that is not finite: the hand stays at the last one.
-    if (told.kind == Pointing::Kind::to && told.target.allFinite()) target_ = told.target;
+    if (told.kind == PointerMessage::Kind::to && told.target.allFinite()) target_ = told.target;
   }
   if (!ended_ && now - heard_ > from_seconds(options_.patience) &&
       now - began_ > from_seconds(options_.beginning)) {
@@ -42,7 +42,7 @@ DeviceReading PointedDevice::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-Vec3 PointedDevice::intended(double time) noexcept {
+Vec3 PointerDevice::intended(double time) noexcept {
   const double elapsed = time - aimed_at_;
   aimed_at_ = time;
   const Vec3 way = (1.0 - std::exp(-elapsed / options_.smoothing)) * (target_ - aim_);

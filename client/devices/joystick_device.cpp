@@ -1,4 +1,4 @@
-#include "client/devices/steered_device.hpp"
+#include "client/devices/joystick_device.hpp"
 
 #include <algorithm>
 #include <array>
@@ -27,9 +27,9 @@ OpenedDevice open_steered(std::string_view kind, const DeviceRequest& request) {
                   " gives no force: a surface holds the tool back, and the hand feels nothing");
   EventNode events(node);
   try {
-    return {std::make_unique<SteeredDevice>(
+    return {std::make_unique<JoystickDevice>(
                 std::move(events), kind,
-                SteeredHandOptions{
+                JoystickHandOptions{
                     .spec = std::move(described.spec), .hand = {}, .steering = request.steering}),
             std::move(notes)};
   } catch (const std::runtime_error& error) {
@@ -39,8 +39,8 @@ OpenedDevice open_steered(std::string_view kind, const DeviceRequest& request) {
 
 }  // namespace
 
-SteeredDevice::SteeredDevice(EventNode node, std::string_view kind,
-                             const SteeredHandOptions& options)
+JoystickDevice::JoystickDevice(EventNode node, std::string_view kind,
+                               const JoystickHandOptions& options)
     : HandDevice(options.spec, options.hand),
       node_(std::move(node)),
       options_(options),
@@ -50,12 +50,12 @@ SteeredDevice::SteeredDevice(EventNode node, std::string_view kind,
     throw std::invalid_argument("the reaches of a steered hand must be finite and above zero");
 }
 
-void SteeredDevice::begin(const Vec3& position, const Vec3& normal) {
+void JoystickDevice::begin(const Vec3& position, const Vec3& normal) {
   aim_ = position + options_.clearance * normal.normalized();
   place(aim_);
 }
 
-void SteeredDevice::take_events(Nanoseconds now) noexcept {
+void JoystickDevice::take_events(Nanoseconds now) noexcept {
   std::array<input_event, 64> room{};
   for (int round = 0; round < kReadsATick && !gone_; ++round) {
     const auto count = node_.read(room);
@@ -65,7 +65,7 @@ void SteeredDevice::take_events(Nanoseconds now) noexcept {
   }
 }
 
-DeviceReading SteeredDevice::read(Nanoseconds now) noexcept {
+DeviceReading JoystickDevice::read(Nanoseconds now) noexcept {
   if (!gone_) take_events(now);
   steering_ = gone_ ? Steering{} : input_.steering(now);
   DeviceReading reading = HandDevice::read(now);
@@ -76,14 +76,14 @@ DeviceReading SteeredDevice::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-Vec3 SteeredDevice::intended(double time) noexcept {
+Vec3 JoystickDevice::intended(double time) noexcept {
   const double elapsed = std::min(time - std::exchange(moved_until_, time), kLongest);
   const Vec3& hand = true_position();
   aim_ = hand + led(aim_ - hand, elapsed * steering_.velocity, options_.reach, kYielding * elapsed);
   return aim_;
 }
 
-Vec3 SteeredDevice::intended_turn(double time) noexcept {
+Vec3 JoystickDevice::intended_turn(double time) noexcept {
   const double elapsed = std::min(time - std::exchange(turned_until_, time), kLongest);
   const Quaternion& hand = true_orientation();
   const Vec3 lead = rotation_between(hand, turned(turned_aim_, elapsed * steering_.turn));

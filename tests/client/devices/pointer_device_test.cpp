@@ -1,4 +1,4 @@
-#include "client/devices/pointed_device.hpp"
+#include "client/devices/pointer_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,24 +6,26 @@
 #include <limits>
 #include <stdexcept>
 
-namespace feltwire::pointed_device_test {
+namespace feltwire::pointer_device_test {
 namespace {
 
 using std::chrono::milliseconds;
 
 /// A pointed hand without friction or encoder quantum, at the origin.
 struct Pointed {
-  static PointedHandOptions options() {
-    PointedHandOptions o;
+  static PointerHandOptions options() {
+    PointerHandOptions o;
     o.spec = builtin_device("simulated");
     o.spec.coulomb_friction = 0.0;
     o.spec.position_resolution = 0.0;
     return o;
   }
-  explicit Pointed(const PointedHandOptions& o = options()) : device(o, pointings) {
+  explicit Pointed(const PointerHandOptions& o = options()) : device(o, messages) {
     device.begin(Vec3(0, 0, -o.clearance), Vec3(0, 0, 3));
   }
-  void point(const Vec3& target) { pointings.push({.kind = Pointing::Kind::to, .target = target}); }
+  void point(const Vec3& target) {
+    messages.push({.kind = PointerMessage::Kind::to, .target = target});
+  }
   /// A tick of 1 ms against a wall at z = 0 with this stiffness [N/m]; 0: no wall.
   DeviceReading tick(double stiffness = 0.0) {
     const DeviceReading reading = device.read(milliseconds(++ms));
@@ -31,19 +33,19 @@ struct Pointed {
     device.write({Vec3(0, 0, force), Vec3::Zero(), Vec3::Zero()});
     return reading;
   }
-  Ring<Pointing> pointings{64};
-  PointedDevice device;
+  Ring<PointerMessage> messages{64};
+  PointerDevice device;
   int ms = 0;
   double force = 0.0;  // [N] from the wall
 };
 
-TEST(PointedDevice, BeginsBeforeTheSurface) {
+TEST(PointerDevice, BeginsBeforeTheSurface) {
   const Pointed pointed;
   EXPECT_NEAR(pointed.device.start().norm(), 0.0, 1e-12);
   EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
 }
 
-TEST(PointedDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
+TEST(PointerDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
   Pointed pointed;
   const Vec3 target(0.3, -0.2, 0.1);
   double fastest = 0.0;
@@ -57,7 +59,7 @@ TEST(PointedDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
   EXPECT_LT(fastest, 0.7);  // 0.5 m/s and the overshoot of the arm
 }
 
-TEST(PointedDevice, PressesWithTheReachOfItsSpringAtMost) {
+TEST(PointerDevice, PressesWithTheReachOfItsSpringAtMost) {
   Pointed pointed;
   double sum = 0.0;
   for (int i = 0; i < 4000; ++i) {
@@ -68,7 +70,7 @@ TEST(PointedDevice, PressesWithTheReachOfItsSpringAtMost) {
   EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // the hand trembles on an unbounded wall
 }
 
-TEST(PointedDevice, LetsGoWhenItIsToldNothing) {
+TEST(PointerDevice, LetsGoWhenItIsToldNothing) {
   Pointed pointed;
   for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // the beginning allows 5 s
   pointed.point(Vec3::Zero());
@@ -82,15 +84,15 @@ TEST(PointedDevice, LetsGoWhenItIsToldNothing) {
   EXPECT_TRUE(pointed.tick().ended);
 }
 
-TEST(PointedDevice, LetsGoWhenItIsToldTo) {
+TEST(PointerDevice, LetsGoWhenItIsToldTo) {
   Pointed pointed;
   pointed.tick();
-  pointed.pointings.push({.kind = Pointing::Kind::let_go});
+  pointed.messages.push({.kind = PointerMessage::Kind::let_go});
   EXPECT_TRUE(pointed.tick().ended);
   EXPECT_FALSE(pointed.device.neglected());
 }
 
-TEST(PointedDevice, StaysWhereTheTargetIsNoPlace) {
+TEST(PointerDevice, StaysWhereTheTargetIsNoPlace) {
   Pointed pointed;
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -108,18 +110,18 @@ TEST(PointedDevice, StaysWhereTheTargetIsNoPlace) {
   EXPECT_NEAR((pointed.device.true_position() - place).norm(), 0.0, 1e-6);
 }
 
-TEST(PointedDevice, RefusesNumbersThatAreOfNoUse) {
-  Ring<Pointing> pointings(4);
-  for (double PointedHandOptions::*field :
-       {&PointedHandOptions::speed, &PointedHandOptions::reach, &PointedHandOptions::smoothing,
-        &PointedHandOptions::patience, &PointedHandOptions::beginning,
-        &PointedHandOptions::clearance})
+TEST(PointerDevice, RefusesNumbersThatAreOfNoUse) {
+  Ring<PointerMessage> messages(4);
+  for (double PointerHandOptions::*field :
+       {&PointerHandOptions::speed, &PointerHandOptions::reach, &PointerHandOptions::smoothing,
+        &PointerHandOptions::patience, &PointerHandOptions::beginning,
+        &PointerHandOptions::clearance})
     for (const double wrong : {0.0, -1.0, std::nan("")}) {
-      PointedHandOptions options = Pointed::options();
+      PointerHandOptions options = Pointed::options();
       options.*field = wrong;
-      EXPECT_THROW(PointedDevice(options, pointings), std::invalid_argument) << wrong;
+      EXPECT_THROW(PointerDevice(options, messages), std::invalid_argument) << wrong;
     }
 }
 
 }  // namespace
-}  // namespace feltwire::pointed_device_test
+}  // namespace feltwire::pointer_device_test

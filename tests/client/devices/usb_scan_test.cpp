@@ -1,6 +1,6 @@
 // The device list of the doctor on made-up machines.
 
-#include "client/devices/plugged_in.hpp"
+#include "client/devices/usb_scan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-namespace feltwire::plugged_in_test {
+namespace feltwire::usb_scan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,7 +38,7 @@ class PluggedInTest : public ::testing::Test {
     fs::create_symlink(node, root_ / "proc" / process / "fd/5");
   }
   std::string seen(bool may = true) {
-    return text(plugged_in({root_, [may](const fs::path&) { return may; }}));
+    return text(scan_usb({root_, [may](const fs::path&) { return may; }}));
   }
 
   test::TemporaryFolder folder_;
@@ -53,7 +53,7 @@ TEST_F(PluggedInTest, KnowsADeviceAndItsDriverAndLeavesOthersOut) {
   plug("1-1", "1451", "0402", "4");
   put("sys/bus/usb/devices/1-1/product", "omega.x");
   plug("1-2", "046d", "c077", "5");  // a mouse
-  const auto devices = plugged_in({root_, [](const fs::path&) { return true; }});
+  const auto devices = scan_usb({root_, [](const fs::path&) { return true; }});
   ASSERT_EQ(devices.size(), 1u);
   EXPECT_EQ(devices[0].kind, "forcedimension");
   EXPECT_EQ(devices[0].nodes, std::vector<fs::path>{"/dev/bus/usb/001/004"});
@@ -95,10 +95,10 @@ TEST_F(PluggedInTest, ANodeThatIsMissingIsSaid) {
 TEST_F(PluggedInTest, NonsenseInTheTreeIsNoDeviceNode) {
   plug("1-1", "1451", "0402", "4");
   put("sys/bus/usb/devices/1-1/devnum", "../../etc");
-  const auto devices = plugged_in({root_, [](const fs::path&) { return true; }});
+  const auto devices = scan_usb({root_, [](const fs::path&) { return true; }});
   ASSERT_EQ(devices.size(), 1u);
   EXPECT_TRUE(devices[0].nodes.empty());
 }
 
 }  // namespace
-}  // namespace feltwire::plugged_in_test
+}  // namespace feltwire::usb_scan_test

@@ -14,7 +14,7 @@ struct Complaint {
   std::string problem, remedy;
 };
 
-struct PluggedIn {
+struct ConnectedDevice {
   std::string id;                            // "1451:0402" of USB
   std::string what;                          // for people, with the name that the device reports
   std::string kind;                          // of --device; empty: there is no driver for it
@@ -33,10 +33,10 @@ struct Machine {
 /// ports. After them come the gamepads and 3D mice of every port, in the order of their event
 /// nodes. It leaves out devices that it cannot read. Only root can see which programs of other
 /// users hold a node.
-std::vector<PluggedIn> plugged_in(const Machine& machine);
+std::vector<ConnectedDevice> scan_usb(const Machine& machine);
 
 /// Returns "openhaptics: Touch (2988:0302), /dev/ttyACM0" and below it each problem with its
 /// remedy.
-std::string text(const std::vector<PluggedIn>& devices);
+std::string text(const std::vector<ConnectedDevice>& devices);
 
 }  // namespace feltwire
