@@ -157,8 +157,8 @@ class World {
   Command hold(const Pose& device, double elapsed, BodyMemory& memory,
                BodyContactState& contacts) const noexcept;
   void apply(std::size_t part, BodyContactState& contacts, const Vec3& at, double share) noexcept;
-  void look_round(const MovedView& held, const Vec3& position, TouchMemory& memory,
-                  BodyContactState& contacts) const noexcept;
+  void update_neighbours(const MovedView& held, const Vec3& position, TouchMemory& memory,
+                         BodyContactState& contacts) const noexcept;
   void ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
                 Command& sum) const noexcept;
   void ask(const MovedView& held, std::size_t part, const Tool& tool, TouchMemory& memory,

@@ -48,8 +48,8 @@ bool World::comes_near(const MovedView& held, std::size_t part, const Vec3& posi
 
 /// Rebuilds the list of the objects near the tool. An object that leaves the list has no force: it
 /// was asked after it came out of reach. Otherwise it stays in the list.
-void World::look_round(const MovedView& held, const Vec3& position, TouchMemory& memory,
-                       BodyContactState& contacts) const noexcept {
+void World::update_neighbours(const MovedView& held, const Vec3& position, TouchMemory& memory,
+                              BodyContactState& contacts) const noexcept {
   NeighbourList& near = contacts.near;
   near.parts.clear();
   for (std::size_t i = 0; i < parts_; ++i) {
@@ -112,7 +112,7 @@ void World::ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& co
                      Command& sum) const noexcept {
   const MovedView& held = held_[contacts.held];
   if (!held.reach.holds(contacts.near, tool.position))
-    look_round(held, tool.position, memory, contacts);
+    update_neighbours(held, tool.position, memory, contacts);
   for (const std::uint32_t part : contacts.near.parts) ask(held, part, tool, memory, contacts, sum);
   contacts.steps = counters_.steps;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/coupled_tool/slip_sums.hpp"
+#include "core/tool_coupling/slip_sums.hpp"
 
 namespace feltwire {
 namespace {

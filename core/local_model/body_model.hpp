@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/coupled_tool/coupled_tool.hpp"
 #include "core/geometry/shapes.hpp"
 #include "core/geometry/triangle_soup.hpp"
 #include "core/local_model/trial_way.hpp"
 #include "core/material/material.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

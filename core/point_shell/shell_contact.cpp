@@ -4,9 +4,9 @@
 #include <array>
 
 #include "core/base/numeric.hpp"
-#include "core/coupled_tool/slip_sums.hpp"
 #include "core/grid/signed_distance.hpp"
 #include "core/point_shell/object_motion.hpp"
+#include "core/tool_coupling/slip_sums.hpp"
 
 namespace feltwire {
 namespace {

@@ -2,8 +2,8 @@
 // A point shell against solids: a penalty for each point inside.
 
 #include "core/contact/contact.hpp"
-#include "core/coupled_tool/tool_contact.hpp"
 #include "core/point_shell/point_shell.hpp"
+#include "core/tool_coupling/tool_contact.hpp"
 
 namespace feltwire {
 

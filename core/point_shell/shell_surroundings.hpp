@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/coupled_tool/coupled_tool.hpp"
 #include "core/point_shell/object_motion.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

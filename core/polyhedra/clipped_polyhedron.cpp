@@ -10,13 +10,13 @@ FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3
                                                std::size_t count, const LinearFunction& plane,
                                                double* height, ClippedPolyhedron::Extent& reach) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto* x = reinterpret_cast<const Four*>(corners[0]);
-  const auto* y = reinterpret_cast<const Four*>(corners[1]);
-  const auto* z = reinterpret_cast<const Four*>(corners[2]);
-  auto* out = reinterpret_cast<Four*>(height);
-  Four least = {kInfinity, kInfinity, kInfinity, kInfinity}, most = -least;
+  const auto* x = reinterpret_cast<const Double4*>(corners[0]);
+  const auto* y = reinterpret_cast<const Double4*>(corners[1]);
+  const auto* z = reinterpret_cast<const Double4*>(corners[2]);
+  auto* out = reinterpret_cast<Double4*>(height);
+  Double4 least = {kInfinity, kInfinity, kInfinity, kInfinity}, most = -least;
   for (std::size_t i = 0; 4 * i < count; ++i) {
-    const Four h = plane.x * x[i] + plane.y * y[i] + plane.z * z[i] - plane.offset;
+    const Double4 h = plane.x * x[i] + plane.y * y[i] + plane.z * z[i] - plane.offset;
     out[i] = h;
     least = h < least ? h : least;
     most = h > most ? h : most;
@@ -28,7 +28,7 @@ FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3
 ClippedPolyhedron& ClippedPolyhedron::operator=(const ClippedPolyhedron& other) noexcept {
   if (this == &other) return *this;
   count_ = other.count_;
-  const std::size_t padded = (count_ + kFour - 1) / kFour * kFour;
+  const std::size_t padded = (count_ + kSimdLanes - 1) / kSimdLanes * kSimdLanes;
   std::copy_n(other.x_.begin(), padded, x_.begin());
   std::copy_n(other.y_.begin(), padded, y_.begin());
   std::copy_n(other.z_.begin(), padded, z_.begin());

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "core/polyhedra/edge_end.hpp"
+#include "core/polyhedra/edge_graph.hpp"
 #include "core/polyhedra/polyhedron.hpp"
-#include "core/polyhedra/wide.hpp"
+#include "core/polyhedra/simd4.hpp"
 
 namespace feltwire {
 

@@ -5,24 +5,24 @@
 #include <limits>
 #include <utility>
 
-#include "core/polyhedra/depth_cell.hpp"
 #include "core/polyhedra/depth_planes.hpp"
+#include "core/polyhedra/penetration_cell.hpp"
 
 namespace feltwire {
 namespace {
 
-using Tag = NearestCells::Tag;
+using Tag = ClosestFaceCells::Tag;
 
 /// Outside of a hollow, depth is measured from the face that is farthest behind. There the least of
 /// zero and the negative heights is not zero.
 void add_hollow(const PlacedPart& tool, const ClippedPolyhedron& whole, const DepthPlanes& planes,
                 bool slides, DepthSums& sums) {
-  NearestCells cells(whole, Vec3::Zero(), 0.0, planes.size());
-  const auto free = static_cast<Tag>(NearestCells::kCell + planes.size());
-  std::array<Cell, kMostDepthPlanes> of;
+  ClosestFaceCells cells(whole, Vec3::Zero(), 0.0, planes.size());
+  const auto free = static_cast<Tag>(ClosestFaceCells::kCell + planes.size());
+  std::array<PenetrationCell, kMostDepthPlanes> of;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     cells.insert(planes[i].normal, planes[i].offset, i);
-    of[i] = Cell(planes[i].normal, -planes[i].offset, tool.origin, free);
+    of[i] = PenetrationCell(planes[i].normal, -planes[i].offset, tool.origin, free);
   }
   add_cells(cells, std::span(of).first(planes.size()), planes, slides, sums);
 }
@@ -71,12 +71,13 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
   const auto faces = std::span(by_depth).first(count);
   std::ranges::sort(faces);
   const DepthPlane& nearest = planes[faces[0].second];
-  NearestCells cells(inside, nearest.normal, nearest.offset, 0);
-  std::array<Cell, kMostDepthPlanes> of;
+  ClosestFaceCells cells(inside, nearest.normal, nearest.offset, 0);
+  std::array<PenetrationCell, kMostDepthPlanes> of;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t face = faces[k].second;
     if (k > 0) cells.insert(planes[face].normal, planes[face].offset, k);
-    of[k] = Cell(-planes[face].normal, planes[face].offset, tool.origin, static_cast<Tag>(face));
+    of[k] = PenetrationCell(-planes[face].normal, planes[face].offset, tool.origin,
+                            static_cast<Tag>(face));
   }
   add_cells(cells, std::span(of).first(count), planes, slides, sums);
 }

@@ -47,9 +47,9 @@
 // and planes through the outline take their place. This is S + {-s away, s >= 0}. A plane that
 // separated the two still does so, and no depth takes the tool through.
 
-#include "core/coupled_tool/slip_sums.hpp"
 #include "core/polyhedra/clipped_polyhedron.hpp"
 #include "core/polyhedra/solid_parts.hpp"
+#include "core/tool_coupling/slip_sums.hpp"
 
 namespace feltwire {
 

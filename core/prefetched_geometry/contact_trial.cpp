@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 namespace {

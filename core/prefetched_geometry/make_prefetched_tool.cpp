@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "core/coupled_tool/tool_checks.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
 #include "core/prefetched_geometry/trial_ways.hpp"
+#include "core/tool_coupling/tool_checks.hpp"
 
 namespace feltwire {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "core/base/json_document.hpp"
-#include "core/coupled_tool/tool_inertia.hpp"
 #include "core/geometry/shapes.hpp"
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/tool_coupling/tool_inertia.hpp"
 
 namespace feltwire {
 

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/coupled_tool/descent.hpp"
-#include "core/coupled_tool/tool_checks.hpp"
 #include "core/point_shell/shell_surroundings.hpp"
+#include "core/tool_coupling/descent.hpp"
+#include "core/tool_coupling/tool_checks.hpp"
 
 namespace feltwire {
 namespace {
@@ -65,10 +65,10 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
   if (const PolygonBody* polygons = tool.polygons()) {
     if (objects.size() != polygons->solids.size()) [[unlikely]]
       return {};
-    if (!coupled_tool::good(device)) return {};
+    if (!tool_coupling::good(device)) return {};
     Pose start = memory.placed ? memory.pose : device;
     start.orientation.normalize();
-    look_round(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
+    update_part_pairs(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
     // The contact at the pose is known, but its clearance is that of the step before.
     if (memory.known) memory.contact.clearance = clearance(memory.near);
     return step_coupled_tool(coupled, PolygonSolids(tool, objects, motions, memory.near), device,

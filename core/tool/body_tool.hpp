@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "core/coupled_tool/coupled_tool.hpp"
 #include "core/tool/polygon_body.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

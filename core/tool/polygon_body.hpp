@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/contact/contact.hpp"
-#include "core/coupled_tool/coupled_tool.hpp"
 #include "core/point_shell/object_motion.hpp"
 #include "core/polyhedra/solid_parts.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 
@@ -28,22 +28,22 @@ PolygonBody polygon_body(const std::vector<std::vector<Vec3>>& corners,
 ///
 /// The clearance is a lower bound of the distance to all parts that are not touched, less what a
 /// step may advance beyond it where a pair is not in `near`: so no pair is reached before it is
-/// remembered. `push`, if given, becomes that of the pair which look_round() turns next. Never
-/// allocates.
+/// remembered. `push`, if given, becomes that of the pair which update_part_pairs() turns next.
+/// Never allocates.
 ShellContact polygon_contact(const PolygonBody& body, std::span<const Object> objects,
                              double contact_area, const PartPairs& near, const Pose& tool,
                              std::span<const ObjectMotion> motions = {},
                              PairPush* push = nullptr) noexcept;
 
-/// [m] The clearance just after look_round(), at its pose.
+/// [m] The clearance just after update_part_pairs(), at its pose.
 double clearance(const PartPairs& near) noexcept;
 
 /// Brings `near` up to date for the next step from this pose: call it once before each. A pair that
 /// comes within kNearPairs is remembered with the direction between its parts. The energy at the
 /// pose stays the same: a direction is changed only where the parts are apart before and after, or
 /// where V stays the same to kSameDepth. `solids_moved`: since the last call. Never allocates.
-void look_round(const PolygonBody& body, std::span<const Object> objects, const Pose& tool,
-                bool solids_moved, PartPairs& near) noexcept;
+void update_part_pairs(const PolygonBody& body, std::span<const Object> objects, const Pose& tool,
+                       bool solids_moved, PartPairs& near) noexcept;
 
 inline constexpr double kNearPairs = 6e-3;  // [m] remembered within this distance
 inline constexpr double kStayAway = 1e-3;   // [m] from what is not remembered, in a step

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

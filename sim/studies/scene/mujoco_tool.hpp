@@ -1,8 +1,8 @@
 #pragma once
 // Internal to the study of tools in six degrees of freedom: the same tool and solid in MuJoCo.
 
-#include "core/coupled_tool/tool_contact.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
+#include "core/tool_coupling/tool_contact.hpp"
 #include "sim/studies/scene/sixdof_tool.hpp"
 
 namespace feltwire {

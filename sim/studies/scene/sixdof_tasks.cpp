@@ -120,7 +120,7 @@ double first_contact(const SixDofTask& task, const Quaternion& orientation) {
   double at = kFar;
   for (;; at -= kStep) {
     const Pose pose{at * kX, orientation};
-    look_round(body, std::span(&object, 1), pose, false, near);
+    update_part_pairs(body, std::span(&object, 1), pose, false, near);
     if (polygon_contact(body, std::span(&object, 1), 1.0, near, pose).energy > 0.0) return at;
   }
 }

@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 #include "tests/core/polyhedra/solids.hpp"
 
 namespace feltwire::depth_integrals_test {

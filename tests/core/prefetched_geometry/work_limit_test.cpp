@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/coupled_tool/descent.hpp"
 #include "core/local_model/contact_budget.hpp"
 #include "core/local_model/local_body.hpp"
 #include "core/local_model/local_contact.hpp"
@@ -13,6 +12,7 @@
 #include "core/prefetched_geometry/contact_trial.hpp"
 #include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "core/prefetched_geometry/mesh_surfaces.hpp"
+#include "core/tool_coupling/descent.hpp"
 #include "tests/core/heavy_geometry.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -101,7 +101,8 @@ bool same(const BodyMemory& a, const BodyMemory& b) {
 
 /// [J] of a massless tool at rest at `tool`.
 double energy_at(const PrefetchedTool& body, const Pose& device, const Pose& tool) {
-  return coupled_tool::pull(body.coupling, device, tool).energy + body.solids->contact(tool).energy;
+  return tool_coupling::pull(body.coupling, device, tool).energy +
+         body.solids->contact(tool).energy;
 }
 
 /// At every limit a body's step is cut off without effect, or leads to a place with no more energy.

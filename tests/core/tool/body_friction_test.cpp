@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/coupled_tool/friction_solver.hpp"
+#include "core/tool_coupling/friction_solver.hpp"
 #include "tests/core/bodies.hpp"
 #include "tests/core/support.hpp"
 #include "tests/support/same_twice.hpp"

@@ -90,7 +90,7 @@ TEST(PolygonBody, ClearanceIsNoLie) {
     const double gap = random.chance(0.5) ? random.uniform(1e-5, 5e-3) : random.uniform(0.0, 0.5);
     const Pose pose{Vec3(0, 0, 0.03 + gap), about(Vec3::UnitZ(), random.uniform(-3, 3))};
     PartPairs near;
-    look_round(body, objects, pose, true, near);
+    update_part_pairs(body, objects, pose, true, near);
     const double clear = polygon_contact(body, objects, kFace, near, pose).clearance;
     EXPECT_LE(clear, gap + 1e-12);
     EXPECT_EQ(clear, clearance(near));
@@ -154,7 +154,7 @@ TEST(PolygonBody, TheWrenchIsTheGradientOfTheEnergy) {
     const Pose pose{Vec3(0.1, 0.2, 0.3) + random.uniform(0.0, 0.04) * random.direction(),
                     about(random.direction(), random.uniform(-3, 3))};
     PartPairs near;
-    look_round(body, objects, pose, true, near);
+    update_part_pairs(body, objects, pose, true, near);
     const ShellContact at = polygon_contact(body, objects, kFace, near, pose);
     if (!(at.energy > 1e-6)) continue;
     ++touching;
@@ -309,12 +309,12 @@ TEST(PolygonBody, TheDirectionOfAPairFollowsTheForce) {
     // In the middle of the wall, or at its end, where an oblique thickening widens the wall.
     const Pose pose{Vec3(beyond ? -0.0525 : 0.0, 0, 6e-3 - 1e-4), kUpright};
     PartPairs near;
-    look_round(body, objects, pose, true, near);
+    update_part_pairs(body, objects, pose, true, near);
     ASSERT_EQ(near.count, 1u);
     near.pairs[0].thickened = true;
     near.pairs[0].away = aslant;
     const double before = polygon_contact(body, objects, kFace, near, pose).energy;
-    for (int i = 0; i < 3; ++i) look_round(body, objects, pose, false, near);
+    for (int i = 0; i < 3; ++i) update_part_pairs(body, objects, pose, false, near);
     const double after = polygon_contact(body, objects, kFace, near, pose).energy;
     ASSERT_GT(before, 0.0);
     EXPECT_NEAR(after, before, 1e-9 * before);

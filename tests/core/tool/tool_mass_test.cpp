@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/coupled_tool/friction_solver.hpp"
+#include "core/tool_coupling/friction_solver.hpp"
 #include "tests/core/massive_tool.hpp"
 
 namespace feltwire::tool_mass_test {

@@ -3,9 +3,9 @@
 // its movement.
 
 #include "core/base/work_limit.hpp"
-#include "core/coupled_tool/part_pairs.hpp"
-#include "core/coupled_tool/tool_contact.hpp"
-#include "core/coupled_tool/tool_inertia.hpp"
+#include "core/tool_coupling/part_pairs.hpp"
+#include "core/tool_coupling/tool_contact.hpp"
+#include "core/tool_coupling/tool_inertia.hpp"
 
 namespace feltwire {
 
@@ -85,14 +85,14 @@ struct CoupledTool {
 /// tool through a solid. The first step places the tool at the device.
 ///
 /// A move must also pay for the friction, contact damping and viscous friction on its way
-/// (core/coupled_tool/friction_solver.hpp). So a tool that they hold stays exactly where it is, and
-/// they can only take energy. Damping is that of the contact at the beginning of the step, for the
-/// way since then. On a tool that leaves a surface it is no stronger than the force that pushes the
-/// tool out.
+/// (core/tool_coupling/friction_solver.hpp). So a tool that they hold stays exactly where it is,
+/// and they can only take energy. Damping is that of the contact at the beginning of the step, for
+/// the way since then. On a tool that leaves a surface it is no stronger than the force that pushes
+/// the tool out.
 ///
 /// A tool with mass goes down the incremental potential of a step of h = `elapsed` [s] (Kane et al.
 /// 2000; Li et al. 2020, Incremental potential contact),
-///   E(tool) + E_inertia(tool)   (core/coupled_tool/tool_inertia.hpp)
+///   E(tool) + E_inertia(tool)   (core/tool_coupling/tool_inertia.hpp)
 /// with the same costs of friction and damping and that of the coupling's damper, by the same
 /// descent. Its minimum is the step of backward Euler; that of a step of h / 2, carried on as far
 /// again, is the midpoint rule. A mass towards zero gives the balance above.

@@ -1,22 +1,22 @@
-#include "core/coupled_tool/timed_step.hpp"
+#include "core/tool_coupling/timed_step.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "core/base/numeric.hpp"
-#include "core/coupled_tool/descent.hpp"
+#include "core/tool_coupling/descent.hpp"
 
 namespace feltwire {
 namespace {
 
-using coupled_tool::Dashpot;
-using coupled_tool::descend;
-using coupled_tool::Pull;
-using coupled_tool::pull;
-using coupled_tool::resistance;
-using coupled_tool::State;
-using coupled_tool::Step;
+using tool_coupling::Dashpot;
+using tool_coupling::descend;
+using tool_coupling::Pull;
+using tool_coupling::pull;
+using tool_coupling::resistance;
+using tool_coupling::State;
+using tool_coupling::Step;
 
 /// The damper's resistance is reduced if spring and damper together would exceed the largest pull.
 Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before,
@@ -216,7 +216,7 @@ void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surrounding
   else
     step.stay(end, memory.velocity);
   const double kinetic = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
-  if (is_cut(tool.work) || !coupled_tool::usable(end.state) || !end.damper.allFinite() ||
+  if (is_cut(tool.work) || !tool_coupling::usable(end.state) || !end.damper.allFinite() ||
       !std::isfinite(kinetic)) [[unlikely]]
     return;
   memory.pose = end.state.pose;
@@ -228,7 +228,7 @@ void step_with_mass(const CoupledTool& tool, const ToolSurroundings& surrounding
   memory.slipping = end.slipping;
   result.command = command_of(end.state.pull.wrench + end.damper, end.state.contact);
   const State& pushed = end.middle ? *end.middle : end.state;
-  coupled_tool::share_out(pushed, end.last, pushed.contact.wrench + end.resisted, result);
+  tool_coupling::share_out(pushed, end.last, pushed.contact.wrench + end.resisted, result);
   result.stored = end.state.pull.energy + end.state.contact.energy;
   result.kinetic = kinetic;
   result.work = end.work;

@@ -1,4 +1,4 @@
-#include "core/coupled_tool/friction_solver.hpp"
+#include "core/tool_coupling/friction_solver.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 // Internal to step_coupled_tool(): the step of a tool with mass.
 
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "core/coupled_tool/tool_checks.hpp"
+#include "core/tool_coupling/tool_checks.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>

@@ -1,15 +1,15 @@
-#include "core/polyhedra/depth_cell.hpp"
+#include "core/polyhedra/penetration_cell.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "core/polyhedra/wide.hpp"
+#include "core/polyhedra/simd4.hpp"
 
 namespace feltwire {
 namespace {
 
-using Tag = NearestCells::Tag;
+using Tag = ClosestFaceCells::Tag;
 using Corner = std::uint16_t;
 
 /// The six-point rule for polynomials of degree four on a triangle (Strang & Fix 1973): weights as
@@ -37,7 +37,7 @@ struct CellCorner {
 /// The corners of each of the first `count` cells.
 class CornersByCell {
  public:
-  CornersByCell(const NearestCells& cells, std::size_t count) {
+  CornersByCell(const ClosestFaceCells& cells, std::size_t count) {
     std::fill_n(end_.begin(), count, std::uint16_t{0});
     for_each(cells, count, [&](std::size_t cell, CellCorner) { ++end_[cell]; });
     std::uint16_t begin = 0;
@@ -51,24 +51,25 @@ class CornersByCell {
 
  private:
   template <class Visit>
-  static void for_each(const NearestCells& cells, std::size_t count, const Visit& visit) {
+  static void for_each(const ClosestFaceCells& cells, std::size_t count, const Visit& visit) {
     for (std::size_t i = 0; i < cells.corner_count(); ++i)
       for (std::uint8_t slot = 0; slot < 4; ++slot) {
-        const std::size_t cell = std::size_t{cells.faces(i)[slot]} - NearestCells::kCell;
+        const std::size_t cell = std::size_t{cells.faces(i)[slot]} - ClosestFaceCells::kCell;
         if (cell < count) visit(cell, {static_cast<Corner>(i), slot});
       }
   }
-  std::array<std::uint16_t, NearestCells::kMostCells> end_;
-  std::array<CellCorner, 4 * NearestCells::kCorners> all_;
+  std::array<std::uint16_t, ClosestFaceCells::kMostCells> end_;
+  std::array<CellCorner, 4 * ClosestFaceCells::kCorners> all_;
 };
 
 /// The corners as a cell sees them: (u, v) are coordinates along the face from the tool's origin,
 /// and d is the depth.
 struct SeenCorners {
-  static constexpr std::size_t kMost = NearestCells::kCorners;
+  static constexpr std::size_t kMost = ClosestFaceCells::kCorners;
   std::array<double, kMost> u, v, d;
 
-  SeenCorners(const NearestCells& cells, std::span<const CellCorner> corners, const Cell& cell) {
+  SeenCorners(const ClosestFaceCells& cells, std::span<const CellCorner> corners,
+              const PenetrationCell& cell) {
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Vec3 at = cells.corner(corners[k].corner);
       u[k] = cell.across.dot(at - cell.origin);
@@ -102,38 +103,42 @@ using SurfaceSums = std::array<double, 10>;
 
 /// Adds the integrals of four facets, each in its own lane. Equal corners add nothing.
 __attribute__((always_inline)) static inline void add_four(const SeenCorners& seen,
-                                                           const Facet* facets, Four* of) {
+                                                           const Facet* facets, Double4* of) {
   const double *u = seen.u.data(), *v = seen.v.data(), *d = seen.d.data();
   const Facet &p = facets[0], &q = facets[1], &r = facets[2], &s = facets[3];
-  const Four au = {u[p[0]], u[q[0]], u[r[0]], u[s[0]]}, av = {v[p[0]], v[q[0]], v[r[0]], v[s[0]]},
-             ad = {d[p[0]], d[q[0]], d[r[0]], d[s[0]]}, bu = {u[p[1]], u[q[1]], u[r[1]], u[s[1]]},
-             bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]}, bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
-             cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]}, cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
-             cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
-  const Four area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice the area
-  const Four sum = ad + bd + cd;
-  const Four aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
-  const Four sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
-  const Four h00 = area * (sa * sa + squared + 2.0 * aa);
-  const Four h11 = area * (sb * sb + squared + 2.0 * bb);
-  const Four h22 = area * (sc * sc + squared + 2.0 * cc);
-  const Four ta = sum + bd + cd, tb = sum + ad + cd, tc = sum + ad + bd;
-  const Four half = 0.5 * area;
-  const Four h12 = half * (ta * ta + squared + bb + cc);
-  const Four h02 = half * (tb * tb + squared + aa + cc);
-  const Four h01 = half * (tc * tc + squared + aa + bb);
-  const Four one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
+  const Double4 au = {u[p[0]], u[q[0]], u[r[0]], u[s[0]]},
+                av = {v[p[0]], v[q[0]], v[r[0]], v[s[0]]},
+                ad = {d[p[0]], d[q[0]], d[r[0]], d[s[0]]},
+                bu = {u[p[1]], u[q[1]], u[r[1]], u[s[1]]},
+                bv = {v[p[1]], v[q[1]], v[r[1]], v[s[1]]},
+                bd = {d[p[1]], d[q[1]], d[r[1]], d[s[1]]},
+                cu = {u[p[2]], u[q[2]], u[r[2]], u[s[2]]},
+                cv = {v[p[2]], v[q[2]], v[r[2]], v[s[2]]},
+                cd = {d[p[2]], d[q[2]], d[r[2]], d[s[2]]};
+  const Double4 area = (bu - au) * (cv - av) - (bv - av) * (cu - au);  // twice the area
+  const Double4 sum = ad + bd + cd;
+  const Double4 aa = ad * ad, bb = bd * bd, cc = cd * cd, squared = aa + bb + cc;
+  const Double4 sa = sum + 2.0 * ad, sb = sum + 2.0 * bd, sc = sum + 2.0 * cd;
+  const Double4 h00 = area * (sa * sa + squared + 2.0 * aa);
+  const Double4 h11 = area * (sb * sb + squared + 2.0 * bb);
+  const Double4 h22 = area * (sc * sc + squared + 2.0 * cc);
+  const Double4 ta = sum + bd + cd, tb = sum + ad + cd, tc = sum + ad + bd;
+  const Double4 half = 0.5 * area;
+  const Double4 h12 = half * (ta * ta + squared + bb + cc);
+  const Double4 h02 = half * (tb * tb + squared + aa + cc);
+  const Double4 h01 = half * (tc * tc + squared + aa + bb);
+  const Double4 one0 = h00 + h01 + h02, one1 = h01 + h11 + h12, one2 = h02 + h12 + h22;
   of[0] += one0 + one1 + one2;
   of[1] += one0 * au + one1 * bu + one2 * cu;
   of[2] += one0 * av + one1 * bv + one2 * cv;
   of[6] += one0 * ad + one1 * bd + one2 * cd;
-  const Four u0 = h00 * au + h01 * bu + h02 * cu, u1 = h01 * au + h11 * bu + h12 * cu,
-             u2 = h02 * au + h12 * bu + h22 * cu;
+  const Double4 u0 = h00 * au + h01 * bu + h02 * cu, u1 = h01 * au + h11 * bu + h12 * cu,
+                u2 = h02 * au + h12 * bu + h22 * cu;
   of[3] += u0 * au + u1 * bu + u2 * cu;
   of[4] += u0 * av + u1 * bv + u2 * cv;
   of[7] += u0 * ad + u1 * bd + u2 * cd;
-  const Four v0 = h00 * av + h01 * bv + h02 * cv, v1 = h01 * av + h11 * bv + h12 * cv,
-             v2 = h02 * av + h12 * bv + h22 * cv;
+  const Double4 v0 = h00 * av + h01 * bv + h02 * cv, v1 = h01 * av + h11 * bv + h12 * cv,
+                v2 = h02 * av + h12 * bv + h22 * cv;
   of[5] += v0 * av + v1 * bv + v2 * cv;
   of[8] += v0 * ad + v1 * bd + v2 * cd;
   of[9] += (h00 * ad + h01 * bd + h02 * cd) * ad + (h01 * ad + h11 * bd + h12 * cd) * bd +
@@ -143,7 +148,7 @@ __attribute__((always_inline)) static inline void add_four(const SeenCorners& se
 /// The integrals of all facets; their number is a multiple of four.
 FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<const Facet> facets,
                                            SurfaceSums& sums) {
-  Four of[10] = {};
+  Double4 of[10] = {};
   for (std::size_t t = 0; t < facets.size(); t += 4) add_four(seen, &facets[t], of);
   for (std::size_t i = 0; i < sums.size(); ++i)
     sums[i] = (of[i][0] + of[i][1]) + (of[i][2] + of[i][3]);
@@ -154,7 +159,7 @@ FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<co
 FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<const Facet> facets,
                                           std::span<const Corner> beyond, SurfaceSums* sums) {
   for (std::size_t t = 0; t < beyond.size(); t += 4) {
-    Four of[10] = {};
+    Double4 of[10] = {};
     add_four(seen, &facets[t], of);
     for (std::size_t lane = 0; lane < 4 && t + lane < beyond.size(); ++lane) {
       SurfaceSums& own = sums[beyond[t + lane]];
@@ -185,14 +190,14 @@ std::size_t side_of(const Vec3& way) {
 struct Ways {
   Vec6 translation, about_across, about_along;
 
-  explicit Ways(const Cell& cell) {
+  explicit Ways(const PenetrationCell& cell) {
     translation << -cell.inwards, Vec3::Zero();
     about_across << Vec3::Zero(), -cell.across;
     about_along << Vec3::Zero(), cell.along;
   }
 };
 
-void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
+void add_slip(const PenetrationCell& cell, const Moments& m, DepthSums& sums) {
   const double weight = m.squares[0];
   const double u = m.squares[1] / weight, v = m.squares[2] / weight;
   const double d = m.cubes / weight - cell.constant - cell.inwards.dot(cell.origin);
@@ -211,7 +216,7 @@ void add_slip(const Cell& cell, const Moments& m, DepthSums& sums) {
 }
 
 /// Adds the part of one triangle of a face at which the tool's part ends inside the solid.
-void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope) {
+void add_inner(const std::array<Vec3, 3>& corners, const PenetrationCell& cell, Vec6& slope) {
   const auto& [a, b, c] = corners;
   const Vec3 area = 0.5 * (b - a).cross(c - a);
   double cubes = 0.0;
@@ -229,7 +234,7 @@ void add_inner(const std::array<Vec3, 3>& corners, const Cell& cell, Vec6& slope
 /// The surface of a cell, in triangles. It is used for one cell after the other.
 class CellSurface {
  public:
-  CellSurface(const NearestCells& cells, const DepthPlanes& planes)
+  CellSurface(const ClosestFaceCells& cells, const DepthPlanes& planes)
       : cells_(cells), planes_(planes) {
     for (std::size_t i = 0; i < cells.corner_count(); ++i)
       for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
@@ -237,7 +242,8 @@ class CellSurface {
 
   /// Takes the surface of cell k with these corners, without the plane from which the depth is
   /// measured. Adds to `ends` the parts of faces at which the tool's part ends inside the solid.
-  void take(std::size_t k, std::span<const CellCorner> corners, const Cell& cell, Vec6& ends) {
+  void take(std::size_t k, std::span<const CellCorner> corners, const PenetrationCell& cell,
+            Vec6& ends) {
     const std::uint16_t turn = ++turn_;
     for (std::size_t c = 0; c < corners.size(); ++c)
       place_[corners[c].corner] = static_cast<Corner>(c);
@@ -253,9 +259,10 @@ class CellSurface {
         Seen& seen = seen_[tag];
         const Corner first = seen.turn == turn ? seen.corner : here;
         seen = {turn, first};
-        const std::size_t ridge = tag > NearestCells::kCell + k && tag < ClippedPolyhedron::kOwn;
+        const std::size_t ridge =
+            tag > ClosestFaceCells::kCell + k && tag < ClippedPolyhedron::kOwn;
         facets_[ridge][count[ridge]] = {first, here, next};
-        beyond_[count[1]] = static_cast<Corner>(tag - NearestCells::kCell);
+        beyond_[count[1]] = static_cast<Corner>(tag - ClosestFaceCells::kCell);
         const bool left_out = (first == here) | (first == next) | (tag == cell.own);
         count[ridge] += left_out ? 0 : 1;
         if (tag < planes_.size() && planes_[tag].inner && !left_out) [[unlikely]]
@@ -282,13 +289,13 @@ class CellSurface {
     std::uint16_t turn;
     Corner corner;
   };
-  const NearestCells& cells_;
+  const ClosestFaceCells& cells_;
   const DepthPlanes& planes_;
   std::uint16_t turn_ = 0;  // number of the present cell
   std::array<Seen, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
-  std::array<Corner, NearestCells::kCorners> place_;
+  std::array<Corner, ClosestFaceCells::kCorners> place_;
   // Three edges meet at each corner, so that there are fewer than two triangles for each.
-  static constexpr std::size_t kMost = 2 * NearestCells::kCorners + 4;
+  static constexpr std::size_t kMost = 2 * ClosestFaceCells::kCorners + 4;
   std::array<std::array<Facet, kMost>, 2> facets_;
   std::array<Corner, kMost> beyond_;
   std::array<std::span<const Facet>, 2> spans_;
@@ -297,7 +304,8 @@ class CellSurface {
 
 /// Adds the amount by which a ridge reduces the curvature. S: the integrals of d^2 f g over the
 /// ridge, with f and g of (1, u, v, d), projected on the face of a cell beside it.
-void add_ridge(const Cell& cell, const Cell& beyond, const SurfaceSums& s, Mat6& ridges) {
+void add_ridge(const PenetrationCell& cell, const PenetrationCell& beyond, const SurfaceSums& s,
+               Mat6& ridges) {
   constexpr double kPart = 6.0 / 360.0;  // of twice the area
   const Vec3 across = (cell.inwards - beyond.inwards).normalized();
   const double depth = cell.constant + cell.inwards.dot(cell.origin);  // of the tool's origin
@@ -316,7 +324,7 @@ void add_ridge(const Cell& cell, const Cell& beyond, const SurfaceSums& s, Mat6&
   ridges.bottomRightCorner<3, 3>() += weighted * arms.transpose();
 }
 
-void add_cell(const Moments& m, const Cell& cell, bool slides, DepthSums& sums) {
+void add_cell(const Moments& m, const PenetrationCell& cell, bool slides, DepthSums& sums) {
   ++sums.cells;
   sums.cubes += m.cubes;
   const Ways w(cell);
@@ -337,11 +345,11 @@ void add_cell(const Moments& m, const Cell& cell, bool slides, DepthSums& sums) 
 
 }  // namespace
 
-void add_cells(const NearestCells& cells, std::span<const Cell> of, const DepthPlanes& planes,
-               bool slides, DepthSums& sums) noexcept {
+void add_cells(const ClosestFaceCells& cells, std::span<const PenetrationCell> of,
+               const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept {
   const CornersByCell by_cell(cells, of.size());
   CellSurface surface(cells, planes);
-  std::array<SurfaceSums, NearestCells::kMostCells> beyond;  // of the ridges from one cell
+  std::array<SurfaceSums, ClosestFaceCells::kMostCells> beyond;  // of the ridges from one cell
   std::fill_n(beyond.begin(), of.size(), SurfaceSums{});
   for (std::size_t k = 0; k < of.size(); ++k) {
     const auto corners = by_cell[k];

@@ -1,7 +1,7 @@
 #pragma once
-// Helpers for the two classes that cut a graph of corners (ClippedPolyhedron, NearestCells): the
-// ends of edges, which corners and edges a plane cuts, and how the places of removed corners are
-// filled.
+// Helpers for the two classes that cut a graph of corners (ClippedPolyhedron, ClosestFaceCells):
+// the ends of edges, which corners and edges a plane cuts, and how the places of removed corners
+// are filled.
 
 #include <cstddef>
 #include <cstdint>

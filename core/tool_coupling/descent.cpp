@@ -1,4 +1,4 @@
-#include "core/coupled_tool/descent.hpp"
+#include "core/tool_coupling/descent.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 #include "core/base/numeric.hpp"
 
-namespace feltwire::coupled_tool {
+namespace feltwire::tool_coupling {
 namespace {
 
 /// A spring whose force is at most `most`.
@@ -196,4 +196,4 @@ void share_out(const State& state, const FrictionSolution& last, const Vec6& who
   for (ObjectWrench& part : parts) part.wrench += part.wrench.head<3>().norm() / sizes * rest;
 }
 
-}  // namespace feltwire::coupled_tool
+}  // namespace feltwire::tool_coupling

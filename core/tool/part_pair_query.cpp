@@ -24,7 +24,7 @@ double distance_of(const Vec3& centre, double radius, const Polyhedron& box) {
 }
 
 /// Looks at all pairs once.
-struct Look {
+struct PartPairQuery {
   const PolygonBody& body;
   std::span<const Object> objects;
   const PartPairs& before;
@@ -51,7 +51,7 @@ struct Look {
     *farthest = pair;
   }
 
-  void look_at(std::size_t index, const PlacedTool& placed) {
+  void query_solid(std::size_t index, const PlacedTool& placed) {
     const SolidParts& solid = body.solids[index];
     const bool simple = PlacedTool::is_simple(solid);
     for (std::uint32_t t = 0; t < body.parts.size(); ++t) {
@@ -132,7 +132,8 @@ struct Look {
     now.free = kInfinity;
     now.from = tool;
     now.known = true;
-    for (std::size_t i = 0; i < objects.size(); ++i) look_at(i, PlacedTool(tool, objects[i].pose));
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      query_solid(i, PlacedTool(tool, objects[i].pose));
     std::sort(now.pairs.begin(), now.pairs.begin() + static_cast<std::ptrdiff_t>(now.count),
               in_order);
   }
@@ -180,16 +181,16 @@ double clearance(const PartPairs& near) noexcept {
   return least;
 }
 
-void look_round(const PolygonBody& body, std::span<const Object> objects, const Pose& tool,
-                bool solids_moved, PartPairs& near) noexcept {
+void update_part_pairs(const PolygonBody& body, std::span<const Object> objects, const Pose& tool,
+                       bool solids_moved, PartPairs& near) noexcept {
   const double left = near.free - travel(near.from, tool, body.radius);
   if (!near.known || solids_moved || !(left > kLookAgain)) {
     const PartPairs before = near;
-    Look{body, objects, before, near}.all(tool);
+    PartPairQuery{body, objects, before, near}.all(tool);
   } else {
     near.free = left;
     near.from = tool;
-    const Look look{body, objects, near, near};
+    const PartPairQuery query{body, objects, near, near};
     for (std::size_t i = 0; i < near.count; ++i) {
       PartPair& pair = near.pairs[i];
       const SolidParts& solid = body.solids[pair.object];
@@ -198,8 +199,8 @@ void look_round(const PolygonBody& body, std::span<const Object> objects, const 
         pair.gap = placed.gap(body, solid, pair);
         continue;
       }
-      look.turn_away(placed, solid, pair,
-                     placed.rotation * body.parts[pair.tool_part].centre + placed.origin);
+      query.turn_away(placed, solid, pair,
+                      placed.rotation * body.parts[pair.tool_part].centre + placed.origin);
     }
   }
   if (near.count == 0) return;

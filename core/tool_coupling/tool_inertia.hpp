@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/coupled_tool/tool_contact.hpp"
+#include "core/tool_coupling/tool_contact.hpp"
 
 namespace feltwire {
 

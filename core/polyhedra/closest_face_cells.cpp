@@ -1,4 +1,4 @@
-#include "core/polyhedra/nearest_cells.hpp"
+#include "core/polyhedra/closest_face_cells.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -12,14 +12,14 @@ FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4
                                                std::size_t count, const LinearFunction& function,
                                                double* height) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto* x = reinterpret_cast<const Four*>(corners[0]);
-  const auto* y = reinterpret_cast<const Four*>(corners[1]);
-  const auto* z = reinterpret_cast<const Four*>(corners[2]);
-  const auto* t = reinterpret_cast<const Four*>(corners[3]);
-  auto* out = reinterpret_cast<Four*>(height);
-  Four most = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+  const auto* x = reinterpret_cast<const Double4*>(corners[0]);
+  const auto* y = reinterpret_cast<const Double4*>(corners[1]);
+  const auto* z = reinterpret_cast<const Double4*>(corners[2]);
+  const auto* t = reinterpret_cast<const Double4*>(corners[3]);
+  auto* out = reinterpret_cast<Double4*>(height);
+  Double4 most = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
   for (std::size_t i = 0; 4 * i < count; ++i) {
-    const Four h =
+    const Double4 h =
         t[i] + (function.x * x[i] + function.y * y[i] + function.z * z[i] - function.offset);
     out[i] = h;
     most = h > most ? h : most;
@@ -27,8 +27,8 @@ FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4
   return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
 }
 
-NearestCells::NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, double offset,
-                           std::size_t cell) noexcept
+ClosestFaceCells::ClosestFaceCells(const ClippedPolyhedron& whole, const Vec3& normal,
+                                   double offset, std::size_t cell) noexcept
     : count_(whole.corner_count()) {
   static_assert(kCorners >= ClippedPolyhedron::kCorners);
   const auto tag = static_cast<Tag>(kCell + cell);
@@ -52,11 +52,11 @@ NearestCells::NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, d
   pad_corners();
 }
 
-void NearestCells::pad_corners() noexcept {
+void ClosestFaceCells::pad_corners() noexcept {
   for (Numbers* all : {&x_, &y_, &z_, &t_}) pad(*all, count_);
 }
 
-void NearestCells::insert(const Vec3& normal, double offset, std::size_t cell) noexcept {
+void ClosestFaceCells::insert(const Vec3& normal, double offset, std::size_t cell) noexcept {
   alignas(32) Numbers height;
   const LinearFunction function{normal.x(), normal.y(), normal.z(), offset};
   if (!(heights_above({x_.data(), y_.data(), z_.data(), t_.data()}, count_, function,
@@ -79,7 +79,7 @@ void NearestCells::insert(const Vec3& normal, double offset, std::size_t cell) n
 }
 
 /// Makes a corner on the edge from a removed corner to a kept one.
-void NearestCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
+void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
   const std::size_t v = corner_of(cut), at = count_++;
   const EdgeEnd kept = links_[v].next[slot_of(cut)];
   const std::size_t u = corner_of(kept);
@@ -111,7 +111,7 @@ void NearestCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
 
 /// Connects a new corner to other new corners. Each time it walks along a two-dimensional face over
 /// removed corners. `from`: start of the walk. `first`: the first of the new corners.
-void NearestCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
+void ClosestFaceCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
   Links& links = links_[made];
   const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);
   for (std::size_t r = 0; r < 4; ++r) {
@@ -130,7 +130,7 @@ void NearestCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexc
   }
 }
 
-void NearestCells::move(std::size_t from, std::size_t place) noexcept {
+void ClosestFaceCells::move(std::size_t from, std::size_t place) noexcept {
   for (Numbers* all : {&x_, &y_, &z_, &t_}) (*all)[place] = (*all)[from];
   mirrored_[place] = mirrored_[from];
   const Links& moved = links_[place] = links_[from];

@@ -1,7 +1,7 @@
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
-#include "core/coupled_tool/descent.hpp"
-#include "core/coupled_tool/timed_step.hpp"
+#include "core/tool_coupling/descent.hpp"
+#include "core/tool_coupling/timed_step.hpp"
 
 namespace feltwire {
 
@@ -12,7 +12,7 @@ Pose moved(const Pose& pose, const Vec3& by, const Vec3& turn) noexcept {
 BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surroundings,
                            const Pose& device, double elapsed, BodyMemory& memory) noexcept {
   BodyStep result;
-  if (!coupled_tool::good(device)) return result;
+  if (!tool_coupling::good(device)) return result;
   if (!memory.placed) {
     memory.pose = device;
     memory.pose.orientation.normalize();
@@ -22,25 +22,25 @@ BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surr
     step_with_mass(tool, surroundings, device, elapsed, memory, result);
     return result;
   }
-  coupled_tool::Step step{tool, surroundings, device, elapsed, result};
-  coupled_tool::State state =
-      memory.known
-          ? coupled_tool::State{memory.pose, coupled_tool::pull(tool.coupling, device, memory.pose),
-                                memory.contact}
-          : step.at(memory.pose);
+  tool_coupling::Step step{tool, surroundings, device, elapsed, result};
+  tool_coupling::State state =
+      memory.known ? tool_coupling::State{memory.pose,
+                                          tool_coupling::pull(tool.coupling, device, memory.pose),
+                                          memory.contact}
+                   : step.at(memory.pose);
   bool slipping = memory.slipping;
   step.damp(state, slipping);
   const FrictionSolution last = descend(step, state, slipping);
-  if (is_cut(tool.work) || !coupled_tool::usable(state)) [[unlikely]]
+  if (is_cut(tool.work) || !tool_coupling::usable(state)) [[unlikely]]
     return result;  // poses whose products overflow
   memory.pose = state.pose;
   memory.contact = state.contact;
   memory.known = true;
   memory.slipping = slipping;
-  result.command.frictional = coupled_tool::resistance(step, state, last).head<3>();
+  result.command.frictional = tool_coupling::resistance(step, state, last).head<3>();
   result.command.elastic = -state.pull.wrench.head<3>() - result.command.frictional;
   result.command.torque = -state.pull.wrench.tail<3>();
-  coupled_tool::share_out(state, last, -state.pull.wrench, result);
+  tool_coupling::share_out(state, last, -state.pull.wrench, result);
   result.stored = state.energy();
   result.touching = state.contact.touching;
   return result;

@@ -1,10 +1,10 @@
 #pragma once
 // Internal to the steps of a coupled tool: how its pose goes down an energy.
 
-#include "core/coupled_tool/coupled_tool.hpp"
-#include "core/coupled_tool/friction_solver.hpp"
+#include "core/tool_coupling/friction_solver.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
-namespace feltwire::coupled_tool {
+namespace feltwire::tool_coupling {
 
 /// The pull of the device on the tool.
 struct Pull {
@@ -102,4 +102,4 @@ Vec6 resistance(const Step& step, const State& state, const FrictionSolution& la
 void share_out(const State& state, const FrictionSolution& last, const Vec6& whole,
                BodyStep& result);
 
-}  // namespace feltwire::coupled_tool
+}  // namespace feltwire::tool_coupling

@@ -1,6 +1,6 @@
 // The cells of a polyhedron, against cells that are cut out one by one.
 
-#include "core/polyhedra/nearest_cells.hpp"
+#include "core/polyhedra/closest_face_cells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 #include "core/polyhedra/polyhedron.hpp"
 #include "tests/core/polyhedra/solids.hpp"
 
-namespace feltwire::nearest_cells_test {
+namespace feltwire::closest_face_cells_test {
 namespace {
 
 using test::box_corners;
 using test::placed;
 using test::random_solid;
-using Tag = NearestCells::Tag;
+using Tag = ClosestFaceCells::Tag;
 
 /// f(x) = offset - normal . x
 struct Linear {
@@ -27,8 +27,8 @@ struct Linear {
   double at(const Vec3& x) const { return offset - normal.dot(x); }
 };
 
-NearestCells cells_of(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
-  NearestCells cells(whole, functions[0].normal, functions[0].offset, 0);
+ClosestFaceCells cells_of(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
+  ClosestFaceCells cells(whole, functions[0].normal, functions[0].offset, 0);
   for (std::size_t k = 1; k < functions.size(); ++k)
     cells.insert(functions[k].normal, functions[k].offset, k);
   return cells;
@@ -61,11 +61,11 @@ double volume(const ClippedPolyhedron& solid) {
   return sum.value();
 }
 
-double volume(const NearestCells& cells, std::size_t cell) {
+double volume(const ClosestFaceCells& cells, std::size_t cell) {
   Volume sum(Vec3::Zero());
   for (std::size_t i = 0; i < cells.corner_count(); ++i)
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (cells.faces(i)[slot] != NearestCells::kCell + cell) continue;
+      if (cells.faces(i)[slot] != ClosestFaceCells::kCell + cell) continue;
       const auto& way = cells.around(i, slot);
       for (std::size_t k = 0; k < 3; ++k)
         sum.add(cells.faces(i)[way[k]], cells.corner(i),
@@ -75,12 +75,13 @@ double volume(const NearestCells& cells, std::size_t cell) {
 }
 
 /// At each corner the stored value is the least of all functions, and equals those of its cells.
-void expect_least(const NearestCells& cells, const std::vector<Linear>& functions, double slack) {
+void expect_least(const ClosestFaceCells& cells, const std::vector<Linear>& functions,
+                  double slack) {
   for (std::size_t i = 0; i < cells.corner_count(); ++i) {
     const Vec3 x = cells.corner(i);
     for (const Linear& f : functions) EXPECT_LE(cells.least(i), f.at(x) + slack);
     for (const Tag tag : cells.faces(i)) {
-      const std::size_t cell = std::size_t{tag} - NearestCells::kCell;
+      const std::size_t cell = std::size_t{tag} - ClosestFaceCells::kCell;
       if (cell < functions.size()) {
         EXPECT_NEAR(functions[cell].at(x), cells.least(i), slack);
       }
@@ -90,7 +91,7 @@ void expect_least(const NearestCells& cells, const std::vector<Linear>& function
 
 /// Cuts each cell out of the whole by itself, for comparison.
 void expect_as_cut(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
-  const NearestCells cells = cells_of(whole, functions);
+  const ClosestFaceCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-13);
   const double all = volume(whole);
   double sum = 0.0;
@@ -114,7 +115,7 @@ std::vector<Linear> random_functions(test::Random& random, int count) {
   return functions;
 }
 
-TEST(NearestCells, AreThoseThatAreCutOutOneByOne) {
+TEST(ClosestFaceCells, AreThoseThatAreCutOutOneByOne) {
   test::Random random(11);
   for (int i = 0; i < 60; ++i) {
     ClippedPolyhedron whole = placed(random_solid(random, 0.05));
@@ -123,10 +124,10 @@ TEST(NearestCells, AreThoseThatAreCutOutOneByOne) {
   }
 }
 
-TEST(NearestCells, OneFunctionIsLeastEverywhere) {
+TEST(ClosestFaceCells, OneFunctionIsLeastEverywhere) {
   const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(0.01))));
   const std::vector<Linear> functions = {{Vec3::UnitX(), 0.5}, {Vec3::UnitY(), 0.2}};
-  const NearestCells cells = cells_of(whole, functions);
+  const ClosestFaceCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-15);
   EXPECT_EQ(volume(cells, 0), 0.0);  // the second cell took everything
   EXPECT_NEAR(volume(cells, 1), 8e-6, 1e-18);
@@ -134,14 +135,14 @@ TEST(NearestCells, OneFunctionIsLeastEverywhere) {
 }
 
 /// The faces' own planes: six pyramids meet in the middle, and only rounding decides.
-TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
+TEST(ClosestFaceCells, SixPyramidsOfACubeMeetInItsMiddle) {
   for (const double size : {1e-4, 0.01, 3.0}) {
     const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(size))));
     std::vector<Linear> functions;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
       for (const double side : {-1.0, 1.0}) functions.push_back({side * way, size});
     functions.push_back(functions[2]);  // one of them appears twice
-    const NearestCells cells = cells_of(whole, functions);
+    const ClosestFaceCells cells = cells_of(whole, functions);
     expect_least(cells, functions, 1e-13);
     for (std::size_t k = 0; k < 6; ++k)
       EXPECT_NEAR(volume(cells, k), 8.0 / 6.0 * std::pow(size, 3), 1e-12 * std::pow(size, 3)) << k;
@@ -150,7 +151,7 @@ TEST(NearestCells, SixPyramidsOfACubeMeetInItsMiddle) {
 }
 
 /// Functions that vanish at corners and along edges of the whole.
-TEST(NearestCells, FunctionsThatTouchLeaveItClosed) {
+TEST(ClosestFaceCells, FunctionsThatTouchLeaveItClosed) {
   test::Random random(12);
   for (int i = 0; i < 200; ++i) {
     const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(0.01))));
@@ -170,4 +171,4 @@ TEST(NearestCells, FunctionsThatTouchLeaveItClosed) {
 }
 
 }  // namespace
-}  // namespace feltwire::nearest_cells_test
+}  // namespace feltwire::closest_face_cells_test

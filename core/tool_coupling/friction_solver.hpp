@@ -2,7 +2,7 @@
 // Coulomb friction of a tool without mass: its movement, and the friction on it.
 
 #include "core/base/work_limit.hpp"
-#include "core/coupled_tool/tool_contact.hpp"
+#include "core/tool_coupling/tool_contact.hpp"
 
 namespace feltwire {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The rules for the numbers of a coupled tool.
 
-#include "core/coupled_tool/coupled_tool.hpp"
+#include "core/tool_coupling/tool_coupling.hpp"
 
 namespace feltwire {
 

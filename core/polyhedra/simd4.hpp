@@ -7,15 +7,15 @@
 namespace feltwire {
 
 /// May lie on doubles.
-using Four = double __attribute__((vector_size(32), may_alias));
-inline constexpr std::size_t kFour = 4;
+using Double4 = double __attribute__((vector_size(32), may_alias));
+inline constexpr std::size_t kSimdLanes = 4;
 /// With room for the copies that pad() appends.
 template <std::size_t Most>
-using PaddedNumbers = std::array<double, Most + kFour>;
+using PaddedNumbers = std::array<double, Most + kSimdLanes>;
 /// Copies the last of `count` numbers behind it until there are whole fours of them.
 template <class Numbers>
 void pad(Numbers& numbers, std::size_t count) noexcept {
-  for (std::size_t i = count; i % kFour != 0; ++i) numbers[i] = numbers[count - 1];
+  for (std::size_t i = count; i % kSimdLanes != 0; ++i) numbers[i] = numbers[count - 1];
 }
 
 /// The function normal . x - offset.

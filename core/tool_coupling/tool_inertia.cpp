@@ -1,4 +1,4 @@
-#include "core/coupled_tool/tool_inertia.hpp"
+#include "core/tool_coupling/tool_inertia.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

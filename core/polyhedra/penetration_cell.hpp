@@ -3,21 +3,22 @@
 
 #include <span>
 
+#include "core/polyhedra/closest_face_cells.hpp"
 #include "core/polyhedra/depth_integrals.hpp"
 #include "core/polyhedra/depth_planes.hpp"
-#include "core/polyhedra/nearest_cells.hpp"
 
 namespace feltwire {
 
 /// The part of space where one face is that to which depth is measured: d = inwards . x + constant.
-struct Cell {
+struct PenetrationCell {
   Vec3 inwards, across, along;  // a right-handed frame: (across, along, inwards)
   double constant;              // [m]
   Vec3 origin;                  // [m] of the tool
-  NearestCells::Tag own;        // of faces on the plane to which the depth is measured
+  ClosestFaceCells::Tag own;    // of faces on the plane to which the depth is measured
 
-  Cell() = default;
-  Cell(const Vec3& inwards_of, double constant_of, const Vec3& origin_of, NearestCells::Tag own_of)
+  PenetrationCell() = default;
+  PenetrationCell(const Vec3& inwards_of, double constant_of, const Vec3& origin_of,
+                  ClosestFaceCells::Tag own_of)
       : inwards(inwards_of), constant(constant_of), origin(origin_of), own(own_of) {
     across = inwards.unitOrthogonal();
     along = inwards.cross(across);
@@ -25,7 +26,7 @@ struct Cell {
 };
 
 /// Adds the integrals over cells, of which cell k has the number k. Never allocates.
-void add_cells(const NearestCells& cells, std::span<const Cell> of, const DepthPlanes& planes,
-               bool slides, DepthSums& sums) noexcept;
+void add_cells(const ClosestFaceCells& cells, std::span<const PenetrationCell> of,
+               const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept;
 
 }  // namespace feltwire

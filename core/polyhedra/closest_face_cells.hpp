@@ -15,7 +15,7 @@ namespace feltwire {
 /// looks only at signs of heights, removes corners, places new ones on the edges that led to them,
 /// and joins these round each face of two dimensions that it has cut. So all cells are found
 /// together, and what lies between two of them is computed once.
-class NearestCells {
+class ClosestFaceCells {
  public:
   using Tag = ClippedPolyhedron::Tag;
   /// The tag of cell k is kCell + k. The tags of the polyhedron's faces must be others.
@@ -24,8 +24,8 @@ class NearestCells {
   static constexpr std::size_t kCorners = 6144;
 
   /// All of a polyhedron, which may not be empty, is one cell.
-  NearestCells(const ClippedPolyhedron& whole, const Vec3& normal, double offset,
-               std::size_t cell) noexcept;
+  ClosestFaceCells(const ClippedPolyhedron& whole, const Vec3& normal, double offset,
+                   std::size_t cell) noexcept;
 
   /// Adds a function. Leaves it out if there is no room for more corners. Changes nothing if it is
   /// nowhere the least.
