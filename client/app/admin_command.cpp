@@ -8,7 +8,7 @@
 
 #include "client/app/admin_requests.hpp"
 #include "client/command_line/credential_options.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/command_line/environment.hpp"
@@ -205,13 +205,14 @@ void add_parameters(CLI::App& command, AdminWords& words) {
       ->group(group);
   command.add_option("--mode", w.mode, bounding_method_choices())->group(group);
   command
-      .add_option("--projection", w.projection, "Of contact_frame: " + choices(kProjectionNames))
+      .add_option("--projection", w.projection,
+                  "Of contact_frame: " + joined_names(kProjectionNames))
       ->group(group);
-  command.add_option("--storage", w.storage, "Of contact_frame: " + choices(kStorageNames))
+  command.add_option("--storage", w.storage, "Of contact_frame: " + joined_names(kStorageNames))
       ->group(group);
   command
       .add_option("--reference", w.reference,
-                  "Of passivity_control*: " + choices(kPassivityReferenceNames))
+                  "Of passivity_control*: " + joined_names(kPassivityReferenceNames))
       ->group(group);
   command
       .add_option("--operator-damping", w.operator_damping,

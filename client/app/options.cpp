@@ -8,7 +8,7 @@
 
 #include "client/app/rival_options.hpp"
 #include "client/app/written_options.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
@@ -182,7 +182,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   const auto session = "Session";
   app.add_option(
          "--spec", words.spec,
-         "The device's specification: " + choices(builtin_devices(), "|", &DeviceSpec::name) +
+         "The device's specification: " + joined_names(builtin_devices(), "|", &DeviceSpec::name) +
              ", or FILE.json. When not given: the specification from the device itself, else that "
              "of its kind")
       ->group(session);
@@ -202,14 +202,14 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                      "; with --bounding server or both: " + std::string(kDefaultMethod))
       ->group(session);
   app.add_option("--projection", words.projection,
-                 "For contact_frame: " + choices(kProjectionNames))
+                 "For contact_frame: " + joined_names(kProjectionNames))
       ->capture_default_str()
       ->group(session);
-  app.add_option("--storage", words.storage, "For contact_frame: " + choices(kStorageNames))
+  app.add_option("--storage", words.storage, "For contact_frame: " + joined_names(kStorageNames))
       ->capture_default_str()
       ->group(session);
   app.add_option("--reference", words.reference,
-                 "For passivity_control*: " + choices(kPassivityReferenceNames))
+                 "For passivity_control*: " + joined_names(kPassivityReferenceNames))
       ->capture_default_str()
       ->group(session);
   app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
@@ -222,7 +222,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(session);
   app.add_option("--bounding", words.side,
-                 "Where the bound runs: " + choices(kBoundingSideNames) +
+                 "Where the bound runs: " + joined_names(kBoundingSideNames) +
                      "; client when not given (virtual_coupling and passivity_control_parallel: "
                      "server)")
       ->group(session);
@@ -297,7 +297,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->capture_default_str()
       ->group(traffic);
   app.add_option("--predictor", words.predictor,
-                 "What a deadband compares with: " + choices(kPredictorNames) +
+                 "What a deadband compares with: " + joined_names(kPredictorNames) +
                      ", the value sent last, or the line through the values sent last")
       ->capture_default_str()
       ->group(traffic);
@@ -309,7 +309,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   for (const BoundingMethod* method : bounding_methods())
     if (method->admits_reduction) reducible.push_back(method->name);
   const std::string safety = "Safety (--slew, --ramp-up, --velocity-limit: for the modes " +
-                             choices(reducible, ", ") + ")";
+                             joined_names(reducible, ", ") + ")";
   // The usual values depend on the mode, so the help names them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
@@ -370,11 +370,12 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "[s] Time at which the hand presses its only button, number 1, for 0.1 s. It lets "
                  "its enabling switch go 0.5 s before, and holds it again 0.5 s after")
       ->group(hand);
-  app.add_option("--path", words.path, "Movement of the hand: " + choices(kHandPathNames))
+  app.add_option("--path", words.path, "Movement of the hand: " + joined_names(kHandPathNames))
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--wrist", words.wrist,
-                 "Rotation of the hand, if --spec senses rotation: " + choices(kWristPathNames))
+  app.add_option(
+         "--wrist", words.wrist,
+         "Rotation of the hand, if --spec senses rotation: " + joined_names(kWristPathNames))
       ->capture_default_str()
       ->group(hand);
   app.add_option("--wrist-angle", words.wrist_angle, "[rad] How far the hand turns")

@@ -10,7 +10,7 @@
 
 #include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/device/device_file.hpp"
 #include "core/recording/flight_files.hpp"
@@ -43,7 +43,7 @@ void choose_safety(const WrittenOptions& words, ClientOptions& options) {
 /// A person's hand must not get a law that relies on more than the law that its owner chose. Throws
 /// std::invalid_argument.
 ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) {
-  const auto laws = chosen_value<LawsTaken>("--changes", words.changes, kLawsTakenNames);
+  const auto laws = enum_from_name<LawsTaken>("--changes", words.changes, kLawsTakenNames);
   require(!words.fixed || laws == LawsTaken::none,
           "--fixed is --changes none; leave out one of them");
   require(laws != LawsTaken::any || !options.driver->held_by_person,

@@ -14,7 +14,7 @@
 #include "client/devices/plugin_device.hpp"
 #include "client/devices/replay.hpp"
 #include "client/devices/simulated_device.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/file_error.hpp"
 #include "core/device/spec_names.hpp"
 #include "core/device/spec_text.hpp"
@@ -227,7 +227,7 @@ constexpr std::array kFamilies = {
 std::string option_for(std::string_view spec) {
   for (const Family& family : kFamilies)
     if (spec.starts_with(family.device))
-      return "--device " + spelling(*find_choice(kDrivers, family.kind, &Driver::kind));
+      return "--device " + spelling(*find_named(kDrivers, family.kind, &Driver::kind));
   return "--device plugin:FILE.so (docs/devices.md)";
 }
 
@@ -235,7 +235,7 @@ std::string option_for(std::string_view spec) {
   const std::string unknown = "unknown device '" + std::string(words) + "'";
   const std::string spec = meant_spec(words);
   if (spec.empty())
-    throw std::invalid_argument(unknown + "; use one of: " + choices(kDrivers, " ", spelling));
+    throw std::invalid_argument(unknown + "; use one of: " + joined_names(kDrivers, " ", spelling));
   throw std::invalid_argument(
       unknown + ": " + spec + " is a specification; for the device itself give " +
       option_for(spec) + ", for a simulated one --device simulated --spec " + spec);
@@ -257,7 +257,7 @@ DriverChoice chosen_driver(std::string_view words) {
   const std::size_t colon = words.find(':');
   const std::string_view kind = words.substr(0, colon);
   const bool named = colon != std::string_view::npos && colon + 1 < words.size();
-  const Driver* driver = find_choice(kDrivers, kind, &Driver::kind);
+  const Driver* driver = find_named(kDrivers, kind, &Driver::kind);
   if (driver == nullptr) refuse_device(words);
   if (named ? driver->takes_name == Name::none
             : driver->takes_name == Name::required || colon != std::string_view::npos)

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/base/shortened.hpp"
+#include "core/base/clamp_length.hpp"
 
 namespace feltwire {
 
@@ -16,7 +16,7 @@ inline constexpr double kYielding = 0.05;
 /// less `yielded` if that is more. If the hand is pushed away, the intended place stays; an
 /// intended place that moved with the hand would damp nothing.
 inline Vec3 led(const Vec3& lead, const Vec3& way, double reach, double yielded) noexcept {
-  return shortened(lead + way, std::max(reach, lead.norm() - yielded));
+  return clamp_length(lead + way, std::max(reach, lead.norm() - yielded));
 }
 
 }  // namespace feltwire

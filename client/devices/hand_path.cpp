@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/splitmix.hpp"
 
 namespace feltwire {
@@ -25,7 +25,7 @@ double smoothstep(double s) noexcept {
 }
 
 HandPath hand_path(std::string_view given) {
-  return chosen_value<HandPath>("path", given, kHandPathNames);
+  return enum_from_name<HandPath>("path", given, kHandPathNames);
 }
 
 void go_round(HandTask& task, double radius) {

@@ -88,8 +88,8 @@ Vec3 JoystickDevice::intended_turn(double time) noexcept {
   const Quaternion& hand = true_orientation();
   const Vec3 lead = rotation_between(hand, turned(turned_aim_, elapsed * steering_.turn));
   const Vec3 before = rotation_between(hand, turned_aim_);
-  turned_aim_ = turned(hand, shortened(lead, std::max(options_.wrist_reach,
-                                                      before.norm() - kYieldingTurn * elapsed)));
+  turned_aim_ = turned(hand, clamp_length(lead, std::max(options_.wrist_reach,
+                                                         before.norm() - kYieldingTurn * elapsed)));
   return rotation_between(Quaternion::Identity(), turned_aim_);
 }
 

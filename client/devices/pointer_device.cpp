@@ -47,7 +47,7 @@ Vec3 PointerDevice::intended(double time) noexcept {
   aimed_at_ = time;
   const Vec3 way = (1.0 - std::exp(-elapsed / options_.smoothing)) * (target_ - aim_);
   const Vec3& hand = true_position();
-  aim_ = hand + led(aim_ - hand, shortened(way, options_.speed * elapsed), options_.reach,
+  aim_ = hand + led(aim_ - hand, clamp_length(way, options_.speed * elapsed), options_.reach,
                     kYielding * elapsed);
   return aim_;
 }

@@ -187,8 +187,8 @@ Steering InputState::steering(Nanoseconds now) noexcept {
     told.gripper = kGripper * (1.0 - std::clamp(closed, 0.0, 1.0));
   }
   if (!rested_ || told.clutched || now - *heard_ > kSilence) return told;
-  told.velocity = options_.speed * shortened(move, 1.0);
-  told.turn = options_.turn * shortened(turn, 1.0);
+  told.velocity = options_.speed * clamp_length(move, 1.0);
+  told.turn = options_.turn * clamp_length(turn, 1.0);
   return told;
 }
 

@@ -5,13 +5,13 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/numeric.hpp"
 
 namespace feltwire {
 
 WristPath wrist_path(std::string_view given) {
-  return chosen_value<WristPath>("wrist", given, kWristPathNames);
+  return enum_from_name<WristPath>("wrist", given, kWristPathNames);
 }
 
 IntendedTurn::IntendedTurn(const WristTask& wrist, const HandTask& hand)

@@ -1,6 +1,6 @@
 #include "client/emulated_link/link_json.hpp"
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 namespace {
@@ -16,7 +16,7 @@ Json direction(const OneWayLink& link) {
   const auto count = [](Nanoseconds time) { return static_cast<double>(time.count()); };
   return {{"delay_ms", 1e3 * o.delay},
           {"jitter_ms", 1e3 * o.jitter},
-          {"distribution", name_among(kJitterNames, o.distribution)},
+          {"distribution", enum_name(kJitterNames, o.distribution)},
           {"order", o.keep_order ? "keep" : "free"},
           {"loss_percent", 1e2 * o.loss},
           {"burst", o.burst > 0.0 ? Json(o.burst) : Json(nullptr)},

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/number_text.hpp"
 
 namespace feltwire {
@@ -50,8 +50,10 @@ struct Directions {
 
 std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
-std::string keys() { return choices(kNumbers, ", ", &Number::key) + ", distribution, order, seed"; }
-std::string profile_names() { return choices(kLinkProfiles, ", ", &LinkProfile::name); }
+std::string keys() {
+  return joined_names(kNumbers, ", ", &Number::key) + ", distribution, order, seed";
+}
+std::string profile_names() { return joined_names(kLinkProfiles, ", ", &LinkProfile::name); }
 
 /// Prints without trailing zeros.
 std::string plain(double value) {
@@ -98,9 +100,9 @@ void set_seed(TwoWayLinkOptions& link, Directions directions, std::string_view t
 }
 
 void set_distribution(TwoWayLinkOptions& link, Directions directions, std::string_view text) {
-  const auto* found = find_choice(kJitterNames, text);
+  const auto* found = find_named(kJitterNames, text);
   if (found == nullptr)
-    fail("distribution=" + std::string(text) + " is none; use " + choices(kJitterNames, ", "));
+    fail("distribution=" + std::string(text) + " is none; use " + joined_names(kJitterNames, ", "));
   apply(link, directions, [&](LinkOptions& one) {
     one.distribution = static_cast<Jitter>(found - kJitterNames.data());
   });
@@ -117,7 +119,7 @@ void set(TwoWayLinkOptions& link, Directions directions, std::string_view key,
   if (key == "seed") return set_seed(link, directions, value);
   if (key == "distribution") return set_distribution(link, directions, value);
   if (key == "order") return set_order(link, directions, value);
-  const Number* found = find_choice(kNumbers, key, &Number::key);
+  const Number* found = find_named(kNumbers, key, &Number::key);
   if (found == nullptr) fail("unknown key " + in_quotes(key) + "; keys are " + keys());
   set_number(link, directions, *found, value);
 }
@@ -140,7 +142,7 @@ void read_item(TwoWayLinkOptions& link, std::string_view item) {
   if (equals != std::string_view::npos)
     return set(link, directions, rest.substr(0, equals), rest.substr(equals + 1));
 
-  const LinkProfile* profile = find_choice(kLinkProfiles, rest, &LinkProfile::name);
+  const LinkProfile* profile = find_named(kLinkProfiles, rest, &LinkProfile::name);
   if (profile == nullptr)
     fail(in_quotes(item) + " is neither KEY=VALUE nor trace:FILE.csv nor a profile; profiles are " +
          profile_names() + ", keys are " + keys());

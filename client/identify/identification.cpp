@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/base/shortened.hpp"
+#include "core/base/clamp_length.hpp"
 
 namespace feltwire {
 namespace {
@@ -213,10 +213,11 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;  // a heavy handle swings
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
-  wanted = strength * shortened(wanted, limits_.force);
+  wanted = strength * clamp_length(wanted, limits_.force);
   const Vec3 led = force_ - shake_;
   shake_ = shake;
-  return shortened(led + shortened(wanted - led, kSlew * (time - last_)) + shake, limits_.force);
+  return clamp_length(led + clamp_length(wanted - led, kSlew * (time - last_)) + shake,
+                      limits_.force);
 }
 
 /// [N] The force along a shaken sweep. In the cycle before the measured ones its amplitude grows

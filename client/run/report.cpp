@@ -9,7 +9,7 @@
 #include "client/run/device_words.hpp"
 #include "client/run/link_states_json.hpp"
 #include "client/transport/encoder.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
@@ -173,7 +173,7 @@ Json let_go(const LoopResult& loop) {
   return {
       {"after_s", loop.let_go_after > 0.0 ? number(loop.let_go_after) : Json(nullptr)},
       {"still_s", loop.stood_still ? number(loop.still_for) : Json(nullptr)},
-      {"in", loop.stood_still ? Json(name_among(kDeviceCallNames, loop.still_in)) : Json(nullptr)}};
+      {"in", loop.stood_still ? Json(enum_name(kDeviceCallNames, loop.still_in)) : Json(nullptr)}};
 }
 
 /// The account's balance and its counts; null without an account.
@@ -400,7 +400,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"server_last_reply", server(servo)},
   };
   if (loop.end == EndReason::server_goodbye)
-    report["goodbye_reason"] = name_among(kGoodbyeReasonNames, loop.goodbye);
+    report["goodbye_reason"] = enum_name(kGoodbyeReasonNames, loop.goodbye);
   // A name may contain any bytes; the report must stay JSON.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

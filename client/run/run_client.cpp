@@ -23,7 +23,7 @@
 #include "client/run/supervise_session.hpp"
 #include "client/run/wait_until_ready.hpp"
 #include "client/transport/encoder.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
@@ -57,7 +57,7 @@ std::string stood_still_text(const LoopResult& result) {
   std::snprintf(time.data(), time.size(), "no tick came for %.1f ms", kMilli * result.still_for);
   const bool in_device = result.still_in != DeviceCall::none;
   return std::string(time.data()) + ", and the device was let go: " +
-         (in_device ? std::string(name_among(kDeviceCallNames, result.still_in)) +
+         (in_device ? std::string(enum_name(kDeviceCallNames, result.still_in)) +
                           "() of the device did not return"
                     : "the servo thread was not run, or computed for too long") +
          " (--let-go-after, docs/devices.md)";

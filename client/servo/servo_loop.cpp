@@ -9,7 +9,7 @@
 #include <ctime>
 
 #include "client/servo/deadlines.hpp"
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/numeric.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -392,7 +392,7 @@ std::string_view name(EndReason reason) {
   static constexpr std::array<std::string_view, 7> names = {
       "duration",      "device_ended", "requested", "server_goodbye",
       "server_silent", "refused",      "failed"};
-  return name_among(names, reason);
+  return enum_name(names, reason);
 }
 
 bool never_sleeps(Nanoseconds busy_poll, Nanoseconds period) noexcept {

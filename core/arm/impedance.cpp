@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
-#include "core/base/shortened.hpp"
 
 namespace feltwire::arm {
 namespace {
@@ -25,12 +25,12 @@ constexpr double kBefore = 0.1;          // [rad] distance from the limit at whi
 constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
 constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
 
-using feltwire::shortened;
+using feltwire::clamp_length;
 
 /// Shortens the linear and the angular part, each on its own.
-Vec6 shortened(const Vec6& v, double linear, double angular) {
+Vec6 clamp_length(const Vec6& v, double linear, double angular) {
   Vec6 out;
-  out << shortened(Vec3(v.head<3>()), linear), shortened(Vec3(v.tail<3>()), angular);
+  out << clamp_length(Vec3(v.head<3>()), linear), clamp_length(Vec3(v.tail<3>()), angular);
   return out;
 }
 
@@ -102,8 +102,8 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
   const Pose before = target_.pose;
   const double turned = length(turn);
   if (length(way) > far || turned > wide) {
-    const Vec3 left = shortened(turn, wide);
-    target_.pose.position = tool.pose.position + shortened(way, far);
+    const Vec3 left = clamp_length(turn, wide);
+    target_.pose.position = tool.pose.position + clamp_length(way, far);
     target_.pose.orientation =
         turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
                       : target.pose.orientation.normalized();
@@ -127,7 +127,7 @@ void Impedance::hold(const ToolState& tool) noexcept {
 void Impedance::spread(int steps, bool touching) noexcept {
   if (steps <= 0) return;
   const double span = steps * model_.opt.timestep;
-  pace_ = shortened(Vec6(moved_ / span), kFastest, kFastestTurn);
+  pace_ = clamp_length(Vec6(moved_ / span), kFastest, kFastestTurn);
   if (touching) pace_.setZero();
   moved_.setZero();
 }
@@ -181,7 +181,7 @@ void Impedance::drive(mjData& data) noexcept {
   Vec6 wrench, velocity;
   wrench << control_.stiffness * (target_.pose.position - now.pose.position),
       control_.turning_stiffness * rotation_between(now.pose.orientation, target_.pose.orientation);
-  wrench = shortened(wrench, control_.largest_pull, control_.largest_turn);
+  wrench = clamp_length(wrench, control_.largest_pull, control_.largest_turn);
   velocity << now.velocity, now.angular_velocity;
   wrench.head<3>() += damping_ * (reference_ - velocity).head<3>();
   wrench.tail<3>() += turning_damping_ * (reference_ - velocity).tail<3>();

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/file_error.hpp"
 
 namespace feltwire {
@@ -46,9 +46,9 @@ class JsonDocument {
   /// that lists them.
   template <class Enum, class Names>
   Enum choice(std::string_view path, std::string_view given, const Names& names) const {
-    const auto* const found = find_choice(names, given);
+    const auto* const found = find_named(names, given);
     if (found == nullptr)
-      fail(path, "is '" + std::string(given) + "'; choose one of: " + choices(names, " "));
+      fail(path, "is '" + std::string(given) + "'; choose one of: " + joined_names(names, " "));
     return static_cast<Enum>(found - std::data(names));
   }
 

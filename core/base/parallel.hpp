@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 
 namespace feltwire {
 
@@ -22,9 +22,9 @@ void parallel_for(std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failing;
-  LongWork* const whole = long_work();
+  CancellableWork* const whole = current_work();
   const auto worker = [&] {
-    const DoingWork part(whole);
+    const WorkScope part(whole);
     try {
       for (std::size_t i = next++; i < count; i = next++) {
         check_cancelled();

@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/base/captured_files.hpp"
 #include "core/base/file_error.hpp"
-#include "core/base/kept_files.hpp"
 
 namespace feltwire {
 namespace {
@@ -48,7 +48,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
   const auto fail = [&](const std::string& what) { throw FileError(file.string() + ": " + what); };
   const FileReading& reading = file_reading_of_this_thread;
   if (reading.given != nullptr) {
-    const auto at = reading.given->find(kept_name(file));
+    const auto at = reading.given->find(captured_name(file));
     if (at == reading.given->end()) fail("is not among the files that were kept");
     return at->second;
   }
@@ -81,7 +81,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
     if (size > most) too_large();
   }
   text.resize(size);
-  if (reading.keep != nullptr) reading.keep->insert_or_assign(kept_name(file), text);
+  if (reading.keep != nullptr) reading.keep->insert_or_assign(captured_name(file), text);
   return text;
 }
 

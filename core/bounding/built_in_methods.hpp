@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/bounding/contact_frame.hpp"
 #include "core/bounding/credited.hpp"
 #include "core/bounding/energy_tank.hpp"

@@ -1,21 +1,21 @@
 #include "core/bounding/config.hpp"
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 
-std::string_view name(Projection p) { return name_among(kProjectionNames, p); }
-std::string_view name(Storage s) { return name_among(kStorageNames, s); }
-std::string_view name(PassivityReference r) { return name_among(kPassivityReferenceNames, r); }
+std::string_view name(Projection p) { return enum_name(kProjectionNames, p); }
+std::string_view name(Storage s) { return enum_name(kStorageNames, s); }
+std::string_view name(PassivityReference r) { return enum_name(kPassivityReferenceNames, r); }
 
 Projection projection(std::string_view given) {
-  return chosen_value<Projection>("projection", given, kProjectionNames);
+  return enum_from_name<Projection>("projection", given, kProjectionNames);
 }
 Storage storage(std::string_view given) {
-  return chosen_value<Storage>("storage", given, kStorageNames);
+  return enum_from_name<Storage>("storage", given, kStorageNames);
 }
 PassivityReference passivity_reference(std::string_view given) {
-  return chosen_value<PassivityReference>("passivity reference", given, kPassivityReferenceNames);
+  return enum_from_name<PassivityReference>("passivity reference", given, kPassivityReferenceNames);
 }
 
 }  // namespace feltwire

@@ -53,7 +53,7 @@ std::vector<std::string_view> bounding_method_names() {
 const BoundingMethod& bounding_method(std::string_view name) {
   if (const BoundingMethod* found = find(name)) return *found;
   throw std::invalid_argument("unknown bounding mode '" + std::string(name) +
-                              "'; choose one of: " + choices(bounding_method_names(), " "));
+                              "'; choose one of: " + joined_names(bounding_method_names(), " "));
 }
 
 void add_bounding_method(const BoundingMethod& method) {
@@ -69,7 +69,7 @@ void add_bounding_method(const BoundingMethod& method) {
 }
 
 std::string bounding_method_choices() {
-  return choices(names(false)) + "; for research: " + choices(names(true));
+  return joined_names(names(false)) + "; for research: " + joined_names(names(true));
 }
 
 std::string bounding_method_summaries() {

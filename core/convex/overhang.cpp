@@ -4,7 +4,7 @@
 #include <limits>
 #include <queue>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 
 namespace feltwire {
 namespace {

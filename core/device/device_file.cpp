@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/json_document.hpp"
 #include "core/device/delta_3_text.hpp"
 #include "core/device/device_spec_generated.h"
@@ -191,7 +191,7 @@ std::span<const DeviceSpec> builtin_devices() {
 }
 
 const DeviceSpec& builtin_device(std::string_view name) {
-  return chosen("device", name, builtin_devices(), &DeviceSpec::name);
+  return get_named("device", name, builtin_devices(), &DeviceSpec::name);
 }
 
 std::span<const SourcedSpec> sourced_builtin_devices() { return built_in(); }
@@ -199,7 +199,7 @@ std::span<const SourcedSpec> sourced_builtin_devices() { return built_in(); }
 SourcedSpec sourced_spec(std::string_view name_or_file) {
   if (name_or_file.ends_with(".json")) return load_sourced_spec(name_or_file);
   const auto name = [](const SourcedSpec& one) -> const std::string& { return one.spec.name; };
-  return chosen("device", name_or_file, built_in(), name);
+  return get_named("device", name_or_file, built_in(), name);
 }
 
 DeviceSpec device_spec(std::string_view name_or_file) { return sourced_spec(name_or_file).spec; }

@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 
 namespace feltwire::mujoco {
@@ -92,9 +92,9 @@ class Child {
   /// cancelled.
   int end() {
     const int handle =
-        long_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
+        current_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
     const MaybeDescriptor owned(handle);
-    while (long_work() != nullptr && !wait(WNOHANG)) {
+    while (current_work() != nullptr && !wait(WNOHANG)) {
       constexpr int kLook = 20;        // [ms]
       pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor: it only waits
       poll(&ends, 1, kLook);

@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <map>
 
+#include "core/base/captured_files.hpp"
 #include "core/base/foreign_content.hpp"
 #include "core/base/json_document.hpp"
-#include "core/base/kept_files.hpp"
 #include "core/base/regular_file.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/base/kept_files.hpp"
+#include "core/base/captured_files.hpp"
 
 namespace feltwire {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/captured_files.hpp"
 #include "core/base/json_document.hpp"
-#include "core/base/kept_files.hpp"
 #include "core/scene/tool_view.hpp"
 #include "core/teleoperation/alignment.hpp"
 #include "core/teleoperation/arm_control.hpp"
@@ -69,8 +69,8 @@ class Scene {
   void set_seats(std::vector<RemoteSeat> seats) { seats_ = std::move(seats); }
 
   /// The files that the scene was loaded from; null: they were not kept.
-  const std::shared_ptr<const KeptFiles>& files() const { return files_; }
-  void keep_files(std::shared_ptr<const KeptFiles> files) { files_ = std::move(files); }
+  const std::shared_ptr<const CapturedFiles>& files() const { return files_; }
+  void keep_files(std::shared_ptr<const CapturedFiles> files) { files_ = std::move(files); }
 
   /// Gives all hands this tool. For a tool with a body, meshes become grids of kMeshGridSteps steps
   /// along their longest side. Throws std::invalid_argument that names the field and the remedy if
@@ -113,7 +113,7 @@ class Scene {
   std::vector<RemoteSeat> seats_;
   std::shared_ptr<const Mechanism> mechanism_;
   std::vector<std::string> warnings_, notes_;
-  std::shared_ptr<const KeptFiles> files_;
+  std::shared_ptr<const CapturedFiles> files_;
   std::vector<ToolView> views_;
 };
 

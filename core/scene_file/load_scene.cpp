@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/scene_file/load_guides.hpp"
 #include "core/scene_file/load_mesh.hpp"
 #include "core/scene_file/read_bodies.hpp"
@@ -262,23 +262,23 @@ Scene load_scene(const std::filesystem::path& file) {
 
 Scene load_scene_and_keep(const std::filesystem::path& file) {
   FileBytes read;
-  const ReadingFiles reading({.keep = &read});
+  const FileReadingScope reading({.keep = &read});
   Scene scene = load_scene(file);
-  KeptFiles kept{file.filename().generic_string(), {}};
-  const std::filesystem::path folder = kept_name(file.parent_path());
+  CapturedFiles kept{file.filename().generic_string(), {}};
+  const std::filesystem::path folder = captured_name(file.parent_path());
   for (auto& [name, bytes] : read) {
     const std::filesystem::path inside = std::filesystem::path(name).lexically_relative(folder);
     kept.files.emplace(folder.empty() || inside.empty() ? name : inside.generic_string(),
                        std::move(bytes));
   }
-  scene.keep_files(std::make_shared<const KeptFiles>(std::move(kept)));
+  scene.keep_files(std::make_shared<const CapturedFiles>(std::move(kept)));
   return scene;
 }
 
-Scene load_kept_scene(const KeptFiles& files) {
-  const ReadingFiles reading({.given = &files.files});
+Scene load_kept_scene(const CapturedFiles& files) {
+  const FileReadingScope reading({.given = &files.files});
   Scene scene = load_scene(files.main);
-  scene.keep_files(std::make_shared<const KeptFiles>(files));
+  scene.keep_files(std::make_shared<const CapturedFiles>(files));
   return scene;
 }
 

@@ -21,6 +21,6 @@ Scene parse_scene(std::string_view json, const std::string& file);
 Scene load_scene_and_keep(const std::filesystem::path& file);
 /// Reads from the disk only the files that it puts there itself for MuJoCo, in a folder for
 /// temporary files. Throws FileError.
-Scene load_kept_scene(const KeptFiles& files);
+Scene load_kept_scene(const CapturedFiles& files);
 
 }  // namespace feltwire

@@ -9,8 +9,8 @@
 #include <optional>
 #include <system_error>
 
+#include "core/base/captured_files.hpp"
 #include "core/base/file_error.hpp"
-#include "core/base/kept_files.hpp"
 #include "core/base/pending_file.hpp"
 #include "core/base/private_folder.hpp"
 #include "core/base/regular_file.hpp"
@@ -56,7 +56,7 @@ std::optional<std::string> read(const fs::path& file, const fs::path& mesh,
   if (!S_ISREG(status.st_mode)) return refuse("is not a regular file");
   if (!is_ours(status, mesh)) return refuse("belongs to somebody else");
   try {
-    const ReadingFiles from_the_disk({});
+    const FileReadingScope from_the_disk({});
     return read_regular_file(file, kMostStoredParts);
   } catch (const FileError& error) {
     remarks.push_back(std::string(error.what()) + "; it is not used");
@@ -74,7 +74,7 @@ class Search {
 
   FoundParts run() {
     const FileReading reading = file_reading_of_this_thread;
-    const std::string kept = kept_name(beside(named_));
+    const std::string kept = captured_name(beside(named_));
     if (reading.given != nullptr) {
       const auto at = reading.given->find(kept);
       if (at == reading.given->end() || !take(kept, at->second)) compute();

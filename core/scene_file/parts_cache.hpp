@@ -33,8 +33,8 @@ std::vector<std::filesystem::path> places_of_parts(const NamedMesh& mesh, const 
 /// its exceptions; they are then written to the first place that is writable. A file counts if it
 /// is a regular one that this user, the mesh file's owner or root owns and if stored_parts()
 /// accepts its bytes. If the calling thread keeps the files that it reads
-/// (core/base/kept_files.hpp), the parts are among them. If it reads only given files, the parts
-/// come from there or are computed, and nothing is written.
+/// (core/base/captured_files.hpp), the parts are among them. If it reads only given files, the
+/// parts come from there or are computed, and nothing is written.
 FoundParts find_parts(const NamedMesh& mesh, const MeshSurface& surface,
                       const DecompositionOptions& options);
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/dynamics/mass_properties.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/polyhedra/polyhedron.hpp"

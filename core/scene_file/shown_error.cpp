@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/captured_files.hpp"
 #include "core/base/file_error.hpp"
 #include "core/base/foreign_content.hpp"
 #include "core/base/json_document.hpp"
-#include "core/base/kept_files.hpp"
 #include "core/dynamics/refused_model.hpp"
 #include "core/dynamics/urdf_paths.hpp"
 #include "core/mesh/mesh_file.hpp"

@@ -14,8 +14,8 @@
 namespace feltwire {
 
 /// Whether a file, its links followed, lies neither in the folder nor below it. False if the
-/// calling thread reads only given files (core/base/kept_files.hpp), because they are not on this
-/// disk.
+/// calling thread reads only given files (core/base/captured_files.hpp), because they are not on
+/// this disk.
 bool lies_outside(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 /// Returns `message`. If `file` lies outside of `folder`, it is cut after the line or byte.

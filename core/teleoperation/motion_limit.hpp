@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
-#include "core/base/shortened.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {
@@ -58,7 +58,7 @@ class MotionLimit {
   /// Something else held it back: it is at `place` after the last sample of `elapsed` [s] > 0, and
   /// goes on from there with the velocity that it really had.
   void held_at(const Vec3& place, double elapsed) noexcept {
-    velocity_ = shortened(velocity_ + (place - here_.position) / elapsed, limits_.speed);
+    velocity_ = clamp_length(velocity_ + (place - here_.position) / elapsed, limits_.speed);
     here_.position = place;
   }
 
@@ -85,10 +85,10 @@ class MotionLimit {
     const double most = std::min({limits_.acceleration, gap / elapsed,
                                   std::max(step, std::sqrt(2.0 * limits_.jerk * gap) - step)});
     const Vec3 wanted = gap > 0.0 ? Vec3(lacking * (most / gap)) : Vec3(Vec3::Zero());
-    acceleration_ += shortened(wanted - acceleration_, step);
-    acceleration_ = shortened(acceleration_, limits_.acceleration);
+    acceleration_ += clamp_length(wanted - acceleration_, step);
+    acceleration_ = clamp_length(acceleration_, limits_.acceleration);
     const Vec3 before = velocity_;
-    velocity_ = shortened(velocity_ + acceleration_ * elapsed, limits_.speed);
+    velocity_ = clamp_length(velocity_ + acceleration_ * elapsed, limits_.speed);
     acceleration_ = (velocity_ - before) / elapsed;
     here_.position += velocity_ * elapsed;
   }

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 
@@ -51,9 +51,9 @@ std::optional<std::string> wrong(const LinkQuality& link) {
   return out_of_range("link loss", link.loss, 1.0, "a share from 0 to 1; give less");
 }
 
-std::string_view name(LawsTaken laws) { return name_among(kLawsTakenNames, laws); }
+std::string_view name(LawsTaken laws) { return enum_name(kLawsTakenNames, laws); }
 
-std::string_view name(ChangeAnswer answer) { return name_among(kChangeAnswerNames, answer); }
+std::string_view name(ChangeAnswer answer) { return enum_name(kChangeAnswerNames, answer); }
 
 std::optional<std::string> refuses_law(const SessionParameters& started, const LawChoice& law,
                                        LawsTaken taken) {

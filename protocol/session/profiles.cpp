@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 namespace {
@@ -16,11 +16,11 @@ int interval(const NetworkProfile& line, double servo_period) {
 }  // namespace
 
 const NetworkProfile& network_profile(std::string_view given) {
-  return chosen("network profile", given, kNetworkProfiles, &NetworkProfile::name);
+  return get_named("network profile", given, kNetworkProfiles, &NetworkProfile::name);
 }
 
 std::string network_profile_names() {
-  return choices(kNetworkProfiles, "|", &NetworkProfile::name);
+  return joined_names(kNetworkProfiles, "|", &NetworkProfile::name);
 }
 
 SessionParameters over(const NetworkProfile& line, SessionParameters p) {

@@ -1,10 +1,10 @@
 #include "protocol/session/role.hpp"
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 
-std::string_view name(Role role) { return name_among(kRoleNames, role); }
-Role role(std::string_view given) { return chosen_value<Role>("role", given, kRoleNames); }
+std::string_view name(Role role) { return enum_name(kRoleNames, role); }
+Role role(std::string_view given) { return enum_from_name<Role>("role", given, kRoleNames); }
 
 }  // namespace feltwire

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 namespace {
@@ -151,14 +151,14 @@ BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& dev
   return config;
 }
 
-std::string_view name(BoundingSide side) { return name_among(kBoundingSideNames, side); }
+std::string_view name(BoundingSide side) { return enum_name(kBoundingSideNames, side); }
 BoundingSide bounding_side(std::string_view given) {
-  return chosen_value<BoundingSide>("bounding side", given, kBoundingSideNames);
+  return enum_from_name<BoundingSide>("bounding side", given, kBoundingSideNames);
 }
 
-std::string_view name(Predictor predictor) { return name_among(kPredictorNames, predictor); }
+std::string_view name(Predictor predictor) { return enum_name(kPredictorNames, predictor); }
 Predictor predictor(std::string_view given) {
-  return chosen_value<Predictor>("predictor", given, kPredictorNames);
+  return enum_from_name<Predictor>("predictor", given, kPredictorNames);
 }
 
 }  // namespace feltwire

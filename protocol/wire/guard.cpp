@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/little_endian.hpp"
 
 namespace feltwire {
@@ -57,7 +57,7 @@ const char* name(DropReason reason) {
   static constexpr std::array<const char*, kDropReasons> names = {
       "none",   "size", "magic",     "version", "kind",  "reserved",   "session", "packet_number",
       "sealed", "rate", "malformed", "count",   "order", "not_finite", "stale"};
-  return name_among(names, reason);
+  return enum_name(names, reason);
 }
 
 }  // namespace feltwire

@@ -1,7 +1,7 @@
 #include <array>
 #include <string_view>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "protocol/wire/control.hpp"
 
 namespace feltwire::control {
@@ -11,7 +11,7 @@ const char* name(RefusalCode code) {
       "malformed",     "unknown_scene", "unknown_session", "bad_device", "bad_parameters",
       "full",          "shutting_down", "unauthenticated", "forbidden",  "too_many",
       "not_supported", "bad_scene",     "unknown_tool",    "failed"};
-  return name_among(names, code);
+  return enum_name(names, code);
 }
 
 std::string shortened(const std::string& text, std::size_t most) {

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/json_document.hpp"
 #include "core/recording/recording_files.hpp"
 #include "protocol/net/busy_poll.hpp"
@@ -153,9 +153,9 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
   if (auto wrong = recording_complaint(c)) return wrong;
   if (auto wrong = out_of_range("web_hands", "--web-hands", c.web_hands, 0, kMostWebHands))
     return wrong;
-  if (find_choice(kLogLevels, c.log_level) == nullptr)
+  if (find_named(kLogLevels, c.log_level) == nullptr)
     return Complaint{"log_level", "--log-level",
-                     "'" + c.log_level + "' is none of " + choices(kLogLevels, ", ")};
+                     "'" + c.log_level + "' is none of " + joined_names(kLogLevels, ", ")};
   return std::nullopt;
 }
 

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <thread>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 
 namespace feltwire {
 namespace {
@@ -47,14 +47,14 @@ struct Launch {
   Launch(const ServerConfig& with, const web::MakePageHands& lent) : config(with), hands(lent) {}
   ServerConfig config;
   web::MakePageHands hands;
-  LongWork work;
+  CancellableWork work;
   EventFile done{::eventfd(0, EFD_CLOEXEC)};
   std::optional<Server> server;
   std::exception_ptr failure;
 
   void run() noexcept {
     try {
-      const DoingWork doing(&work);
+      const WorkScope doing(&work);
       server.emplace(config, hands);
     } catch (const Cancelled&) {
       // There is no server, as the user asked.

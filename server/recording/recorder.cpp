@@ -38,7 +38,7 @@ std::filesystem::path recording_file(const std::filesystem::path& file,
                                file.extension().string());
 }
 
-Recorder::OneScene::OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept)
+Recorder::OneScene::OneScene(std::string scene, std::shared_ptr<const CapturedFiles> kept)
     : name(std::move(scene)), files(std::move(kept)), log(kLogRoom) {}
 
 Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& scenes) {

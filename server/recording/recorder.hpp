@@ -63,9 +63,9 @@ class Recorder {
 
  private:
   struct OneScene {
-    OneScene(std::string scene, std::shared_ptr<const KeptFiles> kept);
+    OneScene(std::string scene, std::shared_ptr<const CapturedFiles> kept);
     std::string name;
-    std::shared_ptr<const KeptFiles> files;  // of the first version of the scene
+    std::shared_ptr<const CapturedFiles> files;  // of the first version of the scene
     EventLog log;
     PictureExchange* pictures = nullptr;
     Picture picture;

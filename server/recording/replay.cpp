@@ -159,7 +159,7 @@ class Replayer {
 std::shared_ptr<const Scene> kept_scene(const mcap::Reader& mcap, std::uint64_t number,
                                         const std::string& file) {
   const std::string prefix = "scene-" + std::to_string(number);
-  KeptFiles kept;
+  CapturedFiles kept;
   for (const mcap::Metadata& metadata : mcap.metadata())
     if (metadata.name == prefix) kept.main = value(metadata, "main");
   for (const mcap::Attachment& attachment : mcap.attachments())

@@ -26,7 +26,7 @@ void append_event(std::string& out, const SceneEvent& event) {
                                         event.payload.size()}});
 }
 
-void attach_scene(mcap::Writer& writer, const KeptFiles& files, std::uint64_t number,
+void attach_scene(mcap::Writer& writer, const CapturedFiles& files, std::uint64_t number,
                   std::uint64_t time) {
   const std::string prefix = "scene-" + std::to_string(number);
   writer.add(mcap::Metadata{prefix, {{"main", files.main}}});
@@ -51,7 +51,7 @@ SceneRecording::Part::Part(const SceneRecordingTarget& target, int number)
   writer.add(mcap::Metadata{"feltwire", about});
 }
 
-SceneRecording::SceneRecording(SceneRecordingTarget target, const KeptFiles* files,
+SceneRecording::SceneRecording(SceneRecordingTarget target, const CapturedFiles* files,
                                std::int64_t offset)
     : target_(std::move(target)), offset_(offset), part_(std::make_unique<Part>(target_, 1)) {
   if (files != nullptr) attach_scene(part_->writer, *files, 0, 0);
@@ -68,7 +68,7 @@ mcap::Writer& SceneRecording::part_for(std::uint64_t time) {
   return part_->writer;
 }
 
-void SceneRecording::add(const SceneEvent& event, const KeptFiles* files) {
+void SceneRecording::add(const SceneEvent& event, const CapturedFiles* files) {
   const auto time = static_cast<std::uint64_t>(event.time.count() + offset_);
   mcap::Writer& writer = part_for(time);
   if (files != nullptr) attach_scene(writer, *files, event.number, time);

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/base/appended_file.hpp"
-#include "core/base/kept_files.hpp"
+#include "core/base/captured_files.hpp"
 #include "core/recording/mcap_writer.hpp"
 #include "core/recording/recording_files.hpp"
 #include "server/picture/picture.hpp"
@@ -32,7 +32,7 @@ void append_event(std::string& out, const SceneEvent& event);
 
 /// Puts the scene's files into an MCAP file, so that replay() can load the scene again: `number` is
 /// 0 for the first scene, else that of the reload.
-void attach_scene(mcap::Writer& writer, const KeptFiles& files, std::uint64_t number,
+void attach_scene(mcap::Writer& writer, const CapturedFiles& files, std::uint64_t number,
                   std::uint64_t time);
 
 /// Messages wait in memory for about a second, until their chunk is full.
@@ -41,10 +41,10 @@ class SceneRecording {
   /// Creates or replaces the first file. `files`: of the scene; null: they were not kept, and no
   /// replay can load it. Throws std::runtime_error that names the file and the reason, as the other
   /// functions do.
-  SceneRecording(SceneRecordingTarget target, const KeptFiles* files, std::int64_t offset);
+  SceneRecording(SceneRecordingTarget target, const CapturedFiles* files, std::int64_t offset);
 
   /// `files`: the files of a reload.
-  void add(const SceneEvent& event, const KeptFiles* files = nullptr);
+  void add(const SceneEvent& event, const CapturedFiles* files = nullptr);
   void see(const Picture& picture);
   void flush() { part_->flush(); }
   /// Waits until all is on the disk.

@@ -73,12 +73,12 @@ std::optional<SceneEvent> EventQueue::take() noexcept {
       .number = words[3]};
 }
 
-void EventLog::announce(std::shared_ptr<const KeptFiles> files) {
+void EventLog::announce(std::shared_ptr<const CapturedFiles> files) {
   const std::lock_guard lock(mutex_);
   announced_.push_back({number_ + 1, std::move(files)});
 }
 
-std::shared_ptr<const KeptFiles> EventLog::files_of(std::uint64_t number) {
+std::shared_ptr<const CapturedFiles> EventLog::files_of(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   while (!announced_.empty() && announced_.front().number < number) announced_.pop_front();
   if (announced_.empty() || announced_.front().number != number) return nullptr;

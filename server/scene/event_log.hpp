@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/kept_files.hpp"
+#include "core/base/captured_files.hpp"
 #include "core/base/ring.hpp"
 #include "protocol/wire/datagram.hpp"
 
@@ -78,13 +78,13 @@ class EventLog {
     if (!queue_.push(event)) lost_.fetch_add(1, std::memory_order_relaxed);
   }
   /// The files of the scene after the next event, a reload; null: they were not kept. Allocates.
-  void announce(std::shared_ptr<const KeptFiles> files);
+  void announce(std::shared_ptr<const CapturedFiles> files);
 
   // The recorder's thread.
   /// Like EventQueue::take().
   std::optional<SceneEvent> take() noexcept { return queue_.take(); }
   /// The files of the scene after the reload with this number. Null: they are not known.
-  std::shared_ptr<const KeptFiles> files_of(std::uint64_t number);
+  std::shared_ptr<const CapturedFiles> files_of(std::uint64_t number);
 
   /// Events that found no room so far, from any thread.
   std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
@@ -92,7 +92,7 @@ class EventLog {
  private:
   struct Announced {
     std::uint64_t number;
-    std::shared_ptr<const KeptFiles> files;
+    std::shared_ptr<const CapturedFiles> files;
   };
 
   EventQueue queue_;

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "server/scene/answer_time.hpp"
 
@@ -43,7 +43,7 @@ Scene load_scene_keep_and_warn(const std::filesystem::path& file) {
 struct SceneLoader::Job {
   std::filesystem::path file;
   Load load;
-  LongWork work;
+  CancellableWork work;
   Clock::time_point since = Clock::now();
   Clock::duration next_word = kFirstWord;  // after `since`
 
@@ -56,7 +56,7 @@ struct SceneLoader::Job {
   /// text.
   LoadedScene outcome() {
     try {
-      const DoingWork doing(&work);
+      const WorkScope doing(&work);
       return load(file);
     } catch (const Cancelled&) {
       return std::string("loading was cancelled");

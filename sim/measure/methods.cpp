@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 
 namespace feltwire {
 namespace {
@@ -43,7 +43,7 @@ constexpr std::array kMethods = {
 std::span<const Method> methods() { return kMethods; }
 
 const Method& method(std::string_view label) {
-  return chosen("method", label, kMethods, &Method::label);
+  return get_named("method", label, kMethods, &Method::label);
 }
 
 }  // namespace feltwire

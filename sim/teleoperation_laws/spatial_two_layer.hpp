@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
-#include "core/base/shortened.hpp"
 #include "sim/teleoperation_laws/port_tank.hpp"
 #include "sim/teleoperation_laws/spatial_law.hpp"
 
@@ -49,7 +49,7 @@ class SpatialTwoLayer final : public SpatialLaw {
 
  private:
   Vec3 paid(const PortTank& tank, const Vec3& force, const Vec3& velocity) const {
-    return shortened(force, tank.most(length(velocity) * plant_.period));
+    return clamp_length(force, tank.most(length(velocity) * plant_.period));
   }
 
   Plant plant_;

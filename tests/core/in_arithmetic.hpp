@@ -10,7 +10,7 @@ namespace feltwire::test {
 template <class Real>
 BasicBounding<Real> bounding_in(const BoundingConfig& config) {
   static const auto methods = built_in_methods<Real>();
-  return {chosen("method", config.mode, methods, &BasicBoundingMethod<Real>::name), config};
+  return {get_named("method", config.mode, methods, &BasicBoundingMethod<Real>::name), config};
 }
 
 }  // namespace feltwire::test

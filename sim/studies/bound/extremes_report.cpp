@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/base/choice.hpp"
+#include "core/base/enum_names.hpp"
 #include "core/base/text.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/bound/extremes.hpp"
@@ -66,7 +66,7 @@ std::string others(const std::vector<ExtremeRow>& rows) {
   std::vector<std::string_view> methods;
   for (std::size_t i = 0; i < method_count(rows); ++i)
     if (bounding_method(rows[i].method).promise == Promise::none) methods.push_back(rows[i].method);
-  return choices(methods, ", ");
+  return joined_names(methods, ", ");
 }
 
 /// The table's entry for a method under a stress.
@@ -188,7 +188,7 @@ void write_extremes(const std::filesystem::path& directory, const std::vector<Ex
       "energy_error,rounding,passed\n";
   auto document = nlohmann::ordered_json::array();
   for (const ExtremeRow& row : rows) {
-    const std::string_view promised = name_among(kPromiseNames, row.promise);
+    const std::string_view promised = enum_name(kPromiseNames, row.promise);
     for (const auto& [arithmetic, o] :
          {std::pair{"double", &row.in_double}, std::pair{"float", &row.in_float}})
       append(csv, "%s,%s,%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%d\n", row.stress.c_str(),

@@ -14,7 +14,7 @@ template class BasicBounding<float>;
 
 const BasicBoundingMethod<float>* method_in_float(std::string_view name) {
   static const auto methods = built_in_methods<float>();
-  return find_choice(methods, name, &BasicBoundingMethod<float>::name);
+  return find_named(methods, name, &BasicBoundingMethod<float>::name);
 }
 
 template <>

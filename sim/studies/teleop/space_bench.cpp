@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
-#include "core/base/shortened.hpp"
 #include "sim/studies/teleop/port_energy.hpp"
 #include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
@@ -76,7 +76,8 @@ std::vector<SpaceSample> run_space_bench(SpatialLaw& law, const SpaceSetup& setu
         {hand.position, shown, held, robot.position, law.offset(), contact, push.pushed});
 
     SpatialDatagram sent{.index = n, .time = now};
-    held = shortened(law.lead({now, shown, velocity}, back.receive(now), sent), plant.leader_force);
+    held =
+        clamp_length(law.lead({now, shown, velocity}, back.receive(now), sent), plant.leader_force);
     forth.send(sent, now);
     const Vec3 sensed = contact + setup.wrench_noise * noise3(setup.seed + 1, n);
     SpatialDatagram answer{.index = n, .time = now};

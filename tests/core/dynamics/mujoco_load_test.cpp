@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene_file/load_scene.hpp"
 
@@ -117,11 +117,11 @@ std::vector<pid_t> children() {
 TEST(MujocoLoad, ALoadThatIsCancelledEndsItsProcess) {
   const std::string slow = slow_model();
   for (const bool at_once : {true, false}) {
-    LongWork work;
+    CancellableWork work;
     if (at_once) work.cancel();
     std::atomic<bool> cancelled = false, ended = false;
     std::thread loading([&] {
-      const DoingWork doing(&work);
+      const WorkScope doing(&work);
       try {
         load_text(slow);
       } catch (const Cancelled&) {
@@ -140,8 +140,8 @@ TEST(MujocoLoad, ALoadThatIsCancelledEndsItsProcess) {
 }
 
 TEST(MujocoLoad, ALoadThatIsNotCancelledIsTheSame) {
-  LongWork work;
-  const DoingWork doing(&work);
+  CancellableWork work;
+  const WorkScope doing(&work);
   const mujoco::Loaded good = load_text(kGood);
   ASSERT_NE(good.model, nullptr) << good.error;
   EXPECT_NE(load_text("no XML").error, "");

@@ -259,7 +259,7 @@ TEST_F(Mjcf, KeptFilesReachNothingElseOnTheDisk) {
   write("wedge.obj", kWedge);
   load();
   const Scene scene = load_scene_and_keep(folder / "s.json");
-  const auto wrong_with = [](const KeptFiles& files) -> std::string {
+  const auto wrong_with = [](const CapturedFiles& files) -> std::string {
     try {
       load_kept_scene(files);
       return "no error";
@@ -267,7 +267,7 @@ TEST_F(Mjcf, KeptFilesReachNothingElseOnTheDisk) {
       return error.what();
     }
   };
-  KeptFiles files = *scene.files();
+  CapturedFiles files = *scene.files();
   EXPECT_EQ(wrong_with(files), "no error");
   // A recording whose author wants to read other files of this disk.
   const std::string place = (folder / "wedge.obj").string();

@@ -7,7 +7,7 @@
 
 #include <thread>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/convex/decomposition.hpp"
 #include "core/convex/stored_parts.hpp"
 #include "tests/core/scene_file/parts_scene.hpp"
@@ -173,10 +173,10 @@ TEST_F(PartsCache, ALoadIsCancelledWhileItCuts) {
       write_scene(R"({ "name": "b", "mass": 1 })",
                   mesh_text("o", "ring.obj", R"(, "convex_parts": { "tolerance": 0.0002 })",
                             R"(, "body": "b")"));
-  LongWork work;
+  CancellableWork work;
   bool cancelled = false;
   std::thread loading([&] {
-    const DoingWork doing(&work);
+    const WorkScope doing(&work);
     try {
       load_scene(file);
     } catch (const Cancelled&) {

@@ -184,7 +184,7 @@ TEST_F(PartsWorld, KeptScenesHaveThem) {
   for (const bool again : {false, true}) {
     const Scene s = load_scene_and_keep(file);
     EXPECT_THAT(s.notes(), Contains(HasSubstr(again ? "read from" : "computed in")));
-    KeptFiles files = *s.files();
+    CapturedFiles files = *s.files();
     std::vector<std::string> names;
     for (const auto& [name, bytes] : files.files) names.push_back(name);
     EXPECT_THAT(names, ::testing::ElementsAre("ring.obj", "ring.obj.m.auto.64.convex", "s.json"));

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <future>
 
-#include "core/base/long_work.hpp"
+#include "core/base/cancellation.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "server/app/health.hpp"
 #include "server/app/server.hpp"

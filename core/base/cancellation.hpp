@@ -14,7 +14,7 @@ namespace feltwire {
 struct Cancelled {};
 
 /// The state of one piece of work. Any thread may read it and cancel the work.
-class LongWork {
+class CancellableWork {
  public:
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
@@ -45,27 +45,28 @@ class LongWork {
   std::string stage_;
 };
 
-inline thread_local LongWork* long_work_of_this_thread = nullptr;
+inline thread_local CancellableWork* work_of_this_thread = nullptr;
 /// The work of the calling thread. Null: the thread reports no progress and cannot be cancelled.
-inline LongWork* long_work() noexcept { return long_work_of_this_thread; }
+inline CancellableWork* current_work() noexcept { return work_of_this_thread; }
 
 /// While this object lives, the calling thread works on `work`, and so do the threads that
 /// parallel_for() starts for it.
-class DoingWork {
+class WorkScope {
  public:
-  explicit DoingWork(LongWork* work) noexcept
-      : before_(std::exchange(long_work_of_this_thread, work)) {}
-  ~DoingWork() { long_work_of_this_thread = before_; }
-  DoingWork(const DoingWork&) = delete;
-  DoingWork& operator=(const DoingWork&) = delete;
+  explicit WorkScope(CancellableWork* work) noexcept
+      : before_(std::exchange(work_of_this_thread, work)) {}
+  ~WorkScope() { work_of_this_thread = before_; }
+  WorkScope(const WorkScope&) = delete;
+  WorkScope& operator=(const WorkScope&) = delete;
 
  private:
-  LongWork* before_;
+  CancellableWork* before_;
 };
 
 /// Throws Cancelled if the work was cancelled. Call it every few milliseconds in long loops.
 inline void check_cancelled() {
-  if (const LongWork* work = long_work(); work != nullptr && work->cancelled()) throw Cancelled{};
+  if (const CancellableWork* work = current_work(); work != nullptr && work->cancelled())
+    throw Cancelled{};
 }
 /// Calls check_cancelled() every 4096th time.
 inline void check_cancelled(std::size_t iteration) {
@@ -73,7 +74,7 @@ inline void check_cancelled(std::size_t iteration) {
   if ((iteration & kMask) == 0) check_cancelled();
 }
 inline void begin_stage(std::string stage) {
-  if (LongWork* work = long_work(); work != nullptr) work->begin(std::move(stage));
+  if (CancellableWork* work = current_work(); work != nullptr) work->begin(std::move(stage));
 }
 
 }  // namespace feltwire

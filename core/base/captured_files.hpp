@@ -21,24 +21,24 @@ inline thread_local FileReading file_reading_of_this_thread;
 
 /// While this object lives, the calling thread keeps the files that it reads, or reads only the
 /// given files and nothing from the disk.
-class ReadingFiles {
+class FileReadingScope {
  public:
-  explicit ReadingFiles(FileReading reading) noexcept
+  explicit FileReadingScope(FileReading reading) noexcept
       : before_(std::exchange(file_reading_of_this_thread, reading)) {}
-  ~ReadingFiles() { file_reading_of_this_thread = before_; }
-  ReadingFiles(const ReadingFiles&) = delete;
-  ReadingFiles& operator=(const ReadingFiles&) = delete;
+  ~FileReadingScope() { file_reading_of_this_thread = before_; }
+  FileReadingScope(const FileReadingScope&) = delete;
+  FileReadingScope& operator=(const FileReadingScope&) = delete;
 
  private:
   FileReading before_;
 };
 
-inline std::string kept_name(const std::filesystem::path& file) {
+inline std::string captured_name(const std::filesystem::path& file) {
   return file.lexically_normal().generic_string();
 }
 
 /// Returns the path of a file that another file names relative to its own folder.
-struct KeptFiles {
+struct CapturedFiles {
   std::string main;
   FileBytes files;
 };

@@ -13,7 +13,7 @@ namespace feltwire {
 
 /// The names as one text: "lan|wan|thin".
 template <class Entries, class Name = std::identity>
-std::string choices(const Entries& entries, std::string_view between = "|", Name name = {}) {
+std::string joined_names(const Entries& entries, std::string_view between = "|", Name name = {}) {
   std::string text;
   for (const auto& entry : entries)
     text.append(text.empty() ? "" : between).append(std::invoke(name, entry));
@@ -22,7 +22,7 @@ std::string choices(const Entries& entries, std::string_view between = "|", Name
 
 /// Returns the entry with that name. Null if there is none.
 template <class Entries, class Name = std::identity>
-constexpr auto find_choice(const Entries& entries, std::string_view given, Name name = {}) noexcept
+constexpr auto find_named(const Entries& entries, std::string_view given, Name name = {}) noexcept
     -> decltype(std::data(entries)) {
   for (const auto& entry : entries)
     if (std::invoke(name, entry) == given) return &entry;
@@ -32,23 +32,23 @@ constexpr auto find_choice(const Entries& entries, std::string_view given, Name 
 /// Returns the entry with that name. If there is none, throws std::invalid_argument that lists the
 /// choices. `what` names the kind of choice.
 template <class Entries, class Name = std::identity>
-const auto& chosen(std::string_view what, std::string_view given, const Entries& entries,
-                   Name name = {}) {
-  if (const auto* found = find_choice(entries, given, name)) return *found;
+const auto& get_named(std::string_view what, std::string_view given, const Entries& entries,
+                      Name name = {}) {
+  if (const auto* found = find_named(entries, given, name)) return *found;
   throw std::invalid_argument(std::string("unknown ").append(what).append(" '").append(given) +
-                              "'; choose one of: " + choices(entries, " ", name));
+                              "'; choose one of: " + joined_names(entries, " ", name));
 }
 
 /// Returns the value of an enum whose names are in the order of its values, from 0. Throws the same
-/// as chosen().
+/// as get_named().
 template <class Enum, class Names>
-Enum chosen_value(std::string_view what, std::string_view given, const Names& names) {
-  return static_cast<Enum>(&chosen(what, given, names) - std::data(names));
+Enum enum_from_name(std::string_view what, std::string_view given, const Names& names) {
+  return static_cast<Enum>(&get_named(what, given, names) - std::data(names));
 }
 
 /// Returns the name of such a value. A value from outside may have none.
 template <class Names, class Enum>
-constexpr typename Names::value_type name_among(const Names& names, Enum value) noexcept {
+constexpr typename Names::value_type enum_name(const Names& names, Enum value) noexcept {
   const auto place = static_cast<std::size_t>(value);
   return place < names.size() ? names[place] : "unknown";
 }
