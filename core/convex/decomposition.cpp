@@ -8,7 +8,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/convex/clipped_solid.hpp"
-#include "core/convex/overhang.hpp"
+#include "core/convex/outward_error.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,7 +30,7 @@ struct Cutter {
   const MeshSurface& surface;
   double tolerance;  // [m]
 
-  double outside(const ConvexHull& hull) const { return overhang(hull, surface, tolerance); }
+  double outside(const ConvexHull& hull) const { return outward_error(hull, surface, tolerance); }
 
   /// Whether a piece is so thin along a direction that no cut across it brings a hull nearer. A
   /// thin plate with a hollow in its rim would prefer such cuts, the most even ones, without end.
@@ -176,7 +176,7 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  // The search may find only this share of the true overhang (overhang()).
+  // The search may find only this share of the true overhang (outward_error()).
   constexpr double kFound = 8.0 / 9.0;
   const double tolerance = tolerance_of(options, solid.mesh());
   const Cutter cutter{solid, kFound * tolerance};

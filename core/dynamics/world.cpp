@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
-#include "core/dynamics/broken_trees.hpp"
+#include "core/dynamics/diverged_trees.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/scene/mechanism.hpp"
 
@@ -37,7 +37,7 @@ struct World::Run {
   explicit Run(const Mechanism& mechanism)
       : simulation(simulation_of(mechanism)), parts(mechanism.parts()) {
     initial = snapshot_of(0);
-    broken_trees = BrokenTrees(model());
+    diverged_trees = DivergedTrees(model());
     ring.assign(kSnapshots, initial);
   }
 
@@ -107,13 +107,13 @@ struct World::Run {
     for (const int kind : {mjWARN_BADQVEL, mjWARN_BADQACC}) {
       if (number(kind) == 0) continue;
       if (index(kind) < 0 || index(kind) >= model().nv) return false;
-      broken_trees.mark(model().dof_bodyid[index(kind)]);
+      diverged_trees.mark(model().dof_bodyid[index(kind)]);
     }
     if (number(mjWARN_BADQPOS) == 0) return true;
     int joint = model().njnt - 1;
     while (joint >= 0 && model().jnt_qposadr[joint] > index(mjWARN_BADQPOS)) --joint;
     if (joint < 0) return false;
-    broken_trees.mark(model().jnt_bodyid[joint]);
+    diverged_trees.mark(model().jnt_bodyid[joint]);
     return true;
   }
 
@@ -125,7 +125,7 @@ struct World::Run {
   Snapshot initial;
   std::vector<Snapshot> ring;
   std::size_t newest = 0, kept = 0;
-  BrokenTrees broken_trees;  // of the last failed step
+  DivergedTrees diverged_trees;  // of the last failed step
 };
 
 namespace {
@@ -220,7 +220,7 @@ bool World::step() noexcept {
     go_back();
     return false;
   }
-  run_->broken_trees.remember(*run_->data());
+  run_->diverged_trees.remember(*run_->data());
   const auto interval = static_cast<std::uint64_t>(std::llround(kSnapshotInterval / tick_));
   if (counters_.steps % interval == 0) run_->keep(counters_.steps);
   return true;
@@ -243,7 +243,7 @@ void World::go_back() noexcept {
 }
 
 void World::find_broken(bool gave_up) noexcept {
-  BrokenTrees& broken = run_->broken_trees;
+  DivergedTrees& broken = run_->diverged_trees;
   broken.clear();
   if (gave_up || !run_->mark_warned()) broken.mark_all();
   for (std::size_t i = 0; i < parts_; ++i)
@@ -257,7 +257,7 @@ double World::blame(const BodyContactState& contacts) const noexcept {
   for (std::size_t i = 0; i < contacts.peak_pushes.size(); ++i) {
     const PeakPush& peak = contacts.peak_pushes[i];
     const bool lately = peak.step > reset_before_ && peak.step + age >= last_reset_;
-    if (lately && run_->broken_trees.has(run_->parts[i].body))
+    if (lately && run_->diverged_trees.has(run_->parts[i].body))
       hardest = std::max(hardest, peak.force);
   }
   return hardest;

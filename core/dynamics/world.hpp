@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/dynamics/hand_pace.hpp"
+#include "core/dynamics/hand_speed_limit.hpp"
 #include "core/dynamics/neighbour_list.hpp"
 #include "core/local_model/local_model.hpp"
 #include "core/scene/scene.hpp"
@@ -39,7 +39,7 @@ struct BodyContactState {
   std::uint64_t resets = 0;              // the world's, when the contact memory was last valid
   std::uint64_t steps = 0;               // the world's, when it was last asked
   double most_force = HandLimits::kOff;  // [N] limit, on all moving objects together
-  HandPace pace;
+  HandSpeedLimit pace;
   bool placed = false;                // a sample has come
   std::vector<PeakPush> peak_pushes;  // one for each moving object
 

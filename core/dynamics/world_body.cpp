@@ -24,7 +24,7 @@ BodyContactState World::contact_state(const ToolView& view, const HandLimits& li
         "tool: is of another scene than this world; ask for a contact state of one of its tools");
   BodyContactState contacts;
   contacts.most_force = limits.force;
-  contacts.pace = HandPace(limits.speed, tick_, kRecovery);
+  contacts.pace = HandSpeedLimit(limits.speed, tick_, kRecovery);
   contacts.held = static_cast<std::size_t>(found - held_.begin());
   contacts.forces.assign(parts_, Vec3::Zero());
   contacts.torques.assign(parts_, Vec3::Zero());

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/bend.hpp"
+#include "core/geometry/local_curvature.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/geometry/bend.hpp"
+#include "core/geometry/local_curvature.hpp"
 #include "core/geometry/revolution.hpp"
 #include "core/geometry/round_proxy.hpp"
 #include "core/geometry/solid_proxy.hpp"
@@ -271,8 +271,8 @@ PatchGeometry Torus::patch(Side side, const Vec3& p, int face, const FeatureMemo
   PatchGeometry s{.point = major_radius * facing + minor_radius * outward,
                   .normal = sign * outward};
   if (!(across > 0.0)) return s;
-  const Bend like =
-      bend(round.cross(outward), round, sign / minor_radius, 0.0, sign * cosine / across);
+  const LocalCurvature like = local_curvature(round.cross(outward), round, sign / minor_radius, 0.0,
+                                              sign * cosine / across);
   s.curvature = like.curvature;
   s.axis = like.axis;
   return s;

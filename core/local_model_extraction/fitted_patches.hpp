@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/contact/contact.hpp"
-#include "core/geometry/bend.hpp"
+#include "core/geometry/local_curvature.hpp"
 #include "core/local_model/local_model.hpp"
 
 namespace feltwire {

@@ -43,7 +43,7 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
 }
 
 /// The bend of the surface, from differences of the normal over one resolution to either side.
-Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
+LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
   const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
   const double h = field.resolution();
   const auto turn = [&](const Vec3& way) {
@@ -52,7 +52,8 @@ Bend bend_at(const DistanceGrid<float>& field, double sign, const GridClosest& c
         (field.at(closest.point + h * way).gradient - field.at(closest.point - h * way).gradient));
   };
   const Vec3 along_u = turn(u), along_v = turn(v);
-  return bend(u, v, along_u.dot(u), 0.5 * (along_u.dot(v) + along_v.dot(u)), along_v.dot(v));
+  return local_curvature(u, v, along_u.dot(u), 0.5 * (along_u.dot(v) + along_v.dot(u)),
+                         along_v.dot(v));
 }
 
 /// Checks a line along a normal: on the surface, inside as deep as the tool gets, and free above.
@@ -97,7 +98,7 @@ FittedPatches grid_patches(const Grid& grid, Side felt_from, const Vec3& positio
   const double height = length(Vec3(position - closest.point));
   if (!closest.found || height > kStraight * std::abs(distance) + field.resolution()) return all;
 
-  const Bend bent = bend_at(field, sign, closest);
+  const LocalCurvature bent = curvature_at(field, sign, closest);
   if (!rolls(ball, bent.curvature)) return all;
   SurfacePatch patch;
   patch.point = closest.point;

@@ -92,7 +92,8 @@ MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
       (normals[1] - normals[0]).dot(v), (normals[2] - normals[0]).dot(v);
   const Eigen::Matrix2d turn = turns * edges.inverse();
   if (!turn.allFinite()) return fit;
-  const Bend bent = bend(u, v, turn(0, 0), 0.5 * (turn(0, 1) + turn(1, 0)), turn(1, 1));
+  const LocalCurvature bent =
+      local_curvature(u, v, turn(0, 0), 0.5 * (turn(0, 1) + turn(1, 0)), turn(1, 1));
   fit.normal = normal;
   fit.curvature = bent.curvature;
   fit.axis = bent.axis;

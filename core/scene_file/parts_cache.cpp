@@ -57,7 +57,7 @@ std::optional<std::string> read(const fs::path& file, const fs::path& mesh,
   if (!is_ours(status, mesh)) return refuse("belongs to somebody else");
   try {
     const FileReadingScope from_the_disk({});
-    return read_regular_file(file, kMostStoredParts);
+    return read_regular_file(file, kMostConvexPartsFile);
   } catch (const FileError& error) {
     remarks.push_back(std::string(error.what()) + "; it is not used");
     return std::nullopt;
@@ -83,17 +83,17 @@ class Search {
     const auto places = places_of_parts(named_, key_);
     if (!is_found(places)) {
       compute();
-      bytes_ = store(found_.parts, key_);
+      bytes_ = convex_parts_bytes(found_.parts, key_);
       write(places);
     }
-    if (reading.keep != nullptr && bytes_.size() <= kMostStoredParts)
+    if (reading.keep != nullptr && bytes_.size() <= kMostConvexPartsFile)
       reading.keep->insert_or_assign(kept, bytes_);
     return std::move(found_);
   }
 
  private:
   bool take(const fs::path& file, std::string bytes) {
-    auto read = stored_parts(bytes, key_, surface_.mesh(), options_);
+    auto read = read_convex_parts(bytes, key_, surface_.mesh(), options_);
     if (const auto* why = std::get_if<std::string>(&read)) {
       found_.remarks.push_back(file.string() + ": " + *why + "; it is not used");
       return false;
@@ -121,7 +121,7 @@ class Search {
   }
 
   void write(const std::vector<fs::path>& places) {
-    if (bytes_.size() > kMostStoredParts) {
+    if (bytes_.size() > kMostConvexPartsFile) {
       found_.remarks.emplace_back("they are too large to be kept");
       return;
     }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/convex/stored_parts.hpp"
+#include "core/convex/convex_parts_file.hpp"
 
 namespace feltwire {
 
@@ -31,7 +31,7 @@ std::vector<std::filesystem::path> places_of_parts(const NamedMesh& mesh, const 
 
 /// Returns the parts from the first of these places that has them, else from convex_parts(), with
 /// its exceptions; they are then written to the first place that is writable. A file counts if it
-/// is a regular one that this user, the mesh file's owner or root owns and if stored_parts()
+/// is a regular one that this user, the mesh file's owner or root owns and if read_convex_parts()
 /// accepts its bytes. If the calling thread keeps the files that it reads
 /// (core/base/captured_files.hpp), the parts are among them. If it reads only given files, the
 /// parts come from there or are computed, and nothing is written.

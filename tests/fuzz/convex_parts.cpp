@@ -4,7 +4,7 @@
 
 #include <openssl/evp.h>
 
-#include "core/convex/stored_parts.hpp"
+#include "core/convex/convex_parts_file.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -24,7 +24,7 @@ const PartsKey& key() {
 }
 
 void require_parts(std::string_view bytes) {
-  const auto read = stored_parts(bytes, key(), mesh(), kOptions);
+  const auto read = read_convex_parts(bytes, key(), mesh(), kOptions);
   if (const auto* why = std::get_if<std::string>(&read)) {
     require(!why->empty(), "a refusal has a reason");
     return;
@@ -35,7 +35,8 @@ void require_parts(std::string_view bytes) {
     require(part.size() >= 4, "a part has corners");
     for (const Vec3& corner : part) require(corner.norm() < 0.1, "corners lie in the mesh's box");
   }
-  require(store(parts, key()) == bytes, "parts are stored as the bytes that they were read from");
+  require(convex_parts_bytes(parts, key()) == bytes,
+          "parts are stored as the bytes that they were read from");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/dynamics/broken_trees.hpp"
+#include "core/dynamics/diverged_trees.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/dynamics/world.hpp"
@@ -130,7 +130,7 @@ TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
                              {body("low", 1.0, low), body("middle", 1.0, middle),
                               body("top", 1.0, top), body("apart", 1.0, apart)});
   const mujoco::Simulation simulation(scene.mechanism()->model());
-  BrokenTrees broken(scene.mechanism()->model());
+  DivergedTrees broken(scene.mechanism()->model());
   broken.remember(*simulation.data());
   const auto& parts = scene.mechanism()->parts();
   broken.mark(parts[2].body);

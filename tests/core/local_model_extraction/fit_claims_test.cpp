@@ -18,7 +18,7 @@ namespace {
 using test::Random;
 
 // A cylinder's normal turns by k across it and not along it; a ball's normal turns equally.
-TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
+TEST(LocalCurvature, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
   Random random(1);
   for (int n = 0; n < 100; ++n) {
     const Vec3 normal = random.direction();
@@ -26,15 +26,15 @@ TEST(Bend, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
     const double turn = random.uniform(-3.0, 3.0), k = random.decades(0.0, 2.0);
     const Vec3 across = std::cos(turn) * u + std::sin(turn) * v;
     const double cu = across.dot(u), cv = across.dot(v);
-    const Bend rod = bend(u, v, k * cu * cu, k * cu * cv, k * cv * cv);
+    const LocalCurvature rod = local_curvature(u, v, k * cu * cu, k * cu * cv, k * cv * cv);
     EXPECT_NEAR(rod.curvature, k, 1e-9 * std::abs(k));
     EXPECT_NEAR(std::abs(rod.axis.dot(normal.cross(across))), 1.0, 1e-9);
-    const Bend ball = bend(u, v, k, 0.0, k);
+    const LocalCurvature ball = local_curvature(u, v, k, 0.0, k);
     EXPECT_NEAR(ball.curvature, k, 1e-9 * std::abs(k));
     EXPECT_TRUE(ball.axis.isZero(0.0));
     // Three quarters of the curvature are nearer to a ball; a tenth is nearer to a cylinder.
-    EXPECT_NEAR(bend(u, v, k, 0.0, 0.75 * k).curvature, 0.875 * k, 1e-9 * std::abs(k));
-    EXPECT_NEAR(bend(u, v, k, 0.0, 0.1 * k).curvature, k, 1e-9 * std::abs(k));
+    EXPECT_NEAR(local_curvature(u, v, k, 0.0, 0.75 * k).curvature, 0.875 * k, 1e-9 * std::abs(k));
+    EXPECT_NEAR(local_curvature(u, v, k, 0.0, 0.1 * k).curvature, k, 1e-9 * std::abs(k));
   }
 }
 

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "core/base/cancellation.hpp"
+#include "core/convex/convex_parts_file.hpp"
 #include "core/convex/decomposition.hpp"
-#include "core/convex/stored_parts.hpp"
 #include "tests/core/scene_file/parts_scene.hpp"
 
 namespace feltwire::parts_cache_test {
@@ -66,7 +66,8 @@ TEST_F(PartsCache, ADamagedOrForeignFileIsSaidAndMadeAnew) {
   std::string flipped = bytes;
   flipped[bytes.size() / 2] ^= 4;
   const MeshSurface other(TriangleMesh(test::torus(0.06, 0.015, 7, 5)));
-  const std::string foreign = store(convex_parts(other, {}), parts_key(other.mesh(), {}));
+  const std::string foreign =
+      convex_parts_bytes(convex_parts(other, {}), parts_key(other.mesh(), {}));
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "is no file of convex parts"},
       {"FWPARTS1", "has a length"},
@@ -84,7 +85,7 @@ TEST_F(PartsCache, ADamagedOrForeignFileIsSaidAndMadeAnew) {
     EXPECT_EQ(text_of(beside()), bytes) << why;
   }
   // Larger than the limit: not read to its end.
-  fs::resize_file(beside(), kMostStoredParts + 1);
+  fs::resize_file(beside(), kMostConvexPartsFile + 1);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is larger than 64 MiB")));
   EXPECT_EQ(text_of(beside()), bytes);
 }

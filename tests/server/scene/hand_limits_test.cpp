@@ -84,9 +84,9 @@ TEST(HandLimits, AHandThatChasesABodyBreaksNothing) {
   EXPECT_LT(fastest, 0.5 * World::kLargestSpeed);
 }
 
-TEST(HandPace, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
+TEST(HandSpeedLimit, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
   constexpr double kRecovery = 0.5;
-  HandPace pace(10.0, kTick, kRecovery);
+  HandSpeedLimit pace(10.0, kTick, kRecovery);
   std::uint64_t now = 0;
   // 1 kHz at 9.9 m/s for five seconds.
   for (; now < 5000; ++now) ASSERT_TRUE(pace.follow(9.9e-3, now)) << now;

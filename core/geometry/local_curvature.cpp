@@ -1,4 +1,4 @@
-#include "core/geometry/bend.hpp"
+#include "core/geometry/local_curvature.hpp"
 
 #include <cmath>
 
@@ -6,7 +6,8 @@
 
 namespace feltwire {
 
-Bend bend(const Vec3& u, const Vec3& v, double uu, double uv, double vv) noexcept {
+LocalCurvature local_curvature(const Vec3& u, const Vec3& v, double uu, double uv,
+                               double vv) noexcept {
   // Principal curvatures: mean +- half the difference, the first along `first`.
   const double mean = 0.5 * (uu + vv), half = hypotenuse(0.5 * (uu - vv), uv);
   const double most = mean + half, least = mean - half;

@@ -28,10 +28,10 @@ inline constexpr double kHandHold = 0.1;
 
 /// Compares the movement of one hand with its speed limit. Time is the server's, in ticks of the
 /// world. A client's own clock is not used, because with it a client could claim any speed.
-class HandPace {
+class HandSpeedLimit {
  public:
-  HandPace() = default;
-  HandPace(double speed, double tick, double recovery) noexcept
+  HandSpeedLimit() = default;
+  HandSpeedLimit(double speed, double tick, double recovery) noexcept
       : speed_(speed), tick_(tick), recovery_(recovery), left_(speed * kHandHold) {}
 
   /// The hand has moved by `way` [m] since the previous sample; the world is at tick `now`. Returns

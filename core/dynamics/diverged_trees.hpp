@@ -11,10 +11,10 @@ namespace feltwire {
 
 /// Marks the trees of bodies (a tree: bodies that joints connect) that take part in a failure. A
 /// tree is known by the number of its root body.
-class BrokenTrees {
+class DivergedTrees {
  public:
-  BrokenTrees() = default;
-  explicit BrokenTrees(const mjModel& model)
+  DivergedTrees() = default;
+  explicit DivergedTrees(const mjModel& model)
       : model_(&model), marked_(static_cast<std::size_t>(model.nbody), 0) {
     ties_.reserve(kMostTies);
   }

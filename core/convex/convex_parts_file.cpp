@@ -1,4 +1,4 @@
-#include "core/convex/stored_parts.hpp"
+#include "core/convex/convex_parts_file.hpp"
 
 #include <openssl/evp.h>
 
@@ -137,7 +137,7 @@ std::string hex(const PartsKey& key) {
   return text;
 }
 
-std::string store(const ConvexParts& parts, const PartsKey& key) {
+std::string convex_parts_bytes(const ConvexParts& parts, const PartsKey& key) {
   std::string out(kMagic);
   out += text_of(key);
   append(out, parts.outside);
@@ -151,12 +151,13 @@ std::string store(const ConvexParts& parts, const PartsKey& key) {
   return out;
 }
 
-std::variant<ConvexParts, std::string> stored_parts(std::string_view bytes, const PartsKey& key,
-                                                    const TriangleMesh& mesh,
-                                                    const DecompositionOptions& options) {
+std::variant<ConvexParts, std::string> read_convex_parts(std::string_view bytes,
+                                                         const PartsKey& key,
+                                                         const TriangleMesh& mesh,
+                                                         const DecompositionOptions& options) {
   using std::string;
   if (!bytes.starts_with(kMagic)) return string("is no file of convex parts");
-  if (bytes.size() < kHead + kDigest || bytes.size() > kMostStoredParts)
+  if (bytes.size() < kHead + kDigest || bytes.size() > kMostConvexPartsFile)
     return string("has a length that no file of convex parts has");
   const std::string_view all = bytes.substr(0, bytes.size() - kDigest);
   if (text_of(sha256(all)) != bytes.substr(all.size()))

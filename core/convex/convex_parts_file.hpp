@@ -21,18 +21,19 @@ PartsKey parts_key(const TriangleMesh& mesh, const DecompositionOptions& options
 std::string hex(const PartsKey& key);
 
 /// [bytes] Larger files are not written.
-inline constexpr std::size_t kMostStoredParts = std::size_t{1} << 26;
+inline constexpr std::size_t kMostConvexPartsFile = std::size_t{1} << 26;
 
 /// The format, little-endian: "FWPARTS1", the key, `outside`, the number of parts, for each part
 /// the number of its corners and these, and the SHA-256 of all of it.
-std::string store(const ConvexParts& parts, const PartsKey& key);
+std::string convex_parts_bytes(const ConvexParts& parts, const PartsKey& key);
 
 /// Returns the parts, to the bit, or the reason why the bytes are not used: they are damaged,
 /// belong to another key, or contain an impossible decomposition of the mesh (more parts than
 /// options.most, a corner outside of the mesh's box, a part without volume). It throws only if
 /// memory is missing, which the number of bytes limits.
-std::variant<ConvexParts, std::string> stored_parts(std::string_view bytes, const PartsKey& key,
-                                                    const TriangleMesh& mesh,
-                                                    const DecompositionOptions& options);
+std::variant<ConvexParts, std::string> read_convex_parts(std::string_view bytes,
+                                                         const PartsKey& key,
+                                                         const TriangleMesh& mesh,
+                                                         const DecompositionOptions& options);
 
 }  // namespace feltwire

@@ -1,6 +1,6 @@
 // Convex parts as bytes: they come back to the bit, and other bytes are refused.
 
-#include "core/convex/stored_parts.hpp"
+#include "core/convex/convex_parts_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "tests/support/meshes.hpp"
 
-namespace feltwire::stored_parts_test {
+namespace feltwire::convex_parts_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,7 +23,7 @@ class StoredParts : public ::testing::Test {
  protected:
   /// "taken", or the reason for the refusal.
   std::string answer(std::string_view given, const DecompositionOptions& with = {}) const {
-    const auto read = stored_parts(given, key, ring.mesh(), with);
+    const auto read = read_convex_parts(given, key, ring.mesh(), with);
     const auto* why = std::get_if<std::string>(&read);
     return why == nullptr ? "taken" : *why;
   }
@@ -49,17 +49,17 @@ class StoredParts : public ::testing::Test {
   const MeshSurface ring{TriangleMesh(test::torus(0.05, 0.015, 12, 6))};
   const PartsKey key = parts_key(ring.mesh(), {});
   const ConvexParts parts = convex_parts(ring, {});
-  const std::string bytes = store(parts, key);
+  const std::string bytes = convex_parts_bytes(parts, key);
 };
 
 TEST_F(StoredParts, ComeBackToTheBit) {
-  const auto read = stored_parts(bytes, key, ring.mesh(), {});
+  const auto read = read_convex_parts(bytes, key, ring.mesh(), {});
   const auto* back = std::get_if<ConvexParts>(&read);
   ASSERT_NE(back, nullptr) << std::get<std::string>(read);
   EXPECT_EQ(back->parts, parts.parts);
   EXPECT_EQ(back->outside, parts.outside);
   EXPECT_EQ(back->tolerance, parts.tolerance);
-  EXPECT_EQ(store(*back, key), bytes);
+  EXPECT_EQ(convex_parts_bytes(*back, key), bytes);
 }
 
 TEST_F(StoredParts, NoByteMayBeChangedLeftOutOrAdded) {
@@ -84,8 +84,8 @@ TEST_F(StoredParts, OfAnotherMeshOrOtherOptionsAreNotTaken) {
     EXPECT_NE(parts_key(ring.mesh(), options), key);
   // The default tolerance, given explicitly.
   EXPECT_EQ(parts_key(ring.mesh(), {.tolerance = kPartTolerance * ring.mesh().report().size}), key);
-  EXPECT_EQ(answer(store(parts, parts_key(larger.mesh(), {}))), another);
-  EXPECT_EQ(answer(store(parts, parts_key(ring.mesh(), {.most = 63}))), another);
+  EXPECT_EQ(answer(convex_parts_bytes(parts, parts_key(larger.mesh(), {}))), another);
+  EXPECT_EQ(answer(convex_parts_bytes(parts, parts_key(ring.mesh(), {.most = 63}))), another);
 }
 
 TEST_F(StoredParts, AForgersCountsAndNumbersAreBounded) {
@@ -110,4 +110,4 @@ TEST_F(StoredParts, AForgersCountsAndNumbersAreBounded) {
 }
 
 }  // namespace
-}  // namespace feltwire::stored_parts_test
+}  // namespace feltwire::convex_parts_file_test

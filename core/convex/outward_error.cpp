@@ -1,4 +1,4 @@
-#include "core/convex/overhang.hpp"
+#include "core/convex/outward_error.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -29,7 +29,7 @@ double signed_distance(const MeshSurface& solid, const Vec3& p, double within) {
 
 }  // namespace
 
-double overhang(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
+double outward_error(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
   constexpr double kGap = 1.125;       // largest possible overhang over the one found
   constexpr double kWider = 1.000001;  // margin on the known distance to the nearest point
   Bounds bounds;

@@ -12,6 +12,6 @@ namespace feltwire {
 /// further search (Piyavskii 1972, Shubert 1972). The result is the largest distance found. No
 /// point is farther out than 9/8 of that, or than `tolerance` if that is more. Precondition:
 /// tolerance > 0; the surface is closed with its normals outwards.
-double overhang(const ConvexHull& hull, const MeshSurface& solid, double tolerance);
+double outward_error(const ConvexHull& hull, const MeshSurface& solid, double tolerance);
 
 }  // namespace feltwire
