@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/build_info/build_info.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,8 +1,8 @@
 #include "core/recording/event_message.hpp"
 
 #include "core/recording/feltwire_descriptors.hpp"
-#include "core/recording/messages.hpp"
 #include "core/recording/protobuf.hpp"
+#include "core/recording/sample_messages.hpp"
 
 namespace feltwire {
 

@@ -1,7 +1,7 @@
 #include "core/recording/picture_message.hpp"
 
 #include "core/recording/message_fields.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 
 namespace feltwire {
 namespace {

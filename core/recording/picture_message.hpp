@@ -1,5 +1,5 @@
 #pragma once
-// A foxglove.SceneUpdate of a recording (messages.hpp), back to hands and bodies.
+// A foxglove.SceneUpdate of a recording (sample_messages.hpp), back to hands and bodies.
 
 #include <optional>
 #include <string_view>

@@ -91,7 +91,7 @@ struct Gateway::Parts {
       shown.push_back(scenes.back().get());
     }
     web::WebOptions options = page_place(config.web, config.web_names);
-    options.metrics = [this](const web::AudienceCounters& page) {
+    options.metrics = [this](const web::ViewerHubCounters& page) {
       return metrics_text(page, times());
     };
     web = std::make_unique<web::WebServer>(options, shown, std::move(security.tokens),

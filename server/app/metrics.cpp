@@ -191,7 +191,7 @@ void add(std::string& text, std::string_view name, std::string_view help, std::u
 }  // namespace
 
 std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlSummary& control,
-                         const web::AudienceCounters& page) {
+                         const web::ViewerHubCounters& page) {
   std::string text;
   add_scenes(text, scenes);
   add_times(text, times_of(scenes));
@@ -215,7 +215,7 @@ std::string metrics_text(const std::vector<SceneSummary>& scenes, const ControlS
   return text + metrics_text(page, {});
 }
 
-std::string metrics_text(const web::AudienceCounters& page, const std::vector<NamedTimes>& times) {
+std::string metrics_text(const web::ViewerHubCounters& page, const std::vector<NamedTimes>& times) {
   std::string text;
   if (!times.empty()) add_times(text, times);
   add(text, "feltwire_viewers_total", "Viewers of the live page.", page.viewers);

@@ -190,7 +190,7 @@ struct Server::Parts {
       page_hands = hands({own_host(config.address), control->port(), fingerprint,
                           static_cast<std::size_t>(config.web_hands)});
     page.hands = page_hands.get();
-    page.metrics = [this](const web::AudienceCounters& counters) {
+    page.metrics = [this](const web::ViewerHubCounters& counters) {
       return metrics_text(summary(), control_summary(), counters);
     };
     page.reload = [this](std::size_t host) {

@@ -78,7 +78,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   }
 
  public:
-  Connection(ControlEndpoint& endpoint, Places::Id id, tcp::socket socket,
+  Connection(ControlEndpoint& endpoint, ConnectionSlots::Id id, tcp::socket socket,
              const asio::ip::address& address)
       : endpoint_(endpoint),
         id_(id),
@@ -105,7 +105,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   /// a dropped answer. Do not call it in a handler.
   bool lost() const { return going_on_.use_count() == 1; }
 
-  Places::Id id() const { return id_; }
+  ConnectionSlots::Id id() const { return id_; }
   const ControlPeer& peer() const { return peer_; }
 
   /// Reports the outcome for the turns of other connections; only the first report counts.
@@ -238,7 +238,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   }
 
   ControlEndpoint& endpoint_;
-  const Places::Id id_;
+  const ConnectionSlots::Id id_;
   TlsSocket stream_;
   asio::steady_timer deadline_;
   ControlPeer peer_;
@@ -323,7 +323,7 @@ void ControlEndpoint::end_lost() {
   for (const auto& connection : lost) connection->end();
 }
 
-void ControlEndpoint::open(Places::Id id) {
+void ControlEndpoint::open(ConnectionSlots::Id id) {
   auto waited = waiting_.extract(id);
   if (waited.empty()) return;
   auto& [socket, address] = waited.mapped();
@@ -341,7 +341,7 @@ void ControlEndpoint::open(Places::Id id) {
     throw;
   }
   try {
-    end(strangers_.take(id, network_of(address), Places::member_of(address)));
+    end(strangers_.take(id, network_of(address), ConnectionSlots::member_of(address)));
     connection->start();
   } catch (const std::exception& error) {
     connection->fail(error);
@@ -358,7 +358,7 @@ void ControlEndpoint::make_known(Connection& connection) {
                   connection.peer().client));
 }
 
-void ControlEndpoint::end(std::optional<Places::Id> crowded_out) {
+void ControlEndpoint::end(std::optional<ConnectionSlots::Id> crowded_out) {
   if (!crowded_out) return;
   ++counters_.crowded_out;
   const auto found = connections_.find(*crowded_out);

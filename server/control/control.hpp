@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "protocol/wire/control.hpp"
+#include "server/access/connection_slots.hpp"
 #include "server/access/connection_turns.hpp"
 #include "server/access/identity.hpp"
-#include "server/access/places.hpp"
 
 namespace feltwire {
 
@@ -93,10 +93,10 @@ class ControlEndpoint {
   void greet(asio::ip::tcp::socket socket);
   void let_in();
   void look_again();
-  void open(Places::Id id);
-  void send_away(std::optional<Places::Id> id);
+  void open(ConnectionSlots::Id id);
+  void send_away(std::optional<ConnectionSlots::Id> id);
   void make_known(Connection& connection);
-  void end(std::optional<Places::Id> crowded_out);
+  void end(std::optional<ConnectionSlots::Id> crowded_out);
 
   asio::io_context& io_;
   ControlOptions options_;
@@ -109,13 +109,14 @@ class ControlEndpoint {
     asio::ip::tcp::socket socket;
     asio::ip::address address;
   };
-  std::map<Places::Id, Waiting> waiting_;
-  std::map<Places::Id, std::shared_ptr<Connection>> connections_;
-  Places strangers_, known_;  // those without and with a good token; each connection is in one
+  std::map<ConnectionSlots::Id, Waiting> waiting_;
+  std::map<ConnectionSlots::Id, std::shared_ptr<Connection>> connections_;
+  // Connections without and with a good token. Each connection is in one.
+  ConnectionSlots strangers_, known_;
   ConnectionTurns turns_;
   asio::steady_timer next_look_;  // at those that wait
   bool looking_ = false;
-  Places::Id next_id_ = 0;
+  ConnectionSlots::Id next_id_ = 0;
   bool accepting_ = false;  // a handler waits for a connection, or for the next try
   ControlCounters counters_;
   std::uint16_t port_ = 0;

@@ -22,7 +22,7 @@ void ControlEndpoint::greet(tcp::socket socket) {
   Error gone;
   const asio::ip::address address = socket.remote_endpoint(gone).address();
   if (gone) return;
-  const Places::Id id = next_id_++;
+  const ConnectionSlots::Id id = next_id_++;
   waiting_.emplace(id, Waiting{std::move(socket), address});
   try {
     send_away(turns_.arrive(id, address, monotonic_now()));
@@ -51,7 +51,7 @@ void ControlEndpoint::look_again() {
   looking_ = true;
 }
 
-void ControlEndpoint::send_away(std::optional<Places::Id> id) {
+void ControlEndpoint::send_away(std::optional<ConnectionSlots::Id> id) {
   if (id && waiting_.erase(*id) > 0) ++counters_.too_often;
 }
 

@@ -8,8 +8,8 @@
 #include "core/build_info/build_info.hpp"
 #include "core/recording/event_message.hpp"
 #include "core/recording/flight_files.hpp"
-#include "core/recording/messages.hpp"
 #include "core/recording/recording_files.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "protocol/wire/codec.hpp"
 #include "server/recording/scene_recording.hpp"
 

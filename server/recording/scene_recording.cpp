@@ -4,7 +4,7 @@
 
 #include "core/build_info/build_info.hpp"
 #include "core/recording/event_message.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 
 namespace feltwire {
 

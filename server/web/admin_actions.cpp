@@ -31,7 +31,7 @@ std::uint64_t session_id(std::string_view digits) {
 }  // namespace
 
 /// The token by which the viewer is an admin of the scene that it watches; null: no admin.
-const Token* Audience::admin_of(const ViewerSlot& slot) const {
+const Token* ViewerHub::admin_of(const ViewerSlot& slot) const {
   for (const std::string* id : {&slot.token, &slot.admin}) {
     const Token* token = find_token(tokens_.tokens(), *id);
     if (token != nullptr && slot.stage != nullptr && !expired(*token, calendar_now()) &&
@@ -42,7 +42,7 @@ const Token* Audience::admin_of(const ViewerSlot& slot) const {
 }
 
 /// Does what an admin asks; false if the message asks for nothing of that kind.
-bool Audience::act(ViewerSlot& slot, const ViewerMessage& message) {
+bool ViewerHub::act(ViewerSlot& slot, const ViewerMessage& message) {
   if (!message.admin && !message.set && !message.evict && !message.reload && !message.record)
     return false;
   if (only_shown(slot)) return true;
@@ -69,7 +69,7 @@ bool Audience::act(ViewerSlot& slot, const ViewerMessage& message) {
   return true;
 }
 
-void Audience::become_admin(ViewerSlot& slot, std::string_view text) {
+void ViewerHub::become_admin(ViewerSlot& slot, std::string_view text) {
   const Token* token = good_token(text);
   if (token == nullptr) {
     if (may_try_again(slot)) slot.viewer->send(refused(kNoGoodToken));
@@ -85,7 +85,7 @@ void Audience::become_admin(ViewerSlot& slot, std::string_view text) {
 }
 
 /// Refuses every viewer's request on a page that only shows a remote server. True: refused.
-bool Audience::only_shown(const ViewerSlot& slot) {
+bool ViewerHub::only_shown(const ViewerSlot& slot) {
   if (slot.stage == nullptr || slot.stage->scene->controls() != nullptr) return false;
   slot.viewer->send(
       refused("this page only looks on at the server; change the scene on the page of the server "
@@ -94,7 +94,7 @@ bool Audience::only_shown(const ViewerSlot& slot) {
   return true;
 }
 
-void Audience::set(ViewerSlot& slot, const ViewerSet& wanted) {
+void ViewerHub::set(ViewerSlot& slot, const ViewerSet& wanted) {
   if (wanted.gravity) return change(slot, GravityChange{*wanted.gravity});
   if (wanted.session.empty()) return change(slot, wanted.material);
   const std::uint64_t id = session_id(wanted.session);
@@ -113,7 +113,7 @@ void Audience::set(ViewerSlot& slot, const ViewerSet& wanted) {
 }
 
 /// Makes the change in the scene's thread. A viewer that has left meanwhile gets no answer.
-void Audience::change(ViewerSlot& slot, LiveChange change) {
+void ViewerHub::change(ViewerSlot& slot, LiveChange change) {
   const std::string by = who(*admin_of(slot)), scene = slot.stage->scene->name();
   const auto* law = std::get_if<ParameterChange>(&change);
   // The next change builds on this one even before the scene's thread describes the session.
@@ -139,7 +139,7 @@ void Audience::change(ViewerSlot& slot, LiveChange change) {
       });
 }
 
-void Audience::evict(ViewerSlot& slot, const std::string& session) {
+void ViewerHub::evict(ViewerSlot& slot, const std::string& session) {
   const std::uint64_t id = session_id(session);
   const auto& hands = slot.stage->hands;
   if (std::ranges::find(hands, id, &HandDescription::session) == hands.end())
@@ -150,7 +150,7 @@ void Audience::evict(ViewerSlot& slot, const std::string& session) {
   slot.viewer->send(changed_text("the session is evicted"));
 }
 
-void Audience::reload(ViewerSlot& slot) {
+void ViewerHub::reload(ViewerSlot& slot) {
   if (!reload_)
     return slot.viewer->send(
         refused("the scenes of this server do not come from files, so they cannot be reloaded"));
@@ -161,7 +161,7 @@ void Audience::reload(ViewerSlot& slot) {
 }
 
 /// Asks for a flight record. A viewer that has left meanwhile gets no answer.
-void Audience::write_flight(ViewerSlot& slot) {
+void ViewerHub::write_flight(ViewerSlot& slot) {
   if (!write_flight_)
     return slot.viewer->send(
         refused("this server keeps no flight record; start it with --flight-recorder DIR"));
@@ -184,7 +184,7 @@ void Audience::write_flight(ViewerSlot& slot) {
       });
 }
 
-void Audience::tell(std::size_t scene, const std::optional<std::string>& wrong) {
+void ViewerHub::tell(std::size_t scene, const std::optional<std::string>& wrong) {
   const Stage* stage = stages_.at(scene).get();
   const std::string line =
       wrong ? log_text("error", *wrong)

@@ -13,7 +13,7 @@ constexpr std::chrono::seconds kCloseTime{2};   // for its answer to a close
 
 }  // namespace
 
-Connection::Connection(ConnectionHost& host, Places::Id id, std::unique_ptr<Stream> stream,
+Connection::Connection(ConnectionHost& host, ConnectionSlots::Id id, std::unique_ptr<Stream> stream,
                        const asio::ip::address& address)
     : host_(host), id_(id), address_(address), stream_(std::move(stream)), deadline_(host.io()) {}
 
@@ -45,7 +45,7 @@ void Connection::end() noexcept {
   ended_ = true;
   stream_->close();
   deadline_.cancel();
-  if (seat_) host_.audience().leave(*seat_);
+  if (seat_) host_.hub().leave(*seat_);
   host_.ended(id_);
 }
 
@@ -63,34 +63,34 @@ void Connection::read_head() {
     head_.append(bytes.begin(), bytes.end());
     if (const auto length = http_head_length(head_)) return answer_head(*length);
     if (head_.size() <= kMaxHttpHead) return read_head();
-    write_last(answer(nullptr, {}));
+    write_last(http_response(nullptr, {}));
   }));
 }
 
 void Connection::answer_head(std::size_t length) {
   const auto request = parse_http_head(std::string_view(head_).substr(0, length));
-  Answer answered = answer(request ? &*request : nullptr, host_.site(address_));
+  HttpResponse answered = http_response(request ? &*request : nullptr, host_.site(address_));
   if (!answered.upgraded) return write_last(std::move(answered));
   head_.erase(0, length);
   become_viewer(std::move(answered));
 }
 
-void Connection::become_viewer(Answer accepted) {
+void Connection::become_viewer(HttpResponse accepted) {
   const auto take = [this](std::string_view message) {
-    if (seat_) host_.audience().receive(*seat_, message);
+    if (seat_) host_.hub().receive(*seat_, message);
   };
   const auto begun = [this] {
-    if (seat_) host_.audience().count(*seat_);
+    if (seat_) host_.hub().count(*seat_);
   };
-  socket_ = std::make_unique<WebSocket>(Audience::kMostMessage, take, begun);
+  socket_ = std::make_unique<WebSocket>(ViewerHub::kMostMessage, take, begun);
   writing_ = true;
   stream_->write(
       {std::move(accepted.bytes), {}},
       safely([this, ticket = accepted.ticket](const std::error_code& error) {
         writing_ = false;
         if (error) return end();
-        seat_ = host_.audience().join(*this, address_);
-        if (ticket) host_.audience().admit(*seat_, *ticket);
+        seat_ = host_.hub().join(*this, address_);
+        if (ticket) host_.hub().admit(*seat_, *ticket);
         const std::string early = std::exchange(head_, {});
         take_messages({reinterpret_cast<const std::uint8_t*>(early.data()), early.size()});
       }));
@@ -121,7 +121,7 @@ void Connection::take_messages(std::span<const std::uint8_t> bytes) {
 void Connection::part() {
   if (closing_ || ended_) return;
   closing_ = true;
-  if (seat_) host_.audience().leave(*std::exchange(seat_, std::nullopt));
+  if (seat_) host_.hub().leave(*std::exchange(seat_, std::nullopt));
   host_.parting(id_);
   set_deadline(kCloseTime);
 }
@@ -138,7 +138,7 @@ void Connection::send(const std::string& text) {
   socket_->send_text(text);
   pump();
   if (socket_->waiting() <= kMostWaiting) return;
-  // Not at once: the audience may be iterating over its viewers.
+  // Not at once: the hub may be iterating over its viewers.
   overfull_ = true;
   asio::post(host_.io(), safely([this] { end(); }));
 }
@@ -158,7 +158,7 @@ bool Connection::ready() const {
 }
 
 void Connection::close(WebSocketClose code, std::string_view reason) {
-  seat_.reset();  // the audience has already removed it
+  seat_.reset();  // the hub has already removed it
   socket_->close(code, reason);
   part();
   pump();
@@ -185,7 +185,7 @@ void Connection::pump() {
 /// Writes the answer to a request, then ends. Closing with unread bytes would reset the connection
 /// and lose the answer. So it reads until the other end closes, sends more than any request has, or
 /// reaches the deadline.
-void Connection::write_last(Answer last) {
+void Connection::write_last(HttpResponse last) {
   stream_->write({std::move(last.bytes), last.body}, safely([this](const std::error_code& error) {
                    if (error) return end();
                    stream_->end_writing();

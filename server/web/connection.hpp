@@ -20,7 +20,7 @@ class Connection : public Viewer, public std::enable_shared_from_this<Connection
   static constexpr std::size_t kMostDiscarded = std::size_t{64} * 1024;
 
   /// `host` outlives the handlers of `stream`.
-  Connection(ConnectionHost& host, Places::Id id, std::unique_ptr<Stream> stream,
+  Connection(ConnectionHost& host, ConnectionSlots::Id id, std::unique_ptr<Stream> stream,
              const asio::ip::address& address);
 
   const asio::ip::address& address() const { return address_; }
@@ -41,23 +41,23 @@ class Connection : public Viewer, public std::enable_shared_from_this<Connection
   void set_deadline(std::chrono::milliseconds patience);
   void read_head();
   void answer_head(std::size_t length);
-  void become_viewer(Answer accepted);
+  void become_viewer(HttpResponse accepted);
   void read_on();
   void take_messages(std::span<const std::uint8_t> bytes);
   void pump();
   void part();
-  void write_last(Answer last);
+  void write_last(HttpResponse last);
   void discard();
   bool discards(std::size_t count);
 
   ConnectionHost& host_;
-  const Places::Id id_;
+  const ConnectionSlots::Id id_;
   asio::ip::address address_;
   std::unique_ptr<Stream> stream_;
   asio::steady_timer deadline_;
   std::string head_;  // the received part
   std::unique_ptr<WebSocket> socket_;
-  std::optional<Audience::Id> seat_;
+  std::optional<ViewerHub::Id> seat_;
   std::size_t discarded_ = 0;  // [bytes]
   bool reading_ = false, taking_ = false, writing_ = false;
   bool stays_ = false, closing_ = false, overfull_ = false, ended_ = false;

@@ -10,7 +10,7 @@
 #include "core/base/little_endian.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/recording/live_messages.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "server/access/json_text.hpp"
 
 namespace feltwire::web {

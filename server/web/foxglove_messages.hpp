@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/web/messages.hpp"
+#include "server/web/page_messages.hpp"
 
 namespace feltwire::web {
 

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "core/recording/live_messages.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "server/web/object_triangles.hpp"
 
 namespace feltwire::web {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/visible_text.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 
 namespace feltwire::web {
 

@@ -8,8 +8,8 @@
 
 #include "core/tool/body_tool.hpp"
 #include "server/access/json_text.hpp"
-#include "server/web/messages.hpp"
 #include "server/web/object_triangles.hpp"
+#include "server/web/page_messages.hpp"
 #include "server/web/value_texts.hpp"
 
 namespace feltwire::web {

@@ -1,9 +1,9 @@
 #pragma once
-// Internal to server/web: an audience's data of a scene and of a viewer.
+// Internal to server/web: the hub's data of a scene and of a viewer.
 
 #include "protocol/net/clock.hpp"
-#include "server/web/audience.hpp"
 #include "server/web/foxglove_viewer.hpp"
+#include "server/web/viewer_hub.hpp"
 #include "server/web/viewers_hand.hpp"
 
 namespace feltwire::web {
@@ -13,7 +13,7 @@ inline constexpr const char* kNoGoodToken =
 inline constexpr double kMessageRate = 20.0, kMessageBurst = 40.0;  // [1/s] of one viewer, at once
 
 /// A scene for viewers.
-struct Audience::Stage {
+struct ViewerHub::Stage {
   SceneInView* scene;
   // Made once for all viewers from the shown version.
   std::uint32_t version = 0, changes = 0;
@@ -29,7 +29,7 @@ struct Audience::Stage {
   FoxgloveScene foxglove{clock_offset()};
 };
 
-struct Audience::ViewerSlot {
+struct ViewerHub::ViewerSlot {
   ViewerSlot(Id number, Viewer* way, const asio::ip::address& from)
       : id(number), viewer(way), address(from) {}
   Id id;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/bounding/method.hpp"
-#include "server/web/messages.hpp"
+#include "server/web/page_messages.hpp"
 
 namespace feltwire::web {
 

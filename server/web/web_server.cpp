@@ -27,12 +27,11 @@ std::optional<asio::ssl::context> tls_for(const asio::ip::address& address,
 
 }  // namespace
 
-WebServer::WebServer(const WebOptions& options, const Audience::Scenes& scenes, TokenFile tokens,
+WebServer::WebServer(const WebOptions& options, const ViewerHub::Scenes& scenes, TokenFile tokens,
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      audience_(io_, scenes, std::move(tokens), options.hands, options.reload,
-                options.write_flight),
+      hub_(io_, scenes, std::move(tokens), options.hands, options.reload, options.write_flight),
       strangers_(std::max<std::size_t>(1, options.max_connections / 2),
                  options.max_connections_per_network),
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
@@ -53,7 +52,7 @@ void WebServer::stop() {
     std::error_code ignored;
     acceptor_.close(ignored);
     retry_.cancel();
-    audience_.close_all();
+    hub_.close_all();
     // Give viewers a moment to receive the reason.
     frame_.expires_after(kLastWords);
     frame_.async_wait([this](const std::error_code&) { end_all(); });
@@ -63,7 +62,7 @@ void WebServer::stop() {
 }
 
 void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {
-  asio::post(io_, [this, scene, wrong = std::move(wrong)] { audience_.tell(scene, wrong); });
+  asio::post(io_, [this, scene, wrong = std::move(wrong)] { hub_.tell(scene, wrong); });
 }
 
 void WebServer::end_all() {
@@ -135,8 +134,9 @@ void WebServer::take() {
   const asio::ip::address address = socket.remote_endpoint(error).address();
   if (error) return;
   socket.set_option(tcp::no_delay(true), error);
-  const Places::Id id = next_id_++;
-  const auto crowded_out = strangers_.take(id, network_of(address), Places::member_of(address));
+  const ConnectionSlots::Id id = next_id_++;
+  const auto crowded_out =
+      strangers_.take(id, network_of(address), ConnectionSlots::member_of(address));
   ConnectionHost& host = *this;
   const auto connection = std::make_shared<Connection>(
       host, id, make_stream(std::move(socket), tls_ ? &*tls_ : nullptr), address);
@@ -145,14 +145,14 @@ void WebServer::take() {
   connection->start();
 }
 
-void WebServer::take_place(Places& half, Places::Id id) {
+void WebServer::take_place(ConnectionSlots& half, ConnectionSlots::Id id) {
   const auto found = connections_.find(id);
   if (found == connections_.end()) return;
   const asio::ip::address& address = found->second->address();
-  crowd_out(half.take(id, network_of(address), Places::member_of(address)));
+  crowd_out(half.take(id, network_of(address), ConnectionSlots::member_of(address)));
 }
 
-void WebServer::crowd_out(std::optional<Places::Id> id) {
+void WebServer::crowd_out(std::optional<ConnectionSlots::Id> id) {
   if (!id) return;
   const auto found = connections_.find(*id);
   if (found == connections_.end()) return;
@@ -161,17 +161,17 @@ void WebServer::crowd_out(std::optional<Places::Id> id) {
   connection->end();
 }
 
-void WebServer::admitted(Places::Id id) {
+void WebServer::admitted(ConnectionSlots::Id id) {
   show();
   if (strangers_.leave(id)) take_place(known_, id);
 }
 
 /// A viewer that leaves slowly must not keep another out.
-void WebServer::parting(Places::Id id) {
+void WebServer::parting(ConnectionSlots::Id id) {
   if (known_.leave(id)) take_place(strangers_, id);
 }
 
-void WebServer::ended(Places::Id id) noexcept {
+void WebServer::ended(ConnectionSlots::Id id) noexcept {
   strangers_.leave(id);
   known_.leave(id);
   connections_.erase(id);
@@ -180,14 +180,14 @@ void WebServer::ended(Places::Id id) noexcept {
 
 Site WebServer::site(const asio::ip::address& asked_from) {
   Site site{page_assets(), options_.names, secure()};
-  if (options_.metrics) site.metrics = [this] { return options_.metrics(audience_.counters()); };
-  site.hidden_scene = [this](std::string_view token) { return audience_.hidden_scene(token); };
-  site.opens = [this](std::string_view token) { return audience_.opens_something(token); };
-  site.may_try_again = [this, asked_from] { return audience_.may_try_again(asked_from); };
+  if (options_.metrics) site.metrics = [this] { return options_.metrics(hub_.counters()); };
+  site.hidden_scene = [this](std::string_view token) { return hub_.hidden_scene(token); };
+  site.opens = [this](std::string_view token) { return hub_.opens_something(token); };
+  site.may_try_again = [this, asked_from] { return hub_.may_try_again(asked_from); };
   site.mint = [this](std::string_view token, std::string_view scene) {
-    return audience_.mint_ticket(token, scene);
+    return hub_.mint_ticket(token, scene);
   };
-  site.redeem = [this](std::string_view ticket) { return audience_.redeem_ticket(ticket); };
+  site.redeem = [this](std::string_view ticket) { return hub_.redeem_ticket(ticket); };
   return site;
 }
 
@@ -198,8 +198,8 @@ void WebServer::show() {
   frame_.expires_after(kFrame);
   frame_.async_wait([this](const std::error_code& cancelled) {
     showing_ = false;
-    if (cancelled || audience_.empty()) return;
-    audience_.tick(monotonic_now());
+    if (cancelled || hub_.empty()) return;
+    hub_.tick(monotonic_now());
     show();
   });
 }

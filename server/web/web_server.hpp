@@ -13,11 +13,11 @@
 #include <thread>
 #include <vector>
 
+#include "server/access/connection_slots.hpp"
 #include "server/access/identity.hpp"
-#include "server/access/places.hpp"
-#include "server/web/answers.hpp"
-#include "server/web/audience.hpp"
 #include "server/web/connection_host.hpp"
+#include "server/web/http_responses.hpp"
+#include "server/web/viewer_hub.hpp"
 
 namespace feltwire::web {
 
@@ -35,18 +35,19 @@ struct WebOptions {
   PageHands* hands = nullptr;           // for viewers; outlives the server; null: none
   /// Makes the answer to `/metrics` (docs/live_page.md), on the page's thread; empty: there is no
   /// such page.
-  std::function<std::string(const AudienceCounters& counters)> metrics = {};
-  /// Reads a scene's file again (Audience::Reload), on the page's thread; empty: not possible here.
-  Audience::Reload reload = {};
-  /// Writes a flight record (Audience::WriteFlight); empty: there is no flight recorder.
-  Audience::WriteFlight write_flight = {};
+  std::function<std::string(const ViewerHubCounters& counters)> metrics = {};
+  /// Reads a scene's file again (ViewerHub::Reload), on the page's thread; empty: not possible
+  /// here.
+  ViewerHub::Reload reload = {};
+  /// Writes a flight record (ViewerHub::WriteFlight); empty: there is no flight recorder.
+  ViewerHub::WriteFlight write_flight = {};
 };
 
 class WebServer final : private ConnectionHost {
  public:
   /// Binds and listens. On a loopback address it uses HTTP, on all others HTTPS with the identity.
   /// Throws std::runtime_error with one line if it cannot. The scenes outlive this.
-  WebServer(const WebOptions& options, const Audience::Scenes& scenes, TokenFile tokens,
+  WebServer(const WebOptions& options, const ViewerHub::Scenes& scenes, TokenFile tokens,
             const Identity& identity);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -57,31 +58,31 @@ class WebServer final : private ConnectionHost {
   /// Ends all connections and joins the thread. May be called again.
   void stop();
 
-  /// A load of a scene has ended (Audience::tell). From any thread.
+  /// A load of a scene has ended (ViewerHub::tell). From any thread.
   void tell(std::size_t scene, std::optional<std::string> wrong);
 
   std::uint16_t port() const { return port_; }
   /// The page's address for a browser on this machine: "http://127.0.0.1:6760/".
   std::string url() const;
   /// Precondition: the server is stopped, or the caller is on its thread.
-  const AudienceCounters& counters() const { return audience_.counters(); }
+  const ViewerHubCounters& counters() const { return hub_.counters(); }
 
  private:
   asio::io_context& io() override { return io_; }
-  Audience& audience() override { return audience_; }
+  ViewerHub& hub() override { return hub_; }
   Site site(const asio::ip::address& asked_from) override;
   std::chrono::milliseconds patience() const override { return options_.patience; }
-  void admitted(Places::Id id) override;
-  void parting(Places::Id id) override;
-  void ended(Places::Id id) noexcept override;
+  void admitted(ConnectionSlots::Id id) override;
+  void parting(ConnectionSlots::Id id) override;
+  void ended(ConnectionSlots::Id id) noexcept override;
   bool secure() const { return tls_.has_value(); }
   std::string host() const;
   void run();
   void accept();
   void accept_later();
   void take();
-  void take_place(Places& half, Places::Id id);
-  void crowd_out(std::optional<Places::Id> id);
+  void take_place(ConnectionSlots& half, ConnectionSlots::Id id);
+  void crowd_out(std::optional<ConnectionSlots::Id> id);
   void end_all();
   void leave_if_empty();
   void show();
@@ -91,10 +92,11 @@ class WebServer final : private ConnectionHost {
   std::optional<asio::ssl::context> tls_;
   asio::ip::tcp::acceptor acceptor_{io_};
   asio::steady_timer retry_{io_}, frame_{io_};
-  Audience audience_;
-  std::map<Places::Id, std::shared_ptr<Connection>> connections_;
-  Places strangers_, known_;  // each connection is in one; those in known_ are admitted viewers
-  Places::Id next_id_ = 0;
+  ViewerHub hub_;
+  std::map<ConnectionSlots::Id, std::shared_ptr<Connection>> connections_;
+  // Each connection is in one. Those in known_ are admitted viewers.
+  ConnectionSlots strangers_, known_;
+  ConnectionSlots::Id next_id_ = 0;
   bool showing_ = false;  // the timer of pictures is running
   std::uint16_t port_ = 0;
   std::thread thread_;

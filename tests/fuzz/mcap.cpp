@@ -9,7 +9,7 @@
 #include "core/recording/event_message.hpp"
 #include "core/recording/mcap_reader.hpp"
 #include "core/recording/mcap_writer.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -1,8 +1,8 @@
 // Arbitrary bytes on the live page's port: a request head or WebSocket frames. Answers must follow
 // the rules, and accepted values must be within their limits.
 
-#include "server/web/answers.hpp"
 #include "server/web/foxglove_messages.hpp"
+#include "server/web/http_responses.hpp"
 #include "server/web/viewer_message.hpp"
 #include "server/web/websocket.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -22,7 +22,7 @@ void read_head(std::string_view text) {
   };
   site.opens = [&](std::string_view token) { return token == ticket; };
   site.mint = [&](std::string_view, std::string_view) { return Secret(ticket); };
-  const web::Answer answer = web::answer(request ? &*request : nullptr, site);
+  const web::HttpResponse answer = web::http_response(request ? &*request : nullptr, site);
   const std::string said(answer.bytes.begin(), answer.bytes.end());
   require(said.starts_with("HTTP/1.1 "), "every request has an answer");
   require(said.find("\r\n\r\n") != std::string::npos, "an answer's head ends");

@@ -14,7 +14,7 @@
 #include "core/base/file_error.hpp"
 #include "core/recording/flight_files.hpp"
 #include "core/recording/mcap_reader.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "protocol/net/clock.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/recording/recordings.hpp"

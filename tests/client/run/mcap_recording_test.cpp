@@ -8,7 +8,7 @@
 #include <regex>
 
 #include "client/run/records.hpp"
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/core/recording/recordings.hpp"
 

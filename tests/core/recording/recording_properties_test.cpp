@@ -3,8 +3,8 @@
 
 #include <bit>
 
-#include "core/recording/messages.hpp"
 #include "core/recording/protobuf.hpp"
+#include "core/recording/sample_messages.hpp"
 #include "tests/core/recording/recordings.hpp"
 
 namespace feltwire::recording_properties_test {

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "server/access/places.hpp"
+#include "server/access/connection_slots.hpp"
 #include "server/access/rate_limit.hpp"
 #include "server/access/wrong_tokens.hpp"
 #include "tests/server/endpoint.hpp"
@@ -46,11 +46,11 @@ TEST(NetworkOf, AHostIsAPartOfIt) {
 }
 
 /// A member that takes many places loses only its own, not its neighbours'.
-TEST(Places, OneMemberTakesPlacesFromItself) {
-  Places places(100, 8);
+TEST(ConnectionSlots, OneMemberTakesPlacesFromItself) {
+  ConnectionSlots places(100, 8);
   const Network net = of("192.0.2.1");
-  Places::Id next = 0;
-  const Places::Id honest = next++;
+  ConnectionSlots::Id next = 0;
+  const ConnectionSlots::Id honest = next++;
   EXPECT_FALSE(places.take(honest, net, "honest"));
   for (int i = 0; i < 7; ++i) EXPECT_FALSE(places.take(next++, net, "busy"));
   for (int i = 0; i < 100; ++i) {
@@ -63,10 +63,10 @@ TEST(Places, OneMemberTakesPlacesFromItself) {
 }
 
 /// A client name that connects from many networks also loses only its own places.
-TEST(Places, AMemberHasALimitInAllNetworksTogether) {
-  Places places(100, 50, 4);
-  Places::Id next = 0;
-  const Places::Id honest = next++;
+TEST(ConnectionSlots, AMemberHasALimitInAllNetworksTogether) {
+  ConnectionSlots places(100, 50, 4);
+  ConnectionSlots::Id next = 0;
+  const ConnectionSlots::Id honest = next++;
   EXPECT_FALSE(places.take(honest, of("10.0.0.1"), "honest"));
   for (int i = 0; i < 200; ++i) {
     const auto loser = places.take(next, of("10.0." + std::to_string(i % 60) + ".1"), "busy");
@@ -91,12 +91,12 @@ TEST(WrongTokens, OneHostLeavesTheOthersTheirs) {
 }
 
 /// The review's attack: an IPv6 network with any number of addresses.
-TEST(Places, ANetworkOfManyAddressesTakesPlacesFromItself) {
-  Places places(256, 64);
-  Places::Id next = 0;
-  const Places::Id honest = next++;
+TEST(ConnectionSlots, ANetworkOfManyAddressesTakesPlacesFromItself) {
+  ConnectionSlots places(256, 64);
+  ConnectionSlots::Id next = 0;
+  const ConnectionSlots::Id honest = next++;
   EXPECT_FALSE(places.take(honest, of("2001:db8::1")));
-  std::deque<Places::Id> held;
+  std::deque<ConnectionSlots::Id> held;
   for (unsigned host = 0; host < 10'000; ++host) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), "2001:db8:bad:1::%x", host);
@@ -115,11 +115,11 @@ TEST(Places, ANetworkOfManyAddressesTakesPlacesFromItself) {
 
 /// Five networks together take all places. A newcomer still gets a place and keeps it while the
 /// five continue.
-TEST(Places, TheLargestNetworkGivesWay) {
-  Places places(256, 64);
-  Places::Id next = 0;
+TEST(ConnectionSlots, TheLargestNetworkGivesWay) {
+  ConnectionSlots places(256, 64);
+  ConnectionSlots::Id next = 0;
   const auto attack = [&](int rounds) {
-    std::set<Places::Id> losers;
+    std::set<ConnectionSlots::Id> losers;
     for (int i = 0; i < rounds; ++i)
       for (int net = 0; net < 5; ++net)
         if (const auto loser = places.take(next++, of("10.0." + std::to_string(net) + ".1")))
@@ -128,7 +128,7 @@ TEST(Places, TheLargestNetworkGivesWay) {
   };
   attack(100);
   EXPECT_EQ(places.size(), 256u);
-  const Places::Id honest = next++;
+  const ConnectionSlots::Id honest = next++;
   ASSERT_TRUE(places.take(honest, of("192.0.2.7")));
   EXPECT_EQ(attack(1000).count(honest), 0u);
   EXPECT_EQ(places.size(of("192.0.2.1")), 1u);
@@ -136,8 +136,8 @@ TEST(Places, TheLargestNetworkGivesWay) {
   EXPECT_FALSE(places.leave(honest));
 }
 
-TEST(Places, WhoIsRenewedGoesLast) {
-  Places places(2, 2);
+TEST(ConnectionSlots, WhoIsRenewedGoesLast) {
+  ConnectionSlots places(2, 2);
   EXPECT_FALSE(places.take(1, of("10.0.0.1")));
   EXPECT_FALSE(places.take(2, of("10.0.0.1")));
   places.renew(1);
@@ -148,19 +148,19 @@ TEST(Places, WhoIsRenewedGoesLast) {
 
 /// A random test against a list of the holders. There are never too many holders, in all or in a
 /// network. Only a network with the most places loses a place.
-TEST(Places, HoldAtRandom) {
+TEST(ConnectionSlots, HoldAtRandom) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   for (int round = 0; round < 20; ++round) {
     const std::size_t most = 1 + random() % 12, each = 1 + random() % 6;
-    Places places(most, each);
-    std::vector<std::pair<Places::Id, Network>> there;  // oldest first
+    ConnectionSlots places(most, each);
+    std::vector<std::pair<ConnectionSlots::Id, Network>> there;  // oldest first
     const auto count = [&](const Network& n) {
       return static_cast<std::size_t>(
           std::count_if(there.begin(), there.end(), [&](auto& e) { return e.second == n; }));
     };
-    for (Places::Id id = 0; id < 300; ++id) {
+    for (ConnectionSlots::Id id = 0; id < 300; ++id) {
       if (!there.empty() && random() % 4 == 0) {
         const std::size_t gone = random() % there.size();
         EXPECT_TRUE(places.leave(there[gone].first));

@@ -82,12 +82,12 @@ const std::string kUpgrade =
 class ConnectionTest : public ::testing::Test, public ConnectionHost {
  public:
   asio::io_context& io() override { return io_; }
-  Audience& audience() override { return audience_; }
+  ViewerHub& hub() override { return hub_; }
   Site site(const asio::ip::address&) override { return {kPage, {}, false}; }
   std::chrono::milliseconds patience() const override { return std::chrono::minutes(10); }
-  void admitted(Places::Id) override { ++admitted_; }
-  void parting(Places::Id) override { ++parting_; }
-  void ended(Places::Id) noexcept override { ++ended_; }
+  void admitted(ConnectionSlots::Id) override { ++admitted_; }
+  void parting(ConnectionSlots::Id) override { ++parting_; }
+  void ended(ConnectionSlots::Id) noexcept override { ++ended_; }
 
  protected:
   ConnectionTest() { connection_->start(); }
@@ -117,7 +117,7 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
   }
 
   asio::io_context io_;
-  Audience audience_{io_, {}, test::security().tokens};
+  ViewerHub hub_{io_, {}, test::security().tokens};
   OtherEnd other_;
   std::shared_ptr<Connection> connection_ = std::make_shared<Connection>(
       *this, 1, std::make_unique<FakeStream>(other_), asio::ip::make_address("127.0.0.1"));
@@ -175,7 +175,7 @@ TEST_F(ConnectionTest, EndsAViewerThatLetsTooMuchWait) {
   EXPECT_FALSE(over());
   EXPECT_FALSE(connection_->ready());
   for (int i = 0; i < 1000; ++i) connection_->send(news);
-  EXPECT_EQ(ended_, 0) << "not while the audience may go through its viewers";
+  EXPECT_EQ(ended_, 0) << "not while the hub may go through its viewers";
   EXPECT_TRUE(over());
   EXPECT_EQ(ended_, 1);
 }
@@ -237,10 +237,10 @@ TEST_F(ConnectionTest, AViewerThatGoesOnAfterItsCloseEnds) {
 /// A viewer that breaks the WebSocket rules loses its seat and its place.
 TEST_F(ConnectionTest, ABrokenRuleTakesTheSeat) {
   enter();
-  EXPECT_FALSE(audience_.empty());
+  EXPECT_FALSE(hub_.empty());
   const std::vector<std::uint8_t> unmasked = {0x81, 0x01, 'x'};
   other_.say(unmasked);
-  EXPECT_TRUE(audience_.empty());
+  EXPECT_TRUE(hub_.empty());
   EXPECT_EQ(parting_, 1);
   EXPECT_FALSE(connection_->ready());
   other_.take_all();

@@ -272,22 +272,22 @@ std::string text_of(const IssuedToken& token) { return std::string(token.text.te
 
 /// Observers of five clients take all their places; the admins' places stay free.
 TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
-  using web::Audience;
+  using web::ViewerHub;
   std::vector<IssuedToken> observers;
   Tokens tokens;
   for (const char* name : {"a", "b", "c", "d", "e"})
     tokens.push_back(observers.emplace_back(observer(name)).token);
   Server server(with_page(), {test::room()}, test::security(tokens));
   Crowd crowd(server);
-  std::size_t left = Audience::kMostViewers - Audience::kPlacesForAdmins;
+  std::size_t left = ViewerHub::kMostViewers - ViewerHub::kPlacesForAdmins;
   for (const IssuedToken& token : observers) {
-    const std::size_t some = std::min(left, Audience::kMostViewersOfClient);
+    const std::size_t some = std::min(left, ViewerHub::kMostViewersOfClient);
     crowd.enter(text_of(token), some);
     left -= some;
   }
   ASSERT_EQ(left, 0u);
   crowd.expect_refused(text_of(observers.back()), "keeps its last places for admins");
-  crowd.enter(good_token(), Audience::kPlacesForAdmins);
+  crowd.enter(good_token(), ViewerHub::kPlacesForAdmins);
   crowd.expect_refused(good_token(), "as many viewers as it may have; close another page");
   crowd.leave_one();
   test::eventually("a free place",
@@ -304,11 +304,11 @@ TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
   const std::string path = first.text("ticket")["path"];
   Crowd crowd(server);
   crowd.enter(text_of(one), 4);
-  crowd.enter(text_of(same), web::Audience::kMostViewersOfClient - 5);
+  crowd.enter(text_of(same), web::ViewerHub::kMostViewersOfClient - 5);
   crowd.expect_refused(text_of(one), "this client's name has all its 8 viewers");
   crowd.expect_refused(text_of(same), "this client's name has all its 8 viewers");
   EXPECT_EQ(Page(server, path, "foxglove.sdk.v1").next().code(), 4429);
-  crowd.enter(text_of(other), web::Audience::kMostViewersOfClient);
+  crowd.enter(text_of(other), web::ViewerHub::kMostViewersOfClient);
 }
 
 /// Strangers crowd out only strangers.

@@ -15,7 +15,7 @@ namespace feltwire {
 /// connection loses its place. It is of the network that has the most places, and there the oldest
 /// one of the member that has the most. A member or a network with as many as it may have loses its
 /// own oldest. So who takes many places takes them from himself.
-class Places {
+class ConnectionSlots {
  public:
   using Id = std::uint64_t;
   /// Tells those of one network apart: a host's address, or the name of a client.
@@ -27,7 +27,8 @@ class Places {
 
   /// `most` places, of which one network has at most `most_of_network`, and members of one name at
   /// most `most_of_member` in all networks together. All at least 1.
-  Places(std::size_t most, std::size_t most_of_network, std::size_t most_of_member = kNoLimit)
+  ConnectionSlots(std::size_t most, std::size_t most_of_network,
+                  std::size_t most_of_member = kNoLimit)
       : most_(most), most_of_network_(most_of_network), most_of_member_(most_of_member) {}
 
   /// Gives a place to `id`, which has none. Returns the connection that lost its place for it, if

@@ -1,6 +1,6 @@
 // The page's messages byte by byte, as docs/live_page.md describes them.
 
-#include "server/web/messages.hpp"
+#include "server/web/page_messages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "core/tool/body_tool.hpp"
 #include "tests/server/make.hpp"
 
-namespace feltwire::web::messages_test {
+namespace feltwire::web::page_messages_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -389,4 +389,4 @@ TEST(Messages, SessionsSayWhatIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace feltwire::web::messages_test
+}  // namespace feltwire::web::page_messages_test

@@ -44,7 +44,7 @@ struct Site {
 };
 
 /// An answer as bytes. `upgraded`: the connection becomes a WebSocket; otherwise it ends.
-struct Answer {
+struct HttpResponse {
   std::vector<std::uint8_t> bytes;
   bool upgraded = false;
   std::optional<ViewTicket> ticket = {};  // the viewer's ticket
@@ -59,6 +59,6 @@ struct Answer {
 /// page over HTTPS counts too if it has one of the site's names: a proxy speaks TLS for it. That of
 /// the Foxglove protocol may be opened by any page or program with a ticket, because no browser
 /// adds one by itself.
-Answer answer(const HttpRequest* request, const Site& site);
+HttpResponse http_response(const HttpRequest* request, const Site& site);
 
 }  // namespace feltwire::web

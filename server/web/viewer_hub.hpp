@@ -23,7 +23,7 @@
 
 namespace feltwire::web {
 
-struct AudienceCounters {
+struct ViewerHubCounters {
   std::uint64_t viewers = 0;                     // with a valid token
   std::uint64_t refused = 0;                     // without a valid token, or too many viewers
   std::uint64_t tickets = 0;                     // issued for viewers of the Foxglove protocol
@@ -33,7 +33,7 @@ struct AudienceCounters {
   std::uint64_t points = 0, points_refused = 0;  // targets of hands: taken; too far or no place
 };
 
-class Audience {
+class ViewerHub {
  public:
   using Scenes = std::vector<SceneInView*>;
   static constexpr std::size_t kMostViewers = 32;         // with a valid token
@@ -51,9 +51,9 @@ class Audience {
 
   /// `io` runs on the thread that calls everything here; it, the scenes and `hands` outlive this.
   /// `hands`: the hands for viewers; null: none.
-  Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands = nullptr,
-           Reload reload = {}, WriteFlight write_flight = {});
-  ~Audience();
+  ViewerHub(asio::io_context& io, const Scenes& scenes, TokenFile tokens,
+            PageHands* hands = nullptr, Reload reload = {}, WriteFlight write_flight = {});
+  ~ViewerHub();
 
   using Id = std::uint64_t;
   /// A connection from `address`. The viewer must leave before its object is destroyed.
@@ -92,7 +92,7 @@ class Audience {
   bool empty() const { return slots_.empty(); }
   /// The server ends.
   void close_all();
-  const AudienceCounters& counters() const { return counters_; }
+  const ViewerHubCounters& counters() const { return counters_; }
 
  private:
   struct ViewerSlot;
@@ -140,7 +140,7 @@ class Audience {
   std::map<Id, ViewerSlot> slots_;
   Id next_id_ = 1;
   Nanoseconds begin_, looked_at_tokens_{0};
-  AudienceCounters counters_;
+  ViewerHubCounters counters_;
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);
 };
 

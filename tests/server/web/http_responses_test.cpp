@@ -1,13 +1,13 @@
 // Answers to requests: the page's files, the right to view, and the policy on every answer.
 
-#include "server/web/answers.hpp"
+#include "server/web/http_responses.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 
-namespace feltwire::web::answers_test {
+namespace feltwire::web::http_responses_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 constexpr std::array<unsigned char, 3> kFile = {'a', 'b', 'c'};
 const std::array<PageAsset, 1> kPage = {{{"/", "text/html", "1234", kFile}}};
 
-std::string text(const Answer& answer) {
+std::string text(const HttpResponse& answer) {
   return std::string(answer.bytes.begin(), answer.bytes.end()) + std::string(answer.body.text());
 }
 
@@ -34,7 +34,7 @@ std::string asked(const std::string& head, bool secure = false,
   site.redeem = [](std::string_view ticket) {
     return ticket == "fw_ticket" ? std::optional(ViewTicket{"id", "a room"}) : std::nullopt;
   };
-  return text(answer(request ? &*request : nullptr, site));
+  return text(http_response(request ? &*request : nullptr, site));
 }
 std::string get(const std::string& path, const std::string& headers,
                 const std::string& host = "127.0.0.1:7480") {
@@ -57,7 +57,7 @@ TEST(Answers, TheFileAsItWasCompressed) {
   EXPECT_THAT(asked("HEAD / HTTP/1.1\r\nHost: 127.0.0.1\r\n"), EndsWith("\r\n\r\n"));
   // The answer uses the stored bytes, so many slow readers need no copies.
   const auto request = parse_http_head(get("/", "") + "\r\n");
-  EXPECT_EQ(answer(&*request, {kPage, {}, false}).body.bytes().data(), kFile.data());
+  EXPECT_EQ(http_response(&*request, {kPage, {}, false}).body.bytes().data(), kFile.data());
   EXPECT_THAT(asked(get("/", "If-None-Match: \"1234\"\r\n")), StartsWith("HTTP/1.1 304 "));
   EXPECT_THAT(asked(get("/", "If-None-Match: \"123\"\r\n")), StartsWith("HTTP/1.1 200 "));
 }
@@ -66,7 +66,7 @@ TEST(Answers, NotReadyWhileASceneIsNotSeen) {
   Site site{kPage, {}, false};
   const auto ready = [&](const std::string& path, const std::string& headers = "") {
     const auto request = parse_http_head(get(path, headers) + "\r\n");
-    return text(answer(&*request, site));
+    return text(http_response(&*request, site));
   };
   EXPECT_THAT(ready("/ready"), StartsWith("HTTP/1.1 200 "));
   site.hidden_scene = [](std::string_view token) {
@@ -98,7 +98,7 @@ TEST(Answers, WhatIsNotThere) {
   EXPECT_THAT(asked("nonsense"), StartsWith("HTTP/1.1 400 "));
   EXPECT_THAT(asked(get("/health", "")), EndsWith("ok\n"));
   const auto request = parse_http_head(get("/", "") + "\r\n");
-  EXPECT_THAT(text(answer(&*request, {})), HasSubstr("nodejs and npm"));
+  EXPECT_THAT(text(http_response(&*request, {})), HasSubstr("nodejs and npm"));
 }
 
 /// On this machine anybody may ask; over a network only a token holder.
@@ -112,7 +112,7 @@ TEST(Answers, Metrics) {
   EXPECT_THAT(asked(get("/metrics", "Authorization: Bearer fw_good\r\n"), true),
               EndsWith("feltwire_sessions 1\n"));
   const auto request = parse_http_head(get("/metrics", "") + "\r\n");
-  EXPECT_THAT(text(answer(&*request, {kPage, {}, false})), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(text(http_response(&*request, {kPage, {}, false})), StartsWith("HTTP/1.1 404 "));
 }
 
 /// The server does not answer to a foreign name that leads to this machine (DNS rebinding).
@@ -171,8 +171,8 @@ TEST(Answers, AWebSocketOfItsOwnPage) {
   EXPECT_THAT(accepted, HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"));
   EXPECT_THAT(accepted, HasSubstr("Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
   const auto request = parse_http_head(get("/live", kUpgrade + kOrigin) + "\r\n");
-  EXPECT_TRUE(answer(&*request, {kPage, {}, false}).upgraded);
-  EXPECT_FALSE(answer(&*request, {kPage, {}, true}).upgraded);  // http differs from https
+  EXPECT_TRUE(http_response(&*request, {kPage, {}, false}).upgraded);
+  EXPECT_FALSE(http_response(&*request, {kPage, {}, true}).upgraded);  // http differs from https
 }
 
 TEST(Answers, NoWebSocketOfAnotherPage) {
@@ -276,7 +276,7 @@ TEST(Answers, WrongTokensAndTicketsAreLimited) {
   };
   const auto ask = [&](const std::string& path, const std::string& headers) {
     const auto request = parse_http_head(get(path, headers) + "\r\n");
-    return text(answer(&*request, site));
+    return text(http_response(&*request, site));
   };
   const std::string wrong = "Authorization: Bearer fw_wrong\r\n";
   EXPECT_THAT(ask("/ticket", ""), StartsWith("HTTP/1.1 401 "));  // no token is no guess
@@ -298,4 +298,4 @@ TEST(Answers, WrongTokensAndTicketsAreLimited) {
 }
 
 }  // namespace
-}  // namespace feltwire::web::answers_test
+}  // namespace feltwire::web::http_responses_test

@@ -1,4 +1,4 @@
-#include "server/web/answers.hpp"
+#include "server/web/http_responses.hpp"
 
 #include <algorithm>
 #include <array>
@@ -53,13 +53,13 @@ std::string head(const Status& status, std::string_view type, std::size_t length
   return text + "\r\n";
 }
 
-Answer plain(const Status& status, const std::string& text, std::string_view more = {}) {
+HttpResponse plain(const Status& status, const std::string& text, std::string_view more = {}) {
   return {bytes_of(head(status, "text/plain; charset=utf-8", text.size(), more), text), false};
 }
 
 /// Refuses a wrong token or ticket after too many wrong ones; empty: answer this one as what it
 /// is.
-std::optional<Answer> too_many(const Site& site) {
+std::optional<HttpResponse> too_many(const Site& site) {
   if (!site.may_try_again || site.may_try_again()) return std::nullopt;
   return plain(kTooMany, "too many wrong tokens from this address or its network; wait a minute\n",
                "Retry-After: 60\r\n");
@@ -111,7 +111,7 @@ bool by_tls(const HttpRequest& request, const Site& site) {
 }
 
 /// The refusal of a malformed request for a WebSocket; empty if it is well formed.
-std::optional<Answer> refuse_upgrade(const HttpRequest& request) {
+std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) {
   const std::string* upgrade = request.header("upgrade");
   const std::string* connection = request.header("connection");
   const std::string* version = request.header("sec-websocket-version");
@@ -125,7 +125,8 @@ std::optional<Answer> refuse_upgrade(const HttpRequest& request) {
 }
 
 /// Opens the WebSocket with the first of these subprotocols that the client asks for.
-Answer switch_protocols(const HttpRequest& request, std::span<const std::string_view> protocols) {
+HttpResponse switch_protocols(const HttpRequest& request,
+                              std::span<const std::string_view> protocols) {
   const std::string* asked = request.header("sec-websocket-protocol");
   const auto chosen = std::ranges::find_if(protocols, [&](std::string_view protocol) {
     return asked != nullptr && has_member(*asked, protocol);
@@ -141,7 +142,7 @@ Answer switch_protocols(const HttpRequest& request, std::span<const std::string_
           true};
 }
 
-Answer live(const HttpRequest& request, const std::string& authority, const Site& site) {
+HttpResponse live(const HttpRequest& request, const std::string& authority, const Site& site) {
   if (auto refused = refuse_upgrade(request)) return *refused;
   if (!same_origin(request, authority, site))
     return plain(kForbidden, "a page of another site may not look on\n");
@@ -149,9 +150,9 @@ Answer live(const HttpRequest& request, const std::string& authority, const Site
 }
 
 /// Redeems the ticket last: an earlier failure must not use it up.
-Answer foxglove(const HttpRequest& request, const Site& site) {
+HttpResponse foxglove(const HttpRequest& request, const Site& site) {
   if (auto refused = refuse_upgrade(request)) return *refused;
-  Answer accepted = switch_protocols(request, kFoxgloveProtocols);
+  HttpResponse accepted = switch_protocols(request, kFoxgloveProtocols);
   if (!accepted.upgraded) return accepted;
   const auto shown = query_value(request.query, "ticket");
   if (shown && site.redeem) accepted.ticket = site.redeem(*shown);
@@ -171,7 +172,7 @@ std::string_view bearer(const HttpRequest& request) {
 }
 
 /// Refuses a request. A request without a token does not count as a guess.
-Answer unauthorized(const HttpRequest& request, const Site& site) {
+HttpResponse unauthorized(const HttpRequest& request, const Site& site) {
   if (!bearer(request).empty())
     if (auto refused = too_many(site)) return *std::move(refused);
   return plain(kUnauthorized, "show a token: Authorization: Bearer fw_...\n",
@@ -179,7 +180,7 @@ Answer unauthorized(const HttpRequest& request, const Site& site) {
 }
 
 /// Needs a token even on this machine, because a ticket opens a scene.
-Answer ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
+HttpResponse ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string_view token = bearer(request);
   if (!site.opens || !site.mint || !site.opens(token)) return unauthorized(request, site);
   const auto minted = site.mint(token, query_value(request.query, "scene").value_or(""));
@@ -191,7 +192,7 @@ Answer ticket(const HttpRequest& request, const std::string& authority, const Si
                kNoStore);
 }
 
-Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
+HttpResponse asset(const HttpRequest& request, std::span<const PageAsset> page) {
   if (page.empty())
     return plain(kUnavailable,
                  "This server was built without the live page. Install the Debian packages nodejs "
@@ -202,7 +203,7 @@ Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
   const std::string caching = "ETag: " + tag + "\r\nCache-Control: no-cache\r\n";
   if (const std::string* known = request.header("if-none-match"); known != nullptr && *known == tag)
     return {bytes_of(head(kNotModified, found->type, 0, caching)), false};
-  Answer answer;
+  HttpResponse answer;
   answer.bytes =
       bytes_of(head(kOk, found->type, found->gzip.size(), "Content-Encoding: gzip\r\n" + caching));
   // Do not copy it: even the slowest reader costs the server only its socket.
@@ -211,7 +212,7 @@ Answer asset(const HttpRequest& request, std::span<const PageAsset> page) {
 }
 
 /// Counters show who is connected, so on a network they need a token.
-Answer metrics(const HttpRequest& request, const Site& site) {
+HttpResponse metrics(const HttpRequest& request, const Site& site) {
   if (site.secure && (!site.opens || !site.opens(bearer(request))))
     return unauthorized(request, site);
   const std::string text = site.metrics();
@@ -222,7 +223,7 @@ Answer metrics(const HttpRequest& request, const Site& site) {
 
 /// Anyone may ask whether the scenes are seen. The scene's name needs a token for it. The reason,
 /// which may name other machines, is only for the page's viewers.
-Answer ready(const HttpRequest& request, const Site& site) {
+HttpResponse ready(const HttpRequest& request, const Site& site) {
   const auto hidden = site.hidden_scene ? site.hidden_scene(bearer(request)) : std::nullopt;
   if (!hidden) return plain(kOk, "ok\n", kNoStore);
   return plain(kUnavailable,
@@ -233,7 +234,7 @@ Answer ready(const HttpRequest& request, const Site& site) {
 
 }  // namespace
 
-Answer answer(const HttpRequest* request, const Site& site) {
+HttpResponse http_response(const HttpRequest* request, const Site& site) {
   if (request == nullptr) return plain(kBad, "this is no HTTP/1.1 request that is read here\n");
   const std::string* authority = request->header("host");
   if (authority == nullptr || !is_ours(*authority, site.names))

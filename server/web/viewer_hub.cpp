@@ -1,4 +1,4 @@
-#include "server/web/audience.hpp"
+#include "server/web/viewer_hub.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -23,8 +23,8 @@ constexpr double kPointRate = 120.0;  // [1/s] more, and at once, for a viewer t
 
 }  // namespace
 
-Audience::Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands,
-                   Reload reload, WriteFlight write_flight)
+ViewerHub::ViewerHub(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands,
+                     Reload reload, WriteFlight write_flight)
     : io_(io),
       tokens_(std::move(tokens)),
       hands_(hands),
@@ -37,17 +37,17 @@ Audience::Audience(asio::io_context& io, const Scenes& scenes, TokenFile tokens,
   }
 }
 
-Audience::~Audience() = default;
+ViewerHub::~ViewerHub() = default;
 
-Audience::Id Audience::join(Viewer& viewer, const asio::ip::address& address) {
+ViewerHub::Id ViewerHub::join(Viewer& viewer, const asio::ip::address& address) {
   const Id id = next_id_++;
   slots_.try_emplace(id, id, &viewer, address);
   return id;
 }
 
-void Audience::leave(Id id) { slots_.erase(id); }
+void ViewerHub::leave(Id id) { slots_.erase(id); }
 
-void Audience::refuse(Id id, WebSocketClose code, const std::string& reason) {
+void ViewerHub::refuse(Id id, WebSocketClose code, const std::string& reason) {
   const auto found = slots_.find(id);
   if (found == slots_.end()) return;
   Viewer* viewer = found->second.viewer;
@@ -55,13 +55,13 @@ void Audience::refuse(Id id, WebSocketClose code, const std::string& reason) {
   viewer->close(code, reason);
 }
 
-void Audience::count(Id id) {
+void ViewerHub::count(Id id) {
   const auto found = slots_.find(id);
   if (found == slots_.end() || found->second.messages.take(monotonic_now())) return;
   refuse(id, WebSocketClose::bad_message, "too many messages");
 }
 
-void Audience::receive(Id id, std::string_view message) {
+void ViewerHub::receive(Id id, std::string_view message) {
   const auto found = slots_.find(id);
   if (found == slots_.end()) return;
   ViewerSlot& slot = found->second;
@@ -78,7 +78,7 @@ void Audience::receive(Id id, std::string_view message) {
 }
 
 /// Handles a message of an admitted viewer. The viewer may have left when this returns.
-void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
+void ViewerHub::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.point) ++(slot.hand.point(*said.point) ? counters_.points : counters_.points_refused);
   if (said.hand == "release") slot.hand.release();
   if (said.hand == "take" && slot.stage != nullptr) {
@@ -91,7 +91,7 @@ void Audience::follow(ViewerSlot& slot, const ViewerMessage& said) {
 
 /// The reason why another viewer with this token has no place; empty: there is one. A client must
 /// not keep the others out, and all others together must not keep an admin out.
-std::optional<std::string> Audience::no_place_for(const Token& token) const {
+std::optional<std::string> ViewerHub::no_place_for(const Token& token) const {
   std::size_t all = 0, of_client = 0, of_others = 0;
   for (const auto& [id, slot] : slots_) {
     if (slot.token.empty()) continue;
@@ -109,7 +109,7 @@ std::optional<std::string> Audience::no_place_for(const Token& token) const {
 }
 
 /// Takes a place for a viewer with this token.
-void Audience::enter(ViewerSlot& slot, const Token& token) {
+void ViewerHub::enter(ViewerSlot& slot, const Token& token) {
   ++counters_.viewers;
   slot.token = token.id;
   slot.client = token.client;
@@ -117,16 +117,16 @@ void Audience::enter(ViewerSlot& slot, const Token& token) {
   slot.viewer->admitted();
 }
 
-void Audience::refresh_tokens() {
+void ViewerHub::refresh_tokens() {
   if (const auto wrong = tokens_.refresh()) spdlog::error("{}", visible(*wrong));
 }
 
-const Token* Audience::good_token(std::string_view text) {
+const Token* ViewerHub::good_token(std::string_view text) {
   refresh_tokens();
   return authenticate(tokens_.tokens(), text, calendar_now());
 }
 
-bool Audience::may_try_again(const ViewerSlot& slot) {
+bool ViewerHub::may_try_again(const ViewerSlot& slot) {
   ++counters_.refused;
   if (may_try_again(slot.address)) return true;
   refuse(slot.id, WebSocketClose::too_many,
@@ -134,11 +134,11 @@ bool Audience::may_try_again(const ViewerSlot& slot) {
   return false;
 }
 
-bool Audience::may_try_again(const asio::ip::address& address) {
+bool ViewerHub::may_try_again(const asio::ip::address& address) {
   return wrong_tokens_.take(address, monotonic_now());
 }
 
-void Audience::admit(ViewerSlot& slot, std::string_view text) {
+void ViewerHub::admit(ViewerSlot& slot, std::string_view text) {
   const Token* token = good_token(text);
   if (token == nullptr) {
     if (may_try_again(slot)) refuse(slot.id, WebSocketClose::bad_token, kNoGoodToken);
@@ -167,9 +167,9 @@ void Audience::admit(ViewerSlot& slot, std::string_view text) {
   watch(slot, scenes.front());
 }
 
-bool Audience::opens_something(std::string_view text) { return good_token(text) != nullptr; }
+bool ViewerHub::opens_something(std::string_view text) { return good_token(text) != nullptr; }
 
-void Audience::admit(Id id, const ViewTicket& ticket) {
+void ViewerHub::admit(Id id, const ViewTicket& ticket) {
   const auto found = slots_.find(id);
   if (found == slots_.end()) return;
   const Token* token = find_token(tokens_.tokens(), ticket.token);
@@ -188,7 +188,7 @@ void Audience::admit(Id id, const ViewTicket& ticket) {
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
 }
 
-std::optional<Secret> Audience::mint_ticket(const Token& by, std::string_view scene) {
+std::optional<Secret> ViewerHub::mint_ticket(const Token& by, std::string_view scene) {
   const auto shown = std::ranges::find_if(stages_, [&](const auto& stage) {
     const std::string& name = stage->scene->name();
     return (scene.empty() || name == scene) && opens(by, name);
@@ -198,18 +198,18 @@ std::optional<Secret> Audience::mint_ticket(const Token& by, std::string_view sc
   return tickets_.mint(by, (*shown)->scene->name(), calendar_now());
 }
 
-std::optional<Secret> Audience::mint_ticket(std::string_view text, std::string_view scene) {
+std::optional<Secret> ViewerHub::mint_ticket(std::string_view text, std::string_view scene) {
   const Token* token = authenticate(tokens_.tokens(), text, calendar_now());
   return token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
 }
 
-std::optional<ViewTicket> Audience::redeem_ticket(std::string_view text) {
+std::optional<ViewTicket> ViewerHub::redeem_ticket(std::string_view text) {
   auto ticket = tickets_.redeem(text, calendar_now());
   if (!ticket) ++counters_.refused;
   return ticket;
 }
 
-void Audience::give_ticket(ViewerSlot& slot, std::string_view scene) {
+void ViewerHub::give_ticket(ViewerSlot& slot, std::string_view scene) {
   const Token* token = find_token(tokens_.tokens(), slot.token);
   const auto minted = token != nullptr ? mint_ticket(*token, scene) : std::nullopt;
   if (!minted)
@@ -218,7 +218,7 @@ void Audience::give_ticket(ViewerSlot& slot, std::string_view scene) {
   slot.viewer->send(ticket_text(scene, minted->text(), ViewTickets::kLife));
 }
 
-void Audience::watch(ViewerSlot& slot, std::string_view scene) {
+void ViewerHub::watch(ViewerSlot& slot, std::string_view scene) {
   const Token* token = find_token(tokens_.tokens(), slot.token);
   for (const auto& stage : stages_) {
     if (stage->scene->name() != scene || token == nullptr || !opens(*token, scene)) continue;
@@ -231,13 +231,13 @@ void Audience::watch(ViewerSlot& slot, std::string_view scene) {
          "there is no such scene, or the token does not open it");
 }
 
-bool Audience::watched(const Stage& stage) const {
+bool ViewerHub::watched(const Stage& stage) const {
   return std::ranges::any_of(slots_,
                              [&](const auto& entry) { return entry.second.stage == &stage; });
 }
 
 /// Ends the access that revoked and expired tokens opened.
-void Audience::look_after_tokens(Nanoseconds now) {
+void ViewerHub::look_after_tokens(Nanoseconds now) {
   if (now - looked_at_tokens_ < kBetweenTokenLooks) return;
   looked_at_tokens_ = now;
   refresh_tokens();
@@ -251,7 +251,7 @@ void Audience::look_after_tokens(Nanoseconds now) {
     refuse(id, WebSocketClose::bad_token, "the token has been revoked or has expired");
 }
 
-void Audience::tick(Nanoseconds now) {
+void ViewerHub::tick(Nanoseconds now) {
   look_after_tokens(now);
   for (auto& [id, slot] : slots_)
     if (const auto news = slot.hand.news()) slot.viewer->send(*news);
@@ -259,7 +259,7 @@ void Audience::tick(Nanoseconds now) {
     if (watched(*stage)) show(*stage, now);
 }
 
-void Audience::show(Stage& stage, Nanoseconds now) {
+void ViewerHub::show(Stage& stage, Nanoseconds now) {
   const SceneInView::CurrentScene current = stage.scene->current_scene();
   if (current.version != stage.version) {
     stage.text = SharedBytes(scene_text(*current.scene, current.version));
@@ -316,7 +316,7 @@ void Audience::show(Stage& stage, Nanoseconds now) {
       });
 }
 
-std::optional<std::string> Audience::hidden_scene(std::string_view text) {
+std::optional<std::string> ViewerHub::hidden_scene(std::string_view text) {
   std::vector<std::string> hidden;
   for (const auto& stage : stages_)
     if (stage->scene->out_of_sight()) hidden.push_back(stage->scene->name());
@@ -328,7 +328,7 @@ std::optional<std::string> Audience::hidden_scene(std::string_view text) {
 }
 
 /// Tells the viewers when the scene is lost from view and when it is back.
-void Audience::tell_of_sight(Stage& stage) {
+void ViewerHub::tell_of_sight(Stage& stage) {
   std::optional<std::string> hidden = stage.scene->out_of_sight();
   if (hidden == stage.hidden) return;
   const std::string line = hidden ? log_text("error", *hidden)
@@ -339,7 +339,7 @@ void Audience::tell_of_sight(Stage& stage) {
 }
 
 /// Shows the scene to viewers that use the Foxglove protocol.
-void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
+void ViewerHub::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
   bool encoded = false;
   for (auto& [id, slot] : slots_) {
     if (slot.stage != &stage || !slot.foxglove) continue;
@@ -356,7 +356,7 @@ void Audience::show_elsewhere(Stage& stage, Nanoseconds now, bool news) {
   }
 }
 
-void Audience::show_scene(Stage& stage, ViewerSlot& slot) {
+void ViewerHub::show_scene(Stage& stage, ViewerSlot& slot) {
   slot.version = stage.version;
   slot.changes = stage.changes;
   slot.viewer->show_text(stage.text);
@@ -366,7 +366,7 @@ void Audience::show_scene(Stage& stage, ViewerSlot& slot) {
 }
 
 /// Computes the rates from the newest picture's counters and those of half a second before.
-void Audience::count_rates(Stage& stage) {
+void ViewerHub::count_rates(Stage& stage) {
   const double elapsed = seconds(stage.picture.time - stage.counted.time);
   stage.rates.clear();
   for (const PictureHand& hand : stage.picture.hands) {
@@ -385,7 +385,7 @@ void Audience::count_rates(Stage& stage) {
   stage.counted = stage.picture;
 }
 
-void Audience::close_all() {
+void ViewerHub::close_all() {
   std::vector<Id> all;
   for (const auto& [id, slot] : slots_) all.push_back(id);
   for (const Id id : all) refuse(id, WebSocketClose::going_away, "the server ends");

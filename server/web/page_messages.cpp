@@ -1,4 +1,4 @@
-#include "server/web/messages.hpp"
+#include "server/web/page_messages.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,16 +1,17 @@
-#include "server/access/places.hpp"
+#include "server/access/connection_slots.hpp"
 
 #include <string_view>
 #include <utility>
 
 namespace feltwire {
 
-Places::Member Places::member_of(const asio::ip::address& address) {
+ConnectionSlots::Member ConnectionSlots::member_of(const asio::ip::address& address) {
   const HostAddress host = host_of(address);
   return {host.begin(), host.end()};
 }
 
-std::optional<Places::Id> Places::take(Id id, const Network& network, const Member& member) {
+std::optional<ConnectionSlots::Id> ConnectionSlots::take(Id id, const Network& network,
+                                                         const Member& member) {
   const std::optional<Id> loser = victim(network, member);
   if (loser) leave(*loser);
   Line& line = lines_[network];
@@ -25,7 +26,7 @@ std::optional<Places::Id> Places::take(Id id, const Network& network, const Memb
   return loser;
 }
 
-void Places::renew(Id id) {
+void ConnectionSlots::renew(Id id) {
   const auto found = holders_.find(id);
   if (found == holders_.end()) return;
   Line& line = lines_.at(found->second.network);
@@ -34,7 +35,7 @@ void Places::renew(Id id) {
   line.insert(std::move(place));
 }
 
-bool Places::leave(Id id) {
+bool ConnectionSlots::leave(Id id) {
   const auto found = holders_.find(id);
   if (found == holders_.end()) return false;
   const auto line = lines_.find(found->second.network);
@@ -44,7 +45,7 @@ bool Places::leave(Id id) {
   return true;
 }
 
-std::size_t Places::size(const Network& network) const {
+std::size_t ConnectionSlots::size(const Network& network) const {
   const auto found = lines_.find(network);
   return found == lines_.end() ? 0 : found->second.size();
 }
@@ -52,7 +53,7 @@ std::size_t Places::size(const Network& network) const {
 /// The oldest connection of the member with the most connections. If two members have equally many,
 /// the older connection. `newcomer` is about to have one more; null: it is in another network.
 /// Precondition: a line that is not empty.
-Places::Id Places::oldest_of_most(const Line& line, const Member* newcomer) {
+ConnectionSlots::Id ConnectionSlots::oldest_of_most(const Line& line, const Member* newcomer) {
   std::map<std::string_view, std::size_t> counts;
   if (newcomer != nullptr) ++counts[*newcomer];
   for (const auto& [turn, place] : line) ++counts[place.member];
@@ -68,7 +69,7 @@ Places::Id Places::oldest_of_most(const Line& line, const Member* newcomer) {
 }
 
 /// The oldest connection of a member that already has the allowed number.
-std::optional<Places::Id> Places::oldest_of_too_many(const Member& member) const {
+std::optional<ConnectionSlots::Id> ConnectionSlots::oldest_of_too_many(const Member& member) const {
   std::size_t count = 0;
   std::optional<std::pair<Turn, Id>> oldest;
   for (const auto& [network, line] : lines_)
@@ -83,7 +84,8 @@ std::optional<Places::Id> Places::oldest_of_too_many(const Member& member) const
 
 /// The connection that must make room for a new connection of this member and network; none while
 /// there is room.
-std::optional<Places::Id> Places::victim(const Network& newcomer, const Member& member) const {
+std::optional<ConnectionSlots::Id> ConnectionSlots::victim(const Network& newcomer,
+                                                           const Member& member) const {
   if (const auto own = oldest_of_too_many(member)) return own;
   const auto own = lines_.find(newcomer);
   if (own != lines_.end() && own->second.size() >= most_of_network_)

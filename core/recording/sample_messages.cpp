@@ -1,4 +1,4 @@
-#include "core/recording/messages.hpp"
+#include "core/recording/sample_messages.hpp"
 
 #include "core/recording/feltwire_descriptors.hpp"
 #include "core/recording/foxglove_descriptors.hpp"
