@@ -6,8 +6,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "client/app/option_values.hpp"
 #include "client/app/rival_options.hpp"
-#include "client/app/written_options.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
@@ -78,7 +78,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   ClientOptions options;
   SessionParameters& parameters = options.parameters;
   HandTask task;
-  WrittenOptions words;
+  OptionValues values;
 
   CLI::App app{
       "feltwire-client: a haptic device, simulated or replayed, in a scene of a feltwire server."};
@@ -89,28 +89,28 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-client"); },
       "Print version, commit, compiler and kind of build");
-  app.add_option("--connect", words.connect,
+  app.add_option("--connect", values.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
-  add_credential_options(app, words.credentials);
+  add_credential_options(app, values.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and end");
   app.add_flag("--check", options.check,
                "Run for ten seconds with a simulated hand that touches nothing, and say whether "
                "this machine and the network are fit for a session (docs/troubleshooting.md)");
-  app.add_option("--scene", words.scene, "Name of the scene to join");
+  app.add_option("--scene", values.scene, "Name of the scene to join");
   app.add_option("--tool", options.tool,
                  "Name of the scene's tool to hold. When not given: the scene's first tool");
   app.add_option(
-         "--role", words.role,
+         "--role", values.role,
          "operator, pointer (a small hand, with a token of that role) or observer (sees the "
          "scene, feels nothing and moves nothing). The token must allow the role")
       ->capture_default_str();
-  app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())
+  app.add_option("--device", values.device, "KIND or KIND:NAME. " + driver_choices())
       ->capture_default_str();
-  app.add_option("--firmware", words.firmware,
+  app.add_option("--firmware", values.firmware,
                  "FILE with the maker's firmware, which a Falcon forgets when its power is off");
   app.add_option(
-      "--lead", words.lead,
+      "--lead", values.lead,
       "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). The "
       "simulated or recorded hand holds its enabling switch from this time on, 0.2 or later");
   app.add_option("--robot", options.robot,
@@ -119,35 +119,35 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--robot-button", options.servo.seat_button,
                  "Number of a button of the device, from 1, that goes on to the next robot while "
                  "the enabling switch is released");
-  app.add_option("--deadman-button", words.deadman_button,
+  app.add_option("--deadman-button", values.deadman_button,
                  "Number of the button of the device, from 1, that is the enabling switch. 0: "
                  "none. When not given: as the driver has it (docs/devices.md)");
-  app.add_option("--clutch-button", words.clutch_button,
+  app.add_option("--clutch-button", values.clutch_button,
                  "Number of the button of the device, from 1, that is the clutch: the tool stands "
                  "while it is held. 0: none. When not given: as the driver has it");
-  app.add_option("--trust-robot", words.trust,
+  app.add_option("--trust-robot", values.trust,
                  "J,W of a robot that you run yourself: energy that it may give the hand in one "
                  "contact [J], and over time [W] (docs/teleoperation.md). When not given: none")
       ->delimiter(',');
   app.add_option("--duration", options.duration,
                  "[s] Length of the run. 0: until it is stopped or the recording is over")
       ->capture_default_str();
-  app.add_option("--report", words.report,
+  app.add_option("--report", values.report,
                  "FILE.json for the numbers of the run (docs/devices.md)");
-  app.add_option("--record", words.record,
+  app.add_option("--record", values.record,
                  "FILE.csv or FILE.mcap for a recording of every tick (docs/recording.md)");
-  app.add_option("--record-max-mib", words.record_limits.mebibytes,
+  app.add_option("--record-max-mib", values.record_limits.mebibytes,
                  "[MiB] Largest size of one file of an MCAP recording. Then the next file begins: "
                  "FILE-0001.mcap, FILE-0002.mcap");
-  app.add_option("--record-max-seconds", words.record_limits.seconds,
+  app.add_option("--record-max-seconds", values.record_limits.seconds,
                  "[s] Longest time in one file of an MCAP recording. Then the next file begins");
-  app.add_option("--flight-recorder", words.flight_recorder,
+  app.add_option("--flight-recorder", values.flight_recorder,
                  "Folder for a recording of the last ten seconds. It is written when the run ends "
                  "with an error, when its session is lost, its device has a fault or its account "
                  "was overdrawn, and at SIGUSR1. off: none. When not given: "
                  "$XDG_STATE_HOME/feltwire/flights or ~/.local/state/feltwire/flights");
-  app.add_option("--view", words.view, "FILE.csv for what an observer sees (docs/devices.md)");
-  app.add_option("--link", words.link,
+  app.add_option("--view", values.view, "FILE.csv for what an observer sees (docs/devices.md)");
+  app.add_option("--link", values.link,
                  "Emulate a bad network: a profile such as wifi, or numbers such as "
                  "delay=25,jitter=5,loss=10 (see below)");
   app.footer(link_help() +
@@ -155,14 +155,14 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
              "  admin      list the sessions of a running server, and change it (docs/admin.md)\n"
              "  devices    list the connected devices, and their problems (docs/devices.md)\n"
              "  identify   measure a device's damping, friction and mass (docs/devices.md)");
-  app.add_option("--changes", words.changes,
+  app.add_option("--changes", values.changes,
                  "Changes of this client that an admin of the server may make while it runs "
                  "(docs/admin.md). none; safe: the emulated link, and bounding methods that are "
                  "passive by themselves; any: every method, also none, for a device that nobody "
                  "holds")
       ->capture_default_str();
-  app.add_flag("--fixed", words.fixed, "As --changes none");
-  app.add_option("--dscp", words.dscp,
+  app.add_flag("--fixed", values.fixed, "As --changes none");
+  app.add_option("--dscp", values.dscp,
                  "DSCP mark of the datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63. The "
                  "server sets its own")
       ->capture_default_str();
@@ -181,34 +181,34 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   const auto session = "Session";
   app.add_option(
-         "--spec", words.spec,
+         "--spec", values.spec,
          "The device's specification: " + joined_names(builtin_devices(), "|", &DeviceSpec::name) +
              ", or FILE.json. When not given: the specification from the device itself, else that "
              "of its kind")
       ->group(session);
-  app.add_option("--damping", words.damping,
+  app.add_option("--damping", values.damping,
                  "[N s/m] Damping of the device, in place of the specification's: B, or BX,BY,BZ")
       ->delimiter(',')
       ->group(session);
-  app.add_option("--mass", words.mass,
+  app.add_option("--mass", values.mass,
                  "[kg] Lower bound of the handle's mass in every direction, in place of the "
                  "specification's")
       ->group(session);
   app.add_flag_callback("--list-specs", list_specs,
                         "Print the built-in specifications, each number with its source, and end");
-  app.add_option("--mode", words.mode,
+  app.add_option("--mode", values.mode,
                  "Energy bound: " + bounding_method_choices() +
                      ". When not given: " + std::string(kSessionMethod) +
                      "; with --bounding server or both: " + std::string(kDefaultMethod))
       ->group(session);
-  app.add_option("--projection", words.projection,
+  app.add_option("--projection", values.projection,
                  "For contact_frame: " + joined_names(kProjectionNames))
       ->capture_default_str()
       ->group(session);
-  app.add_option("--storage", words.storage, "For contact_frame: " + joined_names(kStorageNames))
+  app.add_option("--storage", values.storage, "For contact_frame: " + joined_names(kStorageNames))
       ->capture_default_str()
       ->group(session);
-  app.add_option("--reference", words.reference,
+  app.add_option("--reference", values.reference,
                  "For passivity_control*: " + joined_names(kPassivityReferenceNames))
       ->capture_default_str()
       ->group(session);
@@ -221,12 +221,13 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--tool-mass", parameters.tool_mass, "[kg] For virtual_coupling: mass of its tool")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--bounding", words.side,
+  app.add_option("--bounding", values.side,
                  "Where the bound runs: " + joined_names(kBoundingSideNames) +
                      "; client when not given (virtual_coupling and passivity_control_parallel: "
                      "server)")
       ->group(session);
-  app.add_option("--rate", words.rate, "[Hz] Rate of the servo loop, if the device does not set it")
+  app.add_option("--rate", values.rate,
+                 "[Hz] Rate of the servo loop, if the device does not set it")
       ->capture_default_str()
       ->group(session);
   app.add_option("--redundancy", parameters.redundancy,
@@ -238,19 +239,19 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                  "it; the account after the bound never does")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--hold-time", words.hold_time,
+  app.add_option("--hold-time", values.hold_time,
                  "[s] A command that is older than half of this time fades. At the full time it is "
                  "zero. At least five servo periods. When not given: " +
                      short_text(SessionParameters{}.hold_time) +
                      ", or five servo periods if longer")
       ->group(session);
-  app.add_option("--longest-hold-time", words.longest_hold_time,
+  app.add_option("--longest-hold-time", values.longest_hold_time,
                  "[s] The server may lengthen the hold time up to this, as servers with a profile "
                  "do. When not given: not beyond --hold-time")
       ->group(session);
   app.add_flag_function(
          "--local-model,!--no-local-model",
-         [&words](std::int64_t times) { words.local_model = times > 0; },
+         [&values](std::int64_t times) { values.local_model = times > 0; },
          "Ask for a local model: replies have the surfaces near the tool, and the client renders "
          "them at its own rate (docs/network.md). Not with --bounding server. When not given: only "
          "with the modes that shape")
@@ -258,7 +259,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   app.add_flag_function(
          "--whole-surfaces,!--no-whole-surfaces",
-         [&words](std::int64_t times) { words.whole_surfaces = times > 0; },
+         [&values](std::int64_t times) { values.whole_surfaces = times > 0; },
          "For the local model, fetch the meshes of the scene, or the body of the tool with the "
          "solids, and feel them as the scene does (docs/network.md). With --no-whole-surfaces "
          "replies have patches or planes of them only")
@@ -266,18 +267,18 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
 
   app.add_flag_function(
          "--rehearsal,!--no-rehearsal",
-         [&words](std::int64_t times) { words.rehearses = times > 0; },
+         [&values](std::int64_t times) { values.rehearses = times > 0; },
          "Say beside the run what a hand will feel, by simulated presses on walls with the law of "
          "this session (docs/devices.md)")
       ->group(session);
 
   const auto traffic = "Traffic (docs/network.md)";
-  app.add_option("--profile", words.profile,
+  app.add_option("--profile", values.profile,
                  "Kind of line to the server, " + network_profile_names() +
                      ": it sets the options of the traffic (docs/lab/trade.md). Options of the "
                      "command line override it")
       ->group(traffic);
-  app.add_option("--packet-rate", words.packet_rate,
+  app.add_option("--packet-rate", values.packet_rate,
                  "[Hz] Datagrams to the server, at most --rate. The interval is a whole number of "
                  "servo ticks. When not given: one datagram a tick")
       ->group(traffic);
@@ -286,17 +287,17 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
          "Samples in each datagram, evenly spaced. Batch and redundancy are together at most 9")
       ->capture_default_str()
       ->group(traffic);
-  app.add_option("--position-deadband", words.position_deadband_percent,
+  app.add_option("--position-deadband", values.position_deadband_percent,
                  "[%] 0 to 50: send a sample only if it changes the force by more than this. 0: "
                  "send all")
       ->capture_default_str()
       ->group(traffic);
-  app.add_option("--force-deadband", words.force_deadband_percent,
+  app.add_option("--force-deadband", values.force_deadband_percent,
                  "[%] 0 to 50: the server answers only if the force has changed by more than "
                  "this. 0: it always answers")
       ->capture_default_str()
       ->group(traffic);
-  app.add_option("--predictor", words.predictor,
+  app.add_option("--predictor", values.predictor,
                  "What a deadband compares with: " + joined_names(kPredictorNames) +
                      ", the value sent last, or the line through the values sent last")
       ->capture_default_str()
@@ -315,17 +316,17 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;
   app.add_option(
-         "--wait-for-small-force", words.wait_for_small_force,
+         "--wait-for-small-force", values.wait_for_small_force,
          "[N] Safety at the start: until the scene has commanded no more than this force "
          "once, the hand feels only the part above the smallest force so far. inf: off. Usually " +
              short_text(usual.force.small))
       ->group(safety);
-  app.add_option("--ramp-up", words.ramp_up,
+  app.add_option("--ramp-up", values.ramp_up,
                  "[s] Time from the first contact to the full force. Usually 0, and " +
                      short_text(protect_hand(unbounded).safety.ramp_up) +
                      " if this side does not bound")
       ->group(safety);
-  app.add_option("--velocity-limit", words.velocity_limit,
+  app.add_option("--velocity-limit", values.velocity_limit,
                  "[m/s] Above this speed the force falls, to zero at twice the speed. inf: never. "
                  "Usually " +
                      short_text(usual.force.speed))
@@ -336,21 +337,21 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--max-force", options.servo.safety.force.max,
                  "[N] Largest force, if it is less than that of the device")
       ->group(safety);
-  app.add_option("--let-go-after", words.let_go_after,
+  app.add_option("--let-go-after", values.let_go_after,
                  "[s] While a force is on the hand, let the device go for good if the servo makes "
                  "no tick for this time. At most --hold-time, at least two servo periods. When not "
                  "given: five servo periods, 20 without real-time scheduling; the hold time for a "
                  "device that nobody holds")
       ->group(safety);
-  app.add_option("--tool-weight", words.tool_weight,
+  app.add_option("--tool-weight", values.tool_weight,
                  "Weight of a tool at the handle, which a constant force along the device's z "
                  "holds: 0.05kg or 0.5N (docs/devices.md)")
       ->group(safety);
-  app.add_option("--emergency-button", words.emergency_button,
+  app.add_option("--emergency-button", values.emergency_button,
                  "Number of a button of the device, from 1, which takes all force off at once, as "
                  "the space bar does in the terminal. Key r starts again")
       ->group(safety);
-  app.add_option("--await-still", words.await_still,
+  app.add_option("--await-still", values.await_still,
                  "[s] No force before the hand was still for this time, or its enabling switch is "
                  "pressed. 0: no wait. Usually 0.25 for a device that a person holds")
       ->group(safety);
@@ -366,28 +367,28 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
       ->group(safety);
 
   const auto hand = "Simulated hand";
-  app.add_option("--press-button", words.press,
+  app.add_option("--press-button", values.press,
                  "[s] Time at which the hand presses its only button, number 1, for 0.1 s. It lets "
                  "its enabling switch go 0.5 s before, and holds it again 0.5 s after")
       ->group(hand);
-  app.add_option("--path", words.path, "Movement of the hand: " + joined_names(kHandPathNames))
+  app.add_option("--path", values.path, "Movement of the hand: " + joined_names(kHandPathNames))
       ->capture_default_str()
       ->group(hand);
   app.add_option(
-         "--wrist", words.wrist,
+         "--wrist", values.wrist,
          "Rotation of the hand, if --spec senses rotation: " + joined_names(kWristPathNames))
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--wrist-angle", words.wrist_angle, "[rad] How far the hand turns")
+  app.add_option("--wrist-angle", values.wrist_angle, "[rad] How far the hand turns")
       ->capture_default_str()
       ->group(hand);
-  app.add_option("--center", words.center,
+  app.add_option("--center", values.center,
                  "X,Y,Z [m] The point on the surface (orbit: centre of the circle). When not "
                  "given: from the scene, else 0,0,0")
       ->delimiter(',')
       ->group(hand);
   app.add_option(
-         "--normal", words.normal,
+         "--normal", values.normal,
          "X,Y,Z Outward normal of the surface there. When not given: from the scene, else 0,0,1")
       ->delimiter(',')
       ->group(hand);
@@ -409,21 +410,22 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   app.add_option("--seed", task.seed, "Seed of the tremor")->capture_default_str()->group(hand);
 
   const auto mapping = "Workspace of the device in the scene (docs/devices.md)";
-  app.add_option("--map-scale", words.map_scale,
+  app.add_option("--map-scale", values.map_scale,
                  "Metres that the tool moves for one metre of the hand, 0.01 to 100. The hand gets "
                  "the scene's force times this")
       ->capture_default_str()
       ->group(mapping);
-  app.add_option("--map-rotate", words.map_rotate,
+  app.add_option("--map-rotate", values.map_rotate,
                  "X,Y,Z [deg] Turns the device's axes about this direction by the vector's length: "
                  "0,0,90 makes its x the scene's y")
       ->delimiter(',')
       ->group(mapping);
-  app.add_option("--map-translate", words.map_translate,
+  app.add_option("--map-translate", values.map_translate,
                  "X,Y,Z [m] Place in the scene of the middle of the device's workspace")
       ->delimiter(',')
       ->group(mapping);
-  app.add_option("--map-mirror", words.map_mirror, "x, y or z: this axis of the device is reversed")
+  app.add_option("--map-mirror", values.map_mirror,
+                 "x, y or z: this axis of the device is reversed")
       ->group(mapping);
 
   const auto steering = "Gamepad and 3D mouse";
@@ -447,11 +449,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   try {
     read_environment(app, argc, argv, variables, client_rivals());
     app.parse(argc, argv);
-    if (!words.profile.empty()) {
-      begin_with(network_profile(words.profile), words, parameters);
+    if (!values.profile.empty()) {
+      apply_profile(network_profile(values.profile), values, parameters);
       app.parse(argc, argv);
     }
-    understand(words, task, options);
+    to_client_options(values, task, options);
   } catch (const CLI::ParseError& error) {
     return exit_with(app, error, short_help()) == 0 ? 0 : kUsageError;
   } catch (const std::invalid_argument& error) {

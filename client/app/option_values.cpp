@@ -1,4 +1,4 @@
-#include "client/app/written_options.hpp"
+#include "client/app/option_values.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -31,20 +31,20 @@ void require(bool good, const char* message) {
 
 /// Sets the safety limits that the command line does not give to values that protect the hand, as
 /// far as the bounding mode allows.
-void choose_safety(const WrittenOptions& words, ClientOptions& options) {
+void choose_safety(const OptionValues& values, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
-  given.force.small = words.wait_for_small_force.value_or(usual.force.small);
+  given.force.small = values.wait_for_small_force.value_or(usual.force.small);
   given.torque.small = std::isfinite(given.force.small) ? usual.torque.small : given.force.small;
-  given.force.speed = words.velocity_limit.value_or(usual.force.speed);
-  given.ramp_up = words.ramp_up.value_or(usual.ramp_up);
+  given.force.speed = values.velocity_limit.value_or(usual.force.speed);
+  given.ramp_up = values.ramp_up.value_or(usual.ramp_up);
 }
 
 /// A person's hand must not get a law that relies on more than the law that its owner chose. Throws
 /// std::invalid_argument.
-ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) {
-  const auto laws = enum_from_name<LawsTaken>("--changes", words.changes, kLawsTakenNames);
-  require(!words.fixed || laws == LawsTaken::none,
+ChangesTaken changes(const OptionValues& values, const ClientOptions& options) {
+  const auto laws = enum_from_name<LawsTaken>("--changes", values.changes, kLawsTakenNames);
+  require(!values.fixed || laws == LawsTaken::none,
           "--fixed is --changes none; leave out one of them");
   require(laws != LawsTaken::any || !options.driver->held_by_person,
           "--changes any is for --device simulated and replay, which no person holds; give "
@@ -52,8 +52,8 @@ ChangesTaken changes(const WrittenOptions& words, const ClientOptions& options) 
   return {.laws = laws, .link = laws != LawsTaken::none && options.link.has_value()};
 }
 
-double period_of(const WrittenOptions& words) {
-  const double period = 1.0 / words.rate;
+double period_of(const OptionValues& values) {
+  const double period = 1.0 / values.rate;
   require(period >= kShortestServoPeriod && period <= kLongestServoPeriod,
           "--rate must be from 10 to 100000 Hz");
   return period;
@@ -68,63 +68,63 @@ Role role_of_hand(const std::string& word) {
 
 /// [Hz] of datagrams to the server, if not one for each tick. An observer uses the rate of pictures
 /// by default.
-std::optional<double> packet_rate(const WrittenOptions& words, Role role) {
+std::optional<double> packet_rate(const OptionValues& values, Role role) {
   constexpr double kPictures = 100.0;
-  const bool usual = !words.packet_rate && words.profile.empty();
-  return usual && role == Role::observer ? std::min(kPictures, words.rate) : words.packet_rate;
+  const bool usual = !values.packet_rate && values.profile.empty();
+  return usual && role == Role::observer ? std::min(kPictures, values.rate) : values.packet_rate;
 }
 
 /// How long a force may stay without a tick, and how long a hold the server may grant. Throws
 /// std::invalid_argument.
-void choose_holds(const WrittenOptions& words, ClientOptions& options) {
+void choose_holds(const OptionValues& values, ClientOptions& options) {
   constexpr double kLongest = 1.0;  // [s] of a hold time
-  if (words.let_go_after) {
-    require(*words.let_go_after > 0.0 && *words.let_go_after <= kLongest,
+  if (values.let_go_after) {
+    require(*values.let_go_after > 0.0 && *values.let_go_after <= kLongest,
             "--let-go-after must be above 0 and at most 1 s; leave it out for the usual time");
-    require(*words.let_go_after >= 2.0 * options.parameters.servo_period,
+    require(*values.let_go_after >= 2.0 * options.parameters.servo_period,
             "--let-go-after must last two periods of the servo or more, or each late tick ends the "
             "run; leave it out for the usual time");
-    options.let_go_after = *words.let_go_after;
+    options.let_go_after = *values.let_go_after;
   }
-  if (words.longest_hold_time) {
-    require(*words.longest_hold_time >= options.parameters.hold_time &&
-                *words.longest_hold_time <= kLongest,
+  if (values.longest_hold_time) {
+    require(*values.longest_hold_time >= options.parameters.hold_time &&
+                *values.longest_hold_time <= kLongest,
             "--longest-hold-time must be from --hold-time to 1 s; leave it out, and the server may "
             "not lengthen the hold time");
-    options.longest_hold_time = *words.longest_hold_time;
+    options.longest_hold_time = *values.longest_hold_time;
   }
 }
 
 /// Chooses the rates and deadbands of messages. Throws std::invalid_argument.
-void choose_traffic(const WrittenOptions& words, std::optional<double> rate,
+void choose_traffic(const OptionValues& values, std::optional<double> rate,
                     SessionParameters& parameters) {
-  parameters.position_deadband = words.position_deadband_percent / kPercent;
-  parameters.force_deadband = words.force_deadband_percent / kPercent;
-  parameters.predictor = predictor(words.predictor);
+  parameters.position_deadband = values.position_deadband_percent / kPercent;
+  parameters.force_deadband = values.force_deadband_percent / kPercent;
+  parameters.predictor = predictor(values.predictor);
   if (!rate) return;
-  require(*rate > 0.0 && *rate <= words.rate,
+  require(*rate > 0.0 && *rate <= values.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
   // Never send more often than asked. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
   constexpr double kRounded = 1e-3;
-  const double ticks = std::ceil(words.rate / *rate - kRounded);
+  const double ticks = std::ceil(values.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
 /// Chooses the method, its side and the local model. Given options decide the others: a method that
 /// shapes stands at the client and uses the local model. Throws std::invalid_argument.
-void choose_bound(const WrittenOptions& words, SessionParameters& parameters) {
-  if (!words.side.empty()) parameters.side = bounding_side(words.side);
+void choose_bound(const OptionValues& values, SessionParameters& parameters) {
+  if (!values.side.empty()) parameters.side = bounding_side(values.side);
   const bool here = parameters.side == BoundingSide::client;
   const std::string_view usual = here ? kSessionMethod : kDefaultMethod;
-  parameters.mode = words.mode.empty() ? usual : bounding_method(words.mode).name;
+  parameters.mode = values.mode.empty() ? usual : bounding_method(values.mode).name;
   const BoundingMethod& method = bounding_method(parameters.mode);
-  if (words.side.empty() && stands_beside_scene(method)) parameters.side = BoundingSide::server;
-  parameters.projection = projection(words.projection);
-  parameters.storage = storage(words.storage);
-  parameters.reference = passivity_reference(words.reference);
-  const bool by_profile = !words.profile.empty() && parameters.local_model;
-  parameters.local_model = words.local_model.value_or(by_profile || method.shapes);
+  if (values.side.empty() && stands_beside_scene(method)) parameters.side = BoundingSide::server;
+  parameters.projection = projection(values.projection);
+  parameters.storage = storage(values.storage);
+  parameters.reference = passivity_reference(values.reference);
+  const bool by_profile = !values.profile.empty() && parameters.local_model;
+  parameters.local_model = values.local_model.value_or(by_profile || method.shapes);
 }
 
 /// Drops files that no option names.
@@ -133,18 +133,18 @@ std::vector<NamedFile> named(std::vector<NamedFile> files) {
   return files;
 }
 
-std::vector<NamedFile> written_files(const WrittenOptions& words) {
-  std::string record = words.record;
-  if (words.record_limits.any()) record = numbered({record, words.record_limits}, 1).string();
-  return named({{"--report", words.report}, {"--record", record}, {"--view", words.view}});
+std::vector<NamedFile> written_files(const OptionValues& values) {
+  std::string record = values.record;
+  if (values.record_limits.any()) record = numbered({record, values.record_limits}, 1).string();
+  return named({{"--report", values.report}, {"--record", record}, {"--view", values.view}});
 }
 
-std::vector<NamedFile> read_files(const WrittenOptions& words) {
-  const CredentialOptions& c = words.credentials;
-  const DriverChoice device = chosen_driver(words.device);
+std::vector<NamedFile> read_files(const OptionValues& values) {
+  const CredentialOptions& c = values.credentials;
+  const DriverChoice device = chosen_driver(values.device);
   const bool reads = device.driver->file != nullptr && !device.name.empty();
   return named({{"--device", reads ? device.driver->file(device.name) : std::string()},
-                {"--firmware", words.firmware},
+                {"--firmware", values.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
                 {"--certificate", c.certificate},
@@ -161,12 +161,12 @@ void choose_flight_recorder(const std::string& folder, RunOptions& options) {
 }
 
 /// Throws std::invalid_argument.
-void choose_recording(const WrittenOptions& words, ClientOptions& options) {
-  const RecordingLimits& limits = words.record_limits;
+void choose_recording(const OptionValues& values, ClientOptions& options) {
+  const RecordingLimits& limits = values.record_limits;
   options.record_limits = limits;
   require(limits.mebibytes >= 1.0, "--record-max-mib must be 1 MiB or more");
   require(limits.seconds >= 1.0, "--record-max-seconds must be 1 s or more");
-  require(!limits.any() || is_mcap(words.record),
+  require(!limits.any() || is_mcap(values.record),
           "--record-max-mib and --record-max-seconds apply only to MCAP recordings; give --record "
           "FILE.mcap");
 }
@@ -179,45 +179,45 @@ Damping damping(const std::vector<double>& numbers) {
 }
 
 /// Chooses the driver and its request. `task`: of the simulated hand. Throws std::invalid_argument.
-void choose_device(const WrittenOptions& words, HandTask task, ClientOptions& options) {
-  DriverChoice chosen = chosen_driver(words.device);
-  task.path = options.check ? HandPath::press : hand_path(words.path);
-  if (words.center) task.center = vector(*words.center);
-  if (words.normal) set_normal(task, vector(*words.normal));
-  require(std::abs(words.wrist_angle) < std::numbers::pi,
+void choose_device(const OptionValues& values, HandTask task, ClientOptions& options) {
+  DriverChoice chosen = chosen_driver(values.device);
+  task.path = options.check ? HandPath::press : hand_path(values.path);
+  if (values.center) task.center = vector(*values.center);
+  if (values.normal) set_normal(task, vector(*values.normal));
+  require(std::abs(values.wrist_angle) < std::numbers::pi,
           "--wrist-angle must be less than pi [rad]");
-  const WristTask wrist = {options.check ? WristPath::still : wrist_path(words.wrist),
-                           words.wrist_angle};
-  options.device_kind = words.device;
+  const WristTask wrist = {options.check ? WristPath::still : wrist_path(values.wrist),
+                           values.wrist_angle};
+  options.device_kind = values.device;
   options.driver = chosen.driver;
   options.device = {.name = std::move(chosen.name),
-                    .spec = {words.spec, {}, words.mass},
+                    .spec = {values.spec, {}, values.mass},
                     .task = task,
                     .wrist = wrist,
-                    .own_center = words.center.has_value(),
-                    .own_normal = words.normal.has_value(),
-                    .leads_from = words.lead,
-                    .presses_at = words.press,
+                    .own_center = values.center.has_value(),
+                    .own_normal = values.normal.has_value(),
+                    .leads_from = values.lead,
+                    .presses_at = values.press,
                     .firmware = {},
                     .steering = options.device.steering};
-  options.device.firmware = firmware_for(*chosen.driver, words.firmware);
-  require(!words.press || (chosen.driver->kind == "simulated" && *words.press >= 0.0 &&
-                           std::isfinite(*words.press)),
+  options.device.firmware = firmware_for(*chosen.driver, values.firmware);
+  require(!values.press || (chosen.driver->kind == "simulated" && *values.press >= 0.0 &&
+                            std::isfinite(*values.press)),
           "--press-button is a time of 0 or more [s], for --device simulated");
   validate(options.device.steering);
-  if (words.damping) options.device.spec.damping = damping(*words.damping);
+  if (values.damping) options.device.spec.damping = damping(*values.damping);
   // Checks the spec before the device is opened, so that its error comes first.
   requested_spec(options.device.spec, chosen.driver->spec);
 }
 
 /// [N] of "0.05kg" or "0.5N". Throws std::invalid_argument.
-double weight(const std::string& words) {
+double weight(const std::string& values) {
   constexpr double kGravity = 9.80665;  // [m/s^2]
-  const bool mass = words.ends_with("kg"), force = words.ends_with("N");
+  const bool mass = values.ends_with("kg"), force = values.ends_with("N");
   const std::size_t unit = mass ? 2 : 1;
   double number = 0.0;
-  const char* const end = words.data() + words.size() - (words.empty() ? 0 : unit);
-  const auto parsed = std::from_chars(words.data(), end, number);
+  const char* const end = values.data() + values.size() - (values.empty() ? 0 : unit);
+  const auto parsed = std::from_chars(values.data(), end, number);
   require((mass || force) && parsed.ec == std::errc() && parsed.ptr == end && number > 0.0 &&
               std::isfinite(number),
           "--tool-weight must be a number above 0 and its unit: 0.05kg, or 0.5N");
@@ -235,23 +235,23 @@ void require_button(const char* option, int button, const Driver& driver, const 
 
 /// Sets the buttons of the enabling switch and of the clutch. Throws std::invalid_argument if the
 /// device does not have them, or if a button would have two meanings.
-void choose_buttons(const WrittenOptions& words, int robot_button, const Driver& driver,
+void choose_buttons(const OptionValues& values, int robot_button, const Driver& driver,
                     ProtectionOptions& options) {
-  options.deadman_button = words.deadman_button;
-  options.clutch_button = words.clutch_button;
-  for (const auto& [option, chosen] : {std::pair("--deadman-button", words.deadman_button),
-                                       std::pair("--clutch-button", words.clutch_button)}) {
+  options.deadman_button = values.deadman_button;
+  options.clutch_button = values.clutch_button;
+  for (const auto& [option, chosen] : {std::pair("--deadman-button", values.deadman_button),
+                                       std::pair("--clutch-button", values.clutch_button)}) {
     if (!chosen) continue;
     require_button(option, *chosen, driver, "leave it out");
-    for (const auto& [other, button] : {std::pair("--emergency-button", words.emergency_button),
+    for (const auto& [other, button] : {std::pair("--emergency-button", values.emergency_button),
                                         std::pair("--robot-button", robot_button)})
       if (button != 0 && button == *chosen)
         throw std::invalid_argument(std::string(option) + " and " + other +
                                     " are the same button; give each its own");
   }
-  const int deadman = words.deadman_button.value_or(driver.deadman_button);
-  const bool both = deadman != 0 && deadman == words.clutch_button.value_or(driver.clutch_button);
-  if (both && (words.deadman_button || words.clutch_button))
+  const int deadman = values.deadman_button.value_or(driver.deadman_button);
+  const bool both = deadman != 0 && deadman == values.clutch_button.value_or(driver.clutch_button);
+  if (both && (values.deadman_button || values.clutch_button))
     throw std::invalid_argument(
         "button " + std::to_string(deadman) + " of --device " + std::string(driver.kind) +
         " would be the enabling switch and the clutch; give "
@@ -259,13 +259,13 @@ void choose_buttons(const WrittenOptions& words, int robot_button, const Driver&
 }
 
 /// Throws std::invalid_argument.
-ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) {
+ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
   constexpr double kUsualStill = 0.25;  // [s]
   ProtectionOptions options;
-  if (!words.tool_weight.empty()) options.tool_weight = weight(words.tool_weight);
-  options.emergency_button = words.emergency_button;
+  if (!values.tool_weight.empty()) options.tool_weight = weight(values.tool_weight);
+  options.emergency_button = values.emergency_button;
   options.still =
-      words.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
+      values.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
   require(options.tool_weight == 0.0 || driver.gives_force,
           "--tool-weight needs a device that gives force; leave it out");
   require_button("--emergency-button", options.emergency_button, driver, "use the space bar");
@@ -273,16 +273,16 @@ ProtectionOptions protection(const WrittenOptions& words, const Driver& driver) 
 }
 
 /// The place of the device's workspace in the scene. Throws std::invalid_argument.
-WorkspaceMapping mapping(const WrittenOptions& words) {
+WorkspaceMapping mapping(const OptionValues& values) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr std::string_view kAxes = "xyz";
   WorkspaceMapping mapping;
-  mapping.scale = words.map_scale;
-  if (words.map_rotate) mapping.rotation = kDegree * vector(*words.map_rotate);
-  if (words.map_translate) mapping.translation = vector(*words.map_translate);
-  if (!words.map_mirror.empty())
+  mapping.scale = values.map_scale;
+  if (values.map_rotate) mapping.rotation = kDegree * vector(*values.map_rotate);
+  if (values.map_translate) mapping.translation = vector(*values.map_translate);
+  if (!values.map_mirror.empty())
     mapping.mirrored_axis =
-        words.map_mirror.size() == 1 ? static_cast<int>(kAxes.find(words.map_mirror)) : -1;
+        values.map_mirror.size() == 1 ? static_cast<int>(kAxes.find(values.map_mirror)) : -1;
   validate(mapping);
   return mapping;
 }
@@ -296,50 +296,51 @@ void check_name(const char* option, const std::string& name) {
 }
 
 /// Believes a robot's energy only as far as the user allows.
-RemoteTrust trust(const WrittenOptions& words) {
+RemoteTrust trust(const OptionValues& values) {
   constexpr double kMostPerContact = 1.0, kMostPower = 50.0;  // [J], [W] that no hand should get
-  if (!words.trust) return {.per_contact = 0.0, .power = 0.0};
-  const auto [per_contact, power] = *words.trust;
+  if (!values.trust) return {.per_contact = 0.0, .power = 0.0};
+  const auto [per_contact, power] = *values.trust;
   require(
       per_contact >= 0.0 && per_contact <= kMostPerContact && power >= 0.0 && power <= kMostPower,
       "--trust-robot must be 0 to 1 J and 0 to 50 W, for example 0.1,5");
   return {.per_contact = per_contact, .power = power};
 }
 
-void choose_lead(const WrittenOptions& words, ClientOptions& options) {
-  require(words.lead || !words.trust, "--trust-robot is for a hand with --lead; add --lead");
-  require(words.lead || options.robot.empty(), "--robot is for a hand with --lead; add --lead");
-  require(words.lead || options.servo.seat_button == 0,
+void choose_lead(const OptionValues& values, ClientOptions& options) {
+  require(values.lead || !values.trust, "--trust-robot is for a hand with --lead; add --lead");
+  require(values.lead || options.robot.empty(), "--robot is for a hand with --lead; add --lead");
+  require(values.lead || options.servo.seat_button == 0,
           "--robot-button is for a hand with --lead; add --lead");
-  if (!words.lead) return;
+  if (!values.lead) return;
   check_name("--robot", options.robot);
   constexpr double kShownReleased = 0.2;  // [s] the server wants to see the switch released first
-  require(*words.lead >= kShownReleased && *words.lead <= kLongestDuration,
+  require(*values.lead >= kShownReleased && *values.lead <= kLongestDuration,
           "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
   require(options.role != Role::observer, "--lead is not for observers; leave out --role");
   require(options.parameters.local_model,
           "--lead needs the local model; leave out --no-local-model");
-  options.servo.leads = trust(words);
+  options.servo.leads = trust(values);
 }
 
 }  // namespace
 
-void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters) {
+void apply_profile(const NetworkProfile& line, OptionValues& values,
+                   SessionParameters& parameters) {
   parameters = {};
-  parameters.mode = words.mode.empty() ? kSessionMethod : bounding_method(words.mode).name;
-  parameters.servo_period = period_of(words);
+  parameters.mode = values.mode.empty() ? kSessionMethod : bounding_method(values.mode).name;
+  parameters.servo_period = period_of(values);
   parameters = over(line, parameters);
-  words.position_deadband_percent = kPercent * parameters.position_deadband;
-  words.force_deadband_percent = kPercent * parameters.force_deadband;
-  words.predictor = name(parameters.predictor);
+  values.position_deadband_percent = kPercent * parameters.position_deadband;
+  values.force_deadband_percent = kPercent * parameters.force_deadband;
+  values.predictor = name(parameters.predictor);
 }
 
-void understand(const WrittenOptions& words, HandTask task, ClientOptions& options) {
-  options.server = {parse_endpoint(words.connect), credentials(words.credentials)};
+void to_client_options(const OptionValues& values, HandTask task, ClientOptions& options) {
+  options.server = {parse_endpoint(values.connect), credentials(values.credentials)};
   if (options.list) return;
-  require(!words.scene.empty() || options.check,
+  require(!values.scene.empty() || options.check,
           "--scene is required; --list shows the existing scenes");
-  options.scene = words.scene;
+  options.scene = values.scene;
   check_name("--scene", options.scene);
   check_name("--tool", options.tool);
   check_name("--name", options.name);
@@ -351,45 +352,45 @@ void understand(const WrittenOptions& words, HandTask task, ClientOptions& optio
   require(possible_busy_poll(options.busy_poll),
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
-  options.role = role_of_hand(words.role);
-  require(words.view.empty() || options.role == Role::observer,
+  options.role = role_of_hand(values.role);
+  require(values.view.empty() || options.role == Role::observer,
           "--view is only for observers; also give --role observer");
-  choose_bound(words, options.parameters);
-  options.parameters.servo_period = period_of(words);
-  options.hold_time_follows = !words.hold_time;
-  if (words.hold_time) options.parameters.hold_time = *words.hold_time;
+  choose_bound(values, options.parameters);
+  options.parameters.servo_period = period_of(values);
+  options.hold_time_follows = !values.hold_time;
+  if (values.hold_time) options.parameters.hold_time = *values.hold_time;
   choose_hold_time(options.parameters, options.hold_time_follows);
-  choose_traffic(words, packet_rate(words, options.role), options.parameters);
+  choose_traffic(values, packet_rate(values, options.role), options.parameters);
   validate(options.parameters);
-  choose_holds(words, options);
-  choose_safety(words, options);
-  choose_lead(words, options);
+  choose_holds(values, options);
+  choose_safety(values, options);
+  choose_lead(values, options);
   validate(options.servo, options.parameters);
 
   if (options.check) {
     constexpr double kUsual = 10.0;  // [s]
-    require(words.device == "simulated", "--check uses the simulated hand; leave out --device");
+    require(values.device == "simulated", "--check uses the simulated hand; leave out --device");
     if (options.duration == 0.0) options.duration = kUsual;
     task.depth = -task.clearance;  // it touches nothing
   }
-  choose_device(words, task, options);
-  options.mapping = mapping(words);
-  options.protection = protection(words, *options.driver);
+  choose_device(values, task, options);
+  options.mapping = mapping(values);
+  options.protection = protection(values, *options.driver);
   require_button("--robot-button", options.servo.seat_button, *options.driver, "leave it out");
-  choose_buttons(words, options.servo.seat_button, *options.driver, options.protection);
-  if (!words.report.empty()) options.report = words.report;
-  if (!words.record.empty()) options.record = words.record;
-  choose_recording(words, options);
-  choose_flight_recorder(words.flight_recorder, options);
-  if (!words.view.empty()) options.view = words.view;
-  require_different(written_files(words), read_files(words));
-  options.dscp = dscp(words.dscp);
-  options.whole_surfaces = words.whole_surfaces;
-  options.rehearses = words.rehearses;
-  if (!words.link.empty()) options.link = parse_link(words.link);
-  options.takes = changes(words, options);
+  choose_buttons(values, options.servo.seat_button, *options.driver, options.protection);
+  if (!values.report.empty()) options.report = values.report;
+  if (!values.record.empty()) options.record = values.record;
+  choose_recording(values, options);
+  choose_flight_recorder(values.flight_recorder, options);
+  if (!values.view.empty()) options.view = values.view;
+  require_different(written_files(values), read_files(values));
+  options.dscp = dscp(values.dscp);
+  options.whole_surfaces = values.whole_surfaces;
+  options.rehearses = values.rehearses;
+  if (!values.link.empty()) options.link = parse_link(values.link);
+  options.takes = changes(values, options);
   // A thread that stops for some milliseconds hurts nobody here, so it must not end the session.
-  if (!words.let_go_after && !options.driver->held_by_person)
+  if (!values.let_go_after && !options.driver->held_by_person)
     options.let_go_after = options.parameters.hold_time;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The words of the command line, and the options that they set.
+// The values of the command line, and the options that they set.
 
 #include <array>
 #include <optional>
@@ -12,8 +12,8 @@
 
 namespace feltwire {
 
-/// The words of the command line, before they are interpreted.
-struct WrittenOptions {
+/// The values of the command line, before they are interpreted.
+struct OptionValues {
   std::string connect, scene, device = "simulated", spec;
   std::string mode, projection = std::string(name(SessionParameters{}.projection)),
                     storage = "minimal", reference = "zero", side, path = "press", wrist = "still",
@@ -50,10 +50,10 @@ struct WrittenOptions {
 
 /// Begins with the values of a network profile, before the command line is read once more: its
 /// options override them. Throws std::invalid_argument.
-void begin_with(const NetworkProfile& line, WrittenOptions& words, SessionParameters& parameters);
+void apply_profile(const NetworkProfile& line, OptionValues& values, SessionParameters& parameters);
 
-/// Checks the words and sets their options. `task`: of the simulated hand. Throws
+/// Checks the values and sets the options. `task`: of the simulated hand. Throws
 /// std::invalid_argument with the option's name.
-void understand(const WrittenOptions& words, HandTask task, ClientOptions& options);
+void to_client_options(const OptionValues& values, HandTask task, ClientOptions& options);
 
 }  // namespace feltwire
