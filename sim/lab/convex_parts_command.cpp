@@ -1,4 +1,4 @@
-// feltwire-lab parts: splits a mesh into the convex parts that bodies collide with.
+// feltwire-lab convex-parts: splits a mesh into the convex parts that bodies collide with.
 
 #include <iostream>
 #include <memory>
@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-struct PartsOptions {
+struct ConvexPartsOptions {
   std::string mesh;
   double scale = 1.0;
   std::vector<double> tolerances;
@@ -24,7 +24,7 @@ struct PartsOptions {
 };
 
 /// A row for a single hull of the whole, then a row for each tolerance.
-std::vector<DecompositionOptions> rows_of(const PartsOptions& given, double size) {
+std::vector<DecompositionOptions> rows_of(const ConvexPartsOptions& given, double size) {
   std::vector<DecompositionOptions> rows{{.most = 1}};
   for (const double tolerance : given.tolerances) {
     if (!(tolerance >= kLeastPartTolerance * size && tolerance <= size))
@@ -36,7 +36,7 @@ std::vector<DecompositionOptions> rows_of(const PartsOptions& given, double size
   return rows;
 }
 
-void run_parts(const PartsOptions& given) {
+void run_convex_parts(const ConvexPartsOptions& given) {
   TriangleMesh mesh(read_mesh(given.mesh, given.scale), {}, true);
   if (mesh.report().closed() && mesh.report().volume < 0.0) mesh.turn();
   mesh = refined(mesh, given.refine);
@@ -46,17 +46,17 @@ void run_parts(const PartsOptions& given) {
 
 }  // namespace
 
-void add_parts(CLI::App& app) {
+void add_convex_parts(CLI::App& app) {
   constexpr int kMostRefined = 4;
   constexpr double kMostScale = 1e6;
-  auto o = std::make_shared<PartsOptions>();
+  auto o = std::make_shared<ConvexPartsOptions>();
   CLI::App* command = app.add_subcommand(
-      "parts",
+      "convex-parts",
       "Cut a closed mesh into the convex parts that bodies collide with, and measure them");
   command->footer(
       "Prints the number of parts, how far they reach out of the mesh, the time of the cut, and "
       "the time of a tick of a\nbody with these parts. The first row is one hull of the whole "
-      "mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  feltwire-lab parts "
+      "mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  feltwire-lab convex-parts "
       "scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
   command->add_option("mesh", o->mesh, "The file: OBJ, STL or PLY")->required();
   command->add_option("--scale", o->scale, "[m] Length of one unit of the file")
@@ -75,7 +75,7 @@ void add_parts(CLI::App& app) {
                    "How many times each triangle is cut into four, curved by the normals")
       ->check(CLI::Range(0, kMostRefined))
       ->capture_default_str();
-  command->callback([o] { run_parts(*o); });
+  command->callback([o] { run_convex_parts(*o); });
 }
 
 }  // namespace feltwire

@@ -7,7 +7,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
@@ -32,6 +34,23 @@ void report_refused(std::size_t rows) {
   if (rows > 0)
     std::cerr << "feltwire-lab: " << rows
               << " row(s) were not finite or out of range and gave zero force\n";
+}
+
+/// Verbs and options that had another name before, and their present name.
+constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
+    {"sides", "where-to-bound"},
+    {"choices", "contact-frame-options"},
+    {"parts", "convex-parts"},
+    {"--told-damping", "--assumed-damping"}};
+
+/// For a command line with an error: "; sides is now where-to-bound" if a word has a former name;
+/// else the usual advice.
+std::string lab_advice(const CLI::Error& error, const CLI::App& app) {
+  for (const std::string& word : app.remaining(true))
+    for (const auto& [before, now] : kRenamed)
+      if (word.substr(0, word.find('=')) == before)
+        return "; " + std::string(before) + " is now " + std::string(now);
+  return advice(error, app);
 }
 
 Damping damping_of(const std::vector<double>& n) {
@@ -306,7 +325,7 @@ int main(int argc, char** argv) {
       "Print version, commit, compiler and kind of build");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-lab: " + visible(error.what() + advice(error, *failed)) + "; see --help\n";
+    return "feltwire-lab: " + visible(error.what() + lab_advice(error, *failed)) + "; see --help\n";
   });
   int status = 0;
   add_studies(app, status);

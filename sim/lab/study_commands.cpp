@@ -67,11 +67,11 @@ void add_figures(CLI::App& app) {
       });
 }
 
-void add_choices(CLI::App& app) {
+void add_contact_frame_options(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "choices", "Compare the options of the contact frame: projection, storage");
+      "contact-frame-options", "Compare the options of the contact frame: projection, storage");
   command->footer("Joint or cone, minimal or elastic: the tables of docs/bounding.md.");
-  command->callback([] { std::cout << choices_tables(); });
+  command->callback([] { std::cout << contact_frame_options_tables(); });
 }
 
 void add_plant(CLI::App& command, std::string& plant) {
@@ -239,7 +239,7 @@ void add_extremes(CLI::App& app, int& status) {
   add_out(*command, o->out);
   command
       ->add_option(
-          "--told-damping", o->assumed_damping,
+          "--assumed-damping", o->assumed_damping,
           "The damping that the bounds assume, over the real damping. Above 1, such as 1.05, the "
           "rows must fail")
       ->capture_default_str();
@@ -270,14 +270,14 @@ void add_rate(CLI::App& app) {
       });
 }
 
-void add_sides(CLI::App& app, int& status) {
+void add_where_to_bound(CLI::App& app, int& status) {
   struct Options {
     std::string out = "sides";
-    SidesGrid grid;
+    WhereToBoundGrid grid;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "sides", "Compare bounds at server, client or both: over delay, jitter and loss");
+      "where-to-bound", "Compare bounds at server, client or both: over delay, jitter and loss");
   command->footer(
       "Whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and sides_hands.csv "
       "(eight hands), the\nsame bytes every time; a minute of CPU. Exit status 1 when a port that "
@@ -286,17 +286,17 @@ void add_sides(CLI::App& app, int& status) {
   add_out(*command, o->out);
   command
       ->add_option(
-          "--told-damping", o->grid.assumed_damping,
+          "--assumed-damping", o->grid.assumed_damping,
           "The damping that the bounds assume, over the real damping. Above 1 it must fail")
       ->capture_default_str();
   command->callback([o, &status] {
-    const auto cells = run_sides(o->grid);
-    write_sides(o->out, cells);
-    SidesGrid hands = hands_sides_grid();
+    const auto cells = run_where_to_bound(o->grid);
+    write_where_to_bound(o->out, cells);
+    WhereToBoundGrid hands = hands_where_to_bound_grid();
     hands.assumed_damping = o->grid.assumed_damping;
-    const auto by_hands = run_sides(hands);
-    write_sides_hands(o->out, by_hands);
-    std::cout << sides_table(cells) << sides_hands_table(by_hands)
+    const auto by_hands = run_where_to_bound(hands);
+    write_where_to_bound_hands(o->out, by_hands);
+    std::cout << where_to_bound_table(cells) << where_to_bound_hands_table(by_hands)
               << placed("Tables and picture", o->out);
     status = bounds_hold(cells) && bounds_hold(by_hands) ? 0 : 1;
   });
@@ -382,15 +382,15 @@ void add_teleop(CLI::App& app) {
 
 void add_studies(CLI::App& app, int& status) {
   add_figures(app);
-  add_choices(app);
+  add_contact_frame_options(app);
   add_zwidth(app);
   add_frontier(app);
   add_torque(app, status);
-  add_parts(app);
+  add_convex_parts(app);
   add_compare(app);
   add_extremes(app, status);
   add_rate(app);
-  add_sides(app, status);
+  add_where_to_bound(app, status);
   add_deadband(app);
   add_local_model(app);
   add_teleop(app);

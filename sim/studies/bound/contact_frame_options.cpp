@@ -130,7 +130,7 @@ void storages(std::string& text) {
 
 }  // namespace
 
-std::string choices_tables() {
+std::string contact_frame_options_tables() {
   std::string text;
   projections(text);
   storages(text);

@@ -5,11 +5,11 @@
 
 namespace feltwire {
 
-/// `feltwire-lab choices`: tables for people.
+/// `feltwire-lab contact-frame-options`: tables for people.
 ///   joint or cone      sliding to and fro over dry friction: the remaining normal force
 ///   minimal or elastic tapping on springs: the force on release, and gliding round a
 ///                      sphere with delay: how still the hand stays
 /// In process and deterministic.
-std::string choices_tables();
+std::string contact_frame_options_tables();
 
 }  // namespace feltwire

@@ -18,14 +18,14 @@ constexpr double kDamping = 0.5;     // b [N s/m]
 constexpr double kSidesBall = 0.09;  // [m] radius
 constexpr double kRounding = 1e-9;   // [J]
 
-struct SidesTask {
+struct WhereToBoundTask {
   std::string_view name;
   double stiffness;  // [N/m]
   bool ball = false, taking = false;
   HandPath path = HandPath::press;
   double duration = 3.0;  // [s]
 };
-const std::array<SidesTask, 5> kSidesTasks = {
+const std::array<WhereToBoundTask, 5> kWhereToBoundTasks = {
     {{.name = "wall 40 kN/m", .stiffness = 4e4},
      {.name = "wall 1 kN/m", .stiffness = 1e3},
      {.name = "sphere 1 kN/m",
@@ -36,21 +36,21 @@ const std::array<SidesTask, 5> kSidesTasks = {
      {.name = "taps 1 kN/m", .stiffness = 1e3, .path = HandPath::taps},
      {.name = "taking hand", .stiffness = 4e4, .taking = true}}};
 
-Scene scene_of(const SidesTask& task) {
+Scene scene_of(const WhereToBoundTask& task) {
   Object object{
       .name = "object", .shape = Plane{}, .pose = {}, .material = {.stiffness = task.stiffness}};
   if (task.ball) object.shape = Sphere{kSidesBall};
   return Scene("sides", {object});
 }
 
-double height(const SidesTask& task, const Vec3& position) {
+double height(const WhereToBoundTask& task, const Vec3& position) {
   return task.ball ? position.norm() - kSidesBall : position.z();
 }
-Vec3 normal(const SidesTask& task, const Vec3& position) {
+Vec3 normal(const WhereToBoundTask& task, const Vec3& position) {
   return task.ball ? direction(position) : Vec3(Vec3::UnitZ());
 }
 
-NetworkRunOptions options_of(const SidesTask& task, const Hand& arm) {
+NetworkRunOptions options_of(const WhereToBoundTask& task, const Hand& arm) {
   NetworkRunOptions options;
   options.duration = task.duration;
   options.hand.spec = builtin_device("simulated");
@@ -75,7 +75,7 @@ struct Sums {
   double force_depth = 0.0, depth_squared = 0.0;  // [N m], [m^2]
 };
 
-void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell) {
+void measure(const WhereToBoundTask& task, const NetworkRunResult& run, WhereToBoundCell& cell) {
   std::vector<double> heights;
   Sums sums;
   const std::size_t half = run.samples.size() / 2;
@@ -110,8 +110,8 @@ void measure(const SidesTask& task, const NetworkRunResult& run, SidesCell& cell
       ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
 }
 
-void run_sides_cell(const SidesTask& task, const Hand& hand, double assumed_damping,
-                    SidesCell& cell) {
+void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand, double assumed_damping,
+                             WhereToBoundCell& cell) {
   NetworkRunOptions options = options_of(task, hand);
   if (assumed_damping != 1.0) {
     options.told = options.hand.spec;
@@ -133,8 +133,8 @@ void run_sides_cell(const SidesTask& task, const Hand& hand, double assumed_damp
 
 }  // namespace
 
-SidesGrid hands_sides_grid() {
-  SidesGrid grid;
+WhereToBoundGrid hands_where_to_bound_grid() {
+  WhereToBoundGrid grid;
   grid.jitters = {0.0};
   grid.losses = {{0.0, 0.0}, {0.1, 0.0}};
   grid.hands.assign(kEightHands.begin(), kEightHands.end());
@@ -142,18 +142,19 @@ SidesGrid hands_sides_grid() {
   return grid;
 }
 
-std::vector<SidesCell> run_sides(const SidesGrid& grid) {
+std::vector<WhereToBoundCell> run_where_to_bound(const WhereToBoundGrid& grid) {
   if (!(grid.assumed_damping > 0.0) || !std::isfinite(grid.assumed_damping))
-    throw std::invalid_argument("the told damping must be finite and above zero, 1 is the truth");
-  std::vector<SidesCell> cells;
-  const std::size_t tasks = kSidesTasks.size() - (grid.adversarial_hand ? 0 : 1);
-  for (const SidesTask& task : std::span(kSidesTasks).first(tasks))
+    throw std::invalid_argument(
+        "the assumed damping must be finite and above zero, 1 is the truth");
+  std::vector<WhereToBoundCell> cells;
+  const std::size_t tasks = kWhereToBoundTasks.size() - (grid.adversarial_hand ? 0 : 1);
+  for (const WhereToBoundTask& task : std::span(kWhereToBoundTasks).first(tasks))
     for (const std::string_view bound : kSidesBounds)
       for (const double round_trip : grid.round_trips)
         for (const double jitter : grid.jitters)
           for (const SidesLoss& loss : grid.losses)
             for (const NamedHand& hand : grid.hands) {
-              SidesCell cell;
+              WhereToBoundCell cell;
               cell.task = task.name;
               cell.bound = bound;
               cell.hand = hand.name;
@@ -164,14 +165,14 @@ std::vector<SidesCell> run_sides(const SidesGrid& grid) {
             }
   const std::size_t per_task = cells.size() / tasks;
   parallel_for(cells.size(), [&](std::size_t i) {
-    run_sides_cell(kSidesTasks[i / per_task], grid.hands[i % grid.hands.size()].hand,
-                   grid.assumed_damping, cells[i]);
+    run_where_to_bound_cell(kWhereToBoundTasks[i / per_task],
+                            grid.hands[i % grid.hands.size()].hand, grid.assumed_damping, cells[i]);
   });
   return cells;
 }
 
-bool bounds_hold(const std::vector<SidesCell>& cells) {
-  return std::all_of(cells.begin(), cells.end(), [](const SidesCell& cell) {
+bool bounds_hold(const std::vector<WhereToBoundCell>& cells) {
+  return std::all_of(cells.begin(), cells.end(), [](const WhereToBoundCell& cell) {
     return cell.bound == kSidesBounds[0] ||
            (cell.violations == 0 && cell.device_margin >= -kRounding);
   });

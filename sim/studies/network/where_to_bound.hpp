@@ -17,27 +17,27 @@ struct SidesLoss {
 };
 
 /// The measured cells. Every list must have an entry.
-struct SidesGrid {
+struct WhereToBoundGrid {
   std::vector<double> round_trips = {0.0, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 200e-3};  // [s]
   std::vector<double> jitters = {0.0, 1e-3, 5e-3, 20e-3};  // [s] of each direction
   std::vector<SidesLoss> losses = {{0.0, 0.0},  {0.01, 0.0}, {0.1, 0.0}, {0.3, 0.0},
                                    {0.01, 8.0}, {0.1, 8.0},  {0.3, 8.0}};
   std::vector<NamedHand> hands = {kEightHands[0]};
   bool adversarial_hand = true;  // with the task of the hand that takes energy
-  /// The told damping over the device's damping: above 1 the bounds are wrong, and the taking hand
-  /// must gain energy.
+  /// The assumed damping over the device's damping: above 1 the bounds are wrong, and the taking
+  /// hand must gain energy.
   double assumed_damping = 1.0;
 };
 
 /// All eight hands over all round trips, without loss and with 10 %, without jitter.
-SidesGrid hands_sides_grid();
+WhereToBoundGrid hands_where_to_bound_grid();
 
 /// The compared bounds: none, and the choices of the session parameter.
 inline constexpr std::string_view kSidesBounds[] = {"none", "server", "client", "both"};
 
 /// A task under a bound over a link. The numbers are those of the second half of the run, except
 /// for the energies.
-struct SidesCell {
+struct WhereToBoundCell {
   std::string_view task, bound, hand;
   double round_trip = 0.0, jitter = 0.0;  // [s]
   SidesLoss loss;
@@ -60,28 +60,32 @@ struct SidesCell {
   double answered = 0.0;         // share of the samples
 };
 /// Whether its line has neither jitter nor loss.
-inline bool clean(const SidesCell& cell) { return cell.jitter == 0.0 && cell.loss.loss == 0.0; }
+inline bool clean(const WhereToBoundCell& cell) {
+  return cell.jitter == 0.0 && cell.loss.loss == 0.0;
+}
 
 /// Every cell: tasks, bounds, round trips, jitters, losses, hands, the last fastest. 1 kHz, b = 0.5
 /// N s/m, contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.
 /// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
-std::vector<SidesCell> run_sides(const SidesGrid& grid);
+std::vector<WhereToBoundCell> run_where_to_bound(const WhereToBoundGrid& grid);
 
 /// Whether no bounded port ever delivered more than the device burned: as measured, and over the
 /// true movement with all of the device's dissipation.
-bool bounds_hold(const std::vector<SidesCell>& cells);
+bool bounds_hold(const std::vector<WhereToBoundCell>& cells);
 
 /// Writes sides.csv, sides.json and sides.png, the same bytes every time. `directory` is created.
 /// Throws std::runtime_error if something cannot be written or drawn.
-void write_sides(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
+void write_where_to_bound(const std::filesystem::path& directory,
+                          const std::vector<WhereToBoundCell>& cells);
 
 /// Writes sides_hands.csv to `directory`, which exists.
-void write_sides_hands(const std::filesystem::path& directory, const std::vector<SidesCell>& cells);
+void write_where_to_bound_hands(const std::filesystem::path& directory,
+                                const std::vector<WhereToBoundCell>& cells);
 /// Cells of all eight hands over a clean line as tables for people: the median of the hands and the
 /// worst.
-std::string sides_hands_table(const std::vector<SidesCell>& cells);
+std::string where_to_bound_hands_table(const std::vector<WhereToBoundCell>& cells);
 
 /// By round trip over a clean line, and the worst and mean over all jitters and losses; for people.
-std::string sides_table(const std::vector<SidesCell>& cells);
+std::string where_to_bound_table(const std::vector<WhereToBoundCell>& cells);
 
 }  // namespace feltwire

@@ -12,26 +12,26 @@ namespace feltwire {
 namespace {
 
 template <class Get>
-auto distinct(const std::vector<SidesCell>& cells, const Get& get) {
+auto distinct(const std::vector<WhereToBoundCell>& cells, const Get& get) {
   std::vector<std::decay_t<decltype(get(cells.front()))>> values;
-  for (const SidesCell& cell : cells)
+  for (const WhereToBoundCell& cell : cells)
     if (std::find(values.begin(), values.end(), get(cell)) == values.end())
       values.push_back(get(cell));
   return values;
 }
-std::vector<std::string_view> tasks(const std::vector<SidesCell>& cells) {
-  return distinct(cells, [](const SidesCell& cell) { return cell.task; });
+std::vector<std::string_view> tasks(const std::vector<WhereToBoundCell>& cells) {
+  return distinct(cells, [](const WhereToBoundCell& cell) { return cell.task; });
 }
-std::vector<double> round_trips(const std::vector<SidesCell>& cells) {
-  return distinct(cells, [](const SidesCell& cell) { return cell.round_trip; });
+std::vector<double> round_trips(const std::vector<WhereToBoundCell>& cells) {
+  return distinct(cells, [](const WhereToBoundCell& cell) { return cell.round_trip; });
 }
 
-std::string csv(const std::vector<SidesCell>& cells) {
+std::string csv(const std::vector<WhereToBoundCell>& cells) {
   std::string text =
       "task,bound,round_trip_ms,jitter_ms,loss_percent,burst,oscillation_um,sway_um,"
       "displayed_n_per_m,direction_mean_deg,direction_p99_deg,force_ratio,force_error,margin_j,"
       "true_margin_j,device_margin_j,violations,answered\n";
-  for (const SidesCell& c : cells) {
+  for (const WhereToBoundCell& c : cells) {
     append(text, "%s,%s,%g,%g,%g,%g,%.4g,%.4g,%.5g,%.4g,%.4g,%.4g,%.4g,",
            std::string(c.task).c_str(), std::string(c.bound).c_str(), c.round_trip * kMilli,
            c.jitter * kMilli, c.loss.loss * kPercent, c.loss.burst, c.oscillation * kMicro,
@@ -43,9 +43,9 @@ std::string csv(const std::vector<SidesCell>& cells) {
   return text;
 }
 
-nlohmann::ordered_json json(const std::vector<SidesCell>& cells) {
+nlohmann::ordered_json json(const std::vector<WhereToBoundCell>& cells) {
   auto list = nlohmann::ordered_json::array();
-  for (const SidesCell& c : cells)
+  for (const WhereToBoundCell& c : cells)
     list.push_back({{"task", c.task},
                     {"bound", c.bound},
                     {"round_trip_ms", c.round_trip * kMilli},
@@ -81,7 +81,7 @@ constexpr const char* kPoints[] = {"pt 2 ps 1.2", "pt 4 ps 1.2", "pt 7 ps 1", "p
 
 /// Over a clean line: a row for each measure, a column for each task, a curve for each bound. Dots
 /// show the other jitters and losses.
-void draw(const std::filesystem::path& directory, const std::vector<SidesCell>& cells) {
+void draw(const std::filesystem::path& directory, const std::vector<WhereToBoundCell>& cells) {
   const auto columns = tasks(cells);
   std::string script =
       "set terminal pngcairo size 1750,1000 font 'Sans,11'\nset output 'sides.png'\n"
@@ -131,13 +131,14 @@ std::string heads(std::string_view task, const char* over,
   return text + '\n';
 }
 
-void clean_table(std::string& text, const std::vector<SidesCell>& cells, std::string_view task) {
+void clean_table(std::string& text, const std::vector<WhereToBoundCell>& cells,
+                 std::string_view task) {
   text += heads(task, "no jitter, no loss",
                 {"oscillation [um RMS]", "displayed [N/m]", "direction [deg]", "energy made [J]"});
   for (const double round_trip : round_trips(cells)) {
     std::string columns[4];
     for (const std::string_view bound : kSidesBounds)
-      for (const SidesCell& c : cells) {
+      for (const WhereToBoundCell& c : cells) {
         if (c.task != task || c.bound != bound || c.round_trip != round_trip || !clean(c)) continue;
         append(columns[0], " %6.1f", c.oscillation * kMicro);
         append(columns[1], " %6.0f", c.displayed);
@@ -156,7 +157,8 @@ struct Overall {
   int broken = 0, count = 0;
 };
 
-void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::string_view task) {
+void overall_table(std::string& text, const std::vector<WhereToBoundCell>& cells,
+                   std::string_view task) {
   text += heads(task, "over all jitters and losses",
                 {"worst oscillation [um RMS]", "mean displayed [N/m]", "mean force error [%]",
                  "runs that made energy"});
@@ -164,7 +166,7 @@ void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::
     std::string columns[4];
     for (const std::string_view bound : kSidesBounds) {
       Overall o;
-      for (const SidesCell& c : cells) {
+      for (const WhereToBoundCell& c : cells) {
         if (c.task != task || c.bound != bound || c.round_trip != round_trip) continue;
         o.oscillation = std::max(o.oscillation, c.oscillation);
         o.displayed += c.displayed;
@@ -184,15 +186,15 @@ void overall_table(std::string& text, const std::vector<SidesCell>& cells, std::
 }
 
 /// The effect of adding the server's bound before the client's, over all trips, jitters and losses.
-void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
+void difference_table(std::string& text, const std::vector<WhereToBoundCell>& cells) {
   constexpr double kNotable = 0.01;
   text +=
       "\nWhat the server's bound before the client's changes: runs in which both differ from the "
       "client alone by over 1 %\n                of   displayed         mean [N/m]      "
       "oscillation\n                runs  less  more   client   both    less  more\n";
   for (const std::string_view task : tasks(cells)) {
-    std::vector<const SidesCell*> client, both;
-    for (const SidesCell& c : cells) {
+    std::vector<const WhereToBoundCell*> client, both;
+    for (const WhereToBoundCell& c : cells) {
       if (c.task != task) continue;
       if (c.bound == "client") client.push_back(&c);
       if (c.bound == "both") both.push_back(&c);
@@ -206,7 +208,7 @@ void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
     } displayed, oscillation;
     double client_sum = 0.0, both_sum = 0.0;
     for (std::size_t i = 0; i < client.size() && i < both.size(); ++i) {
-      const SidesCell &a = *client[i], &b = *both[i];
+      const WhereToBoundCell &a = *client[i], &b = *both[i];
       displayed.take(a.displayed, b.displayed, kNotable * a.displayed);
       oscillation.take(a.oscillation, b.oscillation, std::max(1e-6, kNotable * a.oscillation));
       client_sum += a.displayed;
@@ -221,7 +223,7 @@ void difference_table(std::string& text, const std::vector<SidesCell>& cells) {
 
 }  // namespace
 
-std::string sides_table(const std::vector<SidesCell>& cells) {
+std::string where_to_bound_table(const std::vector<WhereToBoundCell>& cells) {
   std::string text =
       "Who bounds: nobody, the server, the client, both. contact_frame, b = 0.5 N s/m, 1 kHz.\n";
   for (const std::string_view task : tasks(cells)) clean_table(text, cells, task);
@@ -231,7 +233,7 @@ std::string sides_table(const std::vector<SidesCell>& cells) {
   for (const std::string_view bound : kSidesBounds) {
     std::size_t runs = 0, broken = 0;
     double least = 0.0;
-    for (const SidesCell& c : cells) {
+    for (const WhereToBoundCell& c : cells) {
       if (c.bound != bound) continue;
       ++runs;
       broken += c.violations > 0 ? 1 : 0;
@@ -243,7 +245,8 @@ std::string sides_table(const std::vector<SidesCell>& cells) {
   return text;
 }
 
-void write_sides(const std::filesystem::path& directory, const std::vector<SidesCell>& cells) {
+void write_where_to_bound(const std::filesystem::path& directory,
+                          const std::vector<WhereToBoundCell>& cells) {
   std::filesystem::create_directories(directory);
   write_text(directory / "sides.csv", csv(cells));
   write_text(directory / "sides.json", json(cells).dump(1) + '\n');

@@ -94,7 +94,7 @@ TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
 }
 
 TEST(Choices, TablesHaveEveryRow) {
-  const std::string text = choices_tables();
+  const std::string text = contact_frame_options_tables();
   EXPECT_THAT(text, ::testing::ContainsRegex("500 +0\\.3 +0\\.5 +joint"));
   EXPECT_THAT(text, ::testing::ContainsRegex("4000 +50 +0\\.[0-9]+ / +0\\.[0-9]+"));
   EXPECT_THAT(text, ::testing::ContainsRegex("\n +100 +[0-9.]+, [0-9.]+ +[0-9.]+, [0-9.]+"));

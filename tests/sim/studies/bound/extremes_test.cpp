@@ -94,7 +94,7 @@ TEST(Extremes, TheCommandFailsWhenARowFails) {
     return WEXITSTATUS(std::system(command.c_str()));
   };
   EXPECT_EQ(status("--hands 1"), 0);
-  EXPECT_EQ(status("--hands 1 --told-damping 1.05"), 1);
+  EXPECT_EQ(status("--hands 1 --assumed-damping 1.05"), 1);
   EXPECT_EQ(status("--hands 0"), 1);
   std::filesystem::remove_all(directory);
 }

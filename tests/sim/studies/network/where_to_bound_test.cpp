@@ -14,16 +14,16 @@ namespace {
 
 using test::text_of;
 
-SidesGrid small() {
+WhereToBoundGrid small() {
   return {.round_trips = {0.0, 20e-3}, .jitters = {0.0, 5e-3}, .losses = {{}, {0.3, 8.0}}};
 }
-const std::vector<SidesCell>& cells() {
-  static const auto all = run_sides(small());
+const std::vector<WhereToBoundCell>& cells() {
+  static const auto all = run_where_to_bound(small());
   return all;
 }
-const SidesCell& cell(std::string_view task, std::string_view bound, double round_trip,
-                      double jitter = 0.0, double loss = 0.0) {
-  return *std::find_if(cells().begin(), cells().end(), [&](const SidesCell& c) {
+const WhereToBoundCell& cell(std::string_view task, std::string_view bound, double round_trip,
+                             double jitter = 0.0, double loss = 0.0) {
+  return *std::find_if(cells().begin(), cells().end(), [&](const WhereToBoundCell& c) {
     return c.task == task && c.bound == bound && c.round_trip == round_trip && c.jitter == jitter &&
            c.loss.loss == loss;
   });
@@ -37,7 +37,7 @@ TEST(Sides, EveryCellIsThereOnce) {
 
 TEST(Sides, NoPortThatIsBoundedGivesMoreThanTheDeviceBurns) {
   EXPECT_TRUE(bounds_hold(cells()));
-  for (const SidesCell& c : cells()) {
+  for (const WhereToBoundCell& c : cells()) {
     if (c.bound == "none") continue;
     EXPECT_EQ(c.violations, 0u) << c.task << ' ' << c.bound;
     EXPECT_GE(c.margin, -1e-9) << c.task << ' ' << c.bound;
@@ -45,29 +45,29 @@ TEST(Sides, NoPortThatIsBoundedGivesMoreThanTheDeviceBurns) {
 }
 
 TEST(Sides, OverEightHandsNoPortThatIsBoundedGivesMore) {
-  SidesGrid grid = hands_sides_grid();
+  WhereToBoundGrid grid = hands_where_to_bound_grid();
   EXPECT_EQ(grid.hands.size(), 8u);
   grid.round_trips = {20e-3};
-  const auto by_hands = run_sides(grid);
+  const auto by_hands = run_where_to_bound(grid);
   ASSERT_EQ(by_hands.size(), 4u * 4u * 2u * 8u);
   EXPECT_TRUE(bounds_hold(by_hands));
-  const SidesCell& usual = cell("wall 40 kN/m", "client", 20e-3);
-  const auto same = std::find_if(by_hands.begin(), by_hands.end(), [](const SidesCell& c) {
+  const WhereToBoundCell& usual = cell("wall 40 kN/m", "client", 20e-3);
+  const auto same = std::find_if(by_hands.begin(), by_hands.end(), [](const WhereToBoundCell& c) {
     return c.task == "wall 40 kN/m" && c.bound == "client" && c.hand == kEightHands[0].name;
   });
   EXPECT_EQ(same->displayed, usual.displayed);
-  const std::string table = sides_hands_table(by_hands);
+  const std::string table = where_to_bound_hands_table(by_hands);
   EXPECT_NE(table.find("taps 1 kN/m"), std::string::npos);
   EXPECT_EQ(table.find("taking hand"), std::string::npos);
   EXPECT_NE(table.find("both        0 of 64"), std::string::npos) << table;
 }
 
 TEST(Sides, AWrongDampingIsFoundOutAtEverySetting) {
-  SidesGrid grid = small();
+  WhereToBoundGrid grid = small();
   grid.assumed_damping = 1.05;
-  const auto wrong = run_sides(grid);
+  const auto wrong = run_where_to_bound(grid);
   EXPECT_FALSE(bounds_hold(wrong));
-  for (const SidesCell& c : wrong) {
+  for (const WhereToBoundCell& c : wrong) {
     if (c.task != "taking hand") continue;
     EXPECT_GT(c.violations, 0u) << c.bound << ' ' << c.round_trip << ' ' << c.jitter << ' '
                                 << c.loss.loss;
@@ -93,8 +93,8 @@ TEST(Sides, WhatIsDisplayedAndHowOldTheDirectionIs) {
 
 // The reason why the client bounds alone by default (docs/network.md).
 TEST(Sides, OverALossyLineAServersBoundBeforeTheClientsOnlyTakes) {
-  const SidesCell& client = cell("wall 40 kN/m", "client", 20e-3, 0.0, 0.3);
-  const SidesCell& both = cell("wall 40 kN/m", "both", 20e-3, 0.0, 0.3);
+  const WhereToBoundCell& client = cell("wall 40 kN/m", "client", 20e-3, 0.0, 0.3);
+  const WhereToBoundCell& both = cell("wall 40 kN/m", "both", 20e-3, 0.0, 0.3);
   EXPECT_LT(both.displayed, 0.95 * client.displayed);
   // Without loss there is no difference.
   EXPECT_NEAR(cell("wall 40 kN/m", "client", 20e-3).displayed,
@@ -104,8 +104,9 @@ TEST(Sides, OverALossyLineAServersBoundBeforeTheClientsOnlyTakes) {
 TEST(Sides, TheSameBytesEveryTime) {
   const auto directory =
       std::filesystem::path(::testing::TempDir()) / "feltwire_where_to_bound_test";
-  const SidesGrid grid{.round_trips = {10e-3}, .jitters = {0.0}, .losses = {{}, {0.1, 8.0}}};
-  for (const char* turn : {"a", "b"}) write_sides(directory / turn, run_sides(grid));
+  const WhereToBoundGrid grid{.round_trips = {10e-3}, .jitters = {0.0}, .losses = {{}, {0.1, 8.0}}};
+  for (const char* turn : {"a", "b"})
+    write_where_to_bound(directory / turn, run_where_to_bound(grid));
   for (const char* file : {"sides.csv", "sides.json", "sides.png"}) {
     const std::string text = text_of(directory / "a" / file);
     EXPECT_GT(text.size(), 500u) << file;
@@ -115,7 +116,7 @@ TEST(Sides, TheSameBytesEveryTime) {
 }
 
 TEST(Sides, TheTableHasEveryTaskAndTheVerdict) {
-  const std::string table = sides_table(cells());
+  const std::string table = where_to_bound_table(cells());
   for (const char* task : {"wall 40 kN/m", "sphere 1 kN/m", "taps 1 kN/m", "taking hand"})
     EXPECT_THAT(table, ::testing::HasSubstr(task));
   EXPECT_THAT(table, ::testing::HasSubstr("server      0 of 40, at most 0 J"));
@@ -124,8 +125,8 @@ TEST(Sides, TheTableHasEveryTaskAndTheVerdict) {
 }
 
 TEST(Sides, RefusesADampingThatIsNone) {
-  EXPECT_THROW(run_sides({.assumed_damping = 0.0}), std::invalid_argument);
-  EXPECT_THROW(run_sides({.assumed_damping = NAN}), std::invalid_argument);
+  EXPECT_THROW(run_where_to_bound({.assumed_damping = 0.0}), std::invalid_argument);
+  EXPECT_THROW(run_where_to_bound({.assumed_damping = NAN}), std::invalid_argument);
 }
 
 }  // namespace
