@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "client/app/admin_command.hpp"
+#include "client/app/client_options.hpp"
 #include "client/app/devices_command.hpp"
 #include "client/app/identify_command.hpp"
-#include "client/app/options.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/run/check.hpp"
 #include "client/run/run_client.hpp"

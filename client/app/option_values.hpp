@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/app/options.hpp"
+#include "client/app/client_options.hpp"
 #include "client/command_line/credential_options.hpp"
 #include "protocol/session/profiles.hpp"
 

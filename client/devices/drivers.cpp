@@ -12,7 +12,7 @@
 #include "client/devices/open_haptics.hpp"
 #include "client/devices/plant_file.hpp"
 #include "client/devices/plugin_device.hpp"
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 #include "client/devices/simulated_device.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/base/file_error.hpp"

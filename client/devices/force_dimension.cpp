@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "client/devices/async_signal_release.hpp"
-#include "client/devices/connection.hpp"
+#include "client/devices/connection_lag.hpp"
 #include "client/devices/force_dimension_library.hpp"
 #include "client/devices/held_command.hpp"
 #include "core/device/spec_text.hpp"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/devices/connection.hpp"
+#include "client/devices/connection_lag.hpp"
 #include "client/devices/sample_mailbox.hpp"
 #include "client/devices/shared_library.hpp"
 #include "core/device/spec_text.hpp"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/devices/connection.hpp"
+#include "client/devices/connection_lag.hpp"
 #include "client/devices/feltwire_device_v1.h"
 #include "client/devices/held_command.hpp"
 #include "client/devices/shared_library.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/bounding/bounding_config.hpp"
 #include "core/bounding/channel.hpp"
-#include "core/bounding/config.hpp"
 #include "core/bounding/frame.hpp"
 
 namespace feltwire {

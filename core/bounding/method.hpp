@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/bounding/config.hpp"
+#include "core/bounding/bounding_config.hpp"
 #include "core/bounding/law.hpp"
 
 namespace feltwire {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/bounding/config.hpp"
+#include "core/bounding/bounding_config.hpp"
 #include "core/bounding/frame.hpp"
 #include "core/bounding/split.hpp"
 #include "core/bounding/step.hpp"

@@ -10,9 +10,9 @@
 #include "core/base/visible_text.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "gateway/remote_scene/remote_scene.hpp"
-#include "server/app/config.hpp"
-#include "server/app/metrics.hpp"
 #include "server/app/page_address.hpp"
+#include "server/app/prometheus_metrics.hpp"
+#include "server/app/server_config.hpp"
 #include "server/web/web_server.hpp"
 
 namespace feltwire {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire {
 

@@ -9,7 +9,7 @@
 #include "core/base/json_document.hpp"
 #include "server/access/admin_token.hpp"
 #include "server/access/security.hpp"
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire {
 

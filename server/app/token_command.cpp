@@ -10,8 +10,8 @@
 #include "core/command_line/suggestion.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
-#include "server/app/config.hpp"
 #include "server/app/known_scenes.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire {
 namespace {

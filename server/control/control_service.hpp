@@ -12,7 +12,7 @@
 #include "server/access/rate_limit.hpp"
 #include "server/access/token_file.hpp"
 #include "server/access/wrong_tokens.hpp"
-#include "server/control/control.hpp"
+#include "server/control/control_endpoint.hpp"
 #include "server/scene/scene_host.hpp"
 
 namespace feltwire {

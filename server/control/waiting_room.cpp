@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "protocol/net/clock.hpp"
-#include "server/control/control.hpp"
+#include "server/control/control_endpoint.hpp"
 
 namespace feltwire {
 namespace {

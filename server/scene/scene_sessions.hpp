@@ -17,10 +17,10 @@
 #include "protocol/wire/scene_view.hpp"
 #include "protocol/wire/seal.hpp"
 #include "server/picture/picture.hpp"
+#include "server/scene/apply_live_change.hpp"
 #include "server/scene/event_log.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
-#include "server/scene/live_change.hpp"
 #include "server/scene/observer_view.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
@@ -199,7 +199,7 @@ class SceneSessions {
   /// Logs the places of all moving objects, for a replay to compare. Never allocates.
   void check(Nanoseconds now) noexcept;
 
-  // For a replay (server/recording/replay.hpp).
+  // For a replay (server/recording/scene_replay.hpp).
   /// Does the work of receive() for the payload of an accepted datagram. Returns the payload of the
   /// answer; empty if there is no answer or no such session.
   Bytes replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept;

@@ -17,7 +17,7 @@
 #include "core/recording/picture_message.hpp"
 #include "core/recording/sample_messages.hpp"
 #include "server/recording/event_reader.hpp"
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 #include "sim/lab/event_tables.hpp"
 #include "sim/lab/npz_file.hpp"
 #include "sim/replay/replay_report.hpp"

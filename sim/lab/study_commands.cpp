@@ -19,7 +19,7 @@
 #include "sim/studies/bound/torque_figures.hpp"
 #include "sim/studies/bound/zwidth.hpp"
 #include "sim/studies/network/deadband_study.hpp"
-#include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/local_model_study.hpp"
 #include "sim/studies/network/methods_over_link.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 #include "sim/studies/teleop/arm_bench.hpp"

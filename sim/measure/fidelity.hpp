@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/measure/network_run.hpp"
 
 namespace feltwire {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 #include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link.hpp"
 #include "client/servo/servo.hpp"

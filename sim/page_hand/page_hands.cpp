@@ -1,10 +1,9 @@
-#include "server/app/page_hands.hpp"
-
 #include <algorithm>
 #include <condition_variable>
 #include <list>
 #include <mutex>
 
+#include "server/app/make_page_hands.hpp"
 #include "sim/page_hand/page_hand.hpp"
 
 namespace feltwire {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 
 namespace feltwire {
 

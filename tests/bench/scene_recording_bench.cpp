@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/recording/replay.hpp"
 #include "server/recording/scene_recording.hpp"
+#include "server/recording/scene_replay.hpp"
 #include "server/scene/scene_sessions.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/server/make.hpp"

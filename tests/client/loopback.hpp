@@ -7,7 +7,7 @@
 #include <sstream>
 #include <thread>
 
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "server/app/server.hpp"

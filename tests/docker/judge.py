@@ -69,7 +69,7 @@ class Recording:
 
 
 def oscillation(values, window=51):
-    """RMS of what is faster than a centred moving average, over the second half (sim/measure/metrics.hpp)."""
+    """RMS of what is faster than a centred moving average, over the second half (sim/measure/experiment_metrics.hpp)."""
     begin, half = max(len(values) // 2, window // 2), window // 2
     if len(values) - half <= begin:
         return None

@@ -230,7 +230,7 @@ def check_index(source):
 
 def check_metrics(source):
     """Metrics that documents name and the server does not have."""
-    ours = set(re.findall(r'"(feltwire_[a-z_]+)"', (source / "server/app/metrics.cpp").read_text()))
+    ours = set(re.findall(r'"(feltwire_[a-z_]+)"', (source / "server/app/prometheus_metrics.cpp").read_text()))
     for path in (source / "docs/grafana.json", source / "docs/live_page.md"):
         named = set(re.findall(r"\bfeltwire_[a-z_]+\b", path.read_text()))
         # The series of a histogram.

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 #include "core/base/csv.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

@@ -1,8 +1,9 @@
 // Arbitrary text as a server's configuration: an error with its place, or a valid configuration.
 
+#include "server/app/server_config.hpp"
+
 #include "core/base/json_document.hpp"
 #include "protocol/net/busy_poll.hpp"
-#include "server/app/config.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <asio/post.hpp>
 #include <thread>
 
-#include "server/control/control.hpp"
+#include "server/control/control_endpoint.hpp"
 #include "tests/server/raw_socket.hpp"
 
 namespace feltwire::test {

@@ -5,7 +5,7 @@
 
 #include "core/scene/scene.hpp"
 #include "protocol/wire/control.hpp"
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 #include "tests/protocol/make.hpp"
 
 namespace feltwire::test {

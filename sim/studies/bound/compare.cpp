@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
 namespace {

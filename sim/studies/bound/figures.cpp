@@ -28,7 +28,8 @@ void write_samples(const std::filesystem::path& file,
                    const std::vector<ExperimentSample>& samples) {
   std::ofstream out(file);
   out << "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,energy_x,energy_y,energy_z,port_x,port_y,port_z\n";
-  Vec3 energy = Vec3::Zero(), port = Vec3::Zero();  // flow-in, in the two ways of metrics.hpp
+  Vec3 energy = Vec3::Zero(),
+       port = Vec3::Zero();  // flow-in, in the two ways of experiment_metrics.hpp
   std::array<char, 512> line;
   for (const ExperimentSample& s : samples) {
     const Vec3 r = s.rendered.force();

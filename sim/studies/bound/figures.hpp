@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
 

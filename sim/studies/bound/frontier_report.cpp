@@ -6,7 +6,7 @@
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/measure/step_cost.hpp"
 #include "sim/published_laws/published_laws.hpp"
 #include "sim/report/plot.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/measure/cost.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/bound/in_float.hpp"
 
 namespace feltwire {

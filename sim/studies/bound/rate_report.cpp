@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/bound/rate.hpp"
 

@@ -9,7 +9,7 @@
 #include "core/base/parallel.hpp"
 #include "core/bounding/device_account.hpp"
 #include "core/bounding/method.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/bound/torque.hpp"
 
 namespace feltwire {

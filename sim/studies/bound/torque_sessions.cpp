@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/parallel.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/measure/network_run.hpp"
 #include "sim/studies/bound/torque.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
 namespace {

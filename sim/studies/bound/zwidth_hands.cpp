@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/bound/zwidth.hpp"
 
 namespace feltwire {

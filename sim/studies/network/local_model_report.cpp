@@ -3,9 +3,9 @@
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/report/plot.hpp"
-#include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/local_model_study.hpp"
 
 namespace feltwire {
 namespace {

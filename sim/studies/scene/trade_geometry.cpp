@@ -10,8 +10,8 @@
 #include "core/mesh/mesh_contact.hpp"
 #include "core/mesh/tessellation.hpp"
 #include "sim/measure/cost.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/measure/glide.hpp"
-#include "sim/measure/metrics.hpp"
 
 namespace feltwire {
 namespace {

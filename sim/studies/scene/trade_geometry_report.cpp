@@ -2,7 +2,7 @@
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/report/plot.hpp"
 #include "sim/studies/scene/trade_geometry.hpp"
 

@@ -17,10 +17,10 @@
 #include "scenes/arm/sphere_text.hpp"
 #include "scenes/arm/table_text.hpp"
 #include "sim/arm/arm.hpp"
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/teleop/bench.hpp"
+#include "sim/studies/teleop/bench_energy.hpp"
 #include "sim/studies/teleop/minimum_jerk.hpp"
-#include "sim/studies/teleop/port_energy.hpp"
 #include "sim/studies/teleop/way.hpp"
 #include "sim/teleoperation_laws/remote_ends.hpp"
 

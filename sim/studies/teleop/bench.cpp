@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/studies/teleop/port_energy.hpp"
+#include "sim/studies/teleop/bench_energy.hpp"
 #include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
-#include "sim/studies/teleop/port_energy.hpp"
+#include "sim/studies/teleop/bench_energy.hpp"
 #include "sim/studies/teleop/sensors.hpp"
 #include "sim/studies/teleop/way.hpp"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
+#include "sim/studies/teleop/bench_energy.hpp"
 #include "sim/studies/teleop/minimum_jerk.hpp"
-#include "sim/studies/teleop/port_energy.hpp"
 
 namespace feltwire::teleop {
 namespace {

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "client/app/options.hpp"
+#include "client/app/client_options.hpp"
 
 namespace feltwire::options_test {
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "client/devices/mapped_device.hpp"
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
 

@@ -13,7 +13,7 @@
 #include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
 #include "server/access/security.hpp"
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/program.hpp"
 

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "core/base/json_document.hpp"
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire::ports_test {
 namespace {

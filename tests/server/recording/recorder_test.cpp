@@ -10,7 +10,7 @@
 #include <future>
 
 #include "core/scene_file/load_scene.hpp"
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 #include "server/scene/scene_host.hpp"
 #include "tests/server/raw_socket.hpp"
 #include "tests/server/recording/recorded_scene.hpp"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/base/file_error.hpp"
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 #include "tests/server/recording/recorded_scene.hpp"
 
 namespace feltwire::replayed_scene_test {

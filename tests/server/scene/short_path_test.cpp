@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 #include "tests/server/recording/recorded_scene.hpp"
 
 namespace feltwire::short_path_test {

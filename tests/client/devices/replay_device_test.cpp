@@ -1,4 +1,4 @@
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,7 +1,7 @@
 // Changes of a running scene: their effect on a hand, their refusals, and equal results of equal
 // changes.
 
-#include "server/scene/live_change.hpp"
+#include "server/scene/apply_live_change.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

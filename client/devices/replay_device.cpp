@@ -1,4 +1,4 @@
-#include "client/devices/replay.hpp"
+#include "client/devices/replay_device.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "client/devices/connection.hpp"
+#include "client/devices/connection_lag.hpp"
 
 #include <string>
 

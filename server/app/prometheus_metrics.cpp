@@ -1,4 +1,4 @@
-#include "server/app/metrics.hpp"
+#include "server/app/prometheus_metrics.hpp"
 
 #include <array>
 #include <charconv>

@@ -1,6 +1,6 @@
 // Live changes of a scene and its sessions. scene_host.cpp calls them in the scene's thread.
 
-#include "server/scene/live_change.hpp"
+#include "server/scene/apply_live_change.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

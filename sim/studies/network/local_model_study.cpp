@@ -1,4 +1,4 @@
-#include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/local_model_study.hpp"
 
 #include <algorithm>
 #include <cmath>

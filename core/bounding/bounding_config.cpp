@@ -1,4 +1,4 @@
-#include "core/bounding/config.hpp"
+#include "core/bounding/bounding_config.hpp"
 
 #include "core/base/enum_names.hpp"
 

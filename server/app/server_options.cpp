@@ -1,4 +1,4 @@
-#include "server/app/options.hpp"
+#include "server/app/server_options.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // Histograms for Prometheus: cumulative buckets, a sum in seconds, a count.
 
-#include "server/app/metrics.hpp"
+#include "server/app/prometheus_metrics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

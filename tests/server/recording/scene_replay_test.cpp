@@ -1,6 +1,6 @@
 // A replay computes a recorded scene to equal bits, and finds changes in the file.
 
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "client/app/options.hpp"
+#include "client/app/client_options.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdint>

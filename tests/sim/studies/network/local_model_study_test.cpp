@@ -1,7 +1,7 @@
 // A local model makes a delay harmless: the criteria of the laboratory's table, on the quick part
 // of it.
 
-#include "sim/studies/network/local_model.hpp"
+#include "sim/studies/network/local_model_study.hpp"
 
 #include <gtest/gtest.h>
 

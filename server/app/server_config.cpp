@@ -1,4 +1,4 @@
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 
 #include <array>
 #include <asio/ip/address.hpp>

@@ -1,6 +1,6 @@
 // The assumed lag of a device whose specification has none.
 
-#include "client/devices/connection.hpp"
+#include "client/devices/connection_lag.hpp"
 
 #include <gmock/gmock.h>
 

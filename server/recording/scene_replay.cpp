@@ -1,4 +1,4 @@
-#include "server/recording/replay.hpp"
+#include "server/recording/scene_replay.hpp"
 
 #include <algorithm>
 #include <deque>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/app/config.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire {
 

@@ -1,4 +1,4 @@
-#include "server/control/control.hpp"
+#include "server/control/control_endpoint.hpp"
 
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>

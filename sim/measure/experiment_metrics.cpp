@@ -1,4 +1,4 @@
-#include "sim/measure/metrics.hpp"
+#include "sim/measure/experiment_metrics.hpp"
 
 #include <algorithm>
 #include <cmath>
