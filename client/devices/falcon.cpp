@@ -63,9 +63,9 @@ bool answers(UsbLine& line) {
   const Packet asked = request({}, Light::red, false);
   for (int n = 0; n < kAsks; ++n) {
     Answer answer;
-    const Heard heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
-    if (heard == Heard::gone || heard == Heard::unsent) return false;
-    if (heard == Heard::whole && told(answer.packet())) return true;
+    const AnswerStatus heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
+    if (heard == AnswerStatus::gone || heard == AnswerStatus::unsent) return false;
+    if (heard == AnswerStatus::whole && parse_reply(answer.packet())) return true;
     if (!talk_to_firmware(line)) return false;  // this also discards the rest
   }
   return false;
@@ -120,7 +120,7 @@ class FalconDevice final : public LockStepDevice {
   }
 
  private:
-  static bool homed(const Told& all) {
+  static bool homed(const BoardReply& all) {
     return std::all_of(all.homed.begin(), all.homed.end(), [](bool one) { return one; });
   }
   Packet packet_of(const Counts& motors) const noexcept {
@@ -128,11 +128,11 @@ class FalconDevice final : public LockStepDevice {
   }
 
   /// Sends a request and waits for its answer, before the servo runs.
-  std::optional<Told> asked(const Counts& motors, Nanoseconds patience) noexcept {
+  std::optional<BoardReply> asked(const Counts& motors, Nanoseconds patience) noexcept {
     line_->forget();
     line_->post(packet_of(motors));
-    const FalconLine::News news = line_->receive(monotonic_now() + patience);
-    const auto all = news.kind == Heard::whole ? told(news.packet) : std::nullopt;
+    const FalconLine::LineAnswer news = line_->receive(monotonic_now() + patience);
+    const auto all = news.kind == AnswerStatus::whole ? parse_reply(news.packet) : std::nullopt;
     if (all) homed_ = homed(*all);
     return all;
   }
@@ -148,19 +148,19 @@ class FalconDevice final : public LockStepDevice {
   }
 
   Answer answer(const Command&, DeviceReading& reading, Nanoseconds latest) noexcept override {
-    const FalconLine::News news = line_->receive(latest);
+    const FalconLine::LineAnswer news = line_->receive(latest);
     switch (news.kind) {
-      case Heard::none:
+      case AnswerStatus::none:
         return Answer::none;
-      case Heard::gone:
+      case AnswerStatus::gone:
         return Answer::gone;
-      case Heard::unsent:
-      case Heard::garbled:
+      case AnswerStatus::unsent:
+      case AnswerStatus::garbled:
         return Answer::garbled;
-      case Heard::whole:
+      case AnswerStatus::whole:
         break;
     }
-    const auto all = told(news.packet);
+    const auto all = parse_reply(news.packet);
     if (!all) return Answer::garbled;
     reading.buttons = all->buttons;
     reading.deadman = (all->buttons & 1U) != 0;
@@ -179,7 +179,7 @@ class FalconDevice final : public LockStepDevice {
   bool forget() noexcept override {
     line_->forget();
     tool_.forget();
-    return line_->receive(Nanoseconds(0)).kind != Heard::gone;
+    return line_->receive(Nanoseconds(0)).kind != AnswerStatus::gone;
   }
 
   void see_to_answers() {

@@ -63,14 +63,14 @@ Packet request(const Counts& motors, Light light, bool homes) noexcept {
   return packet;
 }
 
-std::optional<Told> told(const Packet& reply) noexcept {
+std::optional<BoardReply> parse_reply(const Packet& reply) noexcept {
   constexpr unsigned kButtons = 0xF;
   constexpr std::uint8_t kMostExtra = 0x7F;
   const bool framed = reply.front() == kFirst && reply.back() == kLast &&
                       std::all_of(reply.begin() + 1, reply.begin() + kExtra, is_digit);
   const unsigned extra = static_cast<unsigned>(reply[kExtra]) - kZero;
   if (!framed || extra > kMostExtra) return std::nullopt;
-  Told all;
+  BoardReply all;
   for (std::size_t i = 0; i < 3; ++i) {
     unsigned value = 0;
     for (std::size_t n = 4; n-- > 0;) value = value << 4 | (reply[1 + 4 * i + n] - kZero);

@@ -24,13 +24,13 @@ enum class Light : std::uint8_t { none = 0, red = 2, green = 4, blue = 8 };
 /// firmware looks for the encoders' zero.
 Packet request(const Counts& motors, Light light, bool homes) noexcept;
 
-struct Told {
+struct BoardReply {
   Counts encoders{};
   std::uint32_t buttons = 0;  // a bit each, four of them
   std::array<bool, 3> homed{};
 };
 /// None: it is no answer of this firmware.
-std::optional<Told> told(const Packet& reply) noexcept;
+std::optional<BoardReply> parse_reply(const Packet& reply) noexcept;
 
 /// Collects the answer from what comes in pieces. A byte that cannot stand where it stands makes it
 /// garbled: nothing that follows can be trusted.

@@ -21,21 +21,21 @@ const Packet& no_force() noexcept {
 
 }  // namespace
 
-Heard ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience) {
+AnswerStatus ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience) {
   answer.clear();
   const auto sent = line.write(request, patience.send);
-  if (!sent) return Heard::gone;
-  if (*sent != request.size()) return Heard::unsent;
+  if (!sent) return AnswerStatus::gone;
+  if (*sent != request.size()) return AnswerStatus::unsent;
   const Nanoseconds latest = monotonic_now() + patience.answer;
   std::array<std::uint8_t, 62> room{};
   while (!answer.whole() && !answer.garbled()) {
     const Nanoseconds left = latest - monotonic_now();
-    if (left.count() <= 0) return Heard::none;
+    if (left.count() <= 0) return AnswerStatus::none;
     const auto came = line.read(room, left);
-    if (!came) return Heard::gone;
+    if (!came) return AnswerStatus::gone;
     answer.add(std::span(room).first(*came));
   }
-  return answer.garbled() ? Heard::garbled : Heard::whole;
+  return answer.garbled() ? AnswerStatus::garbled : AnswerStatus::whole;
 }
 
 FalconLine::FalconLine(std::unique_ptr<UsbLine> line)
@@ -54,10 +54,10 @@ bool FalconLine::post(const Packet& request) noexcept {
   return taken;
 }
 
-FalconLine::News FalconLine::receive(Nanoseconds latest) noexcept {
-  News news;
+FalconLine::LineAnswer FalconLine::receive(Nanoseconds latest) noexcept {
+  LineAnswer news;
   while (!answers_.pop(news)) {
-    if (gone_.load()) return {.kind = Heard::gone};
+    if (gone_.load()) return {.kind = AnswerStatus::gone};
     if (monotonic_now() >= latest) return {};
     servo_wake_.wait_until(latest);
   }
@@ -65,7 +65,7 @@ FalconLine::News FalconLine::receive(Nanoseconds latest) noexcept {
 }
 
 void FalconLine::forget() noexcept {
-  News news;
+  LineAnswer news;
   while (answers_.pop(news)) continue;
 }
 
@@ -87,12 +87,12 @@ void FalconLine::run() noexcept {
 }
 
 void FalconLine::exchange(const Packet& request) noexcept {
-  News news;
+  LineAnswer news;
   const Packet& sent = let_go_.load() ? no_force() : request;
   news.kind = ask(*line_, sent, answer_, {kTransfer, kTransfer});
   news.packet = answer_.packet();
-  gone_.store(news.kind == Heard::gone);
-  if (news.kind != Heard::none) answers_.push(news);
+  gone_.store(news.kind == AnswerStatus::gone);
+  if (news.kind != AnswerStatus::none) answers_.push(news);
   servo_wake_.set();
 }
 

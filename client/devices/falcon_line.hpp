@@ -14,7 +14,7 @@
 
 namespace feltwire::falcon {
 
-enum class Heard : std::uint8_t {
+enum class AnswerStatus : std::uint8_t {
   none,     // no whole answer in time
   whole,    // an answer of the right length, with its first byte
   garbled,  // bytes that are no answer
@@ -25,7 +25,7 @@ struct Patience {
   Nanoseconds send, answer;  // for the request, and for the whole answer after it
 };
 /// Sends one request and collects its answer. It may block and allocate: not for the servo thread.
-Heard ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience);
+AnswerStatus ask(UsbLine& line, const Packet& request, Answer& answer, const Patience& patience);
 
 /// Sends requests and brings their answers. After let_go() each request is one for no force.
 class FalconLine {
@@ -39,12 +39,12 @@ class FalconLine {
 
   /// Servo thread, without waiting. False: older requests have not been sent yet.
   bool post(const Packet& request) noexcept;
-  struct News {
-    Heard kind = Heard::none;
+  struct LineAnswer {
+    AnswerStatus kind = AnswerStatus::none;
     Packet packet{};
   };
   /// Servo thread: what has come, or comes by `latest`.
-  News receive(Nanoseconds latest) noexcept;
+  LineAnswer receive(Nanoseconds latest) noexcept;
   /// Servo thread: throws away what has come.
   void forget() noexcept;
   /// Any thread, any signal handler.
@@ -57,7 +57,7 @@ class FalconLine {
   std::unique_ptr<UsbLine> line_;
   Wake servo_wake_, line_wake_;
   Ring<Packet> requests_{8};
-  Ring<News> answers_{64};
+  Ring<LineAnswer> answers_{64};
   std::atomic<bool> let_go_{false}, over_{false}, gone_{false};
   Answer answer_;  // of the thread
   std::thread thread_;

@@ -88,7 +88,7 @@ class HaplyDevice final : public LockStepDevice {
 
   std::optional<Command> send(const Command& command) noexcept override {
     // An unexpected message: each later answer would be counted for the command before.
-    if (owed_ == 0 && socket_.receive(Nanoseconds(0)) != ServiceSocket::News::none) {
+    if (owed_ == 0 && socket_.receive(Nanoseconds(0)) != ServiceSocket::ReceiveResult::none) {
       say(Vec3::Zero(), false);
       return std::nullopt;
     }
@@ -109,13 +109,13 @@ class HaplyDevice final : public LockStepDevice {
   Answer hear(Nanoseconds latest) noexcept {
     while (owed_ > 0) {
       switch (socket_.receive(latest)) {
-        case ServiceSocket::News::none:
+        case ServiceSocket::ReceiveResult::none:
           return Answer::none;
-        case ServiceSocket::News::gone:
+        case ServiceSocket::ReceiveResult::gone:
           return Answer::gone;
-        case ServiceSocket::News::garbled:
+        case ServiceSocket::ReceiveResult::garbled:
           return Answer::garbled;
-        case ServiceSocket::News::message:
+        case ServiceSocket::ReceiveResult::message:
           --owed_;
       }
     }
@@ -127,7 +127,7 @@ class HaplyDevice final : public LockStepDevice {
     if (const Answer heard = hear(latest); heard != Answer::whole) return heard;
     const auto message = read_message(socket_.message(), id_);
     if (!message) return Answer::garbled;
-    const Told& told = message->told;
+    const HaplyState& told = message->told;
     // A profile that was changed meanwhile is noticed only if the service reports it.
     if (!told.position || told.calibrated == false || told.ready == false || !told.neutral() ||
         told.position->norm() > kFarthest)
@@ -160,9 +160,9 @@ class HaplyDevice final : public LockStepDevice {
 
   bool forget() noexcept override {
     for (int n = 0; n < kAnswers; ++n) {
-      const ServiceSocket::News news = socket_.receive(Nanoseconds(0));
-      if (news == ServiceSocket::News::gone) return false;
-      if (news == ServiceSocket::News::none) break;
+      const ServiceSocket::ReceiveResult news = socket_.receive(Nanoseconds(0));
+      if (news == ServiceSocket::ReceiveResult::gone) return false;
+      if (news == ServiceSocket::ReceiveResult::none) break;
     }
     owed_ = 0;
     cut_.reset();
@@ -170,7 +170,7 @@ class HaplyDevice final : public LockStepDevice {
   }
 
   void take_inventory(const std::string& id) {
-    if (socket_.receive(monotonic_now() + kPatience) != ServiceSocket::News::message)
+    if (socket_.receive(monotonic_now() + kPatience) != ServiceSocket::ReceiveResult::message)
       refuse_service("the service says nothing of its devices; restart it");
     const auto message = read_message(socket_.message(), id);
     if (!message && !lists_devices(socket_.message()))
@@ -181,7 +181,7 @@ class HaplyDevice final : public LockStepDevice {
       refuse_service((id.empty() ? std::string("the service has no Inverse3 or Minverse")
                                  : "the service has no device '" + id + "'") +
                      "; plug it in and look for it in the Haply Hub");
-    const Told& told = message->told;
+    const HaplyState& told = message->told;
     if (told.id.size() > kMostId || told.id.find_first_of("\"\\") != std::string_view::npos)
       refuse_service("the service sends an invalid device id; install a newer service");
     id_ = told.id;
@@ -301,7 +301,7 @@ std::string haply_service(std::uint16_t port) {
   return asked_of_service([&]() -> std::string {
     ServiceSocket socket(port, haply::kLongestMessage);
     const std::string text = "service at port " + std::to_string(port) + ", ";
-    if (socket.receive(monotonic_now() + haply::kPatience) != ServiceSocket::News::message)
+    if (socket.receive(monotonic_now() + haply::kPatience) != ServiceSocket::ReceiveResult::message)
       haply::refuse_service(text + "says nothing of its devices; restart it");
     const auto message = haply::read_message(socket.message(), "");
     if (!message) return text + "no device";

@@ -160,7 +160,7 @@ bool turns(Scanner& scan) noexcept {
   return turned;
 }
 
-void read_state(Scanner& scan, Told& told) noexcept {
+void read_state(Scanner& scan, HaplyState& told) noexcept {
   scan.object([&](std::string_view key) {
     if (key == "cursor_position")
       told.position = vector(scan, Vec3::Constant(std::nan("")));
@@ -174,7 +174,7 @@ void read_state(Scanner& scan, Told& told) noexcept {
   if (told.force && !told.force->allFinite()) told.force.reset();
 }
 
-void read_filters(Scanner& scan, Told& told) noexcept {
+void read_filters(Scanner& scan, HaplyState& told) noexcept {
   const auto value_of = [&](std::string_view name, auto take) {
     scan.object([&](std::string_view key) {
       if (key == name)
@@ -193,7 +193,7 @@ void read_filters(Scanner& scan, Told& told) noexcept {
   });
 }
 
-void read_config(Scanner& scan, Told& told, bool& session) noexcept {
+void read_config(Scanner& scan, HaplyState& told, bool& session) noexcept {
   scan.object([&](std::string_view key) {
     if (key == "filters") {
       session = true;
@@ -231,7 +231,7 @@ void read_config(Scanner& scan, Told& told, bool& session) noexcept {
   });
 }
 
-void read_status(Scanner& scan, Told& told) noexcept {
+void read_status(Scanner& scan, HaplyState& told) noexcept {
   const std::pair<std::string_view, std::optional<bool>*> all[] = {{"calibrated", &told.calibrated},
                                                                    {"ready", &told.ready},
                                                                    {"power_supply", &told.powered},
@@ -246,8 +246,8 @@ void read_status(Scanner& scan, Told& told) noexcept {
   });
 }
 
-Told read_device(Scanner& scan, std::string_view id, bool& session) noexcept {
-  Told told;
+HaplyState read_device(Scanner& scan, std::string_view id, bool& session) noexcept {
+  HaplyState told;
   told.id = id;
   scan.object([&](std::string_view key) {
     if (key == "device_id") {
@@ -318,7 +318,7 @@ struct Writer {
 
 }  // namespace
 
-bool Told::neutral() const noexcept {
+bool HaplyState::neutral() const noexcept {
   constexpr double kNeutral = 1e-6;  // [m], [N s/m], and of a scale
   return permutation == "XYZ" && mount.isZero(kNeutral) && scale.isOnes(kNeutral) && !turned &&
          std::abs(damping) <= kNeutral;
@@ -339,7 +339,7 @@ std::optional<Message> read_message(std::string_view text, std::string_view id) 
   Message message;
   bool session = false, keyed = false, found = false;
   const auto device = [&](std::string_view key) {
-    const Told told = read_device(scan, key, session);
+    const HaplyState told = read_device(scan, key, session);
     ++message.devices;
     if (found || told.id.empty() || !(id.empty() || told.id == id)) return;
     found = true;

@@ -20,7 +20,7 @@ enum class Dialect {
 };
 
 /// The part of a message about one Inverse3 or Minverse, in the service's axes.
-struct Told {
+struct HaplyState {
   std::string_view id;           // points into the message
   std::optional<Vec3> position;  // [m]
   std::optional<Vec3> force;     // [N] the applied force, if the message has it
@@ -42,7 +42,7 @@ struct Told {
 struct Message {
   Dialect dialect = Dialect::values;
   std::size_t devices = 0;                     // number of devices in the message
-  Told told;                                   // the requested device
+  HaplyState told;                             // the requested device
   std::optional<std::array<bool, 3>> buttons;  // buttons of the first grip
   std::optional<Quaternion> orientation;       // of the first grip, in the service's axes
 };

@@ -57,7 +57,7 @@ void check_transmission(const Plant::Transmission& t) {
                      "that gives; give the part of the device's apparent mass that is there");
 }
 
-void check_reflex(const Plant::Held& hand) {
+void check_reflex(const Plant::HeldHand& hand) {
   check_plant_range("hand.reflex_stiffness", hand.reflex_stiffness, kMostStiffness, "N/m");
   check_plant_range("hand.reflex_damping", hand.reflex_damping, kMostPlantDamping, "N s/m");
   if (!hand.has_reflex() && hand.reflex_delay == 0.0) return;
@@ -79,7 +79,7 @@ void check_grip(const std::vector<Plant::Grip>& grip) {
   }
 }
 
-void check_hand(const Plant::Held& hand) {
+void check_hand(const Plant::HeldHand& hand) {
   if (hand.mass) check_plant_range("hand.mass", *hand.mass, kMostPlantMass, "kg");
   if (hand.damping) check_plant_range("hand.damping", *hand.damping, kMostPlantDamping, "N s/m");
   if (hand.stiffness) check_plant_range("hand.stiffness", *hand.stiffness, kMostStiffness, "N/m");
@@ -143,7 +143,7 @@ void validate(const Plant& plant, const DeviceSpec& spec) {
 }
 
 Hand held_by(const Plant& plant, Hand hand) {
-  const Plant::Held& held = plant.hand;
+  const Plant::HeldHand& held = plant.hand;
   if (!held.mass && !held.damping && !held.stiffness) return hand;
   hand.mass = held.mass.value_or(hand.mass);
   hand.damping = held.damping.value_or(hand.damping);

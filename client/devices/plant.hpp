@@ -60,7 +60,7 @@ struct Plant {
   };
   /// The hand beyond `Hand`. The pad of the finger stands between handle and hand. Reflexes pull
   /// like a second spring and damper of the arm, at the error of `reflex_delay` ago.
-  struct Held {
+  struct HeldHand {
     std::optional<double> mass{}, damping{},
         stiffness{};  // [kg], [N s/m], [N/m] instead of the Hand's
     double pad_stiffness = std::numeric_limits<double>::infinity();  // [N/m] infinite: no pad
@@ -81,7 +81,7 @@ struct Plant {
   Transmission transmission{};
   Friction friction{};
   Encoder encoder{};
-  Held hand{};
+  HeldHand hand{};
   std::uint64_t seed = 1;  // of jitter and noise
 
   /// Whether it is the ideal device: the force that is written is at the motor at once; motor,

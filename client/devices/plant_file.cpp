@@ -46,10 +46,10 @@ Plant::Encoder read(const plant_file::Encoder& given, const JsonDocument& docume
   return encoder;
 }
 
-Plant::Held read(const plant_file::Hand& given, const JsonDocument& document) {
-  Plant::Held hand{.reflex_delay = given.reflex_delay(),
-                   .reflex_stiffness = given.reflex_stiffness(),
-                   .reflex_damping = given.reflex_damping()};
+Plant::HeldHand read(const plant_file::Hand& given, const JsonDocument& document) {
+  Plant::HeldHand hand{.reflex_delay = given.reflex_delay(),
+                       .reflex_stiffness = given.reflex_stiffness(),
+                       .reflex_damping = given.reflex_damping()};
   if (document.has("hand.mass")) hand.mass = given.mass();
   if (document.has("hand.damping")) hand.damping = given.damping();
   if (document.has("hand.stiffness")) hand.stiffness = given.stiffness();

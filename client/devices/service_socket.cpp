@@ -216,27 +216,27 @@ bool ServiceSocket::send(std::string_view text) noexcept {
   return !gone_;
 }
 
-ServiceSocket::News ServiceSocket::receive(Nanoseconds latest) noexcept {
-  if (gone_) return News::gone;
+ServiceSocket::ReceiveResult ServiceSocket::receive(Nanoseconds latest) noexcept {
+  if (gone_) return ReceiveResult::gone;
   if (ended_) {
     size_ = 0;
     announced_ = 0;
     begun_ = ended_ = too_long_ = false;
   }
   while (true) {
-    const News news = take_frames(latest);
-    if (news != News::none || monotonic_now() >= latest) return news;
+    const ReceiveResult news = take_frames(latest);
+    if (news != ReceiveResult::none || monotonic_now() >= latest) return news;
     wait_for(connection_.descriptor, POLLIN, latest);
   }
 }
 
 /// Takes frames, or parts of them, until a message ends or `latest`; at least one part.
-ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
+ServiceSocket::ReceiveResult ServiceSocket::take_frames(Nanoseconds latest) noexcept {
   while (!ended_) {
     wslay_frame_iocb part{};
     const ssize_t count = ::wslay_frame_recv(context_.get(), &part);
-    if (count == WSLAY_ERR_WANT_READ && !gone_) return News::none;
-    if (count < 0) return News::gone;
+    if (count == WSLAY_ERR_WANT_READ && !gone_) return ReceiveResult::none;
+    if (count < 0) return ReceiveResult::gone;
     const auto size = static_cast<std::size_t>(count);
     const bool control = part.opcode == WSLAY_PING || part.opcode == WSLAY_PONG ||
                          part.opcode == WSLAY_CONNECTION_CLOSE;
@@ -248,7 +248,7 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
     if (text && of_frame_ == 0) announced_ += part.payload_length;
     const bool endless = announced_ > std::max<std::uint64_t>(message_.size(), kMostSkipped);
     if ((!control && !text) || odd || masked || extended || endless)
-      return gone_ = true, News::gone;
+      return gone_ = true, ReceiveResult::gone;
     if (control) {
       const std::size_t room = control_.size() - control_size_;
       std::copy_n(part.data, std::min(size, room), control_.data() + control_size_);
@@ -265,13 +265,13 @@ ServiceSocket::News ServiceSocket::take_frames(Nanoseconds latest) noexcept {
       of_frame_ = 0;
       ended_ = !control && part.fin != 0;
       idle_ = ended_ ? 0 : idle_ + 1;
-      if (idle_ > kMostIdle) return gone_ = true, News::gone;
+      if (idle_ > kMostIdle) return gone_ = true, ReceiveResult::gone;
       if (control) take_control(part.opcode);
-      if (gone_) return News::gone;
+      if (gone_) return ReceiveResult::gone;
     }
-    if (!ended_ && latest.count() > 0 && monotonic_now() >= latest) return News::none;
+    if (!ended_ && latest.count() > 0 && monotonic_now() >= latest) return ReceiveResult::none;
   }
-  return too_long_ ? News::garbled : News::message;
+  return too_long_ ? ReceiveResult::garbled : ReceiveResult::message;
 }
 
 void ServiceSocket::take_control(std::uint8_t opcode) noexcept {

@@ -19,7 +19,7 @@ namespace feltwire {
 /// No function allocates after opening.
 class ServiceSocket {
  public:
-  enum class News {
+  enum class ReceiveResult {
     none,     // no message by the given time
     gone,     // closed, reset, or not a WebSocket any more, or it says nothing without end
     garbled,  // a message that is longer than the buffer; the next call looks for the next one
@@ -57,7 +57,7 @@ class ServiceSocket {
   bool post(std::span<const std::uint8_t> frame) const noexcept;
 
   /// Waits for the next message until `latest` (a monotonic time). It answers pings.
-  News receive(Nanoseconds latest) noexcept;
+  ReceiveResult receive(Nanoseconds latest) noexcept;
   /// Returns that message. It is valid until the next receive().
   std::string_view message() const noexcept { return {message_.data(), size_}; }
 
@@ -71,7 +71,7 @@ class ServiceSocket {
 
   std::span<const std::uint8_t> framed(std::uint8_t opcode,
                                        std::span<const std::uint8_t> data) noexcept;
-  News take_frames(Nanoseconds latest) noexcept;
+  ReceiveResult take_frames(Nanoseconds latest) noexcept;
   void take_control(std::uint8_t opcode) noexcept;
 
   Connection connection_;

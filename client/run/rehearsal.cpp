@@ -89,9 +89,9 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
 }
 
 /// Empty if it was stopped.
-std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& parameters,
-                          const ServoOptions& options, double wall, const Hand& hand,
-                          const std::function<bool()>& goes_on) {
+std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters& parameters,
+                                const ServoOptions& options, double wall, const Hand& hand,
+                                const std::function<bool()>& goes_on) {
   SimulatedDevice device = pressed(spec, parameters.servo_period, wall, hand);
   Servo servo(spec, parameters, options);
   std::minstd_rand random;  // the same numbers in each press
@@ -111,15 +111,15 @@ std::optional<Felt> press(const DeviceSpec& spec, const SessionParameters& param
   }
   const double depth = -handle.mean();
   const double share = depth > 0.0 ? handle.force() / depth / wall : 0.0;
-  return Felt{.wall = wall, .share = std::clamp(share, 0.0, 1.0), .swing = handle.swing()};
+  return FirstPress{.wall = wall, .share = std::clamp(share, 0.0, 1.0), .swing = handle.swing()};
 }
 
-std::optional<Felt> worst(const DeviceSpec& spec, const SessionParameters& parameters,
-                          const ServoOptions& options, double wall,
-                          const std::function<bool()>& goes_on) {
-  Felt found{.wall = wall, .share = 1.0};
+std::optional<FirstPress> worst(const DeviceSpec& spec, const SessionParameters& parameters,
+                                const ServoOptions& options, double wall,
+                                const std::function<bool()>& goes_on) {
+  FirstPress found{.wall = wall, .share = 1.0};
   for (const Hand& hand : kHands) {
-    const std::optional<Felt> felt = press(spec, parameters, options, wall, hand, goes_on);
+    const std::optional<FirstPress> felt = press(spec, parameters, options, wall, hand, goes_on);
     if (!felt) return std::nullopt;
     found.share = std::min(found.share, felt->share);
     found.swing = std::max(found.swing, felt->swing);
@@ -148,7 +148,7 @@ class Pieces {
 
 }  // namespace
 
-bool Felt::calm() const noexcept { return swing < kCalm; }
+bool FirstPress::calm() const noexcept { return swing < kCalm; }
 
 std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameters& parameters,
                                   const ServoOptions& told_options, double scene_stiffness,
@@ -163,12 +163,12 @@ std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameter
   found.force = press_force(spec);
   found.mass_known = spec.least_mass > 0.0;
   const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
-  const std::optional<Felt> scene = worst(spec, parameters, options, usual, goes_on);
+  const std::optional<FirstPress> scene = worst(spec, parameters, options, usual, goes_on);
   if (!scene) return std::nullopt;
   found.scene = *scene;
   bool all_whole = true;
   for (const double wall : kWalls) {
-    const std::optional<Felt> felt = worst(spec, parameters, options, wall, goes_on);
+    const std::optional<FirstPress> felt = worst(spec, parameters, options, wall, goes_on);
     if (!felt) return std::nullopt;
     found.swings = !felt->calm();
     if (found.swings) break;

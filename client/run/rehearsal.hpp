@@ -12,7 +12,7 @@ namespace feltwire {
 
 /// A first press on one wall. A light finger (0.02 kg, 0.5 N s/m, 50 N/m) and a usual hand (0.1 kg,
 /// 5 N s/m, 300 N/m) press with up to 3 N, or what the device can hold.
-struct Felt {
+struct FirstPress {
   double wall = 0.0;   // [N/m] 0: there is none
   double share = 0.0;  // of the wall: force over depth at the handle, of the hand that feels less;
                        // at most 1
@@ -24,11 +24,11 @@ struct Felt {
 
 struct Rehearsal {
   double force = 0.0;  // [N] of the press
-  Felt scene;          // the scene's stiffest surface, or 1 kN/m if it is not known
+  FirstPress scene;    // the scene's stiffest surface, or 1 kN/m if it is not known
   // Walls of 250 N/m to 40 kN/m are tried, up to the first on which a hand swings.
-  Felt calm;                // the stiffest without swing
-  Felt whole;               // the stiffest up to which each is felt to 0.9 or more
-  Felt most;                // on which the most stiffness is felt
+  FirstPress calm;          // the stiffest without swing
+  FirstPress whole;         // the stiffest up to which each is felt to 0.9 or more
+  FirstPress most;          // on which the most stiffness is felt
   bool mass_known = false;  // by the law; a device of 0.1 kg was simulated if not
   bool swings = false;      // on a wall that was tried
 };

@@ -197,7 +197,7 @@ Json true_energy(const std::optional<TrueEnergy>& energy) {
 }
 
 /// Null: the wall was not felt, or is not there.
-Json felt(const Felt& felt) {
+Json felt(const FirstPress& felt) {
   if (!(felt.wall > 0.0)) return nullptr;
   return {{"wall_n_per_m", number(felt.wall)},
           {"share", number(felt.share)},

@@ -122,8 +122,8 @@ Signals::~Signals() {
   ::close(descriptor_);
 }
 
-Signals::Taken Signals::take() const noexcept {
-  Taken came;
+Signals::PendingSignals Signals::take() const noexcept {
+  PendingSignals came;
   signalfd_siginfo signal;
   while (::read(descriptor_, &signal, sizeof signal) == static_cast<ssize_t>(sizeof signal))
     (signal.ssi_signo == SIGUSR1 ? came.record : came.end) = true;
@@ -146,7 +146,7 @@ void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveSta
       tell_of(keys.take(), line);
       waiting[2].fd = keys.descriptor();
     }
-    const Signals::Taken came = signals.take();
+    const Signals::PendingSignals came = signals.take();
     if (came.end) thread.stop();
     running = !thread.over();
     LiveStatus status;

@@ -22,10 +22,10 @@ class Signals {
   Signals& operator=(const Signals&) = delete;
   int descriptor() const { return descriptor_; }
   /// The signals that came since the last call.
-  struct Taken {
+  struct PendingSignals {
     bool end = false, record = false;
   };
-  Taken take() const noexcept;
+  PendingSignals take() const noexcept;
 
  private:
   bool records_;

@@ -15,7 +15,7 @@ Nanoseconds StallDetector::pause() const noexcept {
   return std::clamp(limit_ - pulling_, late_ / kShortest, late_);
 }
 
-StallDetector::Verdict StallDetector::look(Nanoseconds now, const Life& life) noexcept {
+StallDetector::Verdict StallDetector::look(Nanoseconds now, const SignsOfLife& life) noexcept {
   const Nanoseconds most = pause() + late_;
   const Nanoseconds slept = std::max(now - looked_.value_or(now), Nanoseconds(0));
   looked_ = now;

@@ -34,7 +34,7 @@ class StallDetector {
   };
 
   /// The signs of life of the thread.
-  struct Life {
+  struct SignsOfLife {
     std::uint64_t calls = 0;  // of the device that have returned
     Nanoseconds tick{0};      // the time at which the newest tick began
     bool pulls = false;       // a force is on the hand
@@ -49,7 +49,7 @@ class StallDetector {
   /// The time from a look to the next one.
   Nanoseconds pause() const noexcept;
   /// `now`: a monotonic time.
-  Verdict look(Nanoseconds now, const Life& life) noexcept;
+  Verdict look(Nanoseconds now, const SignsOfLife& life) noexcept;
   /// The time without a sign of life, at the last look before the thread stood still for good.
   Nanoseconds still() const noexcept { return still_; }
 

@@ -149,7 +149,7 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
 /// Whether no force is on the hand and no earlier force is still to come.
 bool PortAccount::idle() const noexcept {
   for (std::size_t n = 0; n < late_; ++n)
-    if (!Held{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
+    if (!ForceAndTorque{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
   return held_.nothing() && older_forces_.nothing() && older_torques_.nothing();
 }
 
@@ -169,7 +169,8 @@ inline double PortAccount::kept() const noexcept {
 
 /// `usual` and `most`: the shares of `wanted` that can be paid for without and with the reserve.
 /// The reserve is spent only so far that the force falls gradually.
-double PortAccount::softened(const Held& wanted, double usual, double most) const noexcept {
+double PortAccount::softened(const ForceAndTorque& wanted, double usual,
+                             double most) const noexcept {
   const bool pushes = !wanted.force.isZero(0.0);
   const double before = pushes ? length(last().force) : length(last().torque);
   const double softer =
@@ -182,7 +183,7 @@ double PortAccount::softened(const Held& wanted, double usual, double most) cons
 /// would leave everything to the one after it. So `left` must also pay for L + 1 such forces in a
 /// row. Their needs are computed at the share that is given: a larger force has differently
 /// distributed needs, and the share would oscillate.
-double PortAccount::share_after_coming(const Needs& own, const Held& wanted, double left,
+double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
   double needed = 0.0;
@@ -202,13 +203,14 @@ double PortAccount::share_after_coming(const Needs& own, const Held& wanted, dou
 }
 
 /// [J] Need of the whole of `held`, after the first n of the coming forces.
-double PortAccount::need_after(const Held& held, std::size_t n, double hold) const noexcept {
+double PortAccount::need_after(const ForceAndTorque& held, std::size_t n,
+                               double hold) const noexcept {
   return translation_.need(held.force, hold, {coming_forces_.data(), n}).at(1.0) +
          rotation_.need(held.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
 /// Stores the given force: it acts on the hand now, or L samples later.
-void PortAccount::give(const Held& given) noexcept {
+void PortAccount::give(const ForceAndTorque& given) noexcept {
   if (late_ == 0) {
     held_ = given;
     return;
@@ -225,7 +227,7 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   const double left = take_in(s), hold = std::max(period_, next_hold);
   translation_.prepare(hold);
   rotation_.prepare(hold);
-  const Held wanted{s.command.force(), s.command.torque};
+  const ForceAndTorque wanted{s.command.force(), s.command.torque};
   const double share = affordable_share(wanted, left, hold);
   if (share == 1.0) {
     give(wanted);
@@ -241,7 +243,8 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
 
 /// The largest share of `wanted` that `left` [J] pays for. kNoLimit if a need has no limit, as for
 /// a number that is not finite.
-inline double PortAccount::affordable_share(const Held& wanted, double left, double hold) noexcept {
+inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double left,
+                                            double hold) noexcept {
   if (lags()) return lagging_share(wanted, left, hold);
   const Needs both{translation_.need(wanted.force, hold, {coming_forces_.data(), late_}),
                    rotation_.need(wanted.torque, hold, {coming_torques_.data(), late_})};
@@ -256,7 +259,7 @@ inline double PortAccount::affordable_share(const Held& wanted, double left, dou
 
 /// affordable_share() for a lagging motor. The cost of a share has no simple inverse, so this
 /// searches. The share that it returns is always affordable.
-double PortAccount::lagging_share(const Held& wanted, double left, double hold) noexcept {
+double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept {
   const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
   const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
   if (!force.limited() || !torque.limited()) [[unlikely]]

@@ -285,7 +285,7 @@ class PortAccount {
 
  private:
   /// The force and the torque of a command.
-  struct Held {
+  struct ForceAndTorque {
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     bool nothing() const noexcept { return force.isZero(0.0) && torque.isZero(0.0); }
   };
@@ -293,27 +293,27 @@ class PortAccount {
   double take_in(const BoundingStep& step) noexcept;
   bool idle() const noexcept;
   bool lags() const noexcept { return older_forces_.lag().time > 0.0; }
-  double affordable_share(const Held& wanted, double left, double hold) noexcept;
+  double affordable_share(const ForceAndTorque& wanted, double left, double hold) noexcept;
   Command give_limited_part(const Command& command, double left, double hold) noexcept;
   using Needs = std::array<EnergyNeed, 2>;  // of a force and a torque
-  double share_after_coming(const Needs& own, const Held& wanted, double left,
+  double share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                             double hold) noexcept;
   struct Last {
     const Vec3 &force, &torque;
   };
   Last last() const noexcept;
   double kept() const noexcept;
-  double softened(const Held& wanted, double usual, double most) const noexcept;
-  double need_after(const Held& held, std::size_t n, double hold) const noexcept;
-  double lagging_share(const Held& wanted, double left, double hold) noexcept;
-  void give(const Held& given) noexcept;
+  double softened(const ForceAndTorque& wanted, double usual, double most) const noexcept;
+  double need_after(const ForceAndTorque& held, std::size_t n, double hold) const noexcept;
+  double lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept;
+  void give(const ForceAndTorque& given) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 
   double cap_;
   bool looks_ahead_;
   PortBalance translation_, rotation_;
   double period_;
-  Held held_;
+  ForceAndTorque held_;
   // Given but not yet on the hand: the first of these is taken up next.
   std::array<Vec3, AccountConfig::kMostLate> coming_forces_, coming_torques_;
   std::size_t late_;

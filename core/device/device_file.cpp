@@ -76,33 +76,34 @@ SpecSources sources_of(const device_file::DeviceSpec& given) {
   SpecSources sources;
   const auto* said = given.sources();
   if (said == nullptr) return sources;
-  using Said = device_file::Sources;
-  constexpr std::pair<const char*, const flatbuffers::String* (Said::*)() const> kFields[] = {
-      {"translation_dof", &Said::translation_dof},
-      {"rotation_sensed", &Said::rotation_sensed},
-      {"rotation_actuated", &Said::rotation_actuated},
-      {"damping", &Said::damping},
-      {"rotational_damping", &Said::rotational_damping},
-      {"apparent_mass", &Said::apparent_mass},
-      {"coulomb_friction", &Said::coulomb_friction},
-      {"position_resolution", &Said::position_resolution},
-      {"max_force", &Said::max_force},
-      {"continuous_force", &Said::continuous_force},
-      {"max_torque", &Said::max_torque},
-      {"workspace", &Said::workspace},
-      {"least_mass", &Said::least_mass},
-      {"least_friction", &Said::least_friction},
-      {"hand_force", &Said::hand_force},
-      {"hand_speed", &Said::hand_speed},
-      {"late_ticks", &Said::late_ticks},
-      {"actuation_lag", &Said::actuation_lag},
-      {"actuation_kind", &Said::actuation_kind},
-      {"rotational_resolution", &Said::rotational_resolution},
-      {"least_inertia", &Said::least_inertia},
-      {"hand_torque", &Said::hand_torque},
-      {"apparent_inertia", &Said::apparent_inertia},
-      {"rotational_friction", &Said::rotational_friction},
-  };
+  using FileSources = device_file::Sources;
+  constexpr std::pair<const char*, const flatbuffers::String* (FileSources::*)() const> kFields[] =
+      {
+          {"translation_dof", &FileSources::translation_dof},
+          {"rotation_sensed", &FileSources::rotation_sensed},
+          {"rotation_actuated", &FileSources::rotation_actuated},
+          {"damping", &FileSources::damping},
+          {"rotational_damping", &FileSources::rotational_damping},
+          {"apparent_mass", &FileSources::apparent_mass},
+          {"coulomb_friction", &FileSources::coulomb_friction},
+          {"position_resolution", &FileSources::position_resolution},
+          {"max_force", &FileSources::max_force},
+          {"continuous_force", &FileSources::continuous_force},
+          {"max_torque", &FileSources::max_torque},
+          {"workspace", &FileSources::workspace},
+          {"least_mass", &FileSources::least_mass},
+          {"least_friction", &FileSources::least_friction},
+          {"hand_force", &FileSources::hand_force},
+          {"hand_speed", &FileSources::hand_speed},
+          {"late_ticks", &FileSources::late_ticks},
+          {"actuation_lag", &FileSources::actuation_lag},
+          {"actuation_kind", &FileSources::actuation_kind},
+          {"rotational_resolution", &FileSources::rotational_resolution},
+          {"least_inertia", &FileSources::least_inertia},
+          {"hand_torque", &FileSources::hand_torque},
+          {"apparent_inertia", &FileSources::apparent_inertia},
+          {"rotational_friction", &FileSources::rotational_friction},
+      };
   for (const auto& [field, source] : kFields)
     if (const auto* text = (said->*source)()) sources[field] = text->str();
   return sources;

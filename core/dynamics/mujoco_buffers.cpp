@@ -70,7 +70,7 @@ bool has_own_room(const mjModel& m) {
          static_cast<double>(m.nstack) != stack;
 }
 
-void give(mjModel& model, const Room& room) {
+void give(mjModel& model, const BufferSizes& room) {
   model.nconmax = room.contacts;
   model.njmax = room.rows;
   model.nstack = room.stack;
@@ -85,7 +85,7 @@ std::string printed(double bytes) {
 
 }  // namespace
 
-double bytes(const mjModel& model, const Room& room) {
+double bytes(const mjModel& model, const BufferSizes& room) {
   // The constraints' Jacobian and its transpose, both with column indices; the matrix of all rows.
   const double entry = kNumber + kIndex, rows = room.rows;
   return 2.0 * entry * rows * model.nv + entry * rows * rows +
@@ -96,12 +96,12 @@ void leave_room_open(mjModel& model) {
   if (!has_own_room(model)) model.nconmax = 0;
 }
 
-Room first_room(const mjModel& model) {
+BufferSizes first_room(const mjModel& model) {
   int moving = 0;
   for (int g = 0; g < model.ngeom; ++g)
     moving += model.body_weldid[model.geom_bodyid[g]] != 0 ? 1 : 0;
   const int others = other_rows(model), each = rows_of_contact(model);
-  Room room;
+  BufferSizes room;
   room.contacts = 2 * (kFewContacts + kContactsOfGeom * moving);
   do {
     room.contacts = std::max(kFewContacts, room.contacts / 2);

@@ -11,14 +11,14 @@
 namespace feltwire::mujoco {
 
 /// MuJoCo's three numbers (mjModel: nconmax, njmax, nstack).
-struct Room {
+struct BufferSizes {
   int contacts = 0;
   int rows = 0;   // of constraints: a contact has one for each dimension of its friction
   int stack = 0;  // numbers
 };
 
 /// [bytes] The memory of the contacts and constraints.
-double bytes(const mjModel& model, const Room& room);
+double bytes(const mjModel& model, const BufferSizes& room);
 
 /// Marks a model just loaded, so that a Simulation chooses its room (nconmax 0); a <size> in its
 /// file stays. After that only a Simulation may run it.
@@ -26,7 +26,7 @@ void leave_room_open(mjModel& model);
 
 /// The room that a model begins with: for every moving geom as many contacts as it takes to rest,
 /// in at most kFirstMemory.
-Room first_room(const mjModel& model);
+BufferSizes first_room(const mjModel& model);
 
 /// Whether the body's joint has a limited range.
 bool has_range(const Body& body);
@@ -61,7 +61,7 @@ class Simulation {
   /// Changes gravity in this run alone. The step under way is evaluated already, so the change acts
   /// from the next step on.
   void set_gravity(const Vec3& gravity) noexcept;
-  Room room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
+  BufferSizes room() const { return {model_.nconmax, model_.njmax, model_.nstack}; }
 
   /// mj_step1() evaluates the state, mj_step2() does a step. They return false if MuJoCo failed,
   /// and allocate only to grow.

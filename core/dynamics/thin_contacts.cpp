@@ -21,7 +21,7 @@ std::string number_shown(const char* format, Numbers... numbers) {
 }
 
 /// A geom seen along gravity.
-struct Seen {
+struct GeomExtent {
   int geom;
   double low, high;  // [m] along up
   double thickness;  // [m] its least extent, in any direction
@@ -90,7 +90,7 @@ double depth_below(const mjModel& model, const mjData& data, int middle_of, int 
 
 /// [m] Thickness of two geoms together in a contact. MuJoCo loses a capsule in a box as soon as the
 /// capsule's axis is inside, so the box does not count.
-double thickness_of(const mjModel& model, const Seen& a, const Seen& b) {
+double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent& b) {
   const int kinds[] = {model.geom_type[a.geom], model.geom_type[b.geom]};
   if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
   if (kinds[0] == mjGEOM_BOX && kinds[1] == mjGEOM_CAPSULE) return b.thickness;
@@ -143,11 +143,11 @@ struct Fall {
   double speed = 0.0, held = 0.0;  // [m/s]
 };
 
-std::string warning_of(const Object& upper, const Object& lower, const Seen& a, const Seen& b,
-                       const Fall& fall, double tick, double gravity) {
+std::string warning_of(const Object& upper, const Object& lower, const GeomExtent& a,
+                       const GeomExtent& b, const Fall& fall, double tick, double gravity) {
   const double share = fall.held / fall.speed;
   const double lowest = fall.held * fall.held / (2.0 * gravity) - fall.topple;
-  const auto thick = [](const Seen& seen) { return 1e3 * seen.thickness; };
+  const auto thick = [](const GeomExtent& seen) { return 1e3 * seen.thickness; };
   std::string text =
       "object '" + upper.name + "' (" + number_shown("%.3g mm", thick(a)) + " thick) falls " +
       number_shown("%.3g m", fall.height) + " onto '" + lower.name + "' (" +
@@ -184,7 +184,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
   if (!(gravity > 0.0)) return {};
   const Vec3 up = -pull / gravity;
 
-  std::vector<Seen> seen;
+  std::vector<GeomExtent> seen;
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (int g = 0; g < model.ngeom; ++g) {
     if (object_of[static_cast<std::size_t>(g)] < 0 || model.geom_type[g] == mjGEOM_HFIELD) continue;
@@ -200,14 +200,14 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
   // Nothing in the scene can fall faster, so thicker bodies need no check.
   const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
-  for (Seen& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
+  for (GeomExtent& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
   // Height of a geom's fall: down to the highest geom below it that does not move.
   constexpr std::size_t kMostPairs = 20'000'000, kMostSaid = 16;
   std::size_t pairs = 0, more = 0;
-  const auto drop_of = [&](const Seen& a) {
+  const auto drop_of = [&](const GeomExtent& a) {
     double least = std::numeric_limits<double>::infinity();
-    for (const Seen& b : seen) {
+    for (const GeomExtent& b : seen) {
       ++pairs;
       if (b.falls || b.high > a.low || !meet(model, a.geom, b.geom)) continue;
       if (!b.endless && !overlap(model, data, a.geom, b.geom, up)) continue;
@@ -217,7 +217,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
   };
 
   // Height by which the middle of a body falls until the body lies flat: all of it adds speed.
-  const auto fall_of = [&](const Seen& a, const Seen& b) {
+  const auto fall_of = [&](const GeomExtent& a, const GeomExtent& b) {
     const double below = depth_below(model, data, a.geom, b.geom, -up);
     if (model.geom_type[b.geom] == mjGEOM_MESH)
       pairs += static_cast<std::size_t>(model.mesh_facenum[model.geom_dataid[b.geom]]);
@@ -226,9 +226,9 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
   };
 
   std::vector<std::string> warnings;
-  for (const Seen& a : seen) {
+  for (const GeomExtent& a : seen) {
     if (!a.falls) continue;
-    for (const Seen& b : seen) {
+    for (const GeomExtent& b : seen) {
       if (++pairs > kMostPairs) break;
       if ((!a.thin && !b.thin) || b.endless || a.low < b.low || !meet(model, a.geom, b.geom))
         continue;
@@ -247,7 +247,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
         ++more;
         continue;
       }
-      const auto object = [&](const Seen& s) -> const Object& {
+      const auto object = [&](const GeomExtent& s) -> const Object& {
         return objects[static_cast<std::size_t>(object_of[static_cast<std::size_t>(s.geom)])];
       };
       warnings.push_back(warning_of(object(a), object(b), a, b, fall, tick, gravity));

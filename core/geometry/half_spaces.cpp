@@ -44,11 +44,11 @@ bool on_planes(std::span<const HalfSpace> all, const Subset& which, int count, c
 
 }  // namespace
 
-Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
-                   WorkLimit* work) noexcept {
+NearestPoint nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
+                        WorkLimit* work) noexcept {
   constexpr int kMostRounds = 64;
   constexpr std::uint64_t kRoundWork = 8;
-  Nearest best{.point = goal, .active = {}, .count = 0, .found = true};
+  NearestPoint best{.point = goal, .active = {}, .count = 0, .found = true};
   for (int round = 0; round < kMostRounds; ++round) {
     std::size_t worst = 0;
     double lowest = -tolerance;
@@ -62,7 +62,7 @@ Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double t
     if (!may_go_on(work, kRoundWork)) break;
 
     // Take the worst plane with a subset of the active ones, so that the point satisfies all four.
-    Nearest next;
+    NearestPoint next;
     double nearest = 0.0;
     for (unsigned chosen = 0; chosen < 1u << best.count; ++chosen) {
       Subset subset{worst, 0, 0};

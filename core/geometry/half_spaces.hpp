@@ -18,7 +18,7 @@ struct HalfSpace {
   double height(const Vec3& x) const { return normal.dot(x) - offset; }
 };
 
-struct Nearest {
+struct NearestPoint {
   Vec3 point = Vec3::Zero();
   std::array<std::size_t, 3> active{};  // indices of the planes on which the point lies
   int count = 0;
@@ -28,7 +28,7 @@ struct Nearest {
 /// Returns the point of all half spaces that is nearest to `goal`, correct to `tolerance` [m]. Each
 /// round adds an active plane, as in Goldfarb & Idnani's dual method. The sets of four are so small
 /// that all of their subsets are tried. Where `work` is cut off, nothing is found.
-Nearest nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
-                   WorkLimit* work = nullptr) noexcept;
+NearestPoint nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, double tolerance,
+                        WorkLimit* work = nullptr) noexcept;
 
 }  // namespace feltwire

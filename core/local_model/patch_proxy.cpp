@@ -16,7 +16,7 @@ constexpr double kExact = 1e-12;  // share of a depth or a height
 bool solid(double height) { return height < 0.0; }  // a NaN is free
 
 /// A patch seen from the tool.
-struct Seen {
+struct PatchView {
   const SurfacePatch* patch = nullptr;
   double height = 0.0;  // [m] of the tool above the patch itself
   Vec3 normal = Vec3::Zero();
@@ -31,10 +31,10 @@ struct Seen {
 };
 
 struct SeenPatches {
-  std::array<Seen, kMaxPatches> all{};
+  std::array<PatchView, kMaxPatches> all{};
   std::size_t count = 0;
-  std::span<const Seen> view() const { return {all.data(), count}; }
-  void add(const Seen& seen) { all[count++] = seen; }
+  std::span<const PatchView> view() const { return {all.data(), count}; }
+  void add(const PatchView& seen) { all[count++] = seen; }
 };
 
 /// Patches that are not joined: the proxy is the nearest point in front of all their tangent
@@ -46,7 +46,7 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   double deepest = 0.0;  // [m]
   int count = 0;
   for (std::size_t i = 0; i < seen.count; ++i) {
-    const Seen& one = seen.all[i];
+    const PatchView& one = seen.all[i];
     spaces[i] = one.open(tool);
     const double height = one.clearance();
     if (!solid(height)) continue;
@@ -60,7 +60,7 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   if (count == 0) return proxy;
   const bool alone = count == 1 && seen.count == 1;
   if (!alone) {
-    const Nearest nearest = nearest_in({spaces.data(), seen.count}, tool, kExact * deepest);
+    const NearestPoint nearest = nearest_in({spaces.data(), seen.count}, tool, kExact * deepest);
     if (nearest.found) beyond = nearest.point - tool;
   }
   proxy.surface.point = tool + beyond;
@@ -71,12 +71,12 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
 
 /// The patch beyond an obtuse edge, if such an edge lies between the proxy on a joined patch and
 /// the point of that patch closest to the tool.
-Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double age) {
+PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool, double age) {
   constexpr double kBeyond = 1e-9;  // share of the depth: nothing is beyond a right angle
   const Vec3 closest = tool - from.height * from.normal;
-  Seen to = from;
+  PatchView to = from;
   double highest = -kBeyond * from.height;
-  for (const Seen& other : seen.view()) {
+  for (const PatchView& other : seen.view()) {
     if (other.patch == from.patch) continue;
     const SurfacePatch& patch = *other.patch;
     const double above = height_above(patch, age * patch.velocity, closest).height;
@@ -89,10 +89,10 @@ Seen slid(const SeenPatches& seen, const Seen& from, const Vec3& tool, double ag
 
 /// A ball on the edge or corner of joined patches, or on one of them. It touches the nearest point
 /// of the solid behind all tangent planes.
-PatchProxy round_edge(const SeenPatches& seen, const Seen& highest, const Vec3& tool) {
+PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const Vec3& tool) {
   std::array<HalfSpace, kMaxPatches> spaces;
   for (std::size_t i = 0; i < seen.count; ++i) spaces[i] = seen.all[i].closed(tool);
-  const Nearest nearest =
+  const NearestPoint nearest =
       nearest_in({spaces.data(), seen.count}, tool, kExact * highest.patch->offset);
   const Vec3 out =
       nearest.found ? Vec3(tool - nearest.point) : Vec3(highest.height * highest.normal);
@@ -105,12 +105,12 @@ PatchProxy round_edge(const SeenPatches& seen, const Seen& highest, const Vec3& 
 
 /// The face that a ball reaches from a round edge or corner, once its middle is behind all patches.
 /// It is the face to which the proxy falls steepest. Null if the ball was on no edge or corner.
-const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
+const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
   constexpr double kRound = 1e-9;    // 1 less the cosine between normals
   constexpr double kTouched = 1e-3;  // share of the ball's radius: it was on this face's edge
-  const Seen* best = nullptr;
+  const PatchView* best = nullptr;
   double steepest = 0.0;
-  for (const Seen& one : seen.view()) {
+  for (const PatchView& one : seen.view()) {
     const double offset = one.patch->offset, cosine = one.normal.dot(before.normal);
     if (before.feature == 0 || !(offset > 0.0)) return nullptr;
     if (before.feature == one.patch->feature && !(1.0 - cosine > kRound)) return nullptr;
@@ -125,10 +125,10 @@ const Seen* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemor
 }
 
 /// The patch through which the tool's way entered the solid behind all patches; null if none.
-const Seen* entry(const SeenPatches& seen) {
-  const Seen* by = nullptr;
+const PatchView* entry(const SeenPatches& seen) {
+  const PatchView* by = nullptr;
   double in = 0.0, out = 1.0;
-  for (const Seen& one : seen.view()) {
+  for (const PatchView& one : seen.view()) {
     const double part = one.before / (one.before - one.height);
     if (!solid(one.before)) {
       if (!solid(one.height)) return nullptr;
@@ -143,9 +143,9 @@ const Seen* entry(const SeenPatches& seen) {
 }
 
 /// Whether the straight way from the tool back to a face leads through the solid.
-bool holds(const SeenPatches& seen, const Seen& by) {
+bool holds(const SeenPatches& seen, const PatchView& by) {
   double from = 0.0, to = -by.height;  // [m] along its normal
-  for (const Seen& one : seen.view()) {
+  for (const PatchView& one : seen.view()) {
     if (one.patch == by.patch) continue;
     const double rises = one.normal.dot(by.normal);
     if (rises < 0.0)
@@ -162,10 +162,10 @@ bool holds(const SeenPatches& seen, const Seen& by) {
 /// if that is unknown, while the solid is between them (shapes.cpp).
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
-  const Seen* highest = nullptr;
-  const Seen* by = nullptr;
+  const PatchView* highest = nullptr;
+  const PatchView* by = nullptr;
   bool inside = true;
-  for (const Seen& one : seen.view()) {
+  for (const PatchView& one : seen.view()) {
     inside &= solid(one.height);
     if (highest == nullptr || one.height > highest->height) highest = &one;
     if (before.feature == one.patch->feature) by = &one;
@@ -178,8 +178,8 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
     if (highest->patch->offset > 0.0) return round_edge(seen, *highest, tool);
     return {};
   }
-  const Seen* down = fallen(seen, tool, before);
-  const Seen on = slid(seen, down != nullptr ? *down : *by, tool, age);
+  const PatchView* down = fallen(seen, tool, before);
+  const PatchView on = slid(seen, down != nullptr ? *down : *by, tool, age);
   const double depth = -on.clearance();
   if (!(depth > 0.0)) return {};
   return {on.patch, {tool + depth * on.normal, on.normal, depth}};
@@ -187,7 +187,7 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
 
 /// A round patch whose proxy stayed behind on another side (round_proxy.hpp) is seen from there. If
 /// `before` does not hold the tool on this patch, `from` says whether the tool has come through.
-void leave_behind(Seen& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
+void leave_behind(PatchView& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
                   const FeatureMemory& before, const CameFrom& from) {
   constexpr double kRounding = 1e-9;
   const SurfacePatch& patch = *seen.patch;
@@ -233,7 +233,7 @@ PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3
     const double then = age - from.elapsed;
     const double came =
         from.known ? height_above(patch, then * patch.velocity, from.position).height : 0.0;
-    Seen seen{&patch, h.height, normal, came};
+    PatchView seen{&patch, h.height, normal, came};
     leave_behind(seen, age * patch.velocity, then * patch.velocity, tool, before, from);
     (patch.joined ? joined : hollow).add(seen);
   }

@@ -14,18 +14,18 @@ constexpr double kLeastTrust = 1e-6;  // a hand does not feel so small a share o
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
 /// A part of an object of the scene.
-struct Near {
+struct NearbySurface {
   double distance = 0.0;  // [m]
   std::size_t object = 0;
   std::uint32_t feature = 0;
 };
 
 /// The nearest parts so far, sorted by distance. Parts of equal distance keep the order of arrival.
-class Nearest {
+class NearestSurfaces {
  public:
-  explicit Nearest(double reach) : reach_(reach) {}
+  explicit NearestSurfaces(double reach) : reach_(reach) {}
   /// Inserts a part. A part that does not fit, or that cannot be shown, ends the reach.
-  void offer(const Near& part, bool shown) noexcept {
+  void offer(const NearbySurface& part, bool shown) noexcept {
     if (part.distance >= reach_) return;
     if (!shown) {
       reach_ = part.distance;
@@ -43,7 +43,7 @@ class Nearest {
     parts_[at(place)] = part;
   }
   double reach() const { return std::max(0.0, reach_); }
-  std::span<const Near> within_reach() const {
+  std::span<const NearbySurface> within_reach() const {
     int count = count_;
     while (count > 0 && parts_[at(count - 1)].distance >= reach_) --count;
     return {parts_.data(), at(count)};
@@ -51,7 +51,7 @@ class Nearest {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  std::array<Near, kMaxPatches> parts_{};
+  std::array<NearbySurface, kMaxPatches> parts_{};
   int count_ = 0;
   double reach_;  // [m]
 };
@@ -92,9 +92,10 @@ class Fitted {
 };
 
 /// The chosen patch of a mesh or a grid, with its radius.
-SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, const Near& chosen,
-                          std::span<const Near> all, const ContactMemory& memory, double ball) {
-  const auto of_object = [&](const Near& near) { return near.object == chosen.object; };
+SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted,
+                          const NearbySurface& chosen, std::span<const NearbySurface> all,
+                          const ContactMemory& memory, double ball) {
+  const auto of_object = [&](const NearbySurface& near) { return near.object == chosen.object; };
   const auto count = static_cast<int>(std::ranges::count_if(all, of_object));
   int index = 0;
   while (index + 1 < fitted.count &&
@@ -107,13 +108,14 @@ SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted, con
 
 /// [m] From a patch's point to where a part of the same object begins that the model lacks.
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
-                 std::span<const Near> chosen, double ball) {
+                 std::span<const NearbySurface> chosen, double ball) {
   double radius = kModelReach;
   const SurfaceParts parts = parts_near(object, patch.point + patch.offset * patch.normal, 0, ball);
   for (const SurfacePart& part : parts.view()) {
-    const bool described = part.shown && std::ranges::any_of(chosen, [&](const Near& near) {
-                             return near.object == index && near.feature == part.feature;
-                           });
+    const bool described =
+        part.shown && std::ranges::any_of(chosen, [&](const NearbySurface& near) {
+          return near.object == index && near.feature == part.feature;
+        });
     if (!described) radius = std::min(radius, part.distance);
   }
   return radius;
@@ -149,7 +151,7 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
   double reach = kModelReach;
   for (const Guide& guide : view.guides())  // a model cannot describe guides
     reach = std::min(reach, begins(guide, position));
-  Nearest nearest(reach);
+  NearestSurfaces nearest(reach);
   Fitted fits(known, ball);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (is_fitted(objects[i].shape)) {
@@ -168,7 +170,7 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
 
   model.reach = nearest.reach();
   const auto chosen = nearest.within_reach();
-  for (const Near& near : chosen) {
+  for (const NearbySurface& near : chosen) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];
     const Object& object = objects[near.object];
     if (is_fitted(object.shape)) {

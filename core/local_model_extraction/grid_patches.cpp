@@ -43,7 +43,8 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
 }
 
 /// The bend of the surface, from differences of the normal over one resolution to either side.
-LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign, const GridClosest& closest) {
+LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign,
+                            const GridClosest& closest) {
   const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
   const double h = field.resolution();
   const auto turn = [&](const Vec3& way) {

@@ -48,7 +48,7 @@ struct Hull {
   }
 };
 
-struct Thing {
+struct Item {
   Hull box;
   std::uint32_t index = 0;
   /// Twice the middle, so that nothing is rounded.
@@ -80,20 +80,20 @@ struct Cut {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-Part part_of(const std::vector<Thing>& things, std::size_t begin, std::size_t end) {
+Part part_of(const std::vector<Item>& items, std::size_t begin, std::size_t end) {
   Part part{begin, end, {}};
-  for (std::size_t i = begin; i < end; ++i) part.box.add(things[i].box);
+  for (std::size_t i = begin; i < end; ++i) part.box.add(items[i].box);
   return part;
 }
 
 /// The bins of all axes. If all middles coincide along an axis, its per_bin is zero.
-std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) {
+std::array<Bins, 3> bins_of(const std::vector<Item>& items, const Part& part) {
   std::array<Bins, 3> bins;
   Corner last{-kInfinity, -kInfinity, -kInfinity};
   for (std::size_t i = part.begin; i < part.end; ++i)
     for (std::size_t axis = 0; axis < bins.size(); ++axis) {
-      bins[axis].first = std::min(bins[axis].first, things[i].middle(axis));
-      last[axis] = std::max(last[axis], things[i].middle(axis));
+      bins[axis].first = std::min(bins[axis].first, items[i].middle(axis));
+      last[axis] = std::max(last[axis], items[i].middle(axis));
     }
   for (std::size_t axis = 0; axis < bins.size(); ++axis) {
     const float per_bin = static_cast<float>(kBins) / (last[axis] - bins[axis].first);
@@ -103,8 +103,8 @@ std::array<Bins, 3> bins_of(const std::vector<Thing>& things, const Part& part) 
     for (Bins& of_axis : bins) {
       if (of_axis.per_bin == 0.0f) continue;
       const auto axis = static_cast<std::size_t>(&of_axis - bins.data());
-      const std::size_t bin = of_axis.bin_of(things[i].middle(axis));
-      of_axis.boxes[bin].add(things[i].box);
+      const std::size_t bin = of_axis.bin_of(items[i].middle(axis));
+      of_axis.boxes[bin].add(items[i].box);
       ++of_axis.counts[bin];
     }
   return bins;
@@ -137,24 +137,24 @@ Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
 }
 
 /// Splits a range and partitions its items.
-std::array<Part, 2> halves(std::vector<Thing>& things, const Part& part, int level) {
-  const auto at = [&](std::size_t i) { return things.begin() + static_cast<std::ptrdiff_t>(i); };
+std::array<Part, 2> halves(std::vector<Item>& items, const Part& part, int level) {
+  const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
   std::array<Bins, 3> bins;
   Cut best;
   if (level < kMaxUneven) {
-    bins = bins_of(things, part);
+    bins = bins_of(items, part);
     for (std::size_t axis = 0; axis < bins.size(); ++axis)
       if (const Cut cut = best_cut(bins[axis], axis, part.size()); cut.cost < best.cost) best = cut;
   }
   std::size_t middle = part.begin + part.size() / 2;
   if (best.bin > 0) {
-    const auto before = [&](const Thing& thing) {
-      return bins[best.axis].bin_of(thing.middle(best.axis)) < best.bin;
+    const auto before = [&](const Item& item) {
+      return bins[best.axis].bin_of(item.middle(best.axis)) < best.bin;
     };
     middle = static_cast<std::size_t>(std::partition(at(part.begin), at(part.end), before) -
-                                      things.begin());
+                                      items.begin());
   }
-  return {part_of(things, part.begin, middle), part_of(things, middle, part.end)};
+  return {part_of(items, part.begin, middle), part_of(items, middle, part.end)};
 }
 
 }  // namespace
@@ -168,17 +168,17 @@ BoxTree::FloatBox::FloatBox(const Bounds& box) {
 
 class BoxTree::Building {
  public:
-  Building(BoxTree& tree, std::span<const Bounds> boxes) : tree_(tree), things_(boxes.size()) {
+  Building(BoxTree& tree, std::span<const Bounds> boxes) : tree_(tree), items_(boxes.size()) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       const FloatBox box(boxes[i]);
-      things_[i] = {{box.least, box.most}, static_cast<std::uint32_t>(i)};
+      items_[i] = {{box.least, box.most}, static_cast<std::uint32_t>(i)};
     }
   }
 
   void build() {
-    tree_.nodes_.reserve(things_.size() / 2);
-    tree_.things_.reserve(things_.size());
-    node(part_of(things_, 0, things_.size()), 0);
+    tree_.nodes_.reserve(items_.size() / 2);
+    tree_.items_.reserve(items_.size());
+    node(part_of(items_, 0, items_.size()), 0);
     tree_.nodes_.shrink_to_fit();
   }
 
@@ -199,7 +199,7 @@ class BoxTree::Building {
       const auto end = parts.begin() + static_cast<std::ptrdiff_t>(count);
       const auto next = std::max_element(parts.begin(), end, after);
       if (next->size() < 2) break;
-      const auto cut = halves(things_, *next, level);
+      const auto cut = halves(items_, *next, level);
       *next = cut[0];
       parts[count++] = cut[1];
     }
@@ -228,17 +228,17 @@ class BoxTree::Building {
         made.first[c] = node(parts[c], level + 1);
         continue;
       }
-      made.first[c] = static_cast<std::uint32_t>(tree_.things_.size());
+      made.first[c] = static_cast<std::uint32_t>(tree_.items_.size());
       made.count[c] = static_cast<std::uint32_t>(parts[c].size());
       for (std::size_t i = parts[c].begin; i < parts[c].end; ++i)
-        tree_.things_.push_back(things_[i].index);
+        tree_.items_.push_back(items_[i].index);
     }
     tree_.nodes_[at] = made;
     return at;
   }
 
   BoxTree& tree_;
-  std::vector<Thing> things_;
+  std::vector<Item> items_;
 };
 
 BoxTree::BoxTree(std::span<const Bounds> boxes) {

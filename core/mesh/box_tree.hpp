@@ -1,5 +1,5 @@
 #pragma once
-// A tree of axis-aligned boxes, which finds the few of many things that can be near a place. It
+// A tree of axis-aligned boxes, which finds the few of many items that can be near a place. It
 // answers with candidates; the caller decides.
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Bounds {
   }
 };
 
-/// Immutable. Boxes are kept in float and rounded outwards. A query therefore misses no thing whose
+/// Immutable. Boxes are kept in float and rounded outwards. A query therefore misses no item whose
 /// box (in double) fits it, but may visit a few others. The order of the visits is not defined.
 /// Each node and each visit takes a unit of `work`; where it is cut off, visits are missing.
 class BoxTree {
@@ -39,7 +39,7 @@ class BoxTree {
   static constexpr double kFarthest = 1e18;
 
   BoxTree() = default;
-  /// Thing i has boxes[i]; at most 2^30. The same boxes give the same tree. Throws
+  /// Item i has boxes[i]; at most 2^30. The same boxes give the same tree. Throws
   /// std::invalid_argument if a box is not finite or reaches farther than kFarthest.
   explicit BoxTree(std::span<const Bounds> boxes);
 
@@ -74,7 +74,7 @@ class BoxTree {
 
   bool empty() const { return nodes_.empty(); }
   std::size_t memory() const {
-    return nodes_.capacity() * sizeof(Node) + things_.capacity() * sizeof(std::uint32_t);
+    return nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(std::uint32_t);
   }
 
  private:
@@ -89,8 +89,8 @@ class BoxTree {
   /// Children in slots 0 ... kWidth - 1; an empty one has a box that nothing overlaps.
   struct alignas(64) Node {
     std::array<std::array<float, kWidth>, kAxes> least, most;  // [m]
-    std::array<std::uint32_t, kWidth> first;                   // node, or place in things_
-    std::array<std::uint32_t, kWidth> count;                   // 0: a node, else a leaf's things
+    std::array<std::uint32_t, kWidth> first;                   // node, or place in items_
+    std::array<std::uint32_t, kWidth> count;                   // 0: a node, else a leaf's items
   };
   class Building;
 
@@ -151,13 +151,13 @@ class BoxTree {
         if (node.count[c] == 0)
           open[static_cast<std::size_t>(count++)] = node.first[c];
         else if (may_go_on(work, node.count[c]))
-          for (std::uint32_t i = 0; i < node.count[c]; ++i) visit(things_[node.first[c] + i]);
+          for (std::uint32_t i = 0; i < node.count[c]; ++i) visit(items_[node.first[c] + i]);
       }
     }
   }
 
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> things_;
+  std::vector<std::uint32_t> items_;
 };
 
 template <class Radius, class Visit>
@@ -175,7 +175,7 @@ void BoxTree::within(const Vec3& center, Radius radius, Visit visit,
     const Open here = open[--count];
     if (!(here.square <= radius() * radius())) continue;
     if (!may_go_on(work, std::max<std::uint32_t>(1, here.count))) return;
-    for (std::uint32_t i = 0; i < here.count; ++i) visit(things_[here.first + i]);
+    for (std::uint32_t i = 0; i < here.count; ++i) visit(items_[here.first + i]);
     if (here.count > 0) continue;
     const Node& node = nodes_[here.first];
     const std::size_t before = count;

@@ -239,9 +239,9 @@ class Choice {
 
 }  // namespace
 
-Kept keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                      bool solid) {
-  Kept kept;
+KeptFaces keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                           bool solid) {
+  KeptFaces kept;
   std::vector<Corners> all = sorted_corners(triangles, vertices.size());
   if (std::ranges::adjacent_find(all) == all.end()) return kept;
   const std::vector<Face> faces = faces_of(triangles, all);

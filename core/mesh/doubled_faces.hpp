@@ -9,7 +9,7 @@
 
 namespace feltwire::doubled_faces {
 
-struct Kept {
+struct KeptFaces {
   std::vector<Triangle> triangles;  // a face at the place of its first triangle; empty: all stay
   std::size_t same = 0;             // triangles left out that face as another one does
   std::size_t opposed = 0;          // faces with triangles of both sides, of which one was chosen
@@ -24,7 +24,7 @@ struct Kept {
 ///
 /// `solid`: the surface is meant to bound a solid. Then faces that form a closed shell which no
 /// neighbour decides are kept with their outside outwards.
-Kept keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                      bool solid);
+KeptFaces keep_one_of_each(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                           bool solid);
 
 }  // namespace feltwire::doubled_faces

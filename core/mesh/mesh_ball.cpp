@@ -135,7 +135,7 @@ class Ball {
       tangents[i] = near_[i].distance + near_[i].away.dot(moved);
       if (tangents[i] < tangents[first]) first = i;
     }
-    const auto ask = [&](const Near& near) {
+    const auto ask = [&](const NearbyTriangle& near) {
       const double distance = (x - nearest_on(near.triangle, x)).norm();
       if (!(distance < least)) return;
       least = distance;
@@ -160,7 +160,7 @@ class Ball {
       std::array<HalfSpace, kMostHeld> spaces;
       const std::size_t count = linearise(x, spaces);
       const std::span<const HalfSpace> planes(spaces.data(), count);
-      const Nearest aim = nearest_in(planes, goal_, kTolerance * exact_, work_);
+      const NearestPoint aim = nearest_in(planes, goal_, kTolerance * exact_, work_);
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
@@ -216,12 +216,12 @@ class Ball {
   const Vec3& goal_;
   ProxyState& stand_;
   WorkLimit* work_;
-  struct Near {
+  struct NearbyTriangle {
     std::uint32_t triangle;
     double distance;  // [m] from the beginning of the step
     Vec3 away;        // unit, from the triangle's nearest point to that place
   };
-  std::array<Near, kMostNear> near_;
+  std::array<NearbyTriangle, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
   double least_ = 0.0;  // [m] clearance at the start, at most the radius

@@ -47,13 +47,13 @@ class ObjIndices {
 
   /// Checks the early indices at the end of the file, which has `vertices` vertices.
   void check(std::size_t vertices) const {
-    for (const Early& early : early_)
+    for (const ForwardReference& early : early_)
       if (early.index > static_cast<long long>(vertices))
         words_.fail_at(early.line, missing(early.index, vertices) + "; export the surface anew");
   }
 
  private:
-  struct Early {
+  struct ForwardReference {
     long long index;
     int line;
   };
@@ -64,7 +64,7 @@ class ObjIndices {
   }
 
   const TokenReader& words_;
-  std::vector<Early> early_;  // beyond the vertices so far, in rising order
+  std::vector<ForwardReference> early_;  // beyond the vertices so far, in rising order
 };
 
 constexpr std::size_t kStlHeader = 84, kStlRecord = 50, kStlCountAt = 80;

@@ -286,7 +286,7 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
     std::array<HalfSpace, 3> spaces;
     for (std::size_t i = 0; i < count; ++i)
       spaces[i] = {held[i]->face.normal, held[i]->face.normal.dot(held[i]->face.corners[0]) + skin};
-    const Nearest aim = nearest_in({spaces.data(), count}, goal, 0.25 * skin);
+    const NearestPoint aim = nearest_in({spaces.data(), count}, goal, 0.25 * skin);
     if (!aim.found) break;
     const auto hit = surface.first_crossing(at, aim.point, sides, work);
     if (hit) {

@@ -50,9 +50,9 @@ std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangl
 
 /// Vertices that stay. A cell is as large as their reach, rounded up to a power of two. The
 /// vertices in a cell are at least half a cell apart, so few share a cell.
-class Standing {
+class RemainingVertices {
  public:
-  explicit Standing(std::span<const Vec3> vertices) : vertices_(vertices) {}
+  explicit RemainingVertices(std::span<const Vec3> vertices) : vertices_(vertices) {}
 
   void add(const End& end) {
     const int level = std::ilogb(end.reach) + 1;
@@ -218,7 +218,7 @@ Joined join(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
   joined.renamed.resize(vertices.size());
   for (std::uint32_t v = 0; v < vertices.size(); ++v) joined.renamed[v] = v;
   if (!(weld > 0.0)) return joined;
-  Standing standing(vertices);
+  RemainingVertices standing(vertices);
   for (const End& end : ends_of(vertices, triangles, open, weld)) {
     double distance = 0.0;
     const std::uint32_t other = standing.nearest(end, distance);

@@ -268,7 +268,7 @@ void TriangleMesh::index_vertices() {
 }
 
 void TriangleMesh::drop_duplicates() {
-  doubled_faces::Kept kept = doubled_faces::keep_one_of_each(vertices_, triangles_, solid_);
+  doubled_faces::KeptFaces kept = doubled_faces::keep_one_of_each(vertices_, triangles_, solid_);
   report_.both_sides = kept.both_sides;
   if (kept.triangles.empty()) return;
   report_.duplicate += triangles_.size() - kept.triangles.size();

@@ -187,10 +187,10 @@ std::size_t side_of(const Vec3& way) {
 
 /// A motion (t, w) of the tool moves the point at (u, v) out of the solid by (W_0 + v W_1 + u W_2)
 /// . (t, w).
-struct Ways {
+struct PointMotion {
   Vec6 translation, about_across, about_along;
 
-  explicit Ways(const PenetrationCell& cell) {
+  explicit PointMotion(const PenetrationCell& cell) {
     translation << -cell.inwards, Vec3::Zero();
     about_across << Vec3::Zero(), -cell.across;
     about_along << Vec3::Zero(), cell.along;
@@ -256,7 +256,7 @@ class CellSurface {
         const Tag tag = cells_.faces(at)[way[i]];
         const Corner next = place_[cells_.beyond(at, way[(i + 2) % 3])];
         // All triangles of a face share the corner that is seen first.
-        Seen& seen = seen_[tag];
+        CornerTurn& seen = seen_[tag];
         const Corner first = seen.turn == turn ? seen.corner : here;
         seen = {turn, first};
         const std::size_t ridge =
@@ -285,14 +285,14 @@ class CellSurface {
   std::span<const Corner> beyond() const { return std::span(beyond_).first(ridge_count_); }
 
  private:
-  struct Seen {
+  struct CornerTurn {
     std::uint16_t turn;
     Corner corner;
   };
   const ClosestFaceCells& cells_;
   const DepthPlanes& planes_;
   std::uint16_t turn_ = 0;  // number of the present cell
-  std::array<Seen, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
+  std::array<CornerTurn, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
   std::array<Corner, ClosestFaceCells::kCorners> place_;
   // Three edges meet at each corner, so that there are fewer than two triangles for each.
   static constexpr std::size_t kMost = 2 * ClosestFaceCells::kCorners + 4;
@@ -327,7 +327,7 @@ void add_ridge(const PenetrationCell& cell, const PenetrationCell& beyond, const
 void add_cell(const Moments& m, const PenetrationCell& cell, bool slides, DepthSums& sums) {
   ++sums.cells;
   sums.cubes += m.cubes;
-  const Ways w(cell);
+  const PointMotion w(cell);
   const Vec6 out = 3.0 * (m.squares[0] * w.translation + m.squares[2] * w.about_across +
                           m.squares[1] * w.about_along);
   sums.slope -= out;

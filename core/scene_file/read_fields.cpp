@@ -22,7 +22,7 @@ std::string solids() { return names_of_primitives(true) + ", file"; }
 constexpr int kSegments = 128;  // of a round body
 
 /// A shape, or the surface in a file.
-struct Given {
+struct ShapeOrSurface {
   std::optional<Shape> shape;
   TriangleSoup surface;
   std::optional<std::string> warning = {};  // about the file
@@ -37,9 +37,9 @@ double size_of(const TriangleSoup& surface) {
 
 /// Reads the only solid of a table that has a place for several.
 template <class Table>
-Given read_solid(const JsonDocument& document, const std::string& path, const Table& table,
-                 const std::filesystem::path& folder) {
-  Given given;
+ShapeOrSurface read_solid(const JsonDocument& document, const std::string& path, const Table& table,
+                          const std::filesystem::path& folder) {
+  ShapeOrSurface given;
   std::string kind;
   const auto take = [&](const char* name) {
     if (!kind.empty())
@@ -70,7 +70,7 @@ Given read_solid(const JsonDocument& document, const std::string& path, const Ta
   return given;
 }
 
-Solid solid(const Given& given) {
+Solid solid(const ShapeOrSurface& given) {
   return given.shape ? solid_of(*given.shape) : solid_of(TriangleMesh(given.surface, {}, true));
 }
 
@@ -92,7 +92,7 @@ std::shared_ptr<const BodyTool> read_body(const JsonDocument& document, const st
                                           const std::filesystem::path& folder,
                                           const scene_file::Scene& file, const Scene& scene,
                                           std::vector<std::string>& warnings) {
-  const Given given = read_solid(document, path, body, folder);
+  const ShapeOrSurface given = read_solid(document, path, body, folder);
   if (given.warning) warnings.push_back(*given.warning);
   const Pose place = read_place(document, path, body);
   const ToolInertia inertia =
@@ -130,7 +130,7 @@ HandTool read_tool(const JsonDocument& document, const std::string& path, const 
 
 Grid read_grid(const JsonDocument& document, const std::string& path, const scene_file::Grid& grid,
                const std::filesystem::path& folder, std::vector<std::string>& warnings) {
-  const Given given = read_solid(document, path, grid, folder);
+  const ShapeOrSurface given = read_solid(document, path, grid, folder);
   if (given.warning) warnings.push_back(*given.warning);
   try {
     return {std::make_shared<const DistanceGrid<float>>(

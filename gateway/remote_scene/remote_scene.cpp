@@ -37,9 +37,9 @@ void wait_for(const Event& event, int time) {
 }
 
 /// The device of an observer: nobody holds it, and it never moves.
-class Eye final : public Device {
+class ObserverDevice final : public Device {
  public:
-  Eye() : spec_(builtin_device("simulated")) { spec_.name = kName; }
+  ObserverDevice() : spec_(builtin_device("simulated")) { spec_.name = kName; }
   const DeviceSpec& spec() const override { return spec_; }
   DeviceReading read(Nanoseconds) noexcept override { return {}; }
   Command write(const Command&) noexcept override { return {}; }
@@ -58,23 +58,23 @@ SessionParameters observer_parameters() {
 }
 
 /// The state that the threads share. A hanging thread keeps its share of it.
-struct Look : ServoTask {
+struct ObserverTask : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};
 };
 
 /// Asks the server in its own thread until it is destroyed, so that a slow answer does not delay a
 /// picture.
-class Asking {
+class QueryThread {
  public:
-  explicit Asking(std::function<void(const Event&)> ask)
+  explicit QueryThread(std::function<void(const Event&)> ask)
       : thread_([this, ask = std::move(ask)] { ask(over_); }) {}
-  ~Asking() {
+  ~QueryThread() {
     over_.set();
     thread_.join();
   }
-  Asking(const Asking&) = delete;
-  Asking& operator=(const Asking&) = delete;
+  QueryThread(const QueryThread&) = delete;
+  QueryThread& operator=(const QueryThread&) = delete;
 
  private:
   Event over_;
@@ -264,7 +264,7 @@ void RemoteScene::run() {
 /// Joins, and shows the views until the session ends. Returns why it ended. Throws the same as
 /// join().
 std::string RemoteScene::look_on() {
-  auto eye = std::make_unique<Eye>();
+  auto eye = std::make_unique<ObserverDevice>();
   control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
   request.version = version();
   request.figures = true;
@@ -276,11 +276,11 @@ std::string RemoteScene::look_on() {
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
       eye->spec().rotation_sensed > 0, open_udp_port(joined.datagrams));
   std::optional<ServoThread> thread;
-  std::shared_ptr<Look> task;
+  std::shared_ptr<ObserverTask> task;
   try {
     ServoOptions servo;
     servo.observes = true;
-    task = std::make_shared<Look>(std::move(eye), transport, parameters, servo);
+    task = std::make_shared<ObserverTask>(std::move(eye), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
     task->let_go_after = parameters.hold_time;  // an observer has no force to release
@@ -292,7 +292,7 @@ std::string RemoteScene::look_on() {
   }
   joined_ = true;
   spdlog::info("scene {}: looks on", visible(name_));
-  const Asking asking([this](const Event& over) { ask_on(over); });
+  const QueryThread asking([this](const Event& over) { ask_on(over); });
   ObservedScene seen;
   TimedView shown;
   std::array<pollfd, 2> waiting{

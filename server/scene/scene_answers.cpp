@@ -17,7 +17,7 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
     return drop(wrong);
   if (!seats_.empty()) slot.session.reach_through_arm(leads_arm(slot));
   const std::uint64_t before = slot.session.counters().samples;
-  Taken taken = slot.session.take(batch_, origin.now);
+  BatchResult taken = slot.session.take(batch_, origin.now);
   if (taken.drop != DropReason::none) return drop(taken.drop);
   slot.rate.count(slot.session.counters().samples - before);
   if (slot.waits_for_client()) [[unlikely]] {

@@ -80,8 +80,8 @@ Session::Session(const control::JoinRequest& request, const ToolView& view, Worl
       observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
       deadband_(parameters_) {}
 
-Taken Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
-  Taken taken;
+BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
+  BatchResult taken;
   taken.drop = check(batch);
   if (taken.drop != DropReason::none) return taken;
   if (batch.samples[0].index <= last_.index) {

@@ -49,7 +49,7 @@ struct ProxyPlace {
 };
 
 /// The result of a batch. `reply` is valid if `drop` is none. It is sent unless `withheld`.
-struct Taken {
+struct BatchResult {
   DropReason drop = DropReason::none;
   bool withheld = false;
   Reply reply;
@@ -70,7 +70,7 @@ class Session {
   /// monotonic clock and only goes into the reply: the computation depends on the samples alone. A
   /// dropped batch leaves everything unchanged, also a held contact. Precondition: none; check() is
   /// repeated here. Never allocates.
-  Taken take(const SampleBatch& batch, Nanoseconds now) noexcept;
+  BatchResult take(const SampleBatch& batch, Nanoseconds now) noexcept;
 
   /// Takes so much out of the reply's model that the reply is about `excess` [bytes] shorter: the
   /// farthest surfaces, the finest parts of a tool with a body, in the end the model. Precondition:

@@ -37,13 +37,13 @@ tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
 }
 
 /// Addresses of a datagram: its client, and this machine's address that the client used.
-struct Way {
+struct DatagramAddresses {
   udp::endpoint client;
   LocalAddress local;
 };
 
 /// As receive_datagram().
-ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, Way& way) {
+ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, DatagramAddresses& way) {
   auto length = static_cast<socklen_t>(way.client.capacity());
   const ssize_t size =
       receive_datagram(socket.native_handle(), into, way.client.data(), length, way.local);
@@ -52,7 +52,7 @@ ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, Way& way) {
 }
 
 /// As send_datagram().
-bool send(udp::socket& socket, Bytes datagram, const Way& way) {
+bool send(udp::socket& socket, Bytes datagram, const DatagramAddresses& way) {
   return send_datagram(socket.native_handle(), datagram, way.client.data(),
                        static_cast<socklen_t>(way.client.size()), way.local);
 }
@@ -66,7 +66,7 @@ struct LinkRelay::Parts {
     udp::endpoint scene;
     struct Client {
       std::shared_ptr<RelayClient> relayed;
-      std::shared_ptr<Way> back;
+      std::shared_ptr<DatagramAddresses> back;
     };
     std::map<udp::endpoint, Client> clients;
     std::array<std::uint8_t, kMaxDatagram + 1> buffer{};
@@ -148,7 +148,7 @@ struct LinkRelay::Parts {
       if (stopped) return;
       const Nanoseconds now = relay_now();
       for (int i = 0; i < kBurst; ++i) {
-        Way from;
+        DatagramAddresses from;
         const ssize_t size = receive(port.socket, port.buffer, from);
         if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
         if (size < 0) continue;
@@ -161,7 +161,7 @@ struct LinkRelay::Parts {
     });
   }
 
-  RelayClient* client_at(ScenePort& port, const Way& from, Nanoseconds now) {
+  RelayClient* client_at(ScenePort& port, const DatagramAddresses& from, Nanoseconds now) {
     const auto found = port.clients.find(from.client);
     if (found != port.clients.end()) {
       *found->second.back = from;  // it may use another address of this machine now
@@ -170,7 +170,7 @@ struct LinkRelay::Parts {
     if (alive >= kMaxClients) forget_silent(now);
     if (alive >= kMaxClients) return nullptr;
     try {
-      const auto back = std::make_shared<Way>(from);
+      const auto back = std::make_shared<DatagramAddresses>(from);
       auto client = std::make_shared<RelayClient>(
           io.get_executor(), port.scene,
           std::make_unique<TwoWayLink>(options.link, known.size(), kLinkRoom),

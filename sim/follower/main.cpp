@@ -33,41 +33,41 @@ std::atomic<bool> stopped{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler sets it
 void stop(int /*signal*/) { stopped.store(true); }
 
-struct Words {
+struct FollowerOptionValues {
   std::string connect, link, report, record, prior;
   CredentialOptions credentials;
   RobotChoice robot;
   std::optional<std::array<double, 3>> at;
-  WorkspaceWords workspace;
+  WorkspaceValues workspace;
   FollowerRun run;
 };
 
-int follow(Words& words) {
-  if (words.at) words.robot.at = Vec3((*words.at)[0], (*words.at)[1], (*words.at)[2]);
-  check(words.robot);
-  if (!words.prior.empty()) words.run.options.surfaces = load_surfaces(words.prior);
-  words.run.options.workspace = workspace_of(words.workspace);
-  words.run.server = {parse_endpoint(words.connect), credentials(words.credentials)};
-  if (!words.link.empty())
-    words.run.open_port = [link = parse_link(words.link)](const Address& scene) {
+int follow(FollowerOptionValues& values) {
+  if (values.at) values.robot.at = Vec3((*values.at)[0], (*values.at)[1], (*values.at)[2]);
+  check(values.robot);
+  if (!values.prior.empty()) values.run.options.surfaces = load_surfaces(values.prior);
+  values.run.options.workspace = workspace_of(values.workspace);
+  values.run.server = {parse_endpoint(values.connect), credentials(values.credentials)};
+  if (!values.link.empty())
+    values.run.open_port = [link = parse_link(values.link)](const Address& scene) {
       return std::make_unique<EmulatedPort>(open_udp_port(scene), TwoWayLink(link, 0, kLinkRoom));
     };
-  words.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: has the robot's seat\n"); };
-  if (!words.report.empty()) check_writable(words.report);
-  const std::unique_ptr<Follower> robot = make_robot(words.robot, kDriverTime);
+  values.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: has the robot's seat\n"); };
+  if (!values.report.empty()) check_writable(values.report);
+  const std::unique_ptr<Follower> robot = make_robot(values.robot, kDriverTime);
   std::optional<FollowerRecord> record;
-  if (!words.record.empty()) {
-    record.emplace(words.record);
-    words.run.on_sample = [&record](const RobotState& said, const RobotTarget& target) {
+  if (!values.record.empty()) {
+    record.emplace(values.record);
+    values.run.on_sample = [&record](const RobotState& said, const RobotTarget& target) {
       record->add(said, target);
     };
   }
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
-  const FollowerResult result = run_follower(*robot, words.run, stopped);
+  const FollowerResult result = run_follower(*robot, values.run, stopped);
   std::printf("%s\n", report_line(result).c_str());
-  if (!words.report.empty())
-    write_whole(words.report, report_json(robot->spec(), words.run, result));
+  if (!values.report.empty())
+    write_whole(values.report, report_json(robot->spec(), values.run, result));
   if (record) record->finish();
   return result.end == FollowerEnd::requested ? 0 : 1;
 }
@@ -77,70 +77,70 @@ int follow(Words& words) {
 
 int main(int argc, char** argv) {
   using namespace feltwire;
-  Words words;
+  FollowerOptionValues values;
   CLI::App app{
       "A robot that follows a hand (docs/teleoperation.md): a simulated robot, whose\nsurroundings "
       "the server does not know, or a robot whose driver is another program (docs/followers.md).\n"
       "It is not a safety-rated system."};
   app.set_version_flag("--version", [] { return build_info("feltwire-follower"); });
-  app.add_option("--connect", words.connect, "HOST:PORT of the server")->required();
-  app.add_option("--scene", words.run.scene, "Scene whose robot's seat it takes")->required();
-  app.add_option("--seat", words.run.seat,
+  app.add_option("--connect", values.connect, "HOST:PORT of the server")->required();
+  app.add_option("--scene", values.run.scene, "Scene whose robot's seat it takes")->required();
+  app.add_option("--seat", values.run.seat,
                  "Name of the seat. When not given: the only seat of the scene");
   app.add_option(
-      "--surroundings", words.robot.surroundings,
+      "--surroundings", values.robot.surroundings,
       "FILE.json: the robot is a point with a mass and an impedance controller in that scene");
   app.add_option(
-      "--arm", words.robot.arm,
+      "--arm", values.robot.arm,
       "FILE.xml: the robot is the seven-axis arm of that MJCF, with the objects that it touches");
   app.add_option(
-      "--socket", words.robot.socket,
+      "--socket", values.robot.socket,
       "PATH of a Unix socket, to which the robot's driver connects; it may be in any language");
-  app.add_option("--at", words.at,
+  app.add_option("--at", values.at,
                  "X,Y,Z [m] Where a simulated robot begins. When not given: a point at 0,0,0, an "
                  "arm at its home position")
       ->delimiter(',');
   app.add_option(
-      "--prior", words.prior,
+      "--prior", values.prior,
       "FILE.json: a scene with the surfaces that the robot may touch, in its frame. They "
       "are felt before it touches them, and corrected by what it touches");
-  app.add_option("--name", words.run.name, "Name of this robot in the server's log")
+  app.add_option("--name", values.run.name, "Name of this robot in the server's log")
       ->capture_default_str();
-  app.add_option("--speed", words.run.options.motion.speed, "[m/s] Speed limit of the target")
+  app.add_option("--speed", values.run.options.motion.speed, "[m/s] Speed limit of the target")
       ->capture_default_str();
-  app.add_option("--acceleration", words.run.options.motion.acceleration,
+  app.add_option("--acceleration", values.run.options.motion.acceleration,
                  "[m/s^2] Acceleration limit of the target")
       ->capture_default_str();
-  app.add_option("--jerk", words.run.options.motion.jerk, "[m/s^3] Jerk limit of the target")
+  app.add_option("--jerk", values.run.options.motion.jerk, "[m/s^3] Jerk limit of the target")
       ->capture_default_str();
-  app.add_option("--leash", words.run.options.leash,
+  app.add_option("--leash", values.run.options.leash,
                  "[N] Largest force with which the target pulls the robot")
       ->capture_default_str();
-  app.add_option("--workspace", words.workspace.box,
+  app.add_option("--workspace", values.workspace.box,
                  "X0,Y0,Z0,X1,Y1,Z1 [m] Box that limits its target, in addition to the workspace "
                  "of its seat")
       ->delimiter(',');
-  app.add_option("--keep-out", words.workspace.keep_out,
+  app.add_option("--keep-out", values.workspace.keep_out,
                  "X,Y,Z,HX,HY,HZ,R [m] Body that its target stays out of, in addition to those of "
                  "its seat: all places within R of a box with the middle X,Y,Z and the half "
                  "extents HX,HY,HZ (0,0,0: a ball). Can be given 8 times")
       ->allow_extra_args(false);
-  app.add_option("--lock", words.workspace.lock,
+  app.add_option("--lock", values.workspace.lock,
                  "Axes that keep their value while a hand is engaged, in addition to those of its "
                  "seat: some of "
                  "x,y,z,rotation")
       ->delimiter(',');
-  app.add_option("--duration", words.run.duration, "[s] Length of the run. 0: until it is stopped")
+  app.add_option("--duration", values.run.duration, "[s] Length of the run. 0: until it is stopped")
       ->capture_default_str();
-  app.add_option("--reconnect", words.run.patience,
+  app.add_option("--reconnect", values.run.patience,
                  "[s] How long to look for a lost session before it gives up")
       ->capture_default_str();
-  app.add_option("--report", words.report,
+  app.add_option("--report", values.report,
                  "FILE.json for the numbers of the run (docs/teleoperation.md)");
-  app.add_option("--record", words.record,
+  app.add_option("--record", values.record,
                  "FILE.csv for a recording of every sample (docs/teleoperation.md)");
-  app.add_option("--link", words.link, "Emulated link, as of feltwire-client --link");
-  add_credential_options(app, words.credentials);
+  app.add_option("--link", values.link, "Emulated link, as of feltwire-client --link");
+  add_credential_options(app, values.credentials);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
   rivals.push_back({"socket", "at"});  // the driver knows the place of its robot
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
     read_environment(app, argc, argv, {.program = "follower", .shared = credential_variables()},
                      rivals);
     app.parse(argc, argv);
-    return follow(words);
+    return follow(values);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   } catch (const std::exception& error) {

@@ -30,7 +30,7 @@ std::optional<KeepOutBody> body_of(std::string_view text) {
 
 }  // namespace
 
-Workspace workspace_of(const WorkspaceWords& words) {
+Workspace workspace_of(const WorkspaceValues& words) {
   Workspace workspace;
   if (words.box) {
     const auto& b = *words.box;

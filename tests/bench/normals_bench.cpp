@@ -40,7 +40,7 @@ void answer(benchmark::State& state, const std::string& file, const char* mode) 
   for (auto _ : state) {
     sample.pose.position = places[sample.index++ % kPlaces];
     sample.client_time += Nanoseconds(1'000'000);
-    const Taken taken = session.take(batch, sample.client_time);
+    const BatchResult taken = session.take(batch, sample.client_time);
     contacts += !taken.reply.command.elastic.isZero(0.0);
     named += taken.reply.normals.count > 0;
   }

@@ -34,35 +34,35 @@ TEST(FalconBoard, RequestsAreAsPublished) {
 }
 
 TEST(FalconBoard, AnswersAreReadBack) {
-  const auto one = told(packet("<BAAAPPPPEDCBAA>"));
+  const auto one = parse_reply(packet("<BAAAPPPPEDCBAA>"));
   ASSERT_TRUE(one);
   EXPECT_EQ(one->encoders, (Counts{1, -1, 0x1234}));
   Packet homed = packet("<AAAAAAAAAAAAAA>");
   homed[13] = 'A' + 0x5A;
-  ASSERT_TRUE(told(homed));
-  EXPECT_EQ(told(homed)->buttons, 0xAu);
-  EXPECT_EQ(told(homed)->homed, (std::array{true, false, true}));
+  ASSERT_TRUE(parse_reply(homed));
+  EXPECT_EQ(parse_reply(homed)->buttons, 0xAu);
+  EXPECT_EQ(parse_reply(homed)->homed, (std::array{true, false, true}));
   std::mt19937 random(1);
   for (int n = 0; n < 1000; ++n) {
     Counts counts{};
     for (int& one_of : counts) one_of = static_cast<std::int16_t>(random());
-    EXPECT_EQ(told(request(counts, Light::none, false))->encoders, counts);
+    EXPECT_EQ(parse_reply(request(counts, Light::none, false))->encoders, counts);
   }
 }
 
 /// A byte at any place that is no digit or no frame byte makes the answer invalid.
 TEST(FalconBoard, WhatIsNoAnswerIsNone) {
   const Packet good = packet("<ABCDABCDABCDAA>");
-  ASSERT_TRUE(told(good));
+  ASSERT_TRUE(parse_reply(good));
   for (const std::size_t at : {0u, 1u, 5u, 12u, 15u})
     for (const int byte : {0, int{'@'}, int{'Q'}, 255}) {
       Packet bad = good;
       bad[at] = static_cast<std::uint8_t>(byte);
-      EXPECT_FALSE(told(bad)) << at << " " << byte;
+      EXPECT_FALSE(parse_reply(bad)) << at << " " << byte;
     }
   Packet bad = good;
   bad[13] = 'A' + 0x80;
-  EXPECT_FALSE(told(bad));
+  EXPECT_FALSE(parse_reply(bad));
 }
 
 TEST(FalconBoard, AnAnswerMayComeInPiecesButNotWithMore) {

@@ -13,7 +13,7 @@
 namespace feltwire::service_socket_test {
 namespace {
 
-using News = ServiceSocket::News;
+using ReceiveResult = ServiceSocket::ReceiveResult;
 
 constexpr std::size_t kLongest = 1000;
 constexpr char kPart = 0, kText = 1, kPing = 9, kPong = 10;
@@ -53,7 +53,7 @@ class ServiceSocketTest : public ::testing::Test {
     ASSERT_EQ(::send(service_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
-  News hear() { return socket_->receive(Nanoseconds(0)); }
+  ReceiveResult hear() { return socket_->receive(Nanoseconds(0)); }
   std::size_t answered() const {
     std::string room(1 << 16, '\0');
     const ssize_t count = ::recv(service_, room.data(), room.size(), 0);
@@ -68,7 +68,7 @@ class ServiceSocketTest : public ::testing::Test {
 TEST_F(ServiceSocketTest, PingsBetweenMessagesAreAnswered) {
   for (int i = 0; i < 3; ++i) {
     say(times(kMost, frame(kPing, "")) + frame(kText, "{}"));
-    EXPECT_EQ(hear(), News::message) << i;
+    EXPECT_EQ(hear(), ReceiveResult::message) << i;
     EXPECT_EQ(socket_->message(), "{}");
     constexpr std::size_t kPongBytes = 6;
     EXPECT_EQ(answered(), kMost * kPongBytes);
@@ -79,27 +79,27 @@ TEST_F(ServiceSocketTest, ControlFramesWithoutEndEndIt) {
   for (const char opcode : {kPing, kPong}) {
     connect();
     say(frame(kText, "{}") + times(1000, frame(opcode, "")));
-    EXPECT_EQ(hear(), News::message);
-    EXPECT_EQ(hear(), News::gone) << int{opcode};
-    EXPECT_EQ(hear(), News::gone) << "and stays so";
+    EXPECT_EQ(hear(), ReceiveResult::message);
+    EXPECT_EQ(hear(), ReceiveResult::gone) << int{opcode};
+    EXPECT_EQ(hear(), ReceiveResult::gone) << "and stays so";
   }
 }
 
 TEST_F(ServiceSocketTest, PartsWithoutEndEndIt) {
   say(frame(kText, "", false) + times(1000, frame(kPart, "", false)));
-  EXPECT_EQ(hear(), News::gone);
+  EXPECT_EQ(hear(), ReceiveResult::gone);
 }
 
 TEST_F(ServiceSocketTest, AMessageInAFewPartsIsTaken) {
   say(frame(kText, "{", false) + times(kMost - 1, frame(kPart, " ", false)) + frame(kPart, "}"));
-  EXPECT_EQ(hear(), News::message);
+  EXPECT_EQ(hear(), ReceiveResult::message);
   EXPECT_EQ(socket_->message().size(), static_cast<std::size_t>(kMost) + 1);
 }
 
 TEST_F(ServiceSocketTest, AMessageThatIsTooLongIsReadOver) {
   say(frame(kText, std::string(60'000, 'x')) + frame(kText, "{}"));
-  EXPECT_EQ(hear(), News::garbled);
-  EXPECT_EQ(hear(), News::message);
+  EXPECT_EQ(hear(), ReceiveResult::garbled);
+  EXPECT_EQ(hear(), ReceiveResult::message);
   EXPECT_EQ(socket_->message(), "{}");
 }
 
@@ -107,7 +107,7 @@ TEST_F(ServiceSocketTest, AFrameWithoutEndEndsIt) {
   std::string head(1, static_cast<char>(0x80 | kText));
   head += std::string("\x7f\x00\x00\x01\x00\x00\x00\x00\x00", 9);  // 2^40 bytes follow
   say(head + std::string(1000, 'x'));
-  EXPECT_EQ(hear(), News::gone);
+  EXPECT_EQ(hear(), ReceiveResult::gone);
 }
 
 }  // namespace

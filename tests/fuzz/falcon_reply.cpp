@@ -52,7 +52,7 @@ std::vector<std::uint8_t> possible_answer(Input& input) {
 }
 
 /// Feeds the bytes in two pieces.
-std::optional<Told> answer_of(Bytes bytes, std::size_t first) {
+std::optional<BoardReply> answer_of(Bytes bytes, std::size_t first) {
   Answer answer;
   answer.add(bytes.first(std::min(first, bytes.size())));
   answer.add(bytes.subspan(std::min(first, bytes.size())));
@@ -63,7 +63,7 @@ std::optional<Told> answer_of(Bytes bytes, std::size_t first) {
   if (!answer.whole()) return std::nullopt;
   const Packet& packet = answer.packet();
   require(std::equal(packet.begin(), packet.end(), bytes.begin()), "an answer is what came");
-  const auto all = told(packet);
+  const auto all = parse_reply(packet);
   require(all.has_value() == is_answer(packet), "an answer has the published form");
   if (!all) return std::nullopt;
   const int extra = packet[13] - 'A';

@@ -54,15 +54,15 @@ std::optional<Frame> frame_at(Bytes bytes) {
 }
 
 /// The client's required reactions to the bytes.
-struct Heard {
+struct RequiredReactions {
   std::vector<Text> messages;
   std::vector<std::string> pings;
   bool ends = false;     // a close, or a broken rule that is certain
   bool may_end = false;  // a broken rule that is incomplete
 };
 
-Heard heard(Bytes bytes) {
-  Heard all;
+RequiredReactions heard(Bytes bytes) {
+  RequiredReactions all;
   bool begun = false;
   int idle = 0;                 // frames in a row without the end of a message
   std::uint64_t announced = 0;  // bytes of this message so far
@@ -152,14 +152,14 @@ class Service {
 bool take(ServiceSocket& socket, std::vector<Text>& messages) {
   while (true) {
     switch (socket.receive(Nanoseconds(0))) {
-      case ServiceSocket::News::none:
+      case ServiceSocket::ReceiveResult::none:
         return true;
-      case ServiceSocket::News::gone:
+      case ServiceSocket::ReceiveResult::gone:
         return false;
-      case ServiceSocket::News::garbled:
+      case ServiceSocket::ReceiveResult::garbled:
         messages.emplace_back();
         break;
-      case ServiceSocket::News::message:
+      case ServiceSocket::ReceiveResult::message:
         messages.emplace_back(socket.message());
         haply::read_message(socket.message(), "");
         break;
@@ -189,7 +189,7 @@ void run(Input& input) {
     service.listen();
   }
   service.listen();
-  const Heard expected = heard(said);
+  const RequiredReactions expected = heard(said);
   require(messages == expected.messages, "the messages are those of the frames");
   require(there ? !expected.ends : expected.ends || expected.may_end,
           "the connection is gone where the service breaks the rules or closes it");

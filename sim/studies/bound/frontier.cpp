@@ -296,14 +296,14 @@ std::vector<FrontierCase> session_cases() {
 }
 
 std::vector<FrontierCase> published_cases() {
-  struct Where {
+  struct PublishedTask {
     const char* task;
     double delay;  // [s]
   };
-  constexpr std::array kOnWalls = {Where{"wall", 0.0}, Where{"tap", 0.0}, Where{"press", 5e-3},
-                                   Where{"press", 20e-3}};
+  constexpr std::array kOnWalls = {PublishedTask{"wall", 0.0}, PublishedTask{"tap", 0.0},
+                                   PublishedTask{"press", 5e-3}, PublishedTask{"press", 20e-3}};
   std::vector<FrontierCase> cases;
-  for (const Where& where : kOnWalls)
+  for (const PublishedTask& where : kOnWalls)
     for (const double damping : {0.05, 0.5, 2.0, 8.0})
       for (const double wall : {5e3, 4e4})
         for (const NamedHand& hand : kEightHands)

@@ -89,7 +89,7 @@ class SceneRun {
     sample.pose.position = path_[(index + client * path_.size() / sessions_.size()) % path_.size()];
     sample.held = held_[client];
     batch_.previous = index - 1;
-    const Taken taken = sessions_[client]->take(batch_, sample.client_time);
+    const BatchResult taken = sessions_[client]->take(batch_, sample.client_time);
     held_[client] = taken.reply.command;
   }
   bool moves() const { return world_ != nullptr; }

@@ -21,7 +21,7 @@
 #include "sim/studies/teleop/bench.hpp"
 #include "sim/studies/teleop/bench_energy.hpp"
 #include "sim/studies/teleop/minimum_jerk.hpp"
-#include "sim/studies/teleop/way.hpp"
+#include "sim/studies/teleop/one_way_link.hpp"
 #include "sim/teleoperation_laws/remote_ends.hpp"
 
 namespace feltwire::teleop::with_arm {
@@ -166,8 +166,8 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
   link.jitter = c.jitter;
   link.loss = c.loss;
   link.keep_order = false;
-  Way<LeaderState> forth(link, link_key(c.seed, 0, LinkDirection::up));
-  Way<FollowerState> back(link, link_key(c.seed, 0, LinkDirection::down));
+  OneWayLink<LeaderState> forth(link, link_key(c.seed, 0, LinkDirection::up));
+  OneWayLink<FollowerState> back(link, link_key(c.seed, 0, LinkDirection::down));
   const double smooth = 1.0 - std::exp(-2.0 * std::numbers::pi * kVelocityCutoff * plant.period);
   std::optional<LeaderState> wanted;
   FollowerState seen;

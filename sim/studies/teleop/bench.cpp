@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "sim/studies/teleop/bench_energy.hpp"
+#include "sim/studies/teleop/one_way_link.hpp"
 #include "sim/studies/teleop/sensors.hpp"
-#include "sim/studies/teleop/way.hpp"
 
 namespace feltwire::teleop {
 namespace {
@@ -61,8 +61,8 @@ class World {
 std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setup) {
   const Plant& plant = setup.plant;
   const double period = plant.period, part = period / kParts;
-  Way<Datagram> forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
-  Way<Datagram> back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
+  OneWayLink<Datagram> forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
+  OneWayLink<Datagram> back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
   World world(setup.around);
   const double start = setup.intention(0.0);
   Mass hand{start}, robot{start};

@@ -7,8 +7,8 @@
 #include "core/base/clamp_length.hpp"
 #include "core/base/numeric.hpp"
 #include "sim/studies/teleop/bench_energy.hpp"
+#include "sim/studies/teleop/one_way_link.hpp"
 #include "sim/studies/teleop/sensors.hpp"
-#include "sim/studies/teleop/way.hpp"
 
 namespace feltwire::teleop::in_space {
 namespace {
@@ -54,8 +54,8 @@ class Touch {
 std::vector<SpaceSample> run_space_bench(SpatialLaw& law, const SpaceSetup& setup) {
   const Plant& plant = setup.plant;
   const double period = plant.period, part = period / kParts;
-  Way<SpatialDatagram> forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
-  Way<SpatialDatagram> back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
+  OneWayLink<SpatialDatagram> forth(setup.link, link_key(setup.seed, 0, LinkDirection::up));
+  OneWayLink<SpatialDatagram> back(setup.link, link_key(setup.seed, 0, LinkDirection::down));
   const Vec3 start = setup.intention(0.0);
   Touch touch(setup.around, start);
   Mass hand{start}, robot{start};

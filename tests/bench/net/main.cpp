@@ -65,7 +65,7 @@ void print_sweep(const Sweep& sweep) {
             1e-3 * one.at(HostKind::ours_spinning).p999, "<=", 1.0);
 }
 
-void print_held(const std::map<HostKind, Held>& held) {
+void print_held(const std::map<HostKind, ClientsHeld>& held) {
   std::printf(
       "\nclients of 1 kHz held, under 0.1 %% of the answers later than 1 ms (steps of %d)\n",
       kClientStep);
@@ -75,8 +75,8 @@ void print_held(const std::map<HostKind, Held>& held) {
                 held.at(kind).between_stalls);
   std::printf("\n");
   constexpr double kBar = 220.0, kShareOfEcho = 0.6;  // sealed
-  const Held& ours = held.at(HostKind::ours_sleeping);
-  const Held& echo = held.at(HostKind::echo_blocking);
+  const ClientsHeld& ours = held.at(HostKind::ours_sleeping);
+  const ClientsHeld& echo = held.at(HostKind::echo_blocking);
   print_bar("clients held, sleeping", ours.altogether, ">=", kBar);
   print_bar("clients held, sleeping, between stalls", ours.between_stalls, ">=", kBar);
   if (echo.altogether > 0)

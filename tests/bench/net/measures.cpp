@@ -239,7 +239,7 @@ Sweep sweep(const Settings& settings) {
   return result;
 }
 
-std::map<HostKind, Held> clients_held(const Settings& settings) {
+std::map<HostKind, ClientsHeld> clients_held(const Settings& settings) {
   std::map<HostKind, std::vector<double>> altogether, between_stalls;
   for (int round = 0; round < settings.rounds; ++round)
     for (const HostKind kind : kHoldingKinds) {
@@ -248,7 +248,7 @@ std::map<HostKind, Held> clients_held(const Settings& settings) {
       between_stalls[kind].push_back(
           search([&](int clients) { return holds_between_stalls(settings, kind, clients); }));
     }
-  std::map<HostKind, Held> result;
+  std::map<HostKind, ClientsHeld> result;
   for (const HostKind kind : kHoldingKinds)
     result[kind] = {static_cast<int>(median(altogether[kind])),
                     static_cast<int>(median(between_stalls[kind]))};

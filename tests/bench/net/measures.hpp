@@ -46,7 +46,7 @@ Sweep sweep(const Settings& settings);
 
 /// The largest number of clients at 1 kHz, in steps, with less than 0.1 % of the answers late.
 /// Medians over the rounds; each round has its own search.
-struct Held {
+struct ClientsHeld {
   int altogether = 0;      // in the best of a few runs
   int between_stalls = 0;  // in the median window of 20 ms: without the machine's stalls
 };
@@ -54,7 +54,7 @@ inline constexpr int kClientStep = 25;
 inline constexpr std::array kHoldingKinds = {HostKind::echo_blocking, HostKind::echo_waiting,
                                              HostKind::echo_spinning, HostKind::ours_sleeping,
                                              HostKind::ours_spinning, HostKind::ours_real_time};
-std::map<HostKind, Held> clients_held(const Settings& settings);
+std::map<HostKind, ClientsHeld> clients_held(const Settings& settings);
 
 /// Answers a second, in millions, for as many scenes as cores. Each scene shares its core with its
 /// load. Measured on one core, on two, and on each power of two up to all cores.

@@ -36,9 +36,9 @@ class Environment {
 };
 
 /// Options of one command line, each with its value. The value "true" sets a flag.
-using Given = std::vector<std::pair<std::string, std::string>>;
+using OptionList = std::vector<std::pair<std::string, std::string>>;
 
-std::vector<std::string> command_line(const Given& given) {
+std::vector<std::string> command_line(const OptionList& given) {
   std::vector<std::string> words;
   for (const auto& [name, value] : given)
     if (value == "false")
@@ -48,7 +48,7 @@ std::vector<std::string> command_line(const Given& given) {
   return words;
 }
 
-std::string text(const Given& given) {
+std::string text(const OptionList& given) {
   std::string all;
   for (const std::string& word : command_line(given)) all += " " + word;
   return all;
@@ -63,67 +63,67 @@ bool accepted(const std::vector<std::string>& words) {
 }
 
 /// Options with valid values. An entry with two options is valid only as a pair.
-std::vector<Given> everything() {
-  std::vector<Given> all = {{{"device", "simulated"}},
-                            {{"device", "replay:hand.csv"}},
-                            {{"device", "falcon"}},
-                            {{"device", "haply"}},
-                            {{"device", "hapi:/dev/ttyACM0"}},
-                            {{"device", "gamepad"}},
-                            {{"device", "plugin:./x.so"}},
-                            {{"device", "falcon"}, {"firmware", "novint.bin"}},
-                            {{"check", "true"}},
-                            {{"role", "operator"}},
-                            {{"role", "observer"}},
-                            {{"role", "observer"}, {"view", "seen.csv"}},
-                            {{"lead", "0.3"}},
-                            {{"lead", "0.3"}, {"robot", "left"}, {"robot-button", "1"}},
-                            {{"lead", "0.3"}, {"trust-robot", "0.1,5"}},
-                            {{"emergency-button", "1"}},
-                            {{"deadman-button", "1"}},
-                            {{"tool-weight", "0.5N"}},
-                            {{"press-button", "1"}},
-                            {{"bounding", "client"}},
-                            {{"bounding", "server"}},
-                            {{"bounding", "both"}},
-                            {{"local-model", "true"}},
-                            {{"local-model", "false"}},
-                            {{"whole-surfaces", "false"}},
-                            {{"operator-damping", "1"}},
-                            {{"no-account", "true"}, {"mode", "per_axis"}},
-                            {{"slew", "50"}},
-                            {{"ramp-up", "0.1"}},
-                            {{"velocity-limit", "1"}},
-                            {{"max-force", "3"}},
-                            {{"wait-for-small-force", "0.1"}},
-                            {{"await-still", "0.1"}},
-                            {{"learn-hand-force", "true"}},
-                            {{"profile", "wan"}},
-                            {{"packet-rate", "500"}},
-                            {{"position-deadband", "5"}},
-                            {{"force-deadband", "5"}},
-                            {{"record", "felt.csv"}},
-                            {{"record", "felt.mcap"}, {"record-max-mib", "5"}},
-                            {{"record", "felt.mcap"}, {"record-max-seconds", "5"}},
-                            {{"report", "run.json"}},
-                            {{"spec", "omega.7"}},
-                            {{"damping", "0.2"}},
-                            {{"link", "wifi"}},
-                            {{"fixed", "true"}},
-                            {{"map-scale", "2"}}};
+std::vector<OptionList> everything() {
+  std::vector<OptionList> all = {{{"device", "simulated"}},
+                                 {{"device", "replay:hand.csv"}},
+                                 {{"device", "falcon"}},
+                                 {{"device", "haply"}},
+                                 {{"device", "hapi:/dev/ttyACM0"}},
+                                 {{"device", "gamepad"}},
+                                 {{"device", "plugin:./x.so"}},
+                                 {{"device", "falcon"}, {"firmware", "novint.bin"}},
+                                 {{"check", "true"}},
+                                 {{"role", "operator"}},
+                                 {{"role", "observer"}},
+                                 {{"role", "observer"}, {"view", "seen.csv"}},
+                                 {{"lead", "0.3"}},
+                                 {{"lead", "0.3"}, {"robot", "left"}, {"robot-button", "1"}},
+                                 {{"lead", "0.3"}, {"trust-robot", "0.1,5"}},
+                                 {{"emergency-button", "1"}},
+                                 {{"deadman-button", "1"}},
+                                 {{"tool-weight", "0.5N"}},
+                                 {{"press-button", "1"}},
+                                 {{"bounding", "client"}},
+                                 {{"bounding", "server"}},
+                                 {{"bounding", "both"}},
+                                 {{"local-model", "true"}},
+                                 {{"local-model", "false"}},
+                                 {{"whole-surfaces", "false"}},
+                                 {{"operator-damping", "1"}},
+                                 {{"no-account", "true"}, {"mode", "per_axis"}},
+                                 {{"slew", "50"}},
+                                 {{"ramp-up", "0.1"}},
+                                 {{"velocity-limit", "1"}},
+                                 {{"max-force", "3"}},
+                                 {{"wait-for-small-force", "0.1"}},
+                                 {{"await-still", "0.1"}},
+                                 {{"learn-hand-force", "true"}},
+                                 {{"profile", "wan"}},
+                                 {{"packet-rate", "500"}},
+                                 {{"position-deadband", "5"}},
+                                 {{"force-deadband", "5"}},
+                                 {{"record", "felt.csv"}},
+                                 {{"record", "felt.mcap"}, {"record-max-mib", "5"}},
+                                 {{"record", "felt.mcap"}, {"record-max-seconds", "5"}},
+                                 {{"report", "run.json"}},
+                                 {{"spec", "omega.7"}},
+                                 {{"damping", "0.2"}},
+                                 {{"link", "wifi"}},
+                                 {{"fixed", "true"}},
+                                 {{"map-scale", "2"}}};
   for (const BoundingMethod* method : bounding_methods())
     all.push_back({{"mode", std::string(method->name)}});
   return all;
 }
 
-bool names(const Given& given, const std::set<std::string>& options) {
+bool names(const OptionList& given, const std::set<std::string>& options) {
   for (const auto& [name, value] : given)
     if (options.contains(name)) return true;
   return false;
 }
 
 /// Pairs that stay refused although one option comes from the environment.
-bool stays_refused(const Given& said, const Given& in_environment) {
+bool stays_refused(const OptionList& said, const OptionList& in_environment) {
   // An option for something else must not drop a protection of the hand.
   if (names(in_environment,
             {"slew", "ramp-up", "velocity-limit", "emergency-button", "deadman-button"}))
@@ -135,21 +135,21 @@ bool stays_refused(const Given& said, const Given& in_environment) {
   // Only --check opens a device other than the one in the environment.
   if (names(in_environment, {"device"})) return !names(said, {"check"});
   // These pairs need a third option: --local-model or --no-local-model.
-  const auto joined = [](const Given& one, const Given& other) {
-    const bool at_server = one == Given{{"bounding", "server"}};
+  const auto joined = [](const OptionList& one, const OptionList& other) {
+    const bool at_server = one == OptionList{{"bounding", "server"}};
     return (names(one, {"lead"}) && names(other, {"mode", "no-account", "profile"})) ||
-           (names(one, {"lead"}) && other == Given{{"bounding", "both"}}) ||
+           (names(one, {"lead"}) && other == OptionList{{"bounding", "both"}}) ||
            (at_server && names(other, {"profile"}));
   };
   return joined(said, in_environment) || joined(in_environment, said);
 }
 
 TEST(RivalOptions, TheCommandLineDecidesForEveryPairThatIsRefusedTogether) {
-  std::vector<Given> all = everything();
-  std::erase_if(all, [](const Given& given) { return !accepted(command_line(given)); });
+  std::vector<OptionList> all = everything();
+  std::erase_if(all, [](const OptionList& given) { return !accepted(command_line(given)); });
   int pairs = 0;
-  for (const Given& said : all)
-    for (const Given& other : all) {
+  for (const OptionList& said : all)
+    for (const OptionList& other : all) {
       std::vector<std::string> together = command_line(said);
       for (const std::string& word : command_line(other)) together.push_back(word);
       if (names(said, {other.front().first}) || accepted(together)) continue;
@@ -167,7 +167,7 @@ TEST(RivalOptions, EachWayToTrustDropsTheOthers) {
   const std::string print = folder / "fingerprint", ca = folder / "ca.pem";
   std::ofstream(print) << std::string(64, 'b') << "\n";
   std::ofstream(ca) << "an authority";
-  const Given ways = {{"fingerprint", kPrint}, {"fingerprint-file", print}, {"ca", ca}};
+  const OptionList ways = {{"fingerprint", kPrint}, {"fingerprint-file", print}, {"ca", ca}};
   ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
   const auto trusted = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed_bare(words)).server.credentials.trust;

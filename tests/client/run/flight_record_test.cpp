@@ -173,7 +173,7 @@ TEST_F(FlightRecordTest, ASignalAsksForIt) {
   const Signals signals(true);
   EXPECT_FALSE(signals.take().record);
   ASSERT_EQ(::raise(SIGUSR1), 0);
-  const Signals::Taken came = signals.take();
+  const Signals::PendingSignals came = signals.take();
   EXPECT_TRUE(came.record);
   EXPECT_FALSE(came.end);
   ASSERT_EQ(::raise(SIGTERM), 0);

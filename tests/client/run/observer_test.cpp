@@ -13,8 +13,8 @@ namespace {
 using testing::kPatience;
 
 /// An observer without a servo loop: it sends a sample and takes the view of the reply.
-struct Eye {
-  Eye(const ServerAccess& server, const std::string& of)
+struct ObserverClient {
+  ObserverClient(const ServerAccess& server, const std::string& of)
       : joined(join(server, {"eye", of, builtin_device("simulated"), fast(), Role::observer},
                     kPatience)),
         transport({joined.datagrams, joined.accepted.session, joined.keys},
@@ -68,7 +68,7 @@ TEST(Observing, TwoHandsAndWhatMoves) {
       right(access, standing(0.5).c_str(), {}, "moving");
   left.start();
   right.start();
-  Eye eye(access, "moving");
+  ObserverClient eye(access, "moving");
   test::eventually("both hands in sight", [&] { return eye.look().hands().size() >= 2; });
   EXPECT_EQ(eye.scene.hands().at(1).pose.position, Vec3(-0.25, 0, 0.125));
   EXPECT_EQ(eye.scene.hands().at(2).pose.position, Vec3(0.5, 0, 0.125));

@@ -29,16 +29,16 @@ std::vector<std::filesystem::path> shipped() {
 
 class ShippedScene : public ::testing::TestWithParam<std::filesystem::path> {};
 
-struct Felt {
+struct PressResult {
   double peak = 0.0;   // [N] held
   double share = 0.0;  // of the scene's command, limited by the device
 };
 
-Felt felt_in(const std::string& record) {
+PressResult felt_in(const std::string& record) {
   const double most = builtin_device("simulated").max_force;
   std::ifstream rows(record);
   CsvReader reader(rows, record, {"ex", "ey", "ez", "fx", "fy", "fz", "rx", "ry", "rz"});
-  Felt felt;
+  PressResult felt;
   double wanted = 0.0, given = 0.0;
   for (std::array<double, 9> row{}; reader.next(row);) {
     const Vec3 commanded(row[0] + row[3], row[1] + row[4], row[2] + row[5]);
@@ -69,7 +69,7 @@ TEST_P(ShippedScene, IsFelt) {
   const std::string token = folder / "token", record = folder / "record.csv";
   replace_file(token, test::admin_token().text.text(), kPrivate);
   // On a loaded machine late answers cost force, so the best of several runs counts.
-  Felt best;
+  PressResult best;
   for (int run = 0; run < 5 && (best.peak < kLeastPeak || best.share < least_share); ++run) {
     const test::Outcome outcome =
         test::Program(FELTWIRE_CLIENT_PROGRAM,
@@ -78,7 +78,7 @@ TEST_P(ShippedScene, IsFelt) {
                        "--record", record})
             .finish();
     ASSERT_EQ(outcome.status, 0) << outcome.error;
-    const Felt felt = felt_in(record);
+    const PressResult felt = felt_in(record);
     best = {std::max(best.peak, felt.peak), std::max(best.share, felt.share)};
   }
   EXPECT_GE(best.peak, kLeastPeak);

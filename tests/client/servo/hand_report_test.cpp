@@ -20,9 +20,9 @@ bool says(const Bench& bench, HandReason reason) {
 }
 
 /// A servo whose first sample got this command.
-struct Told : Bench {
-  explicit Told(const Command& command, std::string_view mode = "none",
-                const ServoOptions& options = {})
+struct BenchAfterCommand : Bench {
+  explicit BenchAfterCommand(const Command& command, std::string_view mode = "none",
+                             const ServoOptions& options = {})
       : Bench(parameters(mode), options) {
     tick();
     servo.take(reply(1, command), now);
@@ -33,20 +33,21 @@ struct Told : Bench {
 const Command kTwo = elastic(0, 0, 2);
 
 TEST(HandReport, SaysNothingOfAHandThatFeelsAll) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.servo.report().reasons, bit(HandReason::late));
   EXPECT_FALSE(told.servo.report().has_account);
-  EXPECT_EQ(Told({}).servo.report().reasons, 0u);  // touches nothing
+  EXPECT_EQ(BenchAfterCommand({}).servo.report().reasons, 0u);  // touches nothing
 }
 
 TEST(HandReport, SaysWhatTakesForceOff) {
-  EXPECT_TRUE(says(Told(kTwo, "contact_frame"), HandReason::bound));
+  EXPECT_TRUE(says(BenchAfterCommand(kTwo, "contact_frame"), HandReason::bound));
   ServoOptions limited;
   limited.safety.force.max = 1.0;
-  Told cut(kTwo, "none", limited);
+  BenchAfterCommand cut(kTwo, "none", limited);
   EXPECT_TRUE(says(cut, HandReason::limits));
   EXPECT_FALSE(says(cut, HandReason::bound));
-  EXPECT_TRUE(says(Told(kTwo, "midpoint"), HandReason::account));  // no energy burned yet
+  EXPECT_TRUE(
+      says(BenchAfterCommand(kTwo, "midpoint"), HandReason::account));  // no energy burned yet
 }
 
 /// `limits` is set too, for older viewers.
@@ -59,12 +60,14 @@ TEST(HandReport, NamesTheSafetyLimit) {
   };
   const auto reasons = [](const Bench& bench) { return bench.servo.report().reasons; };
   const std::uint32_t limits = bit(HandReason::late) | bit(HandReason::limits);
-  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.max = 1.0}))), limits);
-  EXPECT_EQ(reasons(Told(kTwo, "none", limited({}, 1.0))), limits | bit(HandReason::ramp));
-  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.slew = 1.0}))), limits | bit(HandReason::slew));
-  EXPECT_EQ(reasons(Told(kTwo, "none", limited({.small = 0.05}))),
+  EXPECT_EQ(reasons(BenchAfterCommand(kTwo, "none", limited({.max = 1.0}))), limits);
+  EXPECT_EQ(reasons(BenchAfterCommand(kTwo, "none", limited({}, 1.0))),
+            limits | bit(HandReason::ramp));
+  EXPECT_EQ(reasons(BenchAfterCommand(kTwo, "none", limited({.slew = 1.0}))),
+            limits | bit(HandReason::slew));
+  EXPECT_EQ(reasons(BenchAfterCommand(kTwo, "none", limited({.small = 0.05}))),
             limits | bit(HandReason::wait_for_small_force));
-  Told fast(kTwo, "none", limited({.speed = 0.1}));
+  BenchAfterCommand fast(kTwo, "none", limited({.speed = 0.1}));
   for (int i = 1; i < 20; ++i) fast.tick(at(0.002 * i, 0, 0));
   EXPECT_EQ(reasons(fast), limits | bit(HandReason::velocity_limit));
 }
@@ -87,11 +90,11 @@ TEST(HandReport, NamesTheShaping) {
   EXPECT_TRUE(says(bench, HandReason::bound));
   EXPECT_TRUE(says(bench, HandReason::shaping));
   EXPECT_FALSE(says(bench, HandReason::faded));
-  EXPECT_FALSE(says(Told(kTwo, "contact_frame"), HandReason::shaping));
+  EXPECT_FALSE(says(BenchAfterCommand(kTwo, "contact_frame"), HandReason::shaping));
 }
 
 TEST(HandReport, SaysThatTheAccountIsInDebt) {
-  Told told(kTwo, "midpoint");
+  BenchAfterCommand told(kTwo, "midpoint");
   for (int n = 1; n < 100; ++n) {
     told.servo.take(reply(told.servo.sample().index, {}), told.now);
     told.tick(surely_at(0.01 * std::sin(0.05 * n), 0, 0));
@@ -107,7 +110,7 @@ TEST(HandReport, SaysThatTheAccountIsInDebt) {
 }
 
 TEST(HandReport, SaysWhyTheDeviceTakesNoForce) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   const auto reasons = [&](const DeviceReading& reading) {
     told.tick(reading);
     return told.servo.report().reasons;
@@ -119,7 +122,7 @@ TEST(HandReport, SaysWhyTheDeviceTakesNoForce) {
 }
 
 TEST(HandReport, SaysThatTheClientEnds) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   told.servo.release();
   told.tick();
   EXPECT_TRUE(says(told, HandReason::ending));
@@ -127,7 +130,7 @@ TEST(HandReport, SaysThatTheClientEnds) {
 }
 
 TEST(HandReport, HasTheAccountsBalance) {
-  Told told(kTwo, "midpoint");
+  BenchAfterCommand told(kTwo, "midpoint");
   ASSERT_TRUE(told.servo.report().has_account);
   EXPECT_EQ(told.servo.report().balance, told.servo.account()->balance());
   const double before = told.servo.report().balance;
@@ -136,14 +139,14 @@ TEST(HandReport, HasTheAccountsBalance) {
 }
 
 TEST(HandReport, SaysThatAnOldAnswerFades) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   told.tick({}, from_seconds(0.08));  // hold_time is 0.1 s
   EXPECT_TRUE(says(told, HandReason::faded));
   EXPECT_FALSE(says(told, HandReason::reconnecting));
 }
 
 TEST(HandReport, SaysThatTheSessionWasLost) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   told.servo.reconnected(true);
   told.tick();
   EXPECT_TRUE(says(told, HandReason::reconnecting));
@@ -151,7 +154,7 @@ TEST(HandReport, SaysThatTheSessionWasLost) {
 }
 
 TEST(HandReport, SaysThatTheDeviceIsFaulty) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   DeviceReading none;
   none.ok = false;
   told.tick(none);

@@ -35,14 +35,14 @@ struct Wall {
   bool says_late = true;
 };
 
-struct Felt {
+struct LateDeviceResult {
   double made = 0.0;     // [J] most delivered less burned energy at the true port
   double largest = 0.0;  // [N]
   std::uint64_t violations = 0;
 };
 
 /// A hand presses, slides and taps for some seconds.
-Felt feel(const DeviceSpec& truth, const Hand& hand, HandPath path, const Wall& wall) {
+LateDeviceResult feel(const DeviceSpec& truth, const Hand& hand, HandPath path, const Wall& wall) {
   DeviceSpec spec = truth;
   spec.late_ticks = wall.says_late ? wall.late : 0;
   Object floor;
@@ -68,7 +68,7 @@ Felt feel(const DeviceSpec& truth, const Hand& hand, HandPath path, const Wall& 
   Vec3 before = device.true_position();
   Vec3 force = Vec3::Zero();
   double left = 0.0;
-  Felt felt;
+  LateDeviceResult felt;
   for (int n = 0; n < 5000; ++n) {
     now += kPeriod;
     const DeviceReading reading = device.read(now);
@@ -99,7 +99,7 @@ TEST(LateDevice, MakesNoEnergyAtTheTruePortInEightHands) {
     for (const double stiffness : {5e3, 40e3})
       for (const HandPath path : {HandPath::press, HandPath::slide, HandPath::taps})
         for (const NamedHand& hand : kEightHands) {
-          const Felt felt = feel(device, hand.hand, path, {.stiffness = stiffness});
+          const LateDeviceResult felt = feel(device, hand.hand, path, {.stiffness = stiffness});
           EXPECT_LE(felt.made, 1e-9) << hand.name << ' ' << stiffness << ' ' << device.apparent_mass
                                      << ' ' << static_cast<int>(path);
           EXPECT_GT(felt.largest, 0.2) << hand.name << ' ' << stiffness;

@@ -24,7 +24,7 @@ using testing::servo::parameters;
 using testing::servo::reply;
 
 /// Returns the reading that the test set, and counts the writes.
-class Told final : public Device {
+class ScriptedReadings final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
   DeviceReading read(Nanoseconds) noexcept override { return next; }
@@ -49,7 +49,7 @@ DeviceReading stale() {
 }
 
 struct PacedServo : ::testing::Test {
-  Told device;
+  ScriptedReadings device;
   Servo servo{device.spec(), parameters("none"), {}};
   Nanoseconds now = testing::servo::seconds(5.0);
 

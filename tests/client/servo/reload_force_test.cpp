@@ -106,7 +106,7 @@ Scene remade(const Scene& before, std::size_t object, Random& random) {
   return next;
 }
 
-struct Seen {
+struct ReloadResult {
   int reloads = 0, risen = 0;
   double steepest = 0.0;  // as a share of the bound
 };
@@ -114,7 +114,7 @@ struct Seen {
 enum class By : std::uint8_t { reload, live_change };
 
 /// Random reloads, or random live changes of materials, under a hand.
-void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
+void play(std::uint64_t seed, Storage storage, ReloadResult& seen, By by = By::reload) {
   Random random(seed);
   SessionParameters p = parameters("contact_frame");
   p.storage = storage;
@@ -180,7 +180,7 @@ void play(std::uint64_t seed, Storage storage, Seen& seen, By by = By::reload) {
 }
 
 TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
-  Seen seen;
+  ReloadResult seen;
   for (const std::uint64_t seed : test::seeds(1, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen));
   EXPECT_GT(seen.reloads, test::rounds(1000));
@@ -189,14 +189,14 @@ TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
 }
 
 TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt) {
-  Seen seen;
+  ReloadResult seen;
   for (const std::uint64_t seed : test::seeds(1001, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::elastic, seen));
   EXPECT_GT(seen.reloads, test::rounds(1000));
 }
 
 TEST(ReloadForce, NeverJumpsWhateverALiveChangeMakesOfAMaterial) {
-  Seen seen;
+  ReloadResult seen;
   for (const std::uint64_t seed : test::seeds(2001, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen, By::live_change));
   EXPECT_GT(seen.reloads, test::rounds(1000));

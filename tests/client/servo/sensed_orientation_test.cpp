@@ -50,7 +50,7 @@ struct Pair {
     sent.rotation = spec.rotation_sensed > 0;
     const Bytes bytes = encoder_.samples(sent);
     EXPECT_EQ(decode(bytes, received), DropReason::none);
-    const Taken taken = session.take(received, now);
+    const BatchResult taken = session.take(received, now);
     EXPECT_EQ(taken.drop, DropReason::none);
     const Bytes answer = encoder_.reply(taken.reply);
     EXPECT_EQ(decode(answer, reply), DropReason::none);
@@ -149,7 +149,7 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
       sample.client_time = static_cast<std::int64_t>(n) * kPeriod;
       sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};  // the wire allows this error
       sample.held = {.elastic = Vec3(1, 2, 3), .torque = 2.0 * kAxis};
-      const Taken taken = session.take(batch, sample.client_time);
+      const BatchResult taken = session.take(batch, sample.client_time);
       ASSERT_EQ(taken.drop, DropReason::none);
       const ChannelEnergy& work = taken.reply.delivered;
       ASSERT_NEAR(work.torque - last, n > 1 ? 2.0 * turned : 0.0, 1e-9) << n;

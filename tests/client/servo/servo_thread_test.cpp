@@ -33,7 +33,7 @@ constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
 struct Looks {
   StallDetector watch{kLate, kHold};
   Nanoseconds now = std::chrono::hours(3);
-  StallDetector::Life life{.calls = 1, .tick = now, .pulls = true};
+  StallDetector::SignsOfLife life{.calls = 1, .tick = now, .pulls = true};
 
   Verdict look(Nanoseconds late = {}) {
     now += watch.pause() + late;

@@ -229,7 +229,7 @@ std::uint64_t violations(const NetworkScript& script, const SessionParameters& a
     if (batch != nullptr && t.up_again >= 0) up.push_back({n + t.up_again, *batch});
     for (const UpPacket& p : up) {
       if (p.due != n) continue;
-      const Taken taken = session.take(p.batch, now);
+      const BatchResult taken = session.take(p.batch, now);
       if (taken.drop != DropReason::none || taken.withheld) continue;
       if (t.down >= 0) down.push_back({n + 1 + t.down, taken.reply});
       if (t.down_again >= 0) down.push_back({n + 1 + t.down_again, taken.reply});

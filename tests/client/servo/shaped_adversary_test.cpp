@@ -29,7 +29,7 @@ constexpr int kSessions = 240;
 #endif
 
 /// Ratios of the numbers that the session is told to the true numbers.
-struct Told {
+struct AssumedNumbers {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double damping = 0.0;           // [N s/m] of the operator, claimed as the device's
   double operator_damping = 0.0;  // [N s/m] claimed as the operator's
@@ -56,7 +56,7 @@ DeviceSpec any_device(Random& random) {
   return spec;
 }
 
-DeviceSpec as_told(DeviceSpec spec, const Told& told) {
+DeviceSpec as_told(DeviceSpec spec, const AssumedNumbers& told) {
   spec.least_mass *= told.mass;
   spec.apparent_mass *= std::max(1.0, told.mass);
   spec.hand_force *= told.hand;
@@ -87,9 +87,9 @@ Scene any_room(Random& random) {
 
 /// A one-way link that delays, loses and doubles.
 template <class Datagram>
-class Way {
+class OneWayLink {
  public:
-  Way(double lost, int latest) : lost_(lost), latest_(latest) {}
+  OneWayLink(double lost, int latest) : lost_(lost), latest_(latest) {}
   void send(const Datagram& datagram, int now, Random& random) {
     const int copies = random.chance(lost_) ? 0 : random.chance(0.1) ? 2 : 1;
     for (int i = 0; i < copies; ++i)
@@ -159,7 +159,7 @@ void make_hostile(Random& random, Reply& reply, const Vec3& position) {
   wall.material.stiffness = std::abs(random.decades(3.0, 6.0));
 }
 
-Outcome attack(std::uint64_t seed, const Told& told, const Trouble& trouble) {
+Outcome attack(std::uint64_t seed, const AssumedNumbers& told, const Trouble& trouble) {
   Random random(seed);
   const DeviceSpec truth = any_device(random), spec = as_told(truth, told);
   const Scene scene = any_room(random);
@@ -175,8 +175,8 @@ Outcome attack(std::uint64_t seed, const Told& told, const Trouble& trouble) {
   const bool hostile = random.chance(0.5);
   const int latest = random.chance(0.4) ? 0 : static_cast<int>(random.uniform(0.0, 40.0));
   const double lost = random.chance(0.5) ? 0.0 : random.uniform(0.0, 0.3);
-  Way<SampleBatch> up(lost, latest);
-  Way<Reply> down(lost, latest);
+  OneWayLink<SampleBatch> up(lost, latest);
+  OneWayLink<Reply> down(lost, latest);
 
   Handle handle{.mass = truth.least_mass,
                 .viscous = truth.damping.least(),
@@ -232,7 +232,7 @@ Outcome attack(std::uint64_t seed, const Told& told, const Trouble& trouble) {
     batch.samples[0] = *sample;
     up.send(batch, n, random);
     up.arrive(n, [&](const SampleBatch& arrived) {
-      Taken taken = session.take(arrived, now);
+      BatchResult taken = session.take(arrived, now);
       if (taken.drop != DropReason::none || taken.withheld) return;
       taken.reply.reloads = reloads;
       if (hostile) make_hostile(random, taken.reply, shown);
@@ -257,7 +257,7 @@ struct Sum {
   bool force_in_debt = false;
 };
 
-Sum attack_all(int sessions, const Told& told, const Trouble& trouble = {}) {
+Sum attack_all(int sessions, const AssumedNumbers& told, const Trouble& trouble = {}) {
   Sum sum;
   for (int i = 1; i <= sessions; ++i) {
     const Outcome o = attack(static_cast<std::uint64_t>(i), told, trouble);

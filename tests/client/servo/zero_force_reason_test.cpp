@@ -15,9 +15,10 @@ namespace {
 using namespace testing::servo;
 
 /// An unbounded servo whose first sample got this command.
-struct Told : Bench {
-  explicit Told(const Command& command, const ServoOptions& options = {},
-                std::string_view mode = "none", BoundingSide side = BoundingSide::client)
+struct BenchAfterCommand : Bench {
+  explicit BenchAfterCommand(const Command& command, const ServoOptions& options = {},
+                             std::string_view mode = "none",
+                             BoundingSide side = BoundingSide::client)
       : Bench(parameters(mode, side), options) {
     tick();
     servo.take(reply(1, command), now);
@@ -37,7 +38,7 @@ ServoOptions limited(const ChannelLimits& force, double ramp_up = 0.0) {
 const Command kTwo = elastic(0, 0, 2);
 
 TEST(ZeroForceReason, ThereIsForce) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.why(), ZeroForceReason::felt);
   EXPECT_EQ(told.servo.statistics().no_force[static_cast<std::size_t>(ZeroForceReason::felt)], 1u);
   EXPECT_EQ(told.servo.statistics().no_force[static_cast<std::size_t>(ZeroForceReason::no_reply)],
@@ -52,18 +53,18 @@ TEST(ZeroForceReason, NoReplyYet) {
 }
 
 TEST(ZeroForceReason, NothingIsTouched) {
-  EXPECT_EQ(Told({}).why(), ZeroForceReason::touches_nothing);
+  EXPECT_EQ(BenchAfterCommand({}).why(), ZeroForceReason::touches_nothing);
 }
 
 TEST(ZeroForceReason, TheSceneAsksForTooLittle) {
-  EXPECT_EQ(Told(elastic(0, 0, 0.004)).why(), ZeroForceReason::too_little);
-  EXPECT_EQ(Told(elastic(0, 0, 0.006)).why(), ZeroForceReason::felt);
+  EXPECT_EQ(BenchAfterCommand(elastic(0, 0, 0.004)).why(), ZeroForceReason::too_little);
+  EXPECT_EQ(BenchAfterCommand(elastic(0, 0, 0.006)).why(), ZeroForceReason::felt);
 }
 
 /// The hand begins in contact, under each bound. One bound gives a resting hand no force anyway.
 TEST(ZeroForceReason, WaitsBecauseItBeganInContact) {
   for (const std::string_view mode : {"none", "contact_frame"}) {
-    Told told(kTwo, limited({.small = 0.05}), mode);
+    BenchAfterCommand told(kTwo, limited({.small = 0.05}), mode);
     EXPECT_EQ(told.why(), ZeroForceReason::waiting);
     EXPECT_EQ(told.why(), ZeroForceReason::waiting);
   }
@@ -83,26 +84,26 @@ TEST(ZeroForceReason, AWaitThatLeavesNextToNothingIsSaid) {
 }
 
 TEST(ZeroForceReason, TheBoundLetsNoneThroughToAHandThatRests) {
-  EXPECT_EQ(Told(kTwo, {}, "contact_frame").why(), ZeroForceReason::bound);
+  EXPECT_EQ(BenchAfterCommand(kTwo, {}, "contact_frame").why(), ZeroForceReason::bound);
 }
 
 TEST(ZeroForceReason, TheSafetyLimits) {
-  EXPECT_EQ(Told(kTwo, limited({}, 1.0)).why(), ZeroForceReason::ramp);
-  EXPECT_EQ(Told(kTwo, limited({.slew = 1.0})).why(), ZeroForceReason::slew);
-  EXPECT_EQ(Told(kTwo, limited({.max = 0.001})).why(), ZeroForceReason::force_limit);
-  Told fast(kTwo, limited({.speed = 0.1}));
+  EXPECT_EQ(BenchAfterCommand(kTwo, limited({}, 1.0)).why(), ZeroForceReason::ramp);
+  EXPECT_EQ(BenchAfterCommand(kTwo, limited({.slew = 1.0})).why(), ZeroForceReason::slew);
+  EXPECT_EQ(BenchAfterCommand(kTwo, limited({.max = 0.001})).why(), ZeroForceReason::force_limit);
+  BenchAfterCommand fast(kTwo, limited({.speed = 0.1}));
   for (int i = 1; i < 20; ++i) fast.tick(at(0.002 * i, 0, 0));
   EXPECT_EQ(fast.why(at(0.04, 0, 0)), ZeroForceReason::velocity_limit);
 }
 
 TEST(ZeroForceReason, TheServerIsSilent) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.why(), ZeroForceReason::felt);
   EXPECT_EQ(told.why({}, std::chrono::seconds(1)), ZeroForceReason::silent);
 }
 
 TEST(ZeroForceReason, TheSessionHasJustBeenFoundAgain) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.why(), ZeroForceReason::felt);
   told.servo.reconnected(false);
   std::set<ZeroForceReason> reasons;
@@ -111,7 +112,7 @@ TEST(ZeroForceReason, TheSessionHasJustBeenFoundAgain) {
 }
 
 TEST(ZeroForceReason, TheRunEnds) {
-  Told told(kTwo);
+  BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.why(), ZeroForceReason::felt);
   told.servo.release();
   for (int i = 0; i < 500 && !told.servo.let_go(); ++i) told.tick();
@@ -119,7 +120,7 @@ TEST(ZeroForceReason, TheRunEnds) {
 }
 
 TEST(ZeroForceReason, TheDevice) {
-  Told fault(kTwo), ended(kTwo), weak(kTwo), no_torque({.torque = Vec3(0, 0, 1)});
+  BenchAfterCommand fault(kTwo), ended(kTwo), weak(kTwo), no_torque({.torque = Vec3(0, 0, 1)});
   EXPECT_EQ(fault.why({.pose = {}, .ok = false}), ZeroForceReason::device_fault);
   EXPECT_EQ(fault.why({.pose = {}, .clutched = true}), ZeroForceReason::clutched);
   for (const auto& [withheld, why] : {std::pair{Withheld::not_homed, ZeroForceReason::not_homed},
@@ -136,7 +137,8 @@ TEST(ZeroForceReason, TheDevice) {
 }
 
 TEST(ZeroForceReason, AnObserverIsGivenNone) {
-  EXPECT_EQ(Told({}, {.safety = {}, .observes = true}).why(), ZeroForceReason::observer);
+  EXPECT_EQ(BenchAfterCommand({}, {.safety = {}, .observes = true}).why(),
+            ZeroForceReason::observer);
 }
 
 TEST(ZeroForceReason, WhatTheServerSays) {
@@ -145,7 +147,7 @@ TEST(ZeroForceReason, WhatTheServerSays) {
   bounded.active = true;
   for (const auto& [said, why] : {std::pair{back, ZeroForceReason::recovering},
                                   std::pair{bounded, ZeroForceReason::server_bound}}) {
-    Told told(kTwo);
+    BenchAfterCommand told(kTwo);
     told.tick();
     told.servo.take(said, told.now);
     EXPECT_EQ(told.why(), why);
@@ -153,18 +155,19 @@ TEST(ZeroForceReason, WhatTheServerSays) {
 }
 
 TEST(ZeroForceReason, TheGuardOfAServersForce) {
-  EXPECT_EQ(Told(kTwo, {}, "contact_frame", BoundingSide::server).why(), ZeroForceReason::account);
+  EXPECT_EQ(BenchAfterCommand(kTwo, {}, "contact_frame", BoundingSide::server).why(),
+            ZeroForceReason::account);
 }
 
 TEST(ZeroForceReason, AnAbsurdMovementIsRefused) {
-  Told told(kTwo, {}, "contact_frame");
+  BenchAfterCommand told(kTwo, {}, "contact_frame");
   DeviceReading far = at(1e200, 0, 0);
   far.jumped = false;  // the driver says that a hand moved there
   EXPECT_EQ(told.why(far), ZeroForceReason::refused);
 }
 
 TEST(ZeroForceReason, AMovementThatNoHandMakesIsAJump) {
-  Told told(kTwo, {}, "contact_frame");
+  BenchAfterCommand told(kTwo, {}, "contact_frame");
   EXPECT_EQ(told.why(at(0.02, 0, 0)), ZeroForceReason::jumped);
   EXPECT_NE(told.why(at(0.02, 0, 0)), ZeroForceReason::jumped);
 }

@@ -24,7 +24,7 @@ constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so fa
 #endif
 
 /// The numbers that the account is told, as shares of the truth.
-struct Told {
+struct AssumedNumbers {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
   double operator_damping = 0.0;  // [N s/m] told on top of the device's own
   bool late = true;               // whether the account knows how late the device takes forces up
@@ -44,7 +44,7 @@ struct Device {
     truth.quantum = random.chance(0.7) ? std::abs(random.decades(-6.0, -4.0)) : 0.0;
     truth.coulomb_friction = random.chance(0.5) ? handle.dry : 0.0;
   }
-  AccountConfig told(const Told& told, std::size_t lag) const {
+  AccountConfig told(const AssumedNumbers& told, std::size_t lag) const {
     AccountConfig config;
     config.period = kPeriod;
     config.translation = truth;
@@ -88,7 +88,7 @@ struct Outcome {
 /// `strength`: the hand's largest force as a share of the device's outside_force. `lag`: the
 /// samples by which the device takes forces up late. `promised` [T]: the hold time that the
 /// account reckons with.
-Outcome attack(std::uint64_t seed, const Told& told, double strength, double longest,
+Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, double longest,
                std::size_t lag, double promised) {
   Random random(seed);
   Device device(random);
@@ -158,7 +158,7 @@ struct Sum {
   bool force_in_debt = false;
 };
 
-Sum attack_all(int devices, const Told& told, double strength = 1.0, double longest = 1.0,
+Sum attack_all(int devices, const AssumedNumbers& told, double strength = 1.0, double longest = 1.0,
                std::size_t lag = 0, double promised = 1.0) {
   Sum sum;
   for (int i = 1; i <= devices; ++i) {

@@ -52,11 +52,11 @@ struct Movement {
   }
 };
 
-struct Seen {
+struct LimitCounts {
   std::uint64_t reduced = 0, strong_hand = 0, whole = 0;
 };
 
-void play(std::uint64_t seed, Seen& seen) {
+void play(std::uint64_t seed, LimitCounts& seen) {
   Random random(seed);
   AccountConfig config;
   config.translation = any_knowledge(random, 1.0);
@@ -109,7 +109,7 @@ void play(std::uint64_t seed, Seen& seen) {
 }
 
 TEST(AccountPlain, GivesWhatItsArithmeticWrittenOutGives) {
-  Seen seen;
+  LimitCounts seen;
   for (std::uint64_t seed = 1; seed <= kAccounts && !testing::Test::HasFatalFailure(); ++seed)
     play(seed, seen);
   EXPECT_GT(seen.reduced, 1000u);

@@ -62,7 +62,7 @@ double lowest(const std::vector<double>& coordinates) {
 
 TEST(MujocoRoom, FewBodiesTakeLittle) {
   const auto model = model_of(1);
-  const mujoco::Room room = first_room(*model);
+  const mujoco::BufferSizes room = first_room(*model);
   EXPECT_GE(room.contacts, 20);
   EXPECT_GE(room.rows, 60);
   EXPECT_LT(bytes(*model, room) + 8.0 * room.stack, 4e5);
@@ -98,7 +98,7 @@ TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
   const auto small = model_of(100);
   const auto large = model_of(100, "<size nconmax='1000' njmax='3500' nstack='30000000'/>");
   Simulation grows(*small), has(*large);
-  const mujoco::Room first = first_room(*small);
+  const mujoco::BufferSizes first = first_room(*small);
   EXPECT_EQ(has.room().contacts, 1000);
   const auto a = run(grows, 60), b = run(has, 60);
   EXPECT_EQ(a, b);
@@ -124,11 +124,11 @@ TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
   Simulation simulation(*model);
   int grown = 0;
   for (int n = 0; n < 300; ++n) {
-    const mujoco::Room room = simulation.room();
+    const mujoco::BufferSizes room = simulation.room();
     const std::size_t before = test::allocations();
     ASSERT_TRUE(simulation.advance() && simulation.evaluate());
     const bool allocated = test::allocations() != before;
-    const mujoco::Room now = simulation.room();
+    const mujoco::BufferSizes now = simulation.room();
     const bool grew =
         now.contacts != room.contacts || now.rows != room.rows || now.stack != room.stack;
     EXPECT_EQ(allocated, grew) << n;

@@ -31,7 +31,7 @@ Scene board(const std::string& guides) {
                      "board.json");
 }
 
-struct Felt {
+struct BoardForces {
   double commanded = 0.0, rendered = 0.0;  // [N] mean along the board's normal during contact
   double across = 0.0;                     // [N] largest rendered along the board
   std::uint64_t violations = 0;
@@ -39,13 +39,13 @@ struct Felt {
 
 /// A hand comes down from 5 mm above the board to 3 mm below, and slides across the groove to and
 /// fro, once a second.
-Felt solve_friction(const Scene& scene, const BoundingConfig& config) {
+BoardForces solve_friction(const Scene& scene, const BoundingConfig& config) {
   Bounding bounding(config);
   PortEnergy port(config.damping, config.rotational_damping, kPeriod);
   TouchMemory memory = scene.memory();
   Vec3 before(0.0, 0.0, 0.005);
   Command held;
-  Felt felt;
+  BoardForces felt;
   int pressed = 0;
   for (int n = 0; n < 4000; ++n) {
     const double t = kPeriod * n;
@@ -81,10 +81,10 @@ TEST(GuideBound, NoSurfaceIsWeakerForAGuideBesideIt) {
   for (const Storage storage : {Storage::minimal, Storage::elastic}) {
     BoundingConfig config = contact_frame();
     config.storage = storage;
-    const Felt plain = solve_friction(board(""), config);
+    const BoardForces plain = solve_friction(board(""), config);
     EXPECT_GT(plain.rendered, 0.95 * plain.commanded);
     for (const char* guide : {kGroove, kMagnet}) {
-      const Felt guided = solve_friction(board(guide), config);
+      const BoardForces guided = solve_friction(board(guide), config);
       EXPECT_GT(guided.rendered, 0.99 * plain.rendered) << guide;
       EXPECT_GT(guided.rendered, 0.94 * guided.commanded)
           << guided.commanded << " N commanded, " << guided.rendered << " rendered: " << guide;

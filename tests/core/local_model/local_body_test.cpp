@@ -30,9 +30,9 @@ using test::kStiffness;
 using test::object;
 
 /// A box in the hand, and a surface that it touches.
-struct Held {
-  explicit Held(const Shape& shape, double friction = 0.0, const Vec3& at = Vec3::Zero(),
-                std::size_t points = 2000) {
+struct HeldBox {
+  explicit HeldBox(const Shape& shape, double friction = 0.0, const Vec3& at = Vec3::Zero(),
+                   std::size_t points = 2000) {
     Object o = object(shape, at);
     o.material.static_friction = friction;
     o.material.dynamic_friction = 0.75 * friction;
@@ -62,7 +62,7 @@ ShellContact contact(const BodyModel& model, const Pose& tool) {
 }
 
 TEST(LocalBody, SaysNothingOfAToolThatIsAPointOrFarAway) {
-  Held held(Plane{});
+  HeldBox held(Plane{});
   EXPECT_EQ(held.model({}).reach, 0.0);  // not placed yet
   const Pose far{Vec3(0, 0, 1), Quaternion::Identity()};
   held.touch(far);
@@ -76,7 +76,7 @@ TEST(LocalBody, SaysNothingOfAToolThatIsAPointOrFarAway) {
 // A box pressed flat on a plane feels k / A_c times area times depth. If it tilts, it feels the
 // moments of a bed of springs: k / A_c I angle.
 TEST(LocalBody, ABoxFlatOnAPlane) {
-  Held held(Plane{}, 0.0, Vec3::Zero(), 20000);
+  HeldBox held(Plane{}, 0.0, Vec3::Zero(), 20000);
   const Pose device = leaning(0.009, 0.0, Vec3::UnitX());
   held.settle(device);
   const BodyModel model = held.model(device);
@@ -105,7 +105,7 @@ TEST(LocalBody, ABoxFlatOnAPlane) {
 TEST(LocalBody, AtItsPoseIsTheScene) {
   for (const double angle : {0.0, 0.05, 0.2, 0.6, 0.955}) {
     for (const Vec3& about : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(2, 3, 0)}) {
-      Held held(Plane{}, 0.4);
+      HeldBox held(Plane{}, 0.4);
       const Pose device = leaning(angle < 0.3 ? 0.009 : 0.02, angle, about);
       held.settle(device);
       const BodyModel model = held.model(device);
@@ -123,7 +123,7 @@ TEST(LocalBody, AtItsPoseIsTheScene) {
 // A corner touches with few points, and each of them is a point of the model. So the model equals
 // the scene even after the tool has moved.
 TEST(LocalBody, ACornerIsTheSceneAlsoElsewhere) {
-  Held held(Plane{});
+  HeldBox held(Plane{});
   Pose device = leaning(0.0, 0.9, Vec3(-2, 3, 0));
   const Mat3 turned = device.orientation.toRotationMatrix();
   double low = 0.0;  // [m] from the tool's origin down to the lowest corner
@@ -239,7 +239,7 @@ TEST(LocalBody, IsFiniteWhateverTheModelHolds) {
 }
 
 TEST(LocalBody, LosesItsWeightAtTheEndOfItsReach) {
-  Held held(Plane{});
+  HeldBox held(Plane{});
   const Pose device = leaning(0.009, 0.0, Vec3::UnitX());
   held.settle(device);
   const BodyModel model = held.model(device);
@@ -258,7 +258,7 @@ TEST(LocalBody, LosesItsWeightAtTheEndOfItsReach) {
 }
 
 TEST(LocalBody, NeverAllocates) {
-  Held held(Plane{}, 0.4);
+  HeldBox held(Plane{}, 0.4);
   const Pose device = leaning(0.009, 0.1, Vec3::UnitX());
   held.settle(device);
   LocalBody local;
@@ -330,7 +330,7 @@ struct Linearised {
 
 /// Errors over 3 s; models come `delay` ticks late, each `lost`-th is lost (0: none).
 Error error_of(const Movement& movement, std::size_t delay, int lost) {
-  Held server(movement.surface, 0.4, movement.at, 800);
+  HeldBox server(movement.surface, 0.4, movement.at, 800);
   std::deque<std::pair<Command, BodyModel>> on_the_way;
   std::deque<Linearised> linear_on_the_way;
   LocalBody local;

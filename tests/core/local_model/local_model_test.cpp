@@ -25,12 +25,12 @@ const Material kRough{.stiffness = 1200,
                       .dynamic_friction = 0.3,
                       .viscous_friction = 0.7};
 
-struct Felt {
+struct TouchedShape {
   const char* name;
   Shape shape;
   Side side;
 };
-const std::vector<Felt> kFelt = {
+const std::vector<TouchedShape> kFelt = {
     {"plane", Plane{}, Side::outside},
     {"ceiling", Plane{}, Side::inside},
     {"ball", Sphere{0.05}, Side::outside},
@@ -48,7 +48,7 @@ Quaternion random_rotation(Random& random) {
   return Quaternion(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), axis));
 }
 
-Scene one(const Felt& felt, Random& random, const Material& material = kRough) {
+Scene one(const TouchedShape& felt, Random& random, const Material& material = kRough) {
   Object o;
   o.name = felt.name;
   o.shape = felt.shape;
@@ -89,7 +89,7 @@ void expect_near(const Command& a, const Command& b, double relative, const char
 // answers, it equals the scene, including friction and its memory.
 TEST(LocalModel, IsTheObjectItWasMadeOf) {
   Random random(1);
-  for (const Felt& felt : kFelt) {
+  for (const TouchedShape& felt : kFelt) {
     int touched = 0, slipped = 0, spoke = 0, ticks = 0;
     for (int run = 0; run < test::rounds(60); ++run) {
       const Scene scene = one(felt, random);
@@ -225,7 +225,7 @@ TEST(LocalModel, AnUpdateKeepsTheStickPointAndTheFaceOfThisSide) {
 TEST(LocalModel, MovingSurfacesAreTheRestingOnesSeenInMotion) {
   Random random(3);
   for (int run = 0; run < 200; ++run) {
-    const Felt& felt = kFelt[static_cast<std::size_t>(run) % kFelt.size()];
+    const TouchedShape& felt = kFelt[static_cast<std::size_t>(run) % kFelt.size()];
     const Scene scene = one(felt, random);
     const Vec3 drift = random.uniform(0.0, 0.5) * random.direction();  // [m/s]
     TouchMemory memory = scene.memory();

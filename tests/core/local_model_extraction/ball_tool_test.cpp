@@ -84,20 +84,20 @@ void expect_rolled(const Rolled& rolled, const char* name) {
 // If a solid keeps its kind when it grows, a ball's model is as exact as a point's, friction
 // included.
 TEST(BallTool, SolidsThatGrowAreExact) {
-  struct Felt {
+  struct TouchedShape {
     const char* name;
     Shape shape;
     Side side;
   };
-  const std::vector<Felt> felt = {{"plane", Plane{}, Side::outside},
-                                  {"ball", Sphere{0.05}, Side::outside},
-                                  {"hollow ball", Sphere{0.05}, Side::inside},
-                                  {"room", Box{Vec3(0.05, 0.04, 0.03)}, Side::inside},
-                                  {"capsule", Capsule{0.02, 0.04}, Side::outside},
-                                  {"hollow capsule", Capsule{0.03, 0.04}, Side::inside},
-                                  {"hollow can", Cylinder{0.04, 0.03}, Side::inside}};
+  const std::vector<TouchedShape> felt = {{"plane", Plane{}, Side::outside},
+                                          {"ball", Sphere{0.05}, Side::outside},
+                                          {"hollow ball", Sphere{0.05}, Side::inside},
+                                          {"room", Box{Vec3(0.05, 0.04, 0.03)}, Side::inside},
+                                          {"capsule", Capsule{0.02, 0.04}, Side::outside},
+                                          {"hollow capsule", Capsule{0.03, 0.04}, Side::inside},
+                                          {"hollow can", Cylinder{0.04, 0.03}, Side::inside}};
   Random random(1);
-  for (const Felt& it : felt) {
+  for (const TouchedShape& it : felt) {
     const Rolled rolled = roll(object_of(it.shape, it.side), random);
     EXPECT_LT(rolled.worst, 1e-8) << it.name;
     expect_rolled(rolled, it.name);

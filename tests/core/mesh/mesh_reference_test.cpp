@@ -103,7 +103,7 @@ TEST(MeshReference, ABallTouchesNoTriangleDeeperAndIsNoNearerThanTheyLet) {
       if (!(depth > 1e-6)) return;
       ++held;
       // The triangles that hold the ball allow no nearer place.
-      const Nearest aim = nearest_in(holding, goal, 1e-12);
+      const NearestPoint aim = nearest_in(holding, goal, 1e-12);
       stuck += !aim.found || (aim.point - proxy).norm() > 0.02 * depth + 1e-6;
     });
     EXPECT_GT(held, 400) << seed;

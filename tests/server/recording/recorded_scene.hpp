@@ -86,11 +86,11 @@ inline void rewrite(const std::filesystem::path& file,
                     const std::function<bool(const mcap::Attachment&)>& keep = {}) {
   std::ifstream in(file, std::ios::binary);
   mcap::Reader reader(in, file.string());
-  struct Kept {
+  struct KeptEvent {
     std::uint64_t time;
     std::string data;
   };
-  std::vector<Kept> events;
+  std::vector<KeptEvent> events;
   while (const auto message = reader.next()) {
     if (reader.channels().at(message->channel).topic != "/scene/events") continue;
     RecordedEvent event = *read_event(message->data);
@@ -106,7 +106,7 @@ inline void rewrite(const std::filesystem::path& file,
     if (!keep || keep(attachment)) writer.attach(attachment);
   const auto channel =
       writer.add(mcap::Channel{writer.add(event_schema()), "/scene/events", "protobuf"});
-  for (const Kept& event : events) writer.write(channel, event.time, event.data);
+  for (const KeptEvent& event : events) writer.write(channel, event.time, event.data);
   writer.finish();
   std::ofstream(file, std::ios::binary) << writer.take();
 }

@@ -243,7 +243,7 @@ TEST(SessionDeadband, CountsWhatItWithholdsAndSaysSo) {
   for (std::uint64_t n = 1; n <= 400; ++n) {
     batch = test::hand_batch(n);
     batch.samples[0].pose.position = Vec3(-0.1, 0, -0.002 - 1e-6 * static_cast<double>(n));
-    const Taken taken = session.take(batch, Nanoseconds(0));
+    const BatchResult taken = session.take(batch, Nanoseconds(0));
     ASSERT_EQ(taken.drop, DropReason::none);
     withheld += taken.withheld ? 1 : 0;
     EXPECT_EQ(taken.reply.withheld, withheld);
@@ -262,7 +262,7 @@ TEST(SessionDeadband, RatesTravelWithALineOnly) {
     for (std::uint64_t n = 1; n <= 40; ++n) {
       SampleBatch batch = test::hand_batch(n);
       batch.samples[0].pose.position = Vec3(-0.1, 0, -1e-4 * static_cast<double>(n));
-      const Taken taken = session.take(batch, Nanoseconds(0));
+      const BatchResult taken = session.take(batch, Nanoseconds(0));
       EXPECT_EQ(taken.reply.predicted, predictor == Predictor::linear);
       last = taken.reply;
     }

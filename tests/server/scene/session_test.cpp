@@ -19,7 +19,7 @@ using test::join_request;
 constexpr Nanoseconds kNow{1000};
 
 Reply take(Session& session, const SampleBatch& batch) {
-  const Taken taken = session.take(batch, kNow);
+  const BatchResult taken = session.take(batch, kNow);
   EXPECT_EQ(taken.drop, DropReason::none);
   return taken.reply;
 }
@@ -364,7 +364,7 @@ TEST(Session, StepsDoNotAllocate) {
   const std::size_t before = test::allocations();
   std::uint64_t touched = 0;
   for (std::uint64_t n = 2; n <= 10'001; n += 1 + n % 7 / 6) {
-    const Taken taken = session.take(hand_batch(n, 3), kNow);
+    const BatchResult taken = session.take(hand_batch(n, 3), kNow);
     touched += taken.reply.command.force().norm() > 0;
     session.take(hand_batch(n, 3), kNow);
   }

@@ -45,13 +45,13 @@ std::filesystem::path corner(const std::filesystem::path& folder) {
   return folder / "corner.json";
 }
 
-struct Seen {
+struct ReplySizes {
   std::size_t longest = 0, replies = 0, shortened = 0, modelled = 0;
 };
 
 /// Runs the hand for some milliseconds.
-Seen feel(RecordedScene& scene, std::uint64_t id, int milliseconds) {
-  Seen seen;
+ReplySizes feel(RecordedScene& scene, std::uint64_t id, int milliseconds) {
+  ReplySizes seen;
   for (int n = 0; n < milliseconds; ++n) {
     scene.exchange.now += 1ms;
     Sample sample;
@@ -80,7 +80,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
   RecordedScene scene(body ? corner(folder / "") : test::repository_scene("room.json"));
   SceneSessions& sessions = scene.exchange.sessions;
   scene.join(kHand, modelled());
-  const Seen whole = feel(scene, kHand, 300);
+  const ReplySizes whole = feel(scene, kHand, 300);
   EXPECT_EQ(whole.shortened, 0u);
   EXPECT_EQ(whole.modelled, whole.replies);
   if (body) {
@@ -92,7 +92,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
   for (const std::size_t payload : {kOfABody, kPayload, kPayload / 2 + 40}) {
     sessions.limit_replies(kHand, payload, scene.exchange.now);
     const std::size_t before = scene.exchange.allocated;
-    const Seen cut = feel(scene, kHand, 300);
+    const ReplySizes cut = feel(scene, kHand, 300);
     EXPECT_LE(cut.longest, payload + kOverhead);
     EXPECT_EQ(scene.exchange.allocated, before);
     if (body) {
@@ -110,7 +110,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
 
   // After a minute the path may have changed.
   scene.exchange.now += 1min;
-  const Seen again = feel(scene, kHand, 300);
+  const ReplySizes again = feel(scene, kHand, 300);
   if (body) {
     EXPECT_GT(again.longest, kDatagram);
   }
@@ -132,7 +132,7 @@ TEST(ShortReply, WhatIsLeftOutIsBeyondTheReach) {
   for (std::uint64_t n = 1; n <= 400; ++n) {
     SampleBatch batch = test::hand_batch(n);
     batch.samples[0].pose.position += scene.start().position;
-    Taken taken = session.take(batch, {});
+    BatchResult taken = session.take(batch, {});
     ASSERT_EQ(taken.drop, DropReason::none);
     const LocalModel whole = taken.reply.model;
     if (!session.shorten(taken.reply, 1) || !taken.reply.modelled) continue;

@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 constexpr std::size_t kHead = 13;  // of a binary message
 
-struct Kept : Viewer {
+struct KeepingViewer : Viewer {
   void send(const std::string& text) override { texts.push_back(text); }
   void show_text(const SharedBytes& text) override { texts.emplace_back(text.text()); }
   void show_binary(std::span<const std::uint8_t> head, const SharedBytes& shown) override {
@@ -79,7 +79,7 @@ class FoxgloveViewers : public ::testing::Test {
   FoxgloveViewers() { seen.set(room, 1, std::chrono::seconds(1)); }
   Scene room = test::room();
   FoxgloveScene seen{1'700'000'000'000'000'000};
-  Kept way;
+  KeepingViewer way;
   FoxgloveViewer viewer{way, "room"};
 };
 

@@ -62,11 +62,11 @@ Json take(Page& page) {
 }
 
 /// The only hand of a picture.
-struct Seen {
+struct HandInPicture {
   bool there = false;
   double z = 0.0, proxy_z = 0.0, force = 0.0, held = 0.0;
 };
-Seen only_hand(const std::vector<std::uint8_t>& picture) {
+HandInPicture only_hand(const std::vector<std::uint8_t>& picture) {
   constexpr std::size_t kHand = 24, kFloats = kHand + 8;
   std::uint32_t hands = 0;
   if (picture.size() >= kHand) std::memcpy(&hands, picture.data() + 4, sizeof hands);
@@ -96,8 +96,8 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   EXPECT_EQ(held["start"], Json({0.01, 0.0, 0.02}));
   Page other = stage.page(stage.observer);
   // The arm of 300 N/m pulls 10 mm below a floor of 2000 N/m: 1.3 mm deep, 2.6 N.
-  Seen last;
-  point_until("2 N", page, Vec3(0.01, 0, -0.01), [&](const Seen& seen) {
+  HandInPicture last;
+  point_until("2 N", page, Vec3(0.01, 0, -0.01), [&](const HandInPicture& seen) {
     last = seen;
     EXPECT_GT(seen.there ? seen.z : 0.0, -0.008);  // on impact
     return seen.there && seen.z > -0.002 && seen.force > 2.0 && seen.held > 1.5;
@@ -106,9 +106,10 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   EXPECT_NEAR(last.proxy_z, 0.0, 1e-4);
   // Other viewers see it too.
   point_until("another viewer sees it", page, Vec3(0.01, 0, -0.01),
-              [&](const Seen&) { return only_hand(other.picture()).force > 1.0; });
-  point_until("it comes out again", page, Vec3(0.01, 0, 0.02),
-              [](const Seen& seen) { return seen.there && seen.z > 0.015 && seen.held == 0.0; });
+              [&](const HandInPicture&) { return only_hand(other.picture()).force > 1.0; });
+  point_until("it comes out again", page, Vec3(0.01, 0, 0.02), [](const HandInPicture& seen) {
+    return seen.there && seen.z > 0.015 && seen.held == 0.0;
+  });
   page.say({{"hand", "release"}});
   const Json released = next_word(page);
   EXPECT_EQ(released["state"], "released");
@@ -204,7 +205,7 @@ TEST(PageHand, StaysWherePlacesAreHostile) {
                                      Json::array({"0", "0", "0"})};
   for (const Json& point : hostile) page.say({{"point", point}});
   point_until("a picture of it", page, Vec3(0.01, 0, 0.02),
-              [](const Seen& seen) { return seen.there; });
+              [](const HandInPicture& seen) { return seen.there; });
   for (int i = 0; i < 5; ++i) {
     for (const Json& point : hostile) page.say({{"point", point}});
     page.say({{"point", {0.01, 0, 0.02}}});

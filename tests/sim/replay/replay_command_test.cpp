@@ -15,13 +15,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Said {
+struct CommandResult {
   int status = -1;
   std::string text;
 };
-Said run(std::vector<std::string> words) {
+CommandResult run(std::vector<std::string> words) {
   CLI::App app;
-  Said said;
+  CommandResult said;
   std::ostringstream out;
   add_replay(app, out, said.status);
   std::ranges::reverse(words);  // the order that CLI11 expects
@@ -43,7 +43,7 @@ class ReplayCommand : public ::testing::Test {
 };
 
 TEST_F(ReplayCommand, EqualIsZero) {
-  const Said said = run({file});
+  const CommandResult said = run({file});
   EXPECT_EQ(said.status, 0);
   EXPECT_THAT(said.text, HasSubstr("\nbit-equal\n"));
   EXPECT_THAT(said.text, HasSubstr("scene plane: 0.600 s, 1 sessions, "));
@@ -54,7 +54,7 @@ TEST_F(ReplayCommand, DifferenceIsOneWithItsPlace) {
     if (event.number == 50) event.digest ^= 4;
     return true;
   });
-  const Said said = run({file, "--json"});
+  const CommandResult said = run({file, "--json"});
   EXPECT_EQ(said.status, 1);
   const auto json = nlohmann::json::parse(said.text);
   EXPECT_EQ(json["bit_equal"], false);
@@ -66,7 +66,7 @@ TEST_F(ReplayCommand, DifferenceIsOneWithItsPlace) {
 
 TEST_F(ReplayCommand, MissingEventsAreOne) {
   test::rewrite(file, [](RecordedEvent& event, std::string&) { return event.number != 50; });
-  const Said said = run({file});
+  const CommandResult said = run({file});
   EXPECT_EQ(said.status, 1);
   EXPECT_THAT(said.text, HasSubstr("not complete: 1 events are missing after event 49"));
 }

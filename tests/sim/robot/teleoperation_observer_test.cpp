@@ -17,9 +17,9 @@ using test::Teleoperation;
 using enum LinkState;
 
 /// An observer without a link: each look sends a sample and takes the answer.
-class Eye {
+class ObserverClient {
  public:
-  Eye(Teleoperation& bench, std::uint64_t id, bool figures = false)
+  ObserverClient(Teleoperation& bench, std::uint64_t id, bool figures = false)
       : bench_(bench), datagrams_(id, test::keys(id), usual_parameters(), false) {
     control::JoinRequest request{"eye", "empty", bench.hand.spec(), usual_parameters(),
                                  Role::observer};
@@ -49,7 +49,7 @@ class Eye {
 
 TEST(TeleoperationObserver, SeesTheRobotThatAHandLeads) {
   Teleoperation bench;
-  Eye eye(bench, 0x900);
+  ObserverClient eye(bench, 0x900);
   bench.run(0.1);
   EXPECT_EQ(eye.look().robot->state, ready);
   bench.engage();
@@ -103,7 +103,7 @@ TEST(TeleoperationObserver, EveryViewFitsADatagram) {
     }
     bench.tick();
     bench.tick();
-    Eye eye(bench, 0x900, figures);
+    ObserverClient eye(bench, 0x900, figures);
     std::size_t seen = 0;
     for (int i = 0; i < 20; ++i) {
       const SceneView& view = eye.look();
@@ -121,7 +121,7 @@ TEST(TeleoperationObserver, EveryViewFitsADatagram) {
 TEST(TeleoperationObserver, WithoutARobotThereIsNone) {
   Teleoperation bench;
   bench.server = std::make_unique<SceneSessions>(bench.scene, std::chrono::seconds(2), 8);
-  Eye eye(bench, 0x900);
+  ObserverClient eye(bench, 0x900);
   EXPECT_FALSE(eye.look().robot);
   bench.join(Teleoperation::kRobot, Role::follower);
   EXPECT_FALSE(eye.look().robot) << "it has said nothing yet";

@@ -14,9 +14,9 @@ namespace feltwire::teleop {
 
 /// A direction of a network in virtual time.
 template <class Message>
-class Way {
+class OneWayLink {
  public:
-  Way(const LinkOptions& options, std::uint64_t key) : model_(options, key) {}
+  OneWayLink(const LinkOptions& options, std::uint64_t key) : model_(options, key) {}
 
   /// `now` [s]; cut: the datagram does not arrive.
   void send(const Message& message, double now, bool cut = false) {
