@@ -91,7 +91,7 @@ MappedDevice::MappedDevice(std::unique_ptr<Device> device, const WorkspaceMappin
       turning_(axes_.determinant() < 0.0 ? -1.0 : 1.0),
       spec_(mapped_spec(device_->spec(), mapping)),
       tool_{.position = mapping.translation},
-      actuation_lag_(device_->spec().late_ticks) {}
+      command_delay_(device_->spec().late_ticks) {}
 
 void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
   device_->begin(hand_.position + axes_.transpose() * (position - tool_.position) / scale_,
@@ -151,7 +151,7 @@ DeviceReading MappedDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading = device_->read(now);
   const bool held = reading.held && *reading.held != Command{};
   if (reading.held) reading.held = to_scene(*reading.held);
-  if (reading.ok && reading.fresh) clutch(reading, held || !actuation_lag_.nothing_left());
+  if (reading.ok && reading.fresh) clutch(reading, held || !command_delay_.nothing_left());
   return reading;
 }
 
@@ -159,7 +159,7 @@ Command MappedDevice::write(const Command& on_hand) noexcept {
   const Command asked = state_ == Tool::led ? to_device(on_hand) : Command{};
   const Command given = actuated(device_->spec(), asked);
   const Command held = device_->write(given);
-  actuation_lag_.written(given, held);
+  command_delay_.written(given, held);
   // A force that was held in full is returned without rounding.
   return held == asked && state_ == Tool::led ? on_hand : to_scene(held);
 }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "client/devices/actuation_lag.hpp"
+#include "client/devices/command_delay.hpp"
 #include "client/devices/device.hpp"
 
 namespace feltwire {
@@ -76,7 +76,7 @@ class MappedDevice final : public Device {
   // Members of the servo's thread.
   Pose hand_, tool_;  // the tool's pose, and the hand's pose at the same moment
   Tool state_ = Tool::led;
-  ActuationLag actuation_lag_;  // of what it wrote, in the device's own axes
+  CommandDelay command_delay_;  // of what it wrote, in the device's own axes
 };
 
 }  // namespace feltwire

@@ -1,16 +1,16 @@
 // The command on the hand, for devices that apply forces late; some devices report it.
 
-#include "client/devices/actuation_lag.hpp"
+#include "client/devices/command_delay.hpp"
 
 #include <gtest/gtest.h>
 
-namespace feltwire::actuation_lag_test {
+namespace feltwire::command_delay_test {
 namespace {
 
 Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-TEST(ActuationLag, AtOnceItIsWhatTheDeviceSays) {
-  ActuationLag device(0);
+TEST(CommandDelay, AtOnceItIsWhatTheDeviceSays) {
+  CommandDelay device(0);
   EXPECT_EQ(device.written(push(3), push(3)), push(3));
   EXPECT_EQ(device.written(push(3), push(1)), push(1));
   EXPECT_TRUE(device.certain());
@@ -20,9 +20,9 @@ TEST(ActuationLag, AtOnceItIsWhatTheDeviceSays) {
 }
 
 /// The device returns the command of its write.
-TEST(ActuationLag, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
+TEST(CommandDelay, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
-    ActuationLag device(late);
+    CommandDelay device(late);
     for (int n = 1; n <= 20; ++n) {
       const Command& held = device.written(push(n), push(n));
       EXPECT_EQ(held, push(std::max(0, n - late))) << late;
@@ -38,9 +38,9 @@ TEST(ActuationLag, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
 }
 
 /// The device returns the command on the hand until the next write. A mapping rounds it.
-TEST(ActuationLag, OfADeviceThatTellsItIsWhatItTells) {
+TEST(CommandDelay, OfADeviceThatTellsItIsWhatItTells) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
-    ActuationLag device(late);
+    CommandDelay device(late);
     for (int n = 1; n <= 20; ++n) {
       const Command held = push((1.0 + 1e-15) * (std::max(0, n - late) / 3));
       EXPECT_EQ(device.written(push(n / 3), held), held) << late << ' ' << n;
@@ -51,8 +51,8 @@ TEST(ActuationLag, OfADeviceThatTellsItIsWhatItTells) {
 
 /// The device cuts a force but does not say which one. The worst case counts for either direction
 /// of the hand's movement.
-TEST(ActuationLag, WhereADeviceHoldsLessTheWorstCounts) {
-  ActuationLag device(1);
+TEST(CommandDelay, WhereADeviceHoldsLessTheWorstCounts) {
+  CommandDelay device(1);
   device.written(push(10), push(10));
   device.written(push(9), push(4));
   EXPECT_FALSE(device.certain());
@@ -67,4 +67,4 @@ TEST(ActuationLag, WhereADeviceHoldsLessTheWorstCounts) {
 }
 
 }  // namespace
-}  // namespace feltwire::actuation_lag_test
+}  // namespace feltwire::command_delay_test

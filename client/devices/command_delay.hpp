@@ -16,10 +16,10 @@ namespace feltwire {
 ///
 /// A device that returns neither holds less than it was given, now or when that comes on the hand.
 /// Then several commands may be on the hand, and the energy of the worst of them counts.
-class ActuationLag {
+class CommandDelay {
  public:
   /// `late` ticks, from 0 to kMostLateTicks.
-  explicit ActuationLag(int late)
+  explicit CommandDelay(int late)
       : late_(static_cast<std::size_t>(std::clamp(late, 0, kMostLateTicks))) {}
 
   /// `given` was written, and write() returned `told`. Returns the command that is on the hand

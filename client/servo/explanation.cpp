@@ -1,0 +1,101 @@
+#include "client/servo/explanation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
+
+bool felt(const Command& c) {
+  return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
+}
+
+/// The device has no fault, although its reading was not used.
+bool without_fault(const ForceTrail& trail) {
+  return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
+}
+
+/// A shaped force is never exactly the requested one: tell only of what is felt.
+bool takes_off(const Command& before, const Command& after) {
+  constexpr double kMuchLess = 0.95;
+  const double was = length(before.force());
+  return was > kFeltForce && length(after.force()) < kMuchLess * was;
+}
+
+void observe_direction(const Vec3& wanted, const Vec3& given, ServoStatistics& statistics) {
+  if (!(length(given) > kSmallestForce) || !(length(wanted) > kSmallestForce)) return;
+  const Vec3 u = direction(given), v = direction(wanted);
+  // Accurate for every angle; the arc cosine loses half the digits near zero.
+  const double angle = 2.0 * std::atan2((u - v).norm(), (u + v).norm());
+  constexpr double kMicrodegrees = 1e6 * 180.0 / std::numbers::pi;
+  statistics.direction_error.record(std::llround(kMicrodegrees * angle));
+}
+
+}  // namespace
+
+void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
+  statistics.max_force = std::max(statistics.max_force, length(tick.held.force()));
+  if (tick.feels_scene) observe_direction(tick.wanted.force(), tick.held.force(), statistics);
+  if (!tick.released) {
+    if (felt(tick.held))
+      not_held_for_ = 0.0;
+    else if (felt(trail_.paid))
+      not_held_for_ += tick.elapsed;
+  }
+  trail_.held = tick.held;
+  reason_ = zero_force_reason(trail_);
+  ++statistics.no_force[static_cast<std::size_t>(reason_)];
+  if (!tick.known) return;
+  if (tick.feels_scene)
+    measures_.take(tick.displacement, tick.wanted.elastic, tick.held.force());
+  else
+    measures_.lose();
+}
+
+/// The account scales force and torque alike, so either one shows the cut.
+double Explanation::account_cut() const noexcept {
+  const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
+  if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);
+  return torque > 0.0 ? std::clamp(1.0 - length(trail_.paid.torque) / torque, 0.0, 1.0) : 0.0;
+}
+
+std::uint32_t Explanation::reasons(const State& state) const noexcept {
+  std::uint32_t reasons = 0;
+  const auto put = [&](HandReason reason, bool holds) {
+    if (holds) reasons |= bit(reason);
+  };
+  const bool asked = length(trail_.asked.force()) > kFeltForce;
+  const bool bounds = takes_off(trail_.faded, trail_.bounded);
+  const bool limits = takes_off(trail_.bounded, trail_.safe);
+  put(HandReason::near, asked && state.near);
+  put(HandReason::late, asked && !state.near);
+  put(HandReason::saturated, takes_off(trail_.asked, trail_.actuated));
+  put(HandReason::faded, takes_off(trail_.actuated, trail_.faded) && !state.fades);
+  put(HandReason::bound, bounds);
+  put(HandReason::shaping, bounds && state.shapes);
+  put(HandReason::limits, limits);
+  put(HandReason::ramp, limits && trail_.ramped);
+  put(HandReason::slew, limits && trail_.slewed);
+  put(HandReason::velocity_limit, limits && trail_.too_fast);
+  put(HandReason::wait_for_small_force, limits && trail_.stage_waits);
+  put(HandReason::account, takes_off(trail_.safe, trail_.paid));
+  put(HandReason::debt, (bounds && trail_.in_debt) || state.in_debt);
+  put(HandReason::ending, state.released);
+  put(HandReason::reconnecting, state.fades && !state.released && !state.law_changes);
+  put(HandReason::law_change, state.law_changes);
+  put(HandReason::scene_change, state.withholds_change);
+  put(HandReason::device_fault, (!trail_.read && !without_fault(trail_)) ||
+                                    (state.on_time && takes_off(trail_.paid, trail_.held)));
+  put(HandReason::clutched, trail_.clutched);
+  put(HandReason::emergency, trail_.withheld == Withheld::emergency);
+  put(HandReason::not_ready,
+      trail_.withheld != Withheld::nothing && trail_.withheld != Withheld::emergency);
+  return reasons;
+}
+
+}  // namespace feltwire

@@ -1,0 +1,170 @@
+#include "client/servo/force_law.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "core/base/numeric.hpp"
+
+namespace feltwire {
+namespace {
+
+bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
+
+/// Whether the hand stands still with a force: it would feel a sudden fall or rise.
+bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Command& held) {
+  constexpr double kSmall = 10.0 * kFeltForce, kSmallTorque = 10.0 * kFeltTorque;
+  if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
+  constexpr double kSlow = 0.02, kTurnsSlowly = 0.5;  // [m/s], [rad/s]
+  const double most = std::max(spec.position_resolution, kSlow * step.hold_time);
+  const double most_turn = std::max(spec.rotational_resolution, kTurnsSlowly * step.hold_time);
+  return step.displacement.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most &&
+         step.rotation.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most_turn;
+}
+
+}  // namespace
+
+ForceLaw::ForceLaw(const DeviceSpec& spec, const SessionParameters& parameters,
+                   const ServoOptions& options)
+    : spec_(spec),
+      law_(spec, parameters, options),
+      safety_(options.safety, admits_reduction(parameters)),
+      port_(observer_of(spec, parameters)),
+      margin_(parameters.servo_period),
+      owed_(std::max(0.0, options.owed)),
+      debt_(owed_),
+      command_delay_(spec.late_ticks) {
+  if (law_.account) law_.account->begin_in_debt(owed_);
+}
+
+bool ForceLaw::holds() const noexcept { return pulls(held_) || !command_delay_.nothing_left(); }
+
+void ForceLaw::moved(const DeviceReading& reading, const DeviceMovement& movement, double hold_time,
+                     ServoStatistics& statistics) noexcept {
+  if (reading.held) {
+    const bool felt = length(reading.held->force() - held_.force()) > kFeltForce;
+    statistics.forces_corrected += felt ? 1 : 0;
+    account_for(*reading.held);
+  } else if (!command_delay_.certain() && movement.known) {
+    account_for(command_delay_.worst(movement.displacement, movement.rotation));
+  }
+  port_.step(held_, movement.displacement, movement.rotation, hold_time);
+}
+
+void ForceLaw::account_for(const Command& held) noexcept {
+  if (held == held_) return;
+  held_ = held;
+  set_held();
+}
+
+void ForceLaw::set_held() noexcept {
+  law_.bounding.set_held(held_);
+  safety_.set_held(held_);
+  if (law_.account) law_.account->set_held(held_);
+}
+
+void ForceLaw::saw(const BoundingStep& step, bool movement_known) noexcept {
+  margin_.saw(step.hold_time, movement_known && stands_still(spec_, step, held_));
+}
+
+Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail& trail,
+                        ServoStatistics& statistics) noexcept {
+  if (law_.scene_change_gate) admit_change(step);
+  Bounded bounded = law_.bounding.step(step);
+  if (law_.scene_change_gate)
+    law_.scene_change_gate->given(bounded.rendered.elastic, step.command.elastic);
+  // The paper's laws would keep a part of the last force; zero is passive too.
+  if (!(asked.share > 0.0)) bounded.rendered = {};
+  statistics.bound_active += bounded.active ? 1 : 0;
+  statistics.saturated += bounded.saturated ? 1 : 0;
+  statistics.refused += bounded.refused ? 1 : 0;
+  trail.bounded = bounded.rendered;
+  trail.in_debt = bounded.in_debt;
+  trail.refused = bounded.refused;
+  const Command safe = safeguard(bounded.rendered, step, asked, trail, statistics);
+  trail.paid = paid_for(safe, step, asked.movement_known, trail, statistics);
+  return trail.paid;
+}
+
+/// Lets in the part of a changed scene that the hand has paid for.
+void ForceLaw::admit_change(const BoundingStep& step) noexcept {
+  const double energy =
+      law_.scene_change_gate->energy({.held = held_,
+                                      .displacement = step.displacement,
+                                      .hold_time = margin_.hold_time_of_any_hand(),
+                                      .command = step.command,
+                                      .margin = port_.margin()},
+                                     *law_.account);
+  // Elastic storage already has the pressed energy: do not add it twice.
+  if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
+}
+
+Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, const Asked& asked,
+                            ForceTrail& trail, ServoStatistics& statistics) noexcept {
+  const Safeguarded safe = safety_.apply({.commanded = asked.wanted,
+                                          .original = trail.read && asked.original,
+                                          .bounded = actuated(spec_, bounded),
+                                          .displacement = step.displacement,
+                                          .rotation = step.rotation,
+                                          .hold_time = step.hold_time});
+  trail.stage_waits = safety_.waiting();
+  trail.refused |= safe.refused;
+  trail.too_fast = safe.too_fast;
+  trail.ramped = safe.ramped;
+  trail.slewed = safe.slewed;
+  trail.limited = safe.limited;
+  trail.safe = safe.rendered;
+  statistics.waiting += safe.waiting ? 1 : 0;
+  statistics.ramped += safe.ramped ? 1 : 0;
+  statistics.slewed += safe.slewed ? 1 : 0;
+  statistics.too_fast += safe.too_fast ? 1 : 0;
+  statistics.force_limited += safe.limited ? 1 : 0;
+  return safe.rendered;
+}
+
+/// Returns the part of the command that the account has energy for.
+Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movement_known,
+                           ForceTrail& trail, ServoStatistics& statistics) noexcept {
+  if (!law_.account) return command;
+  PortAccount& account = *law_.account;
+  constexpr double kInstant = 1e-9;  // [s] if the clock stood still
+  step.command = command;
+  step.hold_time = std::max(step.hold_time, kInstant);
+  if (!movement_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const std::uint64_t strong_hand = account.statistics().strong_hand;
+  const Command given = account.step(
+      step, law_.counts_on_mass ? margin_.hold_time() : margin_.hold_time_of_any_hand());
+  statistics.account_cut += given == command ? 0 : 1;
+  debt_.judge(account.balance(), step.hold_time, account.statistics().strong_hand > strong_hand);
+  trail.overdrawn = overdraft().has_value();
+  return given;
+}
+
+void ForceLaw::hold(const Command& given, const Command& told) noexcept {
+  held_ = command_delay_.written(given, told.finite() ? told : Command{});
+  set_held();
+}
+
+void ForceLaw::scene_changed() noexcept {
+  if (law_.scene_change_gate) law_.scene_change_gate->begin();
+  law_.bounding.scene_changed();
+  scene_was_changed_ = true;
+}
+
+void ForceLaw::exchange() noexcept {
+  owed_ = owed();
+  std::swap(law_, *next_);
+  const std::optional<PortAccount>& before = next_->account;
+  if (law_.account && before)
+    law_.account->go_on_from(*before);
+  else if (law_.account)
+    law_.account->begin_in_debt(owed_);
+  // Count at least what the account counts.
+  if (law_.counts_on_mass) port_.count_friction(spec_.least_friction);
+  next_ = nullptr;
+  if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with the join's data
+  forget_contact();
+  // The account may pay for a whole force at once. That must not throw a hand that has sunk in.
+  begin_anew();
+}
+
+}  // namespace feltwire

@@ -1,0 +1,131 @@
+#include "client/servo/reply_intake.hpp"
+
+#include <algorithm>
+
+#include "protocol/session/deadband.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
+
+// Samples remembered for their reply: 8 s at 1 kHz, 0.8 s at 10 kHz. A later reply still counts as
+// answered and late.
+constexpr std::size_t kRemembered = 8192;
+
+/// Finite, and small enough for the bound.
+bool believable(const Command& c) {
+  const auto small = [](const Vec3& v) {
+    return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestForce;
+  };
+  return small(c.elastic) && small(c.frictional) && small(c.torque);
+}
+
+}  // namespace
+
+ReplyIntake::ReplyIntake(double period, bool point)
+    : period_(period), point_(point), sent_(kRemembered) {}
+
+ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, const State& servo,
+                                     double hold_time, ServoStatistics& statistics) noexcept {
+  // An answer to a sample that was never sent would lock out all true answers after it.
+  if (reply.sample_index == 0 || reply.sample_index > servo.newest_sample ||
+      !believable(reply.command)) {
+    ++statistics.replies_refused;
+    return {};
+  }
+  count_answer(reply, arrival, statistics);
+  if (reply.sample_index <= newest_.sample_index) {
+    ++statistics.replies_stale;
+    return {};
+  }
+  Taken taken{.newest = true, .used = !servo.fades};
+  const Command command = newest_.command, rates = newest_.rates;
+  const bool predicted = newest_.predicted;
+  statistics.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
+  taken.scene_changed = has_reply() && !fresh_ && reply.reloads != newest_.reloads;
+  fresh_ = false;
+  newest_ = reply;
+  if (point_) newest_.body_modelled = false;
+  const Sent& sent = sent_[reply.sample_index % sent_.size()];
+  const bool remembered = sent.index == reply.sample_index;
+  if (remembered && sent.datagram > 0) datagram_ = sent.datagram;
+  // A server may claim any number: never count more than were sent.
+  statistics.withheld = withheld_before_ + std::min(reply.withheld, statistics.datagrams);
+  if (servo.fades) {
+    newest_.command = command;
+    newest_.predicted = predicted;
+    newest_.rates = rates;
+    return taken;
+  }
+  const bool out_of_date = reply.sample_index <= stood_still_after_;
+  arrival_ = out_of_date ? arrival - from_seconds(hold_time)
+                         : std::min(arrival, servo.last_tick + 2 * from_seconds(period_));
+  sampled_ = remembered ? sent.time : arrival;
+  // A command that the server's bound has changed does not tell how deep the hand is: at the first
+  // sample the bound lets nothing through, even inside an object.
+  original_ =
+      reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
+  return taken;
+}
+
+void ReplyIntake::count_answer(const Reply& reply, Nanoseconds arrival,
+                               ServoStatistics& statistics) noexcept {
+  const std::uint64_t index = reply.sample_index;
+  Sent& sent = sent_[index % sent_.size()];
+  if (sent.index != index) {  // so old that its place is taken
+    ++statistics.answered;
+    ++statistics.late;
+    return;
+  }
+  if (sent.answered) return;
+  sent.answered = true;
+  const Nanoseconds round_trip = arrival - sent.time;
+  ++statistics.answered;
+  if (round_trip > kLate) ++statistics.late;
+  statistics.round_trip.record(round_trip.count());
+  count(round_trips_, hand_time_limits::kRoundTrips, round_trip);
+  server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
+}
+
+void ReplyIntake::begin_anew(std::uint64_t sample) noexcept {
+  anew_after_ = sample;
+  original_ = false;
+}
+
+void ReplyIntake::another_session(const ServoStatistics& statistics) noexcept {
+  withheld_before_ = statistics.withheld;
+  fresh_ = true;
+}
+
+void ReplyIntake::move_times(Nanoseconds by) noexcept {
+  arrival_ += by;
+  sampled_ += by;
+}
+
+void ReplyIntake::forget_command() noexcept {
+  newest_.command = {};
+  newest_.predicted = false;
+}
+
+Command ReplyIntake::command(Nanoseconds now, double keep_alive) const noexcept {
+  if (!newest_.predicted) return newest_.command;
+  const double ahead = std::min(seconds(now - sampled_), keep_alive);
+  const Command later = extrapolated(newest_.command, newest_.rates, ahead);
+  return believable(later) ? later : newest_.command;
+}
+
+std::uint64_t ReplyIntake::lost_so_far(const ServoStatistics& statistics) const noexcept {
+  const std::uint64_t heard_of = statistics.answered + statistics.withheld;
+  return datagram_ - std::min(datagram_, heard_of);
+}
+
+std::uint64_t ReplyIntake::lost(const SessionParameters& p,
+                                const ServoStatistics& statistics) const noexcept {
+  const double silent = p.keep_alive / (p.packet_interval * p.servo_period);
+  const auto allowed = p.force_deadband > 0.0 ? static_cast<std::uint64_t>(silent) : 0;
+  const std::uint64_t since = statistics.datagrams - datagram_;
+  return lost_so_far(statistics) + since - std::min(since, allowed);
+}
+
+}  // namespace feltwire

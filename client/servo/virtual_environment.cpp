@@ -1,0 +1,145 @@
+#include "client/servo/virtual_environment.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "client/servo/servo_law.hpp"
+#include "core/base/numeric.hpp"
+#include "core/local_model/contact_budget.hpp"
+
+namespace feltwire {
+namespace {
+
+/// The robot's contact is rendered like the local model.
+std::optional<RobotLead> robot_of(const ServoOptions& options, const SessionParameters& p) {
+  if (!options.leads) return std::nullopt;
+  if (!p.local_model)
+    throw std::invalid_argument(
+        "a hand that leads a robot needs the local model: ask for local_model");
+  return RobotLead(options, 0.5 * p.hold_time);
+}
+
+void count_work(const WorkLimit& work, ServoStatistics& statistics) noexcept {
+  statistics.most_work = std::max(statistics.most_work, work.done());
+  statistics.contact_cut += work.cut() ? 1 : 0;
+}
+
+}  // namespace
+
+VirtualEnvironment::VirtualEnvironment(const DeviceSpec& spec, const SessionParameters& parameters,
+                                       const ServoOptions& options)
+    : period_(parameters.servo_period),
+      velocity_(parameters.velocity_cutoff),
+      rise_(largest_slew(spec.max_force, parameters), largest_slew(spec.max_torque, parameters)),
+      robot_(robot_of(options, parameters)) {}
+
+void VirtualEnvironment::use(const FetchedScene* fetched) noexcept {
+  fetched_ = fetched;
+  local_.use(fetched != nullptr ? fetched->surfaces.get() : nullptr);
+  local_body_.use(fetched != nullptr ? fetched->body.get() : nullptr);
+}
+
+void VirtualEnvironment::take(const ReplyIntake& replies, std::uint64_t samples, double hold_time,
+                              ServoStatistics& statistics) noexcept {
+  const Reply& reply = replies.newest();
+  const bool body = reply.body_modelled;
+  if (!reply.modelled) local_.clear();
+  if (!body) local_body_.clear();
+  if (!reply.modelled && !body) return;
+  if (reply.modelled) local_.take(reply.model, replies.original() ? &reply.command : nullptr);
+  if (body) local_body_.take(reply.body, samples - reply.sample_index + 1);
+  ++statistics.models;
+  statistics.whole_models += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
+  statistics.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
+  // Moving objects have moved since the server looked. The clocks give the time of the way back,
+  // which is believed up to the hold time of a command.
+  const double since = std::clamp(replies.server_clock().delay_down(), 0.0, hold_time);
+  model_time_ = replies.arrival() - from_seconds(since);
+  if (robot_) robot_->take(reply, model_time_, replies.arrival(), hold_time);
+}
+
+Command VirtualEnvironment::command(BoundingStep& step, const Bounding& bounding, const Pose& pose,
+                                    const ReplyIntake& replies, const SessionParameters& parameters,
+                                    Nanoseconds now, ServoStatistics& statistics) noexcept {
+  Command command = replies.command(now, parameters.keep_alive);
+  if (parameters.local_model) {
+    const Probe probe = bounding.probe(step.displacement, step.rotation);
+    model_moved_ = step.displacement + probe.offset - last_offset_;
+    last_offset_ = probe.offset;
+    const double weight = replies.newest().body_modelled
+                              ? follow_body(step, probe, pose, now, command, statistics)
+                              : follow_point(step, probe, pose, now, command, statistics);
+    command_ = command;
+    ++(weight >= 1.0  ? statistics.modelled
+       : weight > 0.0 ? statistics.half_modelled
+                      : statistics.beyond_model);
+    step.local = weight >= 1.0;
+  }
+  statistics.hand_overs += step.local == near_ ? 0 : 1;
+  near_ = step.local;
+  step.normals = &replies.newest().normals;
+  return command;
+}
+
+/// Asks the local model at the place that the method wants. `command` is the reply's at first; the
+/// model replaces it as far as the model is valid. Returns the weight of the model, 0 to 1.
+double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& probe,
+                                        const Pose& pose, Nanoseconds now, Command& command,
+                                        ServoStatistics& statistics) noexcept {
+  const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
+  const Tool tool{pose.position + probe.offset, velocity};
+  WorkLimit work = contact_work();
+  const LocalForce force = local_.touch(tool, seconds(now - model_time_), step.hold_time, &work);
+  count_work(work, statistics);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  if (robot_) {
+    const Command met = robot_->touch(tool, command, now, step.hold_time);
+    command.elastic += met.elastic;
+    command.frictional += met.frictional;
+  }
+  return w;
+}
+
+/// follow_point() for a tool with a body.
+double VirtualEnvironment::follow_body(const BoundingStep& step, const Probe& probe,
+                                       const Pose& pose, Nanoseconds now, Command& command,
+                                       ServoStatistics& statistics) noexcept {
+  const Pose asked = moved(pose, probe.offset, probe.rotation);
+  WorkLimit work = contact_work();
+  const BodyForce force =
+      local_body_.touch(asked, seconds(now - model_time_), step.hold_time, &work);
+  count_work(work, statistics);
+  const double w = force.weight;
+  command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
+  command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
+  command.torque = w * force.command.torque + (1.0 - w) * command.torque;
+  return w;
+}
+
+/// Limits the work of a tick's contact, so that no server makes a tick late. Above the limit the
+/// model has no weight, and the reply's command is used.
+WorkLimit VirtualEnvironment::contact_work() const noexcept {
+  const bool whole = local_.has_whole() || local_body_.has_whole();
+  return WorkLimit(whole && fetched_ != nullptr ? fetched_->most_work : plane_work(period_));
+}
+
+Command VirtualEnvironment::rise_limited(const BoundingStep& step,
+                                         const ReplyIntake& replies) noexcept {
+  const double way = length(model_moved_);
+  if (replies.newest().body_modelled)
+    return rise_.apply(step.command, local_body_.model(), way, length(step.rotation),
+                       step.hold_time, local_body_.inertia());
+  return rise_.apply(step.command, local_.model(), way, step.hold_time,
+                     robot_ ? robot_->hand().may_rise(way, step.hold_time) : 0.0);
+}
+
+void VirtualEnvironment::forget() noexcept {
+  local_.clear();
+  local_body_.clear();
+  if (robot_) robot_->hand().forget();
+  last_offset_.setZero();
+}
+
+}  // namespace feltwire
