@@ -12,6 +12,7 @@ namespace {
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] range of stiffness that is believed
 constexpr double kMostFriction = 1.0;               // largest mu that is believed
 constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
+constexpr double kResting = 5e-6;                   // [m] a tip that moves less has not moved
 constexpr double kLearns = 0.5;                     // [s] of a touch to learn the stiffness in
 constexpr double kOther = 0.5;                      // cosine of 60 degrees
 constexpr double kModelled = 0.02;                  // [N s] impulse that outweighs a model
@@ -34,22 +35,30 @@ bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
 const RemoteContact& ContactEstimator::step(const Sample& s) noexcept {
   if (!s.position.allFinite() || !s.velocity.allFinite() || !s.force.allFinite() ||
       !(s.elapsed > 0.0))
-    return contact_;
+    return told_;
   estimate(s);
   memory_.step(s.position, s.force, s.elapsed, counted_);
-  return contact_;
+  tell(s.position);
+  return told_;
+}
+
+void ContactEstimate::tell(const Vec3& tip) noexcept {
+  told_ = contact_;
+  if (left_ && told_.surface != 0) told_.point = tip - kAway * told_.normal;
 }
 
 void ContactEstimator::estimate(const Sample& s) noexcept {
   const double force = length(s.force);
   const bool pressed = force > (pressed_ ? config_.off : config_.on);
   pressed_ = pressed;
+  watch(s, force);
   if (!pressed) {
     apart_ += s.elapsed;
     // A sliding tool leaves the surface for some samples. This is still the same touch.
     if (contact_.touching && apart_ < kApart) return;
     contact_.touching = false;
     if (!expect(s)) recede(s);
+    left_ = left_ || (apart_ >= kLeft && absent_ >= SurfaceMemory::kAbsent);
     return;
   }
   // A force outside the friction cone belongs to another surface. A carried load shows no
@@ -66,6 +75,17 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
   estimate_place(s, along_normal);
   if (contact_.surface == expected_ && says(s.prior) && s.prior.key == expected_key_)
     shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
+}
+
+/// Counts how long nothing has pressed where the touched surface, if it stood, would press.
+void ContactEstimate::watch(const Sample& s, double force) noexcept {
+  constexpr double kLeans = 0.5;  // slope of the surface against the plane of the estimate
+  const Vec3 way = s.position - felt_;
+  const Vec3 off = along(way, contact_.normal);
+  const double deeper = -way.dot(contact_.normal) - kLeans * length(Vec3(way - off));
+  const bool missing = touched_ > 0.0 && !pressed_ && deeper > -kResting;
+  absent_ = missing ? absent_ + s.elapsed : 0.0;
+  if (force > config_.on) felt_ = s.position;
 }
 
 /// No force: the tip cannot be inside the surface. Moves the surface back to the tip.
@@ -96,8 +116,8 @@ bool ContactEstimator::expect(const Sample& s) noexcept {
     contact_ = {};
     contact_.stiffness = usable ? prior.stiffness : config_.first_stiffness;
     contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
-    known_ = settled_ = learnt_ = false;
-    touched_ = 0.0;
+    known_ = settled_ = learnt_ = left_ = moves_ = false;
+    touched_ = absent_ = 0.0;
     impulse_ = kModelled;
   }
   const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
@@ -107,6 +127,7 @@ bool ContactEstimator::expect(const Sample& s) noexcept {
   contact_.surface = disproved_ ? 0 : expected_;
   contact_.normal = prior.normal;
   contact_.velocity = prior.velocity;
+  felt_ += s.elapsed * prior.velocity;
   contact_.point =
       s.position + ((prior.point - s.position).dot(prior.normal) + shift_) * prior.normal;
   return true;
@@ -126,7 +147,10 @@ void ContactEstimator::begin(const Sample& s) noexcept {
     origin_ = s.position;
     known_ = false;
   }
-  receded_ = 0.0;
+  moves_ = last && (moves_ || left_);
+  known_ = known_ || (moves_ && learnt_);
+  left_ = false;
+  receded_ = absent_ = 0.0;
   last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
   const double force = length(s.force);
   within_ = same ? way_within(s, force) : Vec3::Zero();
@@ -149,7 +173,7 @@ Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept 
 /// The touch belongs to another surface than the last one. Returns whether the memory knows it.
 bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
-  if (found)
+  if (found && !left_)
     memory_.keep({.contact = contact_,
                   .settled = settled_,
                   .learnt = learnt_,
@@ -224,11 +248,10 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
 
 void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcept {
   constexpr double kExcited = 0.1e-3;  // [m]
-  constexpr double kMoved = 5e-6;      // [m] a resting tip would only add noise
   constexpr double kExplained = 0.98;
-  if (touched_ > kLearns && known_) return;
+  if (known_ && (touched_ > kLearns || moves_)) return;
   const double height = s.position.dot(contact_.normal);
-  if (std::abs(height - last_height_) < kMoved) return;
+  if (std::abs(height - last_height_) < kResting) return;  // it would only add noise
   last_height_ = height;
   fit_.add(origin_ - s.position, -s.velocity, s.force);
   if (fit_.excitation(contact_.normal) < kExcited) return;

@@ -51,6 +51,14 @@ struct ContactEstimatorConfig {
 /// tool where the tool finds no force, and after kSame it is forgotten. A touch within kSame of the
 /// last surface is the same surface again.
 ///
+/// A surface that was touched has left if the tool has felt no force for kLeft, and for the last
+/// SurfaceMemory::kAbsent of it was as deep as where it last felt the force `on`: a surface that
+/// stands would press there. This needs neither its place nor its stiffness. A tool that has
+/// moved aside must be deeper by half of that way, because the normal may lean. A surface that has
+/// left is told kAway behind the tool: nobody knows where it is, and a hand must not feel it there.
+/// It keeps its number until it is forgotten. So a hand that meets it again feels it where it is.
+/// It also keeps its stiffness: it moves, and a motion would be taken for a stiffness.
+///
 /// Surfaces that were touched before are remembered (SurfaceMemory), and told as others(). A force
 /// that no friction leans (60 degrees off the normal) is of another surface: a remembered one, or a
 /// new one. If the stiffness of the surface is not known yet, this needs a gap in the force: the
@@ -69,6 +77,8 @@ class ContactEstimator {
  public:
   static constexpr double kSame = 20e-3;   // [m]
   static constexpr double kApart = 20e-3;  // [s]
+  static constexpr double kLeft = 25e-3;   // [s] without a force; more than kApart
+  static constexpr double kAway = 0.2;     // [m] a hand is not so far ahead of its robot
 
   explicit ContactEstimator(const ContactEstimatorConfig& config) : config_(config) {}
 
@@ -81,7 +91,7 @@ class ContactEstimator {
   };
   const RemoteContact& step(const Sample& sample) noexcept;
 
-  const RemoteContact& contact() const noexcept { return contact_; }
+  const RemoteContact& contact() const noexcept { return told_; }
   /// Surfaces that were touched before and are still there, besides contact().
   const OtherSurfaces& others() const noexcept { return memory_.told(); }
   /// The number of the newest surface; numbers only grow.
@@ -89,6 +99,8 @@ class ContactEstimator {
 
  private:
   void estimate(const Sample& sample) noexcept;
+  void watch(const Sample& sample, double force) noexcept;
+  void tell(const Vec3& tip) noexcept;
   bool change(const Sample& sample, const Vec3& normal) noexcept;
   Vec3 way_within(const Sample& sample, double force) const noexcept;
   void begin(const Sample& sample) noexcept;
@@ -101,6 +113,7 @@ class ContactEstimator {
 
   ContactEstimatorConfig config_;
   RemoteContact contact_;
+  RemoteContact told_;  // contact_, but kAway behind the tool if the surface has left
   SurfaceMemory memory_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
@@ -112,6 +125,10 @@ class ContactEstimator {
   double impulse_ = 0.0;            // [N s] of the young touches of this surface
   double apart_ = 0.0;              // [s] without a force
   double receded_ = 0.0;            // [m] since the last touch
+  Vec3 felt_ = Vec3::Zero();        // [m] the tip where it last felt the force `on`
+  double absent_ = 0.0;             // [s] in which nothing pressed although the tip was deeper
+  bool left_ = false;               // the surface was touched, and has left
+  bool moves_ = false;              // the surface had left before this touch: it moves
   Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
   Vec3 last_ = Vec3::Zero();        // [m] on the surface, where it was touched last
   Vec3 within_ = Vec3::Zero();      // unit: lies in the surface; zero: no such direction is known

@@ -24,8 +24,9 @@ struct SurfaceOffsetRole {
 /// while the estimate of its place settles; the offset takes up the change. A surface that was
 /// known before its touch (SurfacePrior) stays where the model has it; kYoung begins with the
 /// touch. The same holds for a surface beside the contact that is told for the first time. A
-/// contact that changes from one known surface to another moves no offset. Later the offset is
-/// given back by a hardly noticeable share of the hand's free movement, in front of all surfaces.
+/// contact that changes from one known surface to another moves no offset. A surface that has left
+/// (ContactEstimate) is met where it is when it comes back. Later the offset is given back by a
+/// hardly noticeable share of the hand's free movement, in front of all surfaces.
 ///
 /// A hand that moves on behind a wall of the robot's workspace takes the offset along. So the
 /// wanted place of the robot is at the wall, and the robot follows at once when the hand comes
@@ -51,6 +52,9 @@ class SurfaceOffset {
       touched_ = true;
       place_ = seen.point;
     }
+    const double back = (place_ - seen.point).dot(seen.normal);
+    const bool left = known && !seen.touching && back > ContactEstimate::kSame;
+    if (left) age_ = kYoung;
     // A surface that a model of the environment told before has its place from the first touch on.
     const bool first = seen.touching && !touched_;
     const bool young = known && (touched_ || first) && age_ < kYoung;

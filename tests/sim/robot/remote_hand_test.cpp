@@ -70,6 +70,27 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 3u);
 }
 
+/// ContactEstimate tells a surface that has left far behind the tool. It is still known.
+TEST(RemoteHand, ASurfaceThatHasLeftPressesNoMoreAndIsMetAgainWhereItIs) {
+  Hand hand;
+  Remote remote = slot();
+  remote.others = {};
+  remote.contact.touching = true;
+  hand.remote.take(remote);
+  constexpr double kDeep = kHalfWidth + 1e-3;
+  hand.at(0.0);
+  EXPECT_NEAR(hand.at(kDeep), -kStiffness * 1e-3, 1e-9);
+  Remote away = remote;
+  away.contact.touching = false;
+  away.contact.point.x() = kHalfWidth + ContactEstimate::kAway;
+  hand.remote.take(away);
+  for (int n = 0; n < 50; ++n) EXPECT_EQ(hand.at(kDeep), 0.0) << n;
+  EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 2u);
+  hand.remote.take(remote);
+  EXPECT_NEAR(hand.at(kDeep), -kStiffness * 1e-3, 1e-9);
+  EXPECT_TRUE(hand.remote.lead(true, {}).offset.isZero(0.0));
+}
+
 /// The contact itself may be forgotten earlier than the surfaces beside it.
 TEST(RemoteHand, SurfacesPressWithoutAContact) {
   Hand hand;
