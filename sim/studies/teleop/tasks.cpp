@@ -6,16 +6,17 @@
 
 #include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/teleop/bench_energy.hpp"
+#include "sim/studies/teleop/lost_contact.hpp"
 #include "sim/studies/teleop/minimum_jerk.hpp"
 
 namespace feltwire::teleop {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kAir = -0.02;                 // [m] in front of the wall
-constexpr double kDeep = 0.03, kHeld = 0.025;  // [m] intended depth of the hand
-constexpr double kStroke = 0.05, kSlow = 0.5;  // [m], [Hz] of free motion
-constexpr double kBegin = 0.5, kArrive = 1.0;  // [s] of the way in
+constexpr double kAir = -0.02;                                 // [m] in front of the wall
+constexpr double kDeep = 0.03, kHeld = 0.025, kLight = 0.003;  // [m] intended depth of the hand
+constexpr double kStroke = 0.05, kSlow = 0.5;                  // [m], [Hz] of free motion
+constexpr double kBegin = 0.5, kArrive = 1.0;                  // [s] of the way in
 
 double go_in(double depth, double t) { return minimum_jerk(kAir, depth, kBegin, kArrive, t); }
 
@@ -44,6 +45,7 @@ std::vector<Task> make_tasks() {
   const Intention sine = [](double t) { return -0.1 + kStroke * std::sin(kTurn * kSlow * t); };
   const Intention taps = [](double t) { return 0.0025 - 0.0125 * std::cos(kTurn * t); };
   const Intention hold = [](double t) { return go_in(kHeld, t); };
+  const Intention lean = [](double t) { return go_in(kLight, t); };
   const Intention carry = [](double t) {
     constexpr double kHigh = 0.04, kUp = 1.5, kDown = 4.0, kGround = 5.0;  // [m], [s]
     return t < kDown ? minimum_jerk(kAir, kHigh, kBegin, kUp, t)
@@ -55,6 +57,7 @@ std::vector<Task> make_tasks() {
                         {"press_second", Judge::press, setup(10.0, wall, press), {8.5, 9.9}},
                         {"taps", Judge::force, setup(8.0, wall, taps), {2.0, 8.0}},
                         {"moving_wall", Judge::force, setup(12.0, moving, hold), {4.0, 12.0}},
+                        {"leaving_wall", Judge::force, setup(12.0, moving, lean), {4.0, 12.0}},
                         {"vanishing_wall", Judge::force, setup(8.0, vanishing, hold), {4.5, 8.0}},
                         {"lift", Judge::force, setup(8.0, weight, carry), {2.0, 4.0}},
                         {"blackout", Judge::press, setup(6.0, wall, press), {3.0, 4.4}},
@@ -141,6 +144,11 @@ Measured judge(const Task& task, const std::vector<BenchSample>& samples, double
     case Task::Judge::force:
       m.force_error = root_mean(errors, count);
       if (wanted > 0.0) m.force_share = std::sqrt(errors / wanted);
+      if (task.setup.around.swing > 0.0)
+        if (const auto lost = lost_contact(samples, first, last, late, period)) {
+          m.phantom = lost->felt;
+          m.release = lost->release;
+        }
       break;
     case Task::Judge::free:
       m.drag = root_mean(forces, count);

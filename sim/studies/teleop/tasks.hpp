@@ -19,6 +19,8 @@ struct Measured {
   std::optional<double> force_share;  // the same over the RMS of that spring's force
   std::optional<double> drift;        // [m] at rest, at the end
   std::optional<double> inserted;     // [m] the robot's tip below the rim of the hole, at the end
+  std::optional<double> phantom;      // share of the time without contact with a force at the hand
+  std::optional<double> release;      // [s] LostContact::release
   double energy_made = 0.0;           // [J] to the hand beyond burned and pushed
   double peak_force = 0.0;            // [N] on the environment
 };
@@ -35,8 +37,8 @@ struct Task {
   Window window;  // of the measures
 };
 
-/// free, press_first, press_second, taps, moving_wall, vanishing_wall, lift, blackout, drift.
-/// Positions [m] from the wall on; the hand starts in the air.
+/// free, press_first, press_second, taps, moving_wall, leaving_wall, vanishing_wall, lift,
+/// blackout, drift. Positions [m] from the wall on; the hand starts in the air.
 const std::vector<Task>& tasks();
 
 /// K_s [N/m] of the robot's controller and a surface of this stiffness [N/m] in series.

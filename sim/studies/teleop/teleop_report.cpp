@@ -31,7 +31,9 @@ Json json(const TeleopRow& row) {
           {"drift_mm", or_null(m.drift, kMilli)},
           {"inserted_mm", or_null(m.inserted, kMilli)},
           {"energy_made_j", m.energy_made},
-          {"peak_force_n", m.peak_force}};
+          {"peak_force_n", m.peak_force},
+          {"phantom_share", or_null(m.phantom)},
+          {"release_ms", or_null(m.release, kMilli)}};
 }
 
 std::string number(const std::optional<double>& measured, double scale = 1.0) {
@@ -46,7 +48,8 @@ std::string number(const std::optional<double>& measured, double scale = 1.0) {
 std::string csv(const std::vector<TeleopRow>& rows) {
   std::string text =
       "law,task,rtt_ms,jitter_ms,loss,displayed_over_series,oscillation_um,drag_n,tracking_mm,"
-      "force_error_n,force_error_share,drift_mm,inserted_mm,energy_made_j,peak_force_n\n";
+      "force_error_n,force_error_share,drift_mm,inserted_mm,energy_made_j,peak_force_n,"
+      "phantom_share,release_ms\n";
   for (const TeleopRow& r : rows) {
     const Measured& m = r.measured;
     append(text, "%s,%s,%g,%g,%g,", r.made.law.c_str(), r.made.task.c_str(),
@@ -56,7 +59,7 @@ std::string csv(const std::vector<TeleopRow>& rows) {
           number(m.tracking, kMilli), number(m.force_error), number(m.force_share),
           number(m.drift, kMilli), number(m.inserted, kMilli), number(m.energy_made)})
       text += field + ',';
-    text += number(m.peak_force) + '\n';
+    text += number(m.peak_force) + ',' + number(m.phantom) + ',' + number(m.release, kMilli) + '\n';
   }
   return text;
 }
@@ -137,7 +140,7 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
     };
     append(text, "\n%s\n", title);
     append(text, "  %-22s|   first   second swing um   drag N track mm   taps N moving N", "law");
-    text += " vanish N   lift N blackout drift mm sphere N    peg N    in mm   made J\n";
+    text += "  free ms vanish N   lift N blackout drift mm sphere N    peg N    in mm   made J\n";
     for (const std::string_view law : law_names()) {
       append(text, "  %-22s|", std::string(law).c_str());
       const auto add = [&](std::string_view task, auto field, double scale, int digits) {
@@ -152,6 +155,7 @@ std::string teleop_table(const std::vector<TeleopRow>& rows) {
       add("free", &Measured::tracking, kMilli, kTwo);
       add("taps", &Measured::force_error, 1.0, kFine);
       add("moving_wall", &Measured::force_error, 1.0, kFine);
+      add("leaving_wall", &Measured::release, kMilli, kCoarse);
       add("vanishing_wall", &Measured::force_error, 1.0, kFine);
       add("lift", &Measured::force_error, 1.0, kFine);
       add("blackout", &Measured::displayed, 1.0, kFine);
