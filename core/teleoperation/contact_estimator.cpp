@@ -42,7 +42,7 @@ const RemoteContact& ContactEstimator::step(const Sample& s) noexcept {
   return told_;
 }
 
-void ContactEstimate::tell(const Vec3& tip) noexcept {
+void ContactEstimator::tell(const Vec3& tip) noexcept {
   told_ = contact_;
   if (left_ && told_.surface != 0) told_.point = tip - kAway * told_.normal;
 }
@@ -78,7 +78,7 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
 }
 
 /// Counts how long nothing has pressed where the touched surface, if it stood, would press.
-void ContactEstimate::watch(const Sample& s, double force) noexcept {
+void ContactEstimator::watch(const Sample& s, double force) noexcept {
   constexpr double kLeans = 0.5;  // slope of the surface against the plane of the estimate
   const Vec3 way = s.position - felt_;
   const Vec3 off = along(way, contact_.normal);

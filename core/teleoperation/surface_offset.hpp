@@ -25,7 +25,7 @@ struct SurfaceOffsetRole {
 /// known before its touch (SurfacePrior) stays where the model has it; kYoung begins with the
 /// touch. The same holds for a surface beside the contact that is told for the first time. A
 /// contact that changes from one known surface to another moves no offset. A surface that has left
-/// (ContactEstimate) is met where it is when it comes back. Later the offset is given back by a
+/// (ContactEstimator) is met where it is when it comes back. Later the offset is given back by a
 /// hardly noticeable share of the hand's free movement, in front of all surfaces.
 ///
 /// A hand that moves on behind a wall of the robot's workspace takes the offset along. So the
@@ -53,7 +53,7 @@ class SurfaceOffset {
       place_ = seen.point;
     }
     const double back = (place_ - seen.point).dot(seen.normal);
-    const bool left = known && !seen.touching && back > ContactEstimate::kSame;
+    const bool left = known && !seen.touching && back > ContactEstimator::kSame;
     if (left) age_ = kYoung;
     // A surface that a model of the environment told before has its place from the first touch on.
     const bool first = seen.touching && !touched_;

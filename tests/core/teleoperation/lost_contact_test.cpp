@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "core/base/numeric.hpp"
-#include "core/teleoperation/contact_estimate.hpp"
-#include "core/teleoperation/surface_index.hpp"
+#include "core/teleoperation/contact_estimator.hpp"
+#include "core/teleoperation/surface_offset.hpp"
 
 namespace feltwire::lost_contact_test {
 namespace {
@@ -20,7 +20,7 @@ constexpr double kLead = 5e-3;         // [m] of the hand, deeper than its robot
 
 /// A wall across z. The tool goes in along -z.
 struct Bench {
-  ContactEstimate estimate{{}};
+  ContactEstimator estimate{{}};
   double wall = 0.0;         // [m]
   Vec3 tip = Vec3(0, 0, 0);  // [m]
   SurfacePrior prior = {};
@@ -58,13 +58,13 @@ TEST(LostContact, AWallThatLeavesIsNotFelt) {
     bench.press();
     const std::uint32_t surface = bench.estimate.contact().surface;
     const double place = bench.tip.z() + kDepth, depth = bench.wall - bench.tip.z();
-    const double off = ContactEstimateConfig{}.off;
+    const double off = ContactEstimatorConfig{}.off;
     const double lost = (depth - off / kStiffness) / speed;
     for (double t = kPeriod; t < lost + 1.0; t += kPeriod) {
       bench.wall = place - speed * t;
       bench.step();
-      const bool waits = t < lost + ContactEstimate::kLeft - 2.0 * kPeriod;
-      const bool over = t > lost + ContactEstimate::kLeft + 2.0 * kPeriod;
+      const bool waits = t < lost + ContactEstimator::kLeft - 2.0 * kPeriod;
+      const bool over = t > lost + ContactEstimator::kLeft + 2.0 * kPeriod;
       if (waits) {
         EXPECT_GT(bench.felt(), 1.0) << speed << ' ' << t;
       }
@@ -84,7 +84,7 @@ TEST(LostContact, AToolThatAdvancesIsFreeAtTheSameTime) {
   bench.wall = -1.0;
   for (int n = 1; n < 100; ++n) {
     bench.step(Vec3(0, 0, -0.02));
-    if (n * kPeriod > ContactEstimate::kLeft + kPeriod) {
+    if (n * kPeriod > ContactEstimator::kLeft + kPeriod) {
       EXPECT_EQ(bench.felt(), 0.0) << n;
     }
   }
@@ -211,13 +211,13 @@ TEST(LostContact, WhatHasLeftIsNotRememberedBesideAnotherSurface) {
 /// A hand that still settles on a first touch must not take the told place for a change of it.
 TEST(LostContact, TheIndexStaysWhenASurfaceLeavesAndComesBack) {
   for (const int young : {20, 500}) {
-    SurfaceIndex index;
+    SurfaceOffset index;
     const Vec3 hand(0, 0, -kLead);
     RemoteContact seen{.surface = 1, .touching = true, .normal = Vec3::UnitZ(), .stiffness = 1e3};
     for (int n = 0; n < young; ++n) index.step(hand, Vec3::Zero(), seen, kPeriod);
     const Vec3 offset = index.offset();
     seen.touching = false;
-    seen.point.z() = -ContactEstimate::kAway;
+    seen.point.z() = -ContactEstimator::kAway;
     for (int n = 0; n < 100; ++n) index.step(hand, Vec3::Zero(), seen, kPeriod);
     EXPECT_EQ(index.known_surface(), 1u);
     EXPECT_EQ(index.offset(), offset);

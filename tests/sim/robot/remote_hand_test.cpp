@@ -70,7 +70,7 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 3u);
 }
 
-/// ContactEstimate tells a surface that has left far behind the tool. It is still known.
+/// ContactEstimator tells a surface that has left far behind the tool. It is still known.
 TEST(RemoteHand, ASurfaceThatHasLeftPressesNoMoreAndIsMetAgainWhereItIs) {
   Hand hand;
   Remote remote = slot();
@@ -82,7 +82,7 @@ TEST(RemoteHand, ASurfaceThatHasLeftPressesNoMoreAndIsMetAgainWhereItIs) {
   EXPECT_NEAR(hand.at(kDeep), -kStiffness * 1e-3, 1e-9);
   Remote away = remote;
   away.contact.touching = false;
-  away.contact.point.x() = kHalfWidth + ContactEstimate::kAway;
+  away.contact.point.x() = kHalfWidth + ContactEstimator::kAway;
   hand.remote.take(away);
   for (int n = 0; n < 50; ++n) EXPECT_EQ(hand.at(kDeep), 0.0) << n;
   EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 2u);
