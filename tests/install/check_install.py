@@ -34,7 +34,7 @@ def check_names_no_folder(prefix, folders):
             continue
         text = file.read_text(encoding="utf-8")
         for folder in folders:
-            if str(folder) in text:
+            if re.search(rf"(?:(?<![\w./-])|(?<=-[IL])){re.escape(str(folder))}\b", text):
                 sys.exit(f"{file.relative_to(prefix)} names {folder}")
 
 
