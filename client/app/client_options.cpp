@@ -36,8 +36,8 @@ ShortHelp short_help() {
            {"tool", "Name of the scene's tool to hold. Usually its first"},
            {"role", "operator, pointer, or observer (sees the scene, feels nothing)"},
            {"device",
-            "simulated, replay:FILE.csv, haply, forcedimension, openhaptics, falcon,\n"
-            "hapi:PORT, gamepad, spacemouse or plugin:FILE.so (docs/devices.md)"},
+            "simulated, replay:FILE.csv, haply, forcedimension, openhaptics,\n"
+            "falcon, hapi:PORT, gamepad, spacemouse, plugin:FILE.so (docs/devices.md)"},
            {"spec", "A built-in specification of the device, or FILE.json"},
            {"list-specs", "Print the built-in specifications and end"},
            {"duration", "[s] Length of the run. 0: until it is stopped"},
@@ -46,7 +46,7 @@ ShortHelp short_help() {
            {"fingerprint-file", "FILE with the fingerprint of the server to trust"},
            {"ca", "FILE (PEM) of authorities to trust, instead of a fingerprint"},
            {"token-file", "FILE with your token; or set FELTWIRE_TOKEN to the token"},
-           {"link", "Emulate a bad network: wifi, 4g, delay=25,jitter=5,loss=10 (--help-all)"},
+           {"link", "Emulate a bad network: wifi, delay=25,jitter=5,loss=10 (--help-all)"},
            {"mode", "Bounding method (docs/bounding.md)"},
            {"rate", "[Hz] Rate of the servo loop, if the device does not set it"},
            {"max-force", "[N] Largest force on the hand"},

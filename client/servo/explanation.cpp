@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
 
-bool felt(const Command& c) {
-  return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
-}
-
 /// The device has no fault, although its reading was not used.
 bool without_fault(const ForceTrail& trail) {
   return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
@@ -42,9 +38,9 @@ void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
   statistics.max_force = std::max(statistics.max_force, length(tick.held.force()));
   if (tick.feels_scene) observe_direction(tick.wanted.force(), tick.held.force(), statistics);
   if (!tick.released) {
-    if (felt(tick.held))
+    if (is_felt(tick.held))
       not_held_for_ = 0.0;
-    else if (felt(trail_.paid))
+    else if (is_felt(trail_.paid))
       not_held_for_ += tick.elapsed;
   }
   trail_.held = tick.held;

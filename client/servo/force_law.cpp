@@ -131,7 +131,7 @@ Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movem
   step.hold_time = std::max(step.hold_time, kInstant);
   if (!movement_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
   const std::uint64_t strong_hand = account.statistics().strong_hand;
-  const Command given = account.step(
+  Command given = account.step(
       step, law_.counts_on_mass ? margin_.hold_time() : margin_.hold_time_of_any_hand());
   statistics.account_cut += given == command ? 0 : 1;
   debt_.judge(account.balance(), step.hold_time, account.statistics().strong_hand > strong_hand);

@@ -44,9 +44,6 @@ constexpr std::array<ReasonText, kZeroForceReasons> kWords = {{
     {"overdrawn", "FAULT: the hand got more energy than the device had burned; start anew"},
 }};
 
-bool felt(const Command& c) {
-  return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
-}
 ZeroForceReason reason_of(Withheld withheld) {
   switch (withheld) {
     case Withheld::not_homed:
@@ -65,13 +62,17 @@ ZeroForceReason reason_of(Withheld withheld) {
 /// Whether the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
   constexpr double kShare = 0.1;
-  return t.stage_waits && felt(t.actuated) &&
+  return t.stage_waits && is_felt(t.actuated) &&
          length(t.held.force()) <= kShare * length(t.actuated.force()) &&
          length(t.held.torque) <= kShare * length(t.actuated.torque);
 }
 bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) > 0.0; }
 
 }  // namespace
+
+bool is_felt(const Command& c) noexcept {
+  return length(c.force()) >= kFeltForce || length(c.torque) >= kFeltTorque;
+}
 
 std::string_view name(ZeroForceReason reason) {
   return kWords[static_cast<std::size_t>(reason)].name;
@@ -81,7 +82,7 @@ std::string_view text(ZeroForceReason reason) {
 }
 
 ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
-  if (felt(t.held) && !held_back(t)) return ZeroForceReason::felt;
+  if (is_felt(t.held) && !held_back(t)) return ZeroForceReason::felt;
   if (t.observer) return ZeroForceReason::observer;
   if (t.device_ended) return ZeroForceReason::device_ended;
   if (t.overdrawn) return ZeroForceReason::overdrawn;
@@ -93,23 +94,23 @@ ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
   if (t.letting_go)
     return t.law_change ? ZeroForceReason::law_change : ZeroForceReason::reconnecting;
   if (t.silent) return ZeroForceReason::silent;
-  if (!felt(t.asked)) {
+  if (!is_felt(t.asked)) {
     if (t.recovering) return ZeroForceReason::recovering;
     if (t.server_bound) return ZeroForceReason::server_bound;
     return any(t.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
   }
-  if (!felt(t.actuated)) return ZeroForceReason::not_actuated;
+  if (!is_felt(t.actuated)) return ZeroForceReason::not_actuated;
   // Before the bound: while nothing is held it may let nothing through, but that is not the reason.
   if (t.stage_waits) return ZeroForceReason::waiting;
-  if (!felt(t.faded)) return ZeroForceReason::silent;
-  if (!felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
-  if (!felt(t.safe)) {
+  if (!is_felt(t.faded)) return ZeroForceReason::silent;
+  if (!is_felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
+  if (!is_felt(t.safe)) {
     if (t.refused) return ZeroForceReason::refused;
     if (t.too_fast) return ZeroForceReason::velocity_limit;
     if (t.ramped) return ZeroForceReason::ramp;
     return t.slewed ? ZeroForceReason::slew : ZeroForceReason::force_limit;
   }
-  return felt(t.paid) ? ZeroForceReason::not_held : ZeroForceReason::account;
+  return is_felt(t.paid) ? ZeroForceReason::not_held : ZeroForceReason::account;
 }
 
 ZeroForceReason prevailing(const std::array<std::uint64_t, kZeroForceReasons>& ticks) noexcept {

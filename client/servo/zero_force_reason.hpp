@@ -14,6 +14,9 @@ namespace feltwire {
 inline constexpr double kFeltForce = 0.005;    // [N]
 inline constexpr double kFeltTorque = 0.0005;  // [N m] the same at a lever of 0.1 m
 
+/// Whether a command counts as a force or a torque.
+bool is_felt(const Command& command) noexcept;
+
 /// The reasons for no force, in the order in which they are checked: from the device's reading to
 /// the force that it holds.
 enum class ZeroForceReason : std::uint8_t {

@@ -88,8 +88,7 @@ std::vector<TrialWay> mesh_ways(const Object& object, std::uint16_t index) {
   // Take the most crowded places, and as many others, evenly spread.
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::crowd);
   const std::size_t crowded = std::min(places.size(), kMostMeshWays / 2);
-  std::vector<Place> get_named(places.begin(),
-                               places.begin() + static_cast<std::ptrdiff_t>(crowded));
+  std::vector<Place> chosen(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(crowded));
   const std::size_t rest = places.size() - crowded;
   const std::size_t step = std::max<std::size_t>(1, rest / (kMostMeshWays / 2));
   for (std::size_t i = crowded; i < places.size() && chosen.size() < kMostMeshWays; i += step)
