@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 #include <vector>
+
+#include "core/base/folder_names.hpp"
 
 namespace feltwire::drd {
 namespace {
@@ -29,9 +30,8 @@ std::vector<fs::path> libraries() {
   for (const std::string name : {"libdrd.so", "libdhd.so"}) {
     for (const fs::path& folder : folders) {
       std::vector<fs::path> found;
-      std::error_code none;
-      for (const auto& entry : fs::directory_iterator(folder, none))
-        if (entry.path().filename().string().starts_with(name)) found.push_back(entry.path());
+      for (const std::string& other : names_in(folder))
+        if (other.starts_with(name)) found.push_back(folder / other);
       std::sort(found.rbegin(), found.rend());
       if (found.empty()) found.push_back(folder / name);  // so that the loader names it
       files.insert(files.end(), found.begin(), found.end());

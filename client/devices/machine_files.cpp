@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <system_error>
+
+#include "core/base/folder_names.hpp"
 
 namespace feltwire {
 
@@ -17,10 +18,7 @@ std::string line_of(const fs::path& file) {
 
 std::vector<fs::path> entries(const fs::path& folder) {
   std::vector<fs::path> found;
-  std::error_code none;
-  for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
-       entry.increment(none))
-    found.push_back(entry->path());
+  for (const std::string& name : names_in(folder)) found.push_back(folder / name);
   std::sort(found.begin(), found.end());
   return found;
 }

@@ -1,14 +1,14 @@
 #include "core/base/pending_file.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <memory>
 #include <utility>
+
+#include "core/base/folder_names.hpp"
 
 namespace feltwire {
 namespace {
@@ -79,19 +79,12 @@ void replace_file(const std::filesystem::path& file, std::string_view text,
   PendingFile(file, text, mode).put_in_place();
 }
 
-/// Uses readdir(): std::filesystem::directory_iterator may end the program if memory runs out
-/// (libstdc++ 12).
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string beginning = file.filename().string() + std::string(kPart);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const auto close = [](DIR* open) { ::closedir(open); };
-  const std::unique_ptr<DIR, decltype(close)> open(::opendir(folder.c_str()), close);
-  if (open == nullptr) return;
-  while (const dirent* entry = ::readdir(open.get())) {
-    const std::string_view name = entry->d_name;
-    if (name.size() != beginning.size() + kDigits || !name.starts_with(beginning)) continue;
-    ::unlink((folder / name).c_str());
-  }
+  for (const std::string& name : names_in(folder))
+    if (name.size() == beginning.size() + kDigits && name.starts_with(beginning))
+      ::unlink((folder / name).c_str());
 }
 
 bool is_special(const std::filesystem::path& file) {

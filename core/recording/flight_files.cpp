@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/file_error.hpp"
+#include "core/base/folder_names.hpp"
 #include "core/base/private_folder.hpp"
 #include "core/base/state_folder.hpp"
 
@@ -55,13 +56,12 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
   std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with their sizes
   std::uintmax_t bytes = 0;
   std::error_code gone;  // another program may remove old files here too
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string other = entry.path().filename().string();
+  for (const std::string& other : names_in(folder)) {
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
         other.starts_with(kBegin) && other.ends_with(end)) {
-      const std::uintmax_t size = entry.file_size(gone);
+      const std::uintmax_t size = fs::file_size(folder / other, gone);
       if (gone) continue;
-      files.emplace_back(entry.path(), size);
+      files.emplace_back(folder / other, size);
       bytes += size;
     }
   }
