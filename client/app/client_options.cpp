@@ -37,7 +37,7 @@ ShortHelp short_help() {
            {"role", "operator, pointer, or observer (sees the scene, feels nothing)"},
            {"device",
             "simulated, replay:FILE.csv, haply, forcedimension, openhaptics,\n"
-            "falcon, hapi:PORT, gamepad, spacemouse, plugin:FILE.so (docs/devices.md)"},
+            "falcon, hapi:PORT, gamepad, spacemouse, plugin:FILE.so"},
            {"spec", "A built-in specification of the device, or FILE.json"},
            {"list-specs", "Print the built-in specifications and end"},
            {"duration", "[s] Length of the run. 0: until it is stopped"},
