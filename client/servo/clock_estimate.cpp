@@ -74,7 +74,10 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
     fit();
   }
 
-  const double delay_up = up - residual_offset(time), delay_down = residual_offset(time) - down;
+  // No way takes less than no time, or more than both ways together. The line may say otherwise:
+  // after an outage it is extrapolated.
+  const double delay_up = std::clamp(up - residual_offset(time), 0.0, round_trip);
+  const double delay_down = std::clamp(residual_offset(time) - down, 0.0, round_trip);
   if (exchanged_) {
     jitter_up_ += kJitterGain * (std::abs(delay_up - delay_up_) - jitter_up_);
     jitter_down_ += kJitterGain * (std::abs(delay_down - delay_down_) - jitter_down_);

@@ -99,6 +99,25 @@ TEST(ClockEstimate, TheServersOwnTimeIsNoDelay) {
   EXPECT_NEAR(clock.delay_down(), 1e-3, 1e-9);
 }
 
+/// The line through old exchanges is extrapolated after an outage, and the path may be another one.
+TEST(ClockEstimate, EachWayTakesNoLessThanZeroAndNoMoreThanTheRoundTrip) {
+  const Truth truth{0, 30e-6};
+  ClockEstimate clock;
+  const auto take = [&](double from, double to, double up, double down) {
+    for (double t = from; t < to; t += 1e-3) {
+      clock.take(exchange(truth, t, up, down));
+      for (const double delay : {clock.delay_up(), clock.delay_down()}) {
+        ASSERT_GE(delay, 0.0) << t;
+        ASSERT_LE(delay, up + down + 1e-9) << t;
+      }
+    }
+  };
+  take(0.0, 2.0, 1e-3, 9e-3);
+  take(2.0, 4.0, 9e-3, 1e-3);
+  take(12.0, 13.0, 0.2e-3, 0.4e-3);
+  take(14.0, 15.0, 0.0, 20e-3);
+}
+
 TEST(ClockEstimate, JitterIsTheMeanVariationOfTheDelay) {
   const Truth truth{0, 0.0};
   ClockEstimate clock;
