@@ -32,7 +32,7 @@ UPGRADE = ("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: {scheme}://
 KEPT = 4.0  # [s] of pings
 AFTER = 1.0  # [s] the connections are kept once all are made; strangers have 5 s to show a token
 BRIEF = {("server", "control", "a first message of 128 KiB"), ("server", "control", "TLS begun, and a record begun"),
-         ("server", "control", "an observer's frames begun"), ("server", "page by TLS", "TLS begun, and a record begun"),
+         ("server", "control", "an observer's frames begun"), ("server", "both, TLS", "TLS begun, and a record begun"),
          ("gateway", "page by TLS", "TLS begun, and a record begun"), ("gateway", "page", "a stranger's pings")}
 
 
@@ -233,15 +233,15 @@ def files_unread_tls(attacker):
     files_unread(attacker)
 
 
-def attack(program, port, word, number):
-    """Returns the largest memory [bytes] while `number` connections do `word`, and how many were made."""
+def attack(program, ports, word, number):
+    """Returns the largest memory [bytes] while `number` connections to each port do `word`, and how many were made."""
     made = []
 
     def work():
         busy = []
-        for i in range(number):
+        for i in range(number * len(ports)):
             try:
-                attacker = Attacker(port, i)
+                attacker = Attacker(ports[i % len(ports)], i // len(ports))
                 made.append(attacker)
                 if number > 8:
                     word(attacker)
@@ -339,6 +339,7 @@ def main():
 
         rows = [("server", "0", "control", name, word, args.times) for name, word in silent_ones
                 + [("TLS, then a token begun", token_begun), ("an observer's frames begun", frames_begun(eye))]]
+        rows += [("server", "0.0.0.0:0", "both, TLS", *a, args.times) for a in silent_ones]
         rows += [("server", *row) for row in page_attacks(token)]
         rows += [("gateway", *row) for row in page_attacks(view_token)]
         print(f"{'program':8} {'port':12} {'attack':32} {'made':>5} {'usual':>7} {'largest':>8} [MB] {'ratio':>6}")
@@ -352,7 +353,8 @@ def main():
                 press(args.programs, state, served.control)
                 look(program.page, token if kind == "server" else view_token, scheme)
                 usual = program.memory()
-                largest, made = attack(program, program.control if port == "control" else program.page, word, number)
+                ports = {"control": [program.control], "both, TLS": [program.control, program.page]}.get(port, [program.page])
+                largest, made = attack(program, ports, word, number)
             ratio = largest / usual
             missed = ratio >= args.most
             failed = failed or missed
