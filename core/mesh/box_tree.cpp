@@ -1,6 +1,5 @@
-// Builds the tree from the top down. It splits the items of each node by the surface area heuristic
-// (Goldsmith, Salmon 1987), with bins of their middles (Wald 2007), until the node has four
-// parts.
+// Builds the tree top-down. The surface area heuristic (Goldsmith, Salmon 1987) with bins (Wald
+// 2007) splits each node into up to four parts.
 
 #include "core/mesh/box_tree.hpp"
 
@@ -13,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostInLeaf = 4;
 constexpr std::size_t kBins = 16;
-/// From this level on, parts are halved whatever that costs, so that no tree is deep.
+/// From this level on, each split halves the items at any cost. This limits the depth of the tree.
 constexpr int kMaxUneven = 24;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -51,7 +50,7 @@ struct Hull {
 struct Item {
   Hull box;
   std::uint32_t index = 0;
-  /// Twice the middle, so that nothing is rounded.
+  /// Returns twice the middle of the box along the axis.
   float middle(std::size_t axis) const { return box.least[axis] + box.most[axis]; }
 };
 
@@ -62,7 +61,7 @@ struct Part {
   std::size_t size() const { return end - begin; }
 };
 
-/// Bins of the items' middles along an axis. A part may be cut between two bins.
+/// Bins of the items' middles along an axis. A cut lies between two bins.
 struct Bins {
   float first = kInfinity, per_bin = 0.0f;
   std::array<Hull, kBins> boxes{};
@@ -86,7 +85,7 @@ Part part_of(const std::vector<Item>& items, std::size_t begin, std::size_t end)
   return part;
 }
 
-/// The bins of all axes. If all middles coincide along an axis, its per_bin is zero.
+/// Returns the bins of all axes. `per_bin` is zero along an axis on which all middles coincide.
 std::array<Bins, 3> bins_of(const std::vector<Item>& items, const Part& part) {
   std::array<Bins, 3> bins;
   Corner last{-kInfinity, -kInfinity, -kInfinity};
@@ -113,7 +112,8 @@ std::array<Bins, 3> bins_of(const std::vector<Item>& items, const Part& part) {
 /// The cheapest cut between the bins of an axis.
 Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   Cut cut{.axis = axis};
-  // First compute the cost behind each cut. Then add the cost before it.
+  // First compute the cost of the items behind each cut. Then add the cost of the items before the
+  // cut.
   std::array<double, kBins> behind{};
   Hull hull;
   std::size_t count = 0;
@@ -183,7 +183,8 @@ class BoxTree::Building {
   }
 
  private:
-  /// Splits into up to four parts, the costliest part first. Keeps a range that fits a leaf whole.
+  /// Splits `whole` into up to four parts, the costliest part first. A range that fits a leaf stays
+  /// whole.
   std::size_t cut_up(const Part& whole, int level, std::array<Part, kWidth>& parts) {
     parts[0] = whole;
     std::size_t count = 1;
@@ -191,7 +192,7 @@ class BoxTree::Building {
       const auto cost = [](const Part& part) {
         return part.size() < 2 ? -1.0 : part.box.area() * static_cast<double>(part.size());
       };
-      // A part that is too large for a leaf comes before all parts that fit.
+      // A part that is too large for a leaf is split before all parts that fit.
       const auto after = [&](const Part& a, const Part& b) {
         const bool large_a = a.size() > kMostInLeaf, large_b = b.size() > kMostInLeaf;
         return large_a != large_b ? large_b : cost(a) < cost(b);
@@ -206,7 +207,7 @@ class BoxTree::Building {
     return count;
   }
 
-  /// Stores parents before children, and the items of a subtree side by side.
+  /// Stores a node before its children. The items of a subtree are contiguous.
   std::uint32_t node(const Part& whole, int level) {
     const auto at = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.emplace_back();

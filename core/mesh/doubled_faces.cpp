@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// Three corners in ascending order, and the first triangle on each side. The forward side has the
-/// corners in this order.
+/// A face: three corners in ascending order, and the first triangle on each side. A triangle on the
+/// forward side lists the corners in this cyclic order.
 struct Face {
   Triangle corners;
-  std::uint32_t first = kNone;                      // of both sides
+  std::uint32_t first = kNone;                      // first triangle on either side
   std::array<std::uint32_t, 2> side{kNone, kNone};  // forward, backward; kNone: no triangle
   bool has_both() const { return side[0] != kNone && side[1] != kNone; }
 };
@@ -37,7 +37,7 @@ struct Corners {
   }
 };
 
-/// Sorted by the lowest corner, then by the other two.
+/// Returns the corners of all triangles, sorted by the lowest corner, then by the other two.
 std::vector<Corners> sorted_corners(std::span<const Triangle> triangles, std::size_t vertices) {
   return bucketed<Corners>(
       triangles.size(), vertices,
@@ -63,14 +63,15 @@ std::vector<Face> faces_of(std::span<const Triangle> triangles, std::span<const 
   return faces;
 }
 
-/// An edge of a face. `way` is 1 if the forward side of the face goes from the lower end to the
-/// higher end of the edge, and -1 if it goes down.
+/// An edge of a face. `way` is 1 if the forward side runs from the lower to the higher vertex of
+/// the edge, else -1.
 struct EdgeOfFace {
   std::uint32_t low, high, face;
   int way;
 };
 
-/// All edges between corners of faces with both sides, and all their faces, sorted by edge.
+/// Collects the edges between corners of faces with two sides. Lists all faces of each edge, sorted
+/// by edge.
 std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::size_t vertices) {
   std::vector<bool> asked(vertices);
   for (const Face& face : faces)
@@ -89,8 +90,8 @@ std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::s
   return edges;
 }
 
-/// Groups of faces whose sides depend on each other. The choice of a face is that of its group, or
-/// the opposite.
+/// Groups of faces with dependent choices (union-find with signs). A face has the choice of its
+/// group, or the opposite choice.
 class Groups {
  public:
   explicit Groups(std::size_t faces)
@@ -100,7 +101,7 @@ class Groups {
 
   struct Place {
     std::uint32_t group;
-    int sign;  // of the face's choice, relative to the group's
+    int sign;  // the face's choice relative to the group's choice
   };
   Place find(std::uint32_t face) {
     std::uint32_t root = face;
@@ -110,7 +111,7 @@ class Groups {
       root = parent_[root];
     }
     const Place place{root, sign};
-    while (parent_[face] != face) {  // shortens the path for the next call
+    while (parent_[face] != face) {  // path compression
       const std::uint32_t next = parent_[face];
       const int own = sign_[face];
       parent_[face] = root;
@@ -121,7 +122,7 @@ class Groups {
     return place;
   }
 
-  /// Requires that the two choices have this product.
+  /// Requires that the product of the two choices is `product`.
   void link(std::uint32_t a, std::uint32_t b, int product) {
     Place one = find(a), other = find(b);
     if (one.group == other.group) {
@@ -136,13 +137,13 @@ class Groups {
     ++links_[one.group];
   }
 
-  /// Whether no choice satisfies all links of the group, as on a Moebius strip.
+  /// Whether the links of the group contradict each other, as on a Moebius strip.
   bool is_torn(std::uint32_t group) const { return torn_[group]; }
   std::size_t links(std::uint32_t group) const { return links_[group]; }
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<int> sign_;  // relative to the parent's
+  std::vector<int> sign_;  // relative to the parent's choice
   std::vector<bool> torn_;
   std::vector<std::size_t> links_;
 };
@@ -156,7 +157,7 @@ class Choice {
       chosen_.push_back(face.has_both() ? 0 : face.side[0] != kNone ? 1 : -1);
   }
 
-  /// Works in rounds: a decision may decide further faces at an edge of many faces.
+  /// Works in rounds, because each decision may decide further faces at a shared edge.
   void ask_neighbours() {
     constexpr int kMostRounds = 16;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -175,7 +176,7 @@ class Choice {
     }
   }
 
-  /// Decides the closed shells that are left: their outside is where the volume is above zero.
+  /// Orients each closed shell that is still undecided so that its volume is positive.
   void turn_shells_outwards() {
     Groups groups(faces_.size());
     count_votes(groups);
@@ -192,22 +193,22 @@ class Choice {
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
       if (chosen_[f] != 0) continue;
       const auto [group, sign] = groups.find(f);
-      // Each edge of a closed shell links two of its faces.
+      // In a closed shell, each edge links two faces: twice the edges is three times the faces.
       if (groups.is_torn(group) || 2 * groups.links(group) != 3 * count[group]) continue;
       if (volume[group] != 0.0) chosen_[f] = volume[group] > 0.0 ? sign : -sign;
     }
   }
 
-  /// 1: forward, -1: backward, 0: both.
+  /// Returns the chosen side of the face: 1 forward, -1 backward, 0 both.
   int of(std::size_t face) const { return chosen_[face]; }
 
  private:
-  /// Links the undecided faces, and counts the neighbours' votes for the choice of each group.
+  /// Links the undecided faces. Counts the votes of the decided neighbours for each group.
   std::vector<long> count_votes(Groups& groups) const {
     std::vector<std::pair<std::uint32_t, long>> own;  // face, vote
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // undecided faces; decided faces that go up the edge, less those down
+          up = 0;  // undecided; decided up minus decided down
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {
@@ -215,7 +216,7 @@ class Choice {
         open += chosen == 0 ? 1 : 0;
         up += chosen * edges_[end].way;
       }
-      // A face agrees with its neighbour if the two go opposite ways along their common edge.
+      // Two neighbours agree if they traverse their common edge in opposite directions.
       const EdgeOfFace &one = edges_[begin], &last = edges_[end - 1];
       if (open == 2 && end - begin == 2) groups.link(one.face, last.face, -one.way * last.way);
       if (open != 1 || up == 0) continue;

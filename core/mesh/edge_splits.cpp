@@ -14,12 +14,12 @@ namespace feltwire::edge_splits {
 namespace {
 
 constexpr std::uint32_t kSides = 3;
-constexpr double kPart = 0.25;  // largest movement, as a share of height and parts
-/// Least relative height of a part of a triangle: well above rounding.
+constexpr double kPart = 0.25;  // largest offset, as a share of the height and of each part
+/// Least relative height of a part of a triangle, well above rounding errors.
 constexpr double kLeastHeight = 1e-12;
-constexpr std::size_t kMostLooked = std::size_t{1} << 27;  // takes some seconds
+constexpr std::size_t kMostLooked = std::size_t{1} << 27;  // candidates; so many take some seconds
 
-/// A corner on an open edge.
+/// A vertex that lies on an open edge.
 struct OnEdge {
   std::uint32_t place;  // index of the edge in the list of open edges
   double along;         // 0 to 1
@@ -33,7 +33,8 @@ class Search {
          std::span<const std::uint32_t> open, double weld)
       : vertices_(vertices), triangles_(triangles), open_(open), weld_(weld) {}
 
-  /// Sorted by edge, and along each edge. `all`: whether every candidate was looked at.
+  /// Returns the corners on open edges, sorted by edge and by place along the edge. Sets `all` to
+  /// false if the search stopped early.
   std::vector<OnEdge> run(bool& all) {
     const BoxTree tree(boxes());
     std::vector<std::uint32_t> ends;
@@ -73,8 +74,8 @@ class Search {
   }
 
  private:
-  /// Boxes about pieces of the edges, so that a long diagonal edge does not meet everything. There
-  /// are at most twice as many boxes as edges.
+  /// Makes boxes around pieces of the edges, so that a long diagonal edge does not overlap
+  /// everything. There are at most twice as many boxes as edges.
   std::vector<Bounds> boxes() {
     double whole = 0.0;
     for (const std::uint32_t side : open_) whole += length_of(side);
@@ -82,7 +83,7 @@ class Search {
     for (std::uint32_t place = 0; place < open_.size(); ++place) {
       const auto [a, b] = ends_of(open_[place]);
       const Vec3 &from = vertices_[a], &to = vertices_[b];
-      // The square of a length below 1e-154 m is zero: such an edge stays one piece.
+      // The square of a length below 1e-154 m underflows to zero. Such an edge stays one piece.
       const double share =
           whole > 0.0 ? (to - from).norm() / whole * static_cast<double>(open_.size()) : 1.0;
       const int pieces = static_cast<int>(std::clamp(std::ceil(share), 1.0, 1e6));
@@ -122,10 +123,10 @@ class Search {
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> open_;
   double weld_;
-  std::vector<std::uint32_t> pieces_;  // the edge's place, for each box
+  std::vector<std::uint32_t> pieces_;  // for each box, the place of its edge
 };
 
-/// The corners of one edge, without corners that are too close to the one before.
+/// Returns the corners of one edge, without corners that are too close to the previous corner.
 std::vector<OnEdge> apart(std::span<const OnEdge> corners, double length) {
   std::vector<OnEdge> kept;
   for (const OnEdge& corner : corners) {

@@ -33,7 +33,8 @@ class Pgm {
     image.width = number("width", 1, kMostPixels);
     image.height = number("height", 1, kMostPixels);
     const int white = number("largest grey", 1, kMostGrey);
-    // Each pixel takes at least a byte, so a header alone cannot reserve memory.
+    // Each pixel takes at least one byte, so a false header cannot reserve more memory than the
+    // file.
     image.values.reserve(std::min(bytes_.size() - at_, static_cast<std::size_t>(image.width) *
                                                            static_cast<std::size_t>(image.height)));
     for (int i = 0; i < image.width * image.height; ++i) {
@@ -70,7 +71,8 @@ class Pgm {
     return value;
   }
 
-  /// A single blank stands between header and pixels. Two-byte values have the higher byte first.
+  /// Reads a pixel of a binary file. A single blank separates the header from the pixels. A
+  /// two-byte value has its high byte first.
   int binary(int white) {
     if (!begun_) ++at_;
     begun_ = true;
@@ -92,7 +94,8 @@ class Pgm {
   bool begun_ = false;
 };
 
-/// Weights of a pixel and its neighbours, and their slopes, at t in [-1/2, 1/2] from its middle.
+/// Weights of a pixel and its two neighbours (quadratic B-spline), and their derivatives. `t` in
+/// [-1/2, 1/2] is the distance from the pixel's middle.
 struct Spline {
   explicit Spline(double t)
       : weights{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)},
@@ -102,11 +105,11 @@ struct Spline {
 
 struct Pixel {
   int index;    // 0 to count - 1
-  double from;  // distance from its middle, in pixels
+  double from;  // distance from the middle of the pixel, in pixels
 };
 Pixel pixel_at(double x, int count) {
   double within = x - count * std::floor(x / count);
-  if (!(within >= 0.0 && within <= count)) within = 0.0;  // too far away to have a pixel
+  if (!(within >= 0.0 && within <= count)) within = 0.0;  // not finite, or too large
   const double nearest = std::floor(within + 0.5);
   return {static_cast<int>(nearest) % count, within - nearest};
 }

@@ -1,7 +1,7 @@
-// A ball's proxy. The middle of the ball goes down the distance to the goal and stays a radius away
-// from all triangles. Every step is shorter than half a radius and ends where no triangle is nearer
-// than the radius. So the middle never passes through a surface. Within a step it uses sequential
-// quadratic programming, with the distances to the triangles that hold the ball linearised.
+// The proxy of a ball on a mesh. The centre of the ball moves towards the goal and stays at least
+// one radius away from all triangles. Each step is shorter than half a radius and ends only at a
+// place with this clearance. So the centre never passes through a surface. Within a step,
+// sequential quadratic programming linearises the distances to the triangles in contact.
 
 #include <algorithm>
 #include <array>
@@ -14,15 +14,15 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostSteps = 256;         // per sample; the next sample continues
-constexpr int kMostCorrections = 16;    // within a step
-constexpr std::size_t kMostNear = 512;  // triangles near a step; more make it shorter
+constexpr int kMostSteps = 256;         // steps per sample; the next sample continues
+constexpr int kMostCorrections = 16;    // iterations per step
+constexpr std::size_t kMostNear = 512;  // triangles near a step; more shorten the step
 constexpr std::size_t kMostHeld = 16;
-constexpr double kExact = 1e-7;                          // share of the radius
-constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // shares of the radius
+constexpr double kExact = 1e-7;                          // accuracy, as a share of the radius
+constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // step length, as a share of the radius
 constexpr double kLeastReach = 0x1p-16;
-constexpr double kFarther = 1.25;           // times the reach
-constexpr double kTolerance = 0.1;          // for planes, as a share of exact_
+constexpr double kFarther = 1.25;           // search distance, in step lengths
+constexpr double kTolerance = 0.1;          // tolerance of the planes, as a share of exact_
 constexpr std::size_t kTangentsInUnit = 8;  // tangents per unit of work
 
 class Ball {
@@ -46,7 +46,7 @@ class Ball {
       reach = std::min(reach, kMostReach * radius_);
       while (!gather(reach))
         if (is_cut(work_) || (reach *= 0.5) < kLeastReach * radius_)
-          return;  // too many triangles to move on
+          return;  // still too many triangles: the ball stays
       const Vec3 before = stand_.point;
       const bool whole = move(std::min(reach, left));
       const double moved = length(Vec3(stand_.point - before));
@@ -59,7 +59,7 @@ class Ball {
  private:
   void arrive() { stand_ = {.point = goal_, .triangle = 0, .side = 0, .on_face = false}; }
 
-  /// Whether no triangle is within a radius of the box round the way.
+  /// Whether no triangle is within one radius of the bounding box of the movement.
   bool is_open() const {
     Bounds way;
     way.add(stand_.point);
@@ -76,7 +76,8 @@ class Ball {
     return sides_ * (c[1] - c[0]).cross(c[2] - c[0]).dot(stand_.point - c[0]) > 0.0;
   }
 
-  /// Collects all triangles that could be nearer than the radius within reach. False: too many.
+  /// Collects all triangles that may be nearer than one radius during a step of length `reach`.
+  /// Returns false if there are too many.
   bool gather(double reach) {
     near_count_ = 0;
     held_count_ = 0;
@@ -110,7 +111,8 @@ class Ball {
     if (held_count_ < kMostHeld) held_[held_count_++] = t;
   }
 
-  /// Planes that keep each held triangle a radius away, with the distance linearised at x.
+  /// Linearises the distance to each triangle in contact at x. Each plane keeps the centre one
+  /// radius away from its triangle.
   std::size_t linearise(const Vec3& x, std::array<HalfSpace, kMostHeld>& spaces) const {
     std::size_t count = 0;
     if (!may_go_on(work_, held_count_)) return count;
@@ -122,9 +124,9 @@ class Ball {
     return count;
   }
 
-  /// The nearest triangle and its distance. The distance to a triangle is convex, so it is never
-  /// below its tangent at the beginning of the step. So only few triangles need a query; the
-  /// triangle with the lowest tangent is first.
+  /// Returns the distance to the nearest triangle. The distance to a triangle is a convex function,
+  /// so its tangent at the start of the step is a lower bound. The triangle with the lowest bound
+  /// is queried first. Most other triangles then need no query.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
     if (near_count_ == 0 || !may_go_on(work_, 1 + near_count_ / kTangentsInUnit)) return least;
@@ -150,7 +152,7 @@ class Ball {
     return least;
   }
 
-  /// Makes a step. Returns true if only the largest length of a step ended it.
+  /// Makes a step. Returns true if the step converged and reached its largest length.
   bool move(double reach) {
     const Vec3 from = stand_.point;
     Vec3 x = from;
@@ -164,8 +166,8 @@ class Ball {
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
-      // A shortened step may have left the planes. Go back to them: this way is shorter than the
-      // margin of gather().
+      // A shortened step may violate the planes, so project it onto them. The projection is shorter
+      // than the margin of gather().
       Vec3 next = aim.point;
       if (cut)
         next = nearest_in(planes, from + reach / far * way, kTolerance * exact_, work_).point;
@@ -186,7 +188,7 @@ class Ball {
     return cut && settled;
   }
 
-  /// Halves the way until its end is far enough from everything.
+  /// Halves the movement until its end is far enough from all triangles.
   Vec3 last_clear(const Vec3& from, const Vec3& x, double most) const {
     constexpr int kMostHalvings = 12;
     std::uint32_t nearest = 0;
@@ -218,8 +220,8 @@ class Ball {
   WorkLimit* work_;
   struct NearbyTriangle {
     std::uint32_t triangle;
-    double distance;  // [m] from the beginning of the step
-    Vec3 away;        // unit, from the triangle's nearest point to that place
+    double distance;  // [m] at the start of the step
+    Vec3 away;        // unit vector from the nearest point of the triangle to the start
   };
   std::array<NearbyTriangle, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;

@@ -15,8 +15,8 @@ std::int8_t sides_of(const MeshSurface& surface, Side felt_from) {
   return felt_from == Side::outside ? 1 : -1;
 }
 
-/// The proxy of a tool without a memory. Inside a closed surface it is the nearest point, as if the
-/// tool had entered there.
+/// Returns the proxy of a tool without a previous state. Inside a closed surface, this is the
+/// nearest surface point, as if the tool had entered there.
 ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                        WorkLimit* work) {
   ProxyState proxy{.point = goal, .triangle = 0, .side = 0, .on_face = false};
@@ -26,8 +26,8 @@ ProxyState first_stand(const MeshSurface& surface, std::int8_t sides, const Vec3
   return {.point = nearest.point, .triangle = nearest.triangle, .side = sides, .on_face = false};
 }
 
-/// The proxy of a ball without a memory. If the tool is in the solid, or nearer than its radius,
-/// the proxy begins in front of the nearest point.
+/// Returns the proxy of a ball without a previous state. If the ball overlaps the solid, the proxy
+/// starts in front of the nearest point.
 ProxyState first_ball(const MeshSurface& surface, double radius, std::int8_t sides,
                       const Vec3& goal, WorkLimit* work) {
   ProxyState proxy = first_stand(surface, sides, goal, work);
@@ -66,7 +66,7 @@ Vec3 smooth_normal(const MeshSurface& surface, const ProxyState& proxy) {
 constexpr std::size_t kWaves = 8;
 
 /// Directions spread evenly over a half ball (a Fibonacci lattice). The phases are spread too, so
-/// that the sum has no grain that repeats.
+/// that the grain does not repeat.
 Vec3 wave_direction(std::size_t i) {
   constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
   const double z = (static_cast<double>(i) + 0.5) / kWaves, r = std::sqrt(1.0 - z * z);
@@ -79,7 +79,7 @@ const std::array<Vec3, kWaves> kWaveDirections = [] {
   return all;
 }();
 
-/// A sum of waves, between 0 and 2 amplitudes deep.
+/// Returns a sum of waves. The cut is between 0 and 2 amplitudes deep.
 Relief relief_of(const Grain& grain, const Vec3& point) {
   const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
   Relief relief{.cut = grain.amplitude, .slope = Vec3::Zero()};
@@ -92,8 +92,8 @@ Relief relief_of(const Grain& grain, const Vec3& point) {
   return relief;
 }
 
-/// The spring's energy is 1/2 k (depth - cut)^2. So its force has a part along the slope too
-/// (Minsky's lateral force), and no closed path takes or gives energy.
+/// The spring's energy is 1/2 k (depth - cut)^2. So the force has a component along the slope
+/// (Minsky's lateral force), and a closed path neither takes nor gives energy.
 SurfacePoint lowered(const SurfacePoint& surface, const Relief& relief) {
   if (relief.cut == 0.0 && relief.slope.isZero(0.0)) return surface;
   const Vec3 slope = relief.slope - along(relief.slope, surface.normal);

@@ -19,7 +19,8 @@ using mesh_text::TokenReader;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// Words of an OBJ file that describe no surface: appearance, grouping, names of free-form curves.
+/// Whether this word of an OBJ file describes no surface: appearance, grouping, or free-form
+/// curves.
 bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
@@ -28,13 +29,13 @@ bool is_no_surface(std::string_view word) {
   return false;
 }
 
-/// The vertex indices in the faces of an OBJ file. A face may stand before its vertices.
+/// The vertex indices in the faces of an OBJ file. A face may come before its vertices.
 class ObjIndices {
  public:
   explicit ObjIndices(const TokenReader& words) : words_(words) {}
 
-  /// Reads "7", "7/1", "7//3" or "-1": the vertex, from 1 on, or backwards from the last of
-  /// `vertices`.
+  /// Reads the vertex index of "7", "7/1", "7//3" or "-1". A positive index counts from 1. A
+  /// negative index counts backwards from the last of `vertices` vertices.
   std::uint32_t read(std::string_view word, std::size_t vertices) {
     const long long index = words_.whole(word.substr(0, word.find('/')), "face");
     const auto count = static_cast<long long>(vertices);
@@ -45,7 +46,7 @@ class ObjIndices {
     return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
   }
 
-  /// Checks the early indices at the end of the file, which has `vertices` vertices.
+  /// Checks the forward references when the file ends with `vertices` vertices.
   void check(std::size_t vertices) const {
     for (const ForwardReference& early : early_)
       if (early.index > static_cast<long long>(vertices))
@@ -64,12 +65,12 @@ class ObjIndices {
   }
 
   const TokenReader& words_;
-  std::vector<ForwardReference> early_;  // beyond the vertices so far, in rising order
+  std::vector<ForwardReference> early_;  // forward references, in ascending order
 };
 
 constexpr std::size_t kStlHeader = 84, kStlRecord = 50, kStlCountAt = 80;
 
-/// Skips comments and blank lines: some programs write them before the first word.
+/// Skips comments and blank lines, because some programs write them before the first word.
 std::string_view without_first_lines(std::string_view text) {
   for (text = without_byte_order_mark(text);;) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n\v\f"), text.size()));
@@ -83,8 +84,8 @@ std::string_view first_word(std::string_view text) {
 }
 
 bool is_text_stl(std::string_view bytes) {
-  // A binary file may begin with "solid" too. Its length is the best evidence. If the file was cut
-  // short, look for bytes that no text has.
+  // A binary file may also begin with "solid". Its length is the best evidence. If the file was cut
+  // short, look for bytes that never occur in text.
   if (bytes.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kStlCountAt, sizeof count);
@@ -138,7 +139,7 @@ void add_vertex(TokenReader& words, const char* what, double scale, TriangleSoup
     words.fail(*broken);
 }
 
-/// Skips the normal of a facet: the order of the corners defines the outside.
+/// Skips the normal of a facet, because the order of the corners defines the outside.
 void skip_normal(TokenReader& words) {
   if (!is_word(words.word(), "normal")) return words.end_line();
   for (int i = 0; i < 3; ++i) words.word();
@@ -172,7 +173,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, dou
       } else if (is_word(word, "facet")) {
         skip_normal(words);
       } else if (is_word(word, "solid") || is_word(word, "endsolid")) {
-        words.end_line();  // its name
+        words.end_line();  // skips the name of the solid
       } else if (!is_word(word, "endfacet") && !is_word(word, "loop")) {
         words.fail(TokenReader::shown(word) +
                    ": is no word of an STL file; export the surface anew");

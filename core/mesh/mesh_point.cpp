@@ -1,7 +1,7 @@
-// A point's proxy. On a plain surface (every edge has two triangles) it walks from triangle to
-// neighbour, down the distance to the goal: no search, whatever the size of the mesh. Rays and up
-// to three planes handle the rest: another part of the mesh that passes through, open and crowded
-// edges, and the way back into free space.
+// The proxy of a point on a mesh. Where each edge has two triangles, the proxy walks from triangle
+// to neighbour towards the goal. This walk needs no search, so its cost does not depend on the size
+// of the mesh. Ray casts and up to three planes handle the other cases: crossing surfaces, edges
+// with one triangle or more than two, and the way back into free space.
 
 #include <array>
 #include <cmath>
@@ -14,12 +14,12 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostPieces = 32;  // pieces of a way that are checked together
-constexpr int kMostLegs = 64;    // groups of pieces per sample; the next sample goes on
-constexpr int kMostStill = 16;   // steps without progress: only rounding is left to gain
-constexpr int kMostRounds = 48;  // of rays
-// Units of work, besides those of the tree.
-constexpr std::uint64_t kTriangleWork = 4;  // per triangle that is crossed or looked at
+constexpr int kMostPieces = 32;  // pieces of a path per collision check
+constexpr int kMostLegs = 64;    // groups of pieces per sample; the next sample continues
+constexpr int kMostStill = 16;   // steps without progress, when only rounding errors remain
+constexpr int kMostRounds = 48;  // ray casts per sample
+// Units of work. The tree counts its own work.
+constexpr std::uint64_t kTriangleWork = 4;  // per triangle that is crossed or tested
 constexpr std::uint64_t kRoundWork = 8;
 
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
@@ -33,7 +33,8 @@ struct Face {
         normal(side * triangle_normal(corners)) {}
 
   double height(const Vec3& p) const { return normal.dot(p - corners[0]); }
-  /// A vector in the plane, at right angles to edge k, out of the triangle; not normalised.
+  /// Returns a vector in the plane that is perpendicular to edge k and points out of the triangle.
+  /// The vector is not normalised.
   Vec3 out_of(std::size_t k) const { return (corners[next(k)] - corners[k]).cross(outward); }
 
   std::array<Vec3, 3> corners;
@@ -42,13 +43,13 @@ struct Face {
 };
 
 enum class Outcome {
-  standing,  // no step brings it nearer
-  going,     // more pieces than fit
-  leaving,   // the goal is in front
+  standing,  // no step reduces the distance to the goal
+  going,     // the path has more pieces than fit
+  leaving,   // the goal is in front of the surface
   crowded,   // at an edge that the walk cannot cross
 };
 
-/// A straight piece of the way, in one triangle.
+/// A straight piece of the path, in one triangle.
 struct Piece {
   Vec3 from, to;
   std::uint32_t triangle = 0;
@@ -79,7 +80,8 @@ class Walk {
     at_.point = p;
   }
 
-  /// Goes straight on in the plane, to below the goal or to an edge. Empty: the walk goes on.
+  /// Goes straight across the triangle, to the projection of the goal or to an edge. Returns empty
+  /// if the walk continues.
   std::optional<Outcome> cross_triangle() {
     const Face face(surface_, at_.triangle, at_.side);
     const double height = face.height(goal_);
@@ -103,7 +105,7 @@ class Walk {
       at_.on_face = true;
       return Outcome::standing;
     }
-    // Go exactly onto the edge: rounding errors beside it would add up.
+    // Project the point onto the edge, so that rounding errors do not add up.
     go_to(on_edge(face, exit, at_.point + part * way));
     return cross_edge(face, exit);
   }
@@ -112,8 +114,8 @@ class Walk {
     return nearest_on_segment(face.corners[k], face.corners[next(k)], p).point;
   }
 
-  /// The goal is in front of this triangle. It may still be behind a neighbour that the proxy also
-  /// touches.
+  /// Handles a goal in front of this triangle. The goal may still be behind a neighbour that the
+  /// proxy touches.
   std::optional<Outcome> leave(const Face& face) {
     for (std::size_t k = 0; k < 3; ++k) {
       const double length = (face.corners[next(k)] - face.corners[k]).norm();
@@ -128,10 +130,11 @@ class Walk {
     return Outcome::leaving;
   }
 
-  /// Whether a step into the triangle beyond edge k of `face` would bring the proxy nearer.
+  /// Whether a step into the triangle beyond edge k of `face` reduces the distance to the goal.
   bool leads_into(const Face& face, std::size_t k, const Face& beyond) const {
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
-    // The neighbour has the edge in the other direction, so this points into the neighbour.
+    // The neighbour lists the edge in the other direction, so this vector points into the
+    // neighbour.
     return edge.cross(beyond.outward).dot(goal_ - at_.point) > 0.0;
   }
 
@@ -145,7 +148,7 @@ class Walk {
       at_.triangle = other;
       return std::nullopt;
     }
-    // Both triangles hold the proxy, so it slides along the edge.
+    // Both triangles block the proxy, so the proxy slides along the edge.
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
     const double part = edge.dot(goal_ - face.corners[k]) / edge.squaredNorm();
     if (part > 0.0 && part < 1.0) {
@@ -157,7 +160,7 @@ class Walk {
     return cross_corner(mesh_.triangles()[at_.triangle][corner]);
   }
 
-  /// The corner of triangle t that it does not share with `other`.
+  /// Returns the corner of triangle t that `other` does not share.
   Vec3 apex(std::uint32_t t, std::uint32_t other) const {
     const Triangle& mine = mesh_.triangles()[t];
     const Triangle& others = mesh_.triangles()[other];
@@ -166,7 +169,7 @@ class Walk {
     return mesh_.vertices()[mine[0]];
   }
 
-  /// Goes into the triangle round a corner into which the distance falls fastest.
+  /// Enters the triangle at the corner with the steepest descent of the distance.
   std::optional<Outcome> cross_corner(std::uint32_t vertex) {
     const Vec3 d = goal_ - at_.point;
     double steepest = 0.0;
@@ -191,14 +194,14 @@ class Walk {
       steepest = fall;
       best = t;
     }
-    // Ignore a step below the rounding of the goal.
+    // Ignore a step below the rounding error of the goal.
     if (!(steepest > kTouching * length(d)))
       return mean.dot(d) < 0.0 ? Outcome::standing : Outcome::leaving;
     at_.triangle = best;
     return std::nullopt;
   }
 
-  static constexpr double kTouching = 1e-12;  // share of a length: as good as on the edge
+  static constexpr double kTouching = 1e-12;  // share of an edge: as good as on the edge
 
   const MeshSurface& surface_;
   const TriangleMesh& mesh_;
@@ -216,7 +219,7 @@ bool have_common_corner(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-/// Whether a way over triangles passes through a triangle that is no neighbour.
+/// Whether the path crosses a triangle that is not a neighbour of its triangles.
 bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces,
                WorkLimit* work) {
   Bounds box;
@@ -239,15 +242,15 @@ bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Pi
   return barred;
 }
 
-/// A plane that holds the proxy one skin in front of its triangle.
+/// A plane that holds the proxy one skin (a collision margin) in front of a triangle.
 struct HoldingPlane {
   Face face;
   std::uint32_t triangle;
   std::int8_t side;
 };
 
-/// Whether p is over the triangle. Edges without a neighbour reach a skin farther, as for
-/// crossings.
+/// Whether p is over the triangle. At an edge without a neighbour, the triangle extends by one
+/// skin.
 bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 out = held.face.out_of(k);
@@ -259,8 +262,7 @@ bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p
   return true;
 }
 
-/// Lifts the proxy in front of the triangle that it stands on and of the neighbours that it
-/// touches.
+/// Returns the proxy's point, moved in front of its triangle and of the neighbours that it touches.
 Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
   const Face face(surface, proxy.triangle, proxy.side);
   Vec3 up = face.normal;
@@ -275,7 +277,7 @@ Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
   return proxy.point + surface.skin() * direction(up);
 }
 
-/// Moves by rays and planes (Zilles & Salisbury), from a point in free space.
+/// Moves from a point in free space by ray casts and planes (Zilles & Salisbury).
 void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                   ProxyState& proxy, WorkLimit* work) {
   const double skin = surface.skin();
@@ -296,7 +298,7 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
       at += std::clamp((from - skin) / fall, 0.0, hit->part) * way;
       bool known = false;
       for (std::size_t i = 0; i < count; ++i) known = known || held[i]->triangle == hit->triangle;
-      if (known || count == held.size()) break;  // held where it is
+      if (known || count == held.size()) break;  // the planes hold the proxy here
       held[count++].emplace(HoldingPlane{face, hit->triangle, hit->side});
       continue;
     }

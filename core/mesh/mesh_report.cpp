@@ -1,4 +1,4 @@
-// The findings about a surface that a person should know.
+// Messages to the user about defects of a surface.
 
 #include <array>
 #include <cstdio>

@@ -13,16 +13,17 @@ namespace feltwire::mesh_seams {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Share of a triangle's longest side. A shorter side is rounding, as at a pole of radius sin(pi).
+/// Share of a triangle's longest side. A shorter side is a rounding error, for example at a pole of
+/// radius sin(pi).
 constexpr double kNoSide = 0x1p-40;
 constexpr double kPartOfSide = 0.25;
 
 struct End {
   std::uint32_t vertex;
-  double reach;  // [m] largest way of the vertex
+  double reach;  // [m] largest movement of the vertex
 };
 
-/// The ends of open edges, in rising order of their reach.
+/// Returns the ends of all open edges, sorted by ascending reach.
 std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                          std::span<const Edge> open, double weld) {
   std::vector<double> reach(vertices.size(), -1.0);
@@ -48,19 +49,21 @@ std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangl
   return ends;
 }
 
-/// Vertices that stay. A cell is as large as their reach, rounded up to a power of two. The
-/// vertices in a cell are at least half a cell apart, so few share a cell.
+/// A hash grid of the vertices that stay. The size of a cell is the reach of its vertices, rounded
+/// up to a power of two. The vertices of a cell are at least half a cell apart, so a cell holds few
+/// vertices.
 class RemainingVertices {
  public:
   explicit RemainingVertices(std::span<const Vec3> vertices) : vertices_(vertices) {}
 
   void add(const End& end) {
     const int level = std::ilogb(end.reach) + 1;
-    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);  // levels only rise
+    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);  // reach ascends
     cells_[cell_hash(level, cell_of(level, vertices_[end.vertex]))].push_back(end);
   }
 
-  /// The nearest vertex that both may reach, else the vertex itself. `distance` is in [m].
+  /// Returns the nearest vertex within the reach of both vertices, or else the vertex itself.
+  /// `distance` is in [m].
   std::uint32_t nearest(const End& end, double& distance) const {
     std::uint32_t best = end.vertex;
     distance = kInfinity;
@@ -100,7 +103,8 @@ class RemainingVertices {
   std::unordered_map<std::uint64_t, std::vector<End>> cells_;
 };
 
-/// A ring of open edges, or a piece of one: its vertices in order. The first is not repeated.
+/// A closed ring or an open chain of open edges, as its vertices in order. The first vertex is not
+/// repeated.
 struct Ring {
   std::vector<std::uint32_t> vertices;
   bool closed = false;
@@ -134,13 +138,13 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
         if (!ring.closed) ring.vertices.push_back(other);
       }
     }
-    ring.closed = ring.closed || ring.vertices.size() > 2;  // a straight side closes it
+    ring.closed = ring.closed || ring.vertices.size() > 2;  // a straight side closes an open chain
     rings.push_back(std::move(ring));
   }
   return rings;
 }
 
-/// Places along a ring, and the distance [m] along the ring to each.
+/// Points along a ring, and the arc length [m] to each point.
 struct Rim {
   std::vector<Vec3> places;
   std::vector<double> along;  // has places.size() + 1 numbers if closed
@@ -169,10 +173,11 @@ Rim rim_of(std::span<const Vec3> vertices, const Ring& ring, double parts) {
   return rim;
 }
 
-/// [m] Distance from a place, `at` [m] along the rim, to the nearest side across the rim.
+/// Returns the distance [m] from the rim's point `p` to the opposite side. The arc length of `p` is
+/// `at` [m].
 double across(const Rim& rim, const Vec3& p, double at) {
-  // Round a circle, the way along is pi / 2 times the straight way to the other side. At a right
-  // corner, it is the square root of 2 times that way.
+  // A side is opposite if the arc length to it is at least kAlong times the straight distance. This
+  // ratio is pi / 2 between opposite points of a circle, and at most sqrt(2) at a right corner.
   constexpr double kAlong = 1.49;
   double least = kInfinity;
   for (std::size_t k = 0; k + 1 < rim.along.size(); ++k) {
@@ -186,7 +191,7 @@ double across(const Rim& rim, const Vec3& p, double at) {
   return least;
 }
 
-/// [m] Three of four places of the rim are at most this far from the other side.
+/// Returns the upper quartile [m] of the distances from the rim to the opposite side.
 double width(std::span<const Vec3> vertices, const Ring& ring) {
   constexpr std::size_t kLeast = 16, kMost = 64, kOfSide = 4;
   const std::size_t samples = std::clamp(kOfSide * ring.vertices.size(), kLeast, kMost);
@@ -204,7 +209,7 @@ double width(std::span<const Vec3> vertices, const Ring& ring) {
     const double found = across(rim, a + part * (b - a), at);
     if (std::isfinite(found)) widths.push_back(found);
   }
-  if (widths.empty()) return 0.5 * rim.whole;  // the ring has no other side
+  if (widths.empty()) return 0.5 * rim.whole;  // the ring has no opposite side
   const auto most = widths.begin() + static_cast<std::ptrdiff_t>(3 * (widths.size() - 1) / 4);
   std::nth_element(widths.begin(), most, widths.end());
   return *most;

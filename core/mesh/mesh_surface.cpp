@@ -9,13 +9,13 @@
 namespace feltwire {
 namespace {
 
-/// Share of the size of the surface. It lies between the 24 bits of single precision coordinates in
-/// a file and the least distance that a hand could feel.
+/// The skin (collision margin) as a share of the surface's size. The value lies between the
+/// precision of 24-bit coordinates in a file and the smallest distance that a hand can feel.
 constexpr double kSkin = 0x1p-22;
 
-constexpr std::uint64_t kCornerWork = 4;  // units for a triangle round a corner: it needs an angle
+constexpr std::uint64_t kCornerWork = 4;  // units of work for the angle of a triangle at a corner
 
-/// Edges without a neighbour reach a skin farther.
+/// Returns the box of each triangle. A triangle extends by one skin at an edge without a neighbour.
 std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   std::vector<Bounds> boxes(mesh.triangles().size());
   for (std::uint32_t t = 0; t < boxes.size(); ++t) {
@@ -27,7 +27,7 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   return boxes;
 }
 
-/// For each triangle: the first triangle of its flat face.
+/// Returns the first triangle of the flat face for each triangle.
 std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
   constexpr double kFlat = 1e-3;  // [rad] above the errors of coordinates in single precision
   constexpr std::uint32_t kNone = TriangleMesh::kNone;
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t next = mesh.neighbour(t, k);
         if (next == kNone || faces[next] != kNone) continue;
-        // Compare with the first triangle's normal, so that small turns do not add up.
+        // Compare with the normal of the first triangle, so that small angles do not add up.
         if ((triangle_normal(mesh.corners(next)) - normal).squaredNorm() > kFlat * kFlat) continue;
         faces[next] = first;
         open.push_back(next);
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the regions of face, edges and corners.
+// Ericson, Real-Time Collision Detection (2005), 5.1.5: finds the Voronoi region of the point.
 NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& p) noexcept {
   const auto& [a, b, c] = corners;
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
@@ -120,13 +120,13 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
   std::int8_t side = 0;
   if (sides > 0 && a >= 0.0 && b < 0.0) side = 1;
   if (sides < 0 && a <= 0.0 && b > 0.0) side = -1;
-  // A point within a triangle that is felt from both sides needs a side: choose one.
+  // If both sides are felt, choose a side for a point in the plane of the triangle.
   if (sides == 0 && a > 0.0 && b <= 0.0) side = 1;
   if (sides == 0 && a < 0.0 && b >= 0.0) side = -1;
   if (side == 0) return std::nullopt;
 
-  // On which side of each edge does the line pass? Both triangles of an edge use the same
-  // expression, so that rounding leaves no gap between them.
+  // Test the line against each edge. Both triangles of an edge use the same expression, so that
+  // rounding leaves no gap between them.
   const Vec3 way = to - from;
   const Triangle& index = mesh_.triangles()[t];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -135,7 +135,7 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
     const Vec3 first = c[ascending ? k : l] - from, second = c[ascending ? l : k] - from;
     const double turn = way.dot(first.cross(second));
     if (!(side * (ascending ? turn : -turn) > 0.0)) continue;
-    // Allow a skin here: two edges without a neighbour may leave a crack between them.
+    // Allow one skin here, because a crack may separate two edges without a neighbour.
     if (mesh_.neighbour(t, static_cast<int>(k)) != TriangleMesh::kNone) return std::nullopt;
     const Vec3 out = (c[l] - c[k]).cross(normal);
     const Vec3 hit = from + a / (a - b) * way;
@@ -193,7 +193,7 @@ double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest,
   }
   if (zeros == 2) {
     normal = corner_normal(corner[one], work);
-  } else if (zeros == 1) {  // on the edge opposite that corner
+  } else if (zeros == 1) {  // the nearest point is on the opposite edge
     const std::uint32_t other = mesh_.neighbour(nearest.triangle, static_cast<int>((zero + 1) % 3));
     if (other != TriangleMesh::kNone) normal += triangle_normal(mesh_.corners(other));
   }

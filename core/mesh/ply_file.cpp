@@ -117,7 +117,7 @@ Header read_header(TokenReader& words) {
   words.fail("the file ends within its header; it was cut short, copy it anew");
 }
 
-/// Values of a text body. Each element is on a line of its own.
+/// Values of a text body. Each element has its own line.
 class TextValues {
  public:
   explicit TextValues(TokenReader& words) : words_(words) {}
@@ -127,7 +127,7 @@ class TextValues {
       fail(element.name + ": the file ends before all are given; copy it anew");
   }
   double next(Scalar) { return words_.number("value"); }
-  /// No list can be longer than the rest of the file.
+  /// Returns an upper bound of a list's length: the rest of the file.
   std::size_t bound() const { return words_.rest().size(); }
 
  private:
@@ -188,7 +188,7 @@ void read_body(Values& values, const Header& header, double scale, TriangleSoup&
   std::vector<double> row;   // the scalars of an element
   std::vector<double> list;  // the values of the wanted list property
   std::vector<std::uint32_t> corners;
-  std::size_t vertices = 0;  // faces may stand before them
+  std::size_t vertices = 0;  // faces may come before vertices
   for (const Element& element : header.elements)
     if (element.name == "vertex") vertices += element.count;
   for (const Element& element : header.elements) {

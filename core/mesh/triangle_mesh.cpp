@@ -18,14 +18,14 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // three sides of each fit 32 bits
+constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // the index of a side fits 32 bits
 constexpr std::uint32_t kSides = 3;
 
-/// Below this relative height, the direction of a triangle is only rounding. Its corners are exact;
-/// their differences have an error of half a unit in the last place.
+/// Below this relative height, rounding errors dominate the triangle's normal. The corners are
+/// exact. Their differences have an error of half a unit in the last place.
 constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
 
-/// If the triangle has no area, its height [m] replaces a smaller `height`.
+/// Whether the triangle has no area. If so, raises `height` [m] to the height of the triangle.
 bool degenerate(const std::array<Vec3, 3>& c, double& height) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0], o = c[2] - c[1];
   const double longest =
@@ -43,12 +43,13 @@ std::uint64_t place_hash(const Vec3& v) {
   return h;
 }
 
-/// A hash table of the vertices so far, with open addressing.
+/// A hash table of the vertices, with open addressing.
 class Places {
  public:
   explicit Places(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), kEmpty) {}
 
-  /// The index of the vertex at exactly this place. Adds it as `next` if there is none.
+  /// Returns the index of the vertex at exactly this position. Adds a new vertex with the index
+  /// `next`.
   std::uint32_t find_or_add(const Vec3& v, const std::vector<Vec3>& known, std::uint32_t next) {
     std::size_t slot = place_hash(v) & (slots_.size() - 1);
     for (; slots_[slot] != kEmpty; slot = (slot + 1) & (slots_.size() - 1))
@@ -81,7 +82,8 @@ void require_whole(const TriangleSoup& soup) {
 }  // namespace
 
 Vec3 triangle_normal(const std::array<Vec3, 3>& c) noexcept {
-  // Use the two sides that meet at the widest angle, opposite the longest side: they cancel least.
+  // Use the two sides at the widest angle (opposite the longest side): they have the least
+  // cancellation.
   const std::array<Vec3, 3> side = {c[1] - c[0], c[2] - c[1], c[0] - c[2]};
   const std::array<double, 3> square = {side[0].squaredNorm(), side[1].squaredNorm(),
                                         side[2].squaredNorm()};
@@ -120,7 +122,7 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld,
 }
 
 /// Returns the edges that are still open. A triangle that loses its area can open further edges.
-/// These are joined next.
+/// The next round joins these.
 TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   constexpr int kMostJoinRounds = 8;
   for (int round = 0; round < kMostJoinRounds && !open.edges.empty(); ++round) {
@@ -130,7 +132,7 @@ TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
     const std::vector<Triangle> before = triangles_;
     for (Triangle& t : triangles_)
       for (std::uint32_t& i : t) i = joined.renamed[i];
-    if (!keep_areas()) {  // nothing would be left: keep the mesh as it is
+    if (!keep_areas()) {  // no triangle would remain: restore the mesh
       triangles_ = before;
       break;
     }
@@ -143,7 +145,8 @@ TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   return open;
 }
 
-/// Returns the edges that are still open. Splits one side of a triangle at a time.
+/// Splits triangles at open edges, one side of a triangle per round. Returns the edges that are
+/// still open.
 TriangleMesh::OpenEdges TriangleMesh::split_open_edges(OpenEdges open) {
   constexpr int kMostSplitRounds = 32;
   constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
@@ -176,7 +179,8 @@ std::uint32_t TriangleMesh::reverse_of(std::uint32_t t) const {
   return kNone;
 }
 
-/// Drops triangles without an area and vertices without a triangle. False if no triangle is left.
+/// Drops triangles without an area and vertices without a triangle. Returns false if no triangle is
+/// left.
 bool TriangleMesh::keep_areas() {
   std::vector<Triangle> kept;
   double height = 0.0;
@@ -307,7 +311,7 @@ TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
     if (end - first == 1 || (end - first == 2 && report_.both_sides > 0 &&
                              same_corners(one / kSides, other / kSides))) {
       is_open[one] = is_open[other] = true;
-      if (one != other) is_second[other] = true;  // the same edge, of a face with both sides
+      if (one != other) is_second[other] = true;  // a face with two sides has this edge twice
     } else if (end - first > 2) {
       ++report_.non_manifold_edges;
     } else if (ends(one)[0] == ends(other)[0]) {
@@ -327,7 +331,8 @@ TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
 }
 
 double TriangleMesh::volume() const {
-  // Divergence theorem, about the origin, in units of the size: no power over- or underflows.
+  // Divergence theorem. The lengths are divided by the size, so that no product overflows or
+  // underflows.
   const double size = half_extents_.maxCoeff();
   double sum = 0.0;
   for (const Triangle& t : triangles_)
