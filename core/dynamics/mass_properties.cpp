@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-/// Steiner's theorem: the inertia of a unit of volume at an offset.
+/// Returns the inertia of a unit volume at an offset (Steiner's theorem).
 Mat3 offset_inertia(const Vec3& by) {
   return by.squaredNorm() * Mat3::Identity() - by * by.transpose();
 }
@@ -24,7 +24,8 @@ MassProperties mass_properties(const Shape& shape) {
 }
 
 // Sums over the tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
-// for the 3-D tetrahedron inertia tensor"), in units of the size, like TriangleMesh::volume().
+// for the 3-D tetrahedron inertia tensor"). Lengths are in units of the size, as in
+// TriangleMesh::volume().
 MassProperties mass_properties(const TriangleMesh& mesh) {
   const double size = mesh.half_extents().maxCoeff();
   double volume = 0.0;
@@ -62,9 +63,9 @@ MassProperties together(const MassProperties& a, const MassProperties& b) {
 }
 
 bool is_convex(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-9;  // share of the size: rounding of a flat face cut into triangles
+  constexpr double kFlat = 1e-9;  // share of the size: rounding errors of a flat face
   if (!mesh.report().closed()) return false;
-  // Euler: a single ball has vertices - edges + triangles = 2, with 3/2 edges per triangle.
+  // Euler: a single ball has vertices - edges + triangles = 2, and 3/2 edges per triangle.
   if (2 * mesh.vertices().size() != mesh.triangles().size() + 4) return false;
   const double flat = kFlat * mesh.half_extents().maxCoeff();
   for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {

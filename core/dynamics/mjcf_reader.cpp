@@ -1,16 +1,16 @@
-// feltwire-mjcf: reads one MJCF file with MuJoCo's loader and writes the compiled model. A server
-// runs it as a child process: MuJoCo's loader leaves its own C++ code by longjmp and may crash on a
-// bad file. Neither may happen in a process that holds a hand.
+// feltwire-mjcf reads one MJCF file with MuJoCo's loader and writes the compiled model. A server
+// runs it as a child process, because MuJoCo's loader leaves its own C++ code by longjmp and may
+// crash on a bad file. Both would endanger a process that drives a haptic device.
 //   feltwire-mjcf FILE MODEL ERROR FILES ROOT TEXT
 // Status 0: MODEL holds the binary model. FILES holds the names of all files that were read, each
-// followed by a zero byte. Status 1: ERROR holds MuJoCo's message. If ROOT is not empty, files
-// outside that folder are refused. If TEXT is not empty, it is a file whose text replaces that of
-// FILE; the files that the text names still lie beside FILE.
+// followed by a zero byte. Status 1: ERROR holds MuJoCo's message. If ROOT is not empty, the
+// program refuses files outside that folder. If TEXT is not empty, this file's text replaces the
+// text of FILE. Relative names in TEXT are still relative to FILE.
 //
-// An MJCF file names others: includes, meshes, height fields, textures. MuJoCo and its libraries
-// open all of them by fopen(). The dynamic linker prefers this program's own fopen() to libc's.
-// This one refuses everything but regular files: opening a pipe would block, and reading a device
-// might never end.
+// An MJCF file names other files: includes, meshes, height fields, textures. MuJoCo and its
+// libraries open all of them by fopen(). The dynamic linker prefers this program's own fopen() to
+// libc's. This fopen() refuses everything but regular files, because opening a pipe would block and
+// reading a device might never end.
 
 #include <fcntl.h>
 #include <mujoco/mujoco.h>
@@ -33,7 +33,7 @@ namespace {
 const char* error_file = nullptr;
 const char* root = "";
 const char *main_file = "", *main_text = "";
-int files = -1;  // descriptor of the list
+int files = -1;  // descriptor of FILES
 
 [[noreturn]] void refuse(const char* words) {
   if (FILE* out = std::fopen(error_file, "wb")) {
@@ -53,7 +53,7 @@ int files = -1;  // descriptor of the list
   refuse(words.data());
 }
 
-/// Resolves links: the file must lie in the root.
+/// Whether the file lies in the root after all links are resolved.
 bool is_within_root(const char* name) {
   const std::size_t length = std::strlen(root);
   if (length == 0) return true;
@@ -64,15 +64,15 @@ bool is_within_root(const char* name) {
   return within;
 }
 
-/// Notes a file for the recording. If that fails, the recording lacks the file, and its replay
-/// reports that.
+/// Adds a file to the list for the recording. On a failure, the recording lacks the file, and its
+/// replay reports the missing file.
 void note(const char* name) {
   const ssize_t ignored = write(files, name, std::strlen(name) + 1);
   static_cast<void>(ignored);
 }
 
-/// fopen() for regular files only. It never blocks: it opens a pipe without waiting for the other
-/// end, and then refuses the pipe.
+/// Opens regular files only, and never blocks. It opens a pipe without waiting for the other end,
+/// and then refuses the pipe.
 FILE* open_regular(const char* name, const char* mode) {
   const bool reads = mode[0] == 'r', also = std::strchr(mode, '+') != nullptr;
   const int access = also ? O_RDWR : reads ? O_RDONLY : O_WRONLY;
@@ -86,8 +86,7 @@ FILE* open_regular(const char* name, const char* mode) {
   const int file = open(given ? main_text : name, access | made | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
                         kPermissions);
   if (file < 0) {
-    // open() fails with ENXIO for a socket, and for a pipe that is opened to write and has no
-    // reader.
+    // open() fails with ENXIO for a socket, and for a write-only pipe without a reader.
     struct stat status {};
     if (errno == ENXIO && stat(name, &status) == 0) refuse_file(name, status.st_mode);
     return nullptr;
@@ -107,7 +106,7 @@ void limit_resources() {
   const rlimit time{kSeconds, kSeconds}, none{0, 0};
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
-#ifndef FELTWIRE_SANITIZED                     // a sanitizer's own memory would count
+#ifndef FELTWIRE_SANITIZED                     // a sanitizer's own memory would count too
   constexpr rlim_t kMemory = rlim_t{4} << 30;  // [bytes]
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_DATA, &memory);
@@ -136,7 +135,7 @@ int main(int count, char** words) {
   main_text = words[6];
   files = open(words[4], O_WRONLY | O_APPEND | O_CLOEXEC);
   mju_user_error = refuse;
-  mju_user_warning = [](const char*) {};  // MuJoCo's own handler writes a file
+  mju_user_warning = [](const char*) {};  // MuJoCo's own handler would write a file
   std::array<char, 1000> error{};
   mjModel* model = mj_loadXML(words[1], nullptr, error.data(), static_cast<int>(error.size()));
   if (model == nullptr)

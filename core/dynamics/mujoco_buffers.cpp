@@ -15,13 +15,13 @@ namespace {
 constexpr int kFewContacts = 16, kContactsOfGeom = 4;
 // MuJoCo 2.2 uses these sizes if the file has no <size>.
 constexpr int kDefaultContacts = 100, kDefaultRows = 500;
-constexpr int kMostFriction = 6;                // dimensions of a contact
-constexpr int kRowsOfEquality = 6;              // a weld's
-constexpr double kFirstStack = 1 << 20;         // numbers
-constexpr double kMostStack = 2.0 * (1 << 27);  // numbers, 2 GiB; unused stack takes no memory
+constexpr int kMostFriction = 6;                // largest friction dimension of a contact
+constexpr int kRowsOfEquality = 6;              // rows of a weld constraint
+constexpr double kFirstStack = 1 << 20;         // in numbers (mjtNum)
+constexpr double kMostStack = 2.0 * (1 << 27);  // in numbers: 2 GiB; unused stack takes no memory
 constexpr double kNumber = sizeof(mjtNum), kIndex = sizeof(int);
 
-/// Constraint rows of one contact with the largest friction dimension in the model.
+/// Returns the constraint rows of one contact with the largest friction dimension in the model.
 int rows_of_contact(const mjModel& model) {
   int dimensions = 1;
   for (int g = 0; g < model.ngeom; ++g) dimensions = std::max(dimensions, model.geom_condim[g]);
@@ -31,7 +31,7 @@ int rows_of_contact(const mjModel& model) {
   return pyramid ? 2 * (dimensions - 1) : dimensions;
 }
 
-/// Upper bound of the constraint rows that belong to no contact.
+/// Returns an upper bound of the constraint rows outside contacts.
 int other_rows(const mjModel& model) {
   int rows = kRowsOfEquality * model.neq;
   for (int i = 0; i < model.nv; ++i) rows += model.dof_frictionloss[i] > 0.0 ? 1 : 0;
@@ -41,15 +41,16 @@ int other_rows(const mjModel& model) {
   return rows;
 }
 
-/// Numbers that kinematics and the search for contacts need on the stack at once: measured values
-/// with a margin.
+/// Returns the stack size, in numbers, for kinematics and collision detection. The constants are
+/// measured values with a margin.
 double least_stack(const mjModel& model, int rows) {
   constexpr double kVectors = 64.0;
   const double bodies = model.nbody;
   return bodies * bodies + kVectors * (1.0 + bodies + model.nv + model.ngeom + model.njnt + rows);
 }
 
-/// least_stack() and the solvers: Newton's matrices of all speeds, the noslip solver's of all rows.
+/// Returns least_stack() plus the solvers' share: Newton's matrices have one row per degree of
+/// freedom, and the noslip solver's matrix has one row per constraint row.
 double whole_stack(const mjModel& model, int rows) {
   constexpr double kNewton = 3.0, kSecond = 2.0;
   const double nv = model.nv, all = rows;
@@ -59,7 +60,7 @@ double whole_stack(const mjModel& model, int rows) {
 
 int numbers(double count) { return static_cast<int>(std::min(count, kMostStack)); }
 
-/// Whether the file has sizes of its own: they differ from MuJoCo's sizes without <size>.
+/// Whether the file sets its own sizes, which then differ from MuJoCo's default sizes.
 bool has_own_room(const mjModel& m) {
   constexpr double kOfSquare = 5.0, kOfOthers = 20.0, kLeast = 1000.0;
   const double square = m.njmax + m.neq + m.nv;
@@ -86,7 +87,7 @@ std::string printed(double bytes) {
 }  // namespace
 
 double bytes(const mjModel& model, const BufferSizes& room) {
-  // The constraints' Jacobian and its transpose, both with column indices; the matrix of all rows.
+  // Sum the constraint Jacobian and its transpose with column indices, and the matrix of all rows.
   const double entry = kNumber + kIndex, rows = room.rows;
   return 2.0 * entry * rows * model.nv + entry * rows * rows +
          static_cast<double>(sizeof(mjContact)) * room.contacts;
@@ -131,8 +132,8 @@ std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
   const std::size_t solver = count <= kFewBodies ? kNewton * speeds * speeds : 0;
   const std::size_t stack = solver + 2 * rows * rows + count * count +
                             kVectors * (1 + rows + speeds + 2 * count + 7 * objects);
-  // mj_makeData() allocates two blocks: the constraints (between all speeds and all rows) and the
-  // stack. It counts the bytes of each in an int.
+  // mj_makeData() allocates two blocks: one for the constraints and one for the stack. It counts
+  // the bytes of each block in an int.
   constexpr double kMost = 2e9, kEntry = sizeof(mjtNum) + sizeof(int);  // [bytes]
   const auto r = static_cast<double>(rows), v = static_cast<double>(speeds);
   const double most =
@@ -153,7 +154,8 @@ Simulation::Simulation(const mjModel& model, double most_memory, const std::vect
   bring_own_sort();
   if (!fixed_) give(model_, first_room(model));
   data_ = make_data(model_, start);
-  if (data_ == nullptr && !fixed_) {  // allocate at once the whole stack that may be needed later
+  // Allocate the whole stack at once, because the simulation may need it later.
+  if (data_ == nullptr && !fixed_) {
     model_.nstack = numbers(whole_stack(model_, model_.njmax));
     data_ = make_data(model_, start);
   }
@@ -186,7 +188,8 @@ bool Simulation::advance() noexcept {
   return true;
 }
 
-/// Enlarges the buffer that ran out and restores the state. False if the buffer must not grow.
+/// Enlarges the buffer that is full and copies the state. Returns false if the buffer must not
+/// grow.
 bool Simulation::grow(bool out_of_stack) noexcept {
   if (fixed_ || (full_ && !out_of_stack)) return false;
   mjModel larger = model_;

@@ -14,9 +14,9 @@
 namespace feltwire::mujoco {
 namespace {
 
-constexpr double kOverlap = 1e-4;  // [m] deeper than any contact of bodies that rest at the start
+constexpr double kOverlap = 1e-4;  // [m] deeper than any resting contact at the start
 /// Limit of tick * sqrt(k / m). A single undamped spring is stable up to 2 under symplectic Euler.
-/// But n hands that hold on to one place act as one spring of n k.
+/// However, n hands at one place act as one spring of stiffness n k.
 constexpr double kCalm = 1.0;
 
 template <class... Numbers>
@@ -26,7 +26,7 @@ std::string printed(const char* format, Numbers... numbers) {
   return text;
 }
 
-/// [m] Half the sides of the box about a shape.
+/// Returns half the side lengths [m] of the bounding box of a shape.
 Vec3 half_extents(const Shape& shape) {
   if (const auto* m = std::get_if<Mesh>(&shape)) return m->surface->mesh().half_extents();
   return on_primitive(
@@ -35,14 +35,14 @@ Vec3 half_extents(const Shape& shape) {
       [] { return Vec3(Vec3::Zero()); });
 }
 
-/// Whether the shape reaches no farther than the sides of its box.
+/// Whether the shape stays within a ball that fits its bounding box.
 bool is_ball(const Shape& shape) {
   return on_primitive(
       shape, [](const auto& solid) { return solid.reach() <= solid.half_box().minCoeff(); },
       [] { return false; });
 }
 
-/// [m, object frame] The middle of that box.
+/// Returns the centre of the bounding box [m, object frame].
 Vec3 middle(const Shape& shape) {
   const auto* mesh = std::get_if<Mesh>(&shape);
   return mesh != nullptr ? mesh->surface->mesh().origin() : Vec3::Zero();
@@ -51,7 +51,7 @@ Vec3 middle(const Shape& shape) {
 using Wrench = Eigen::Matrix<double, 6, 1>;
 using Mobility = Eigen::Matrix<double, 6, 6>;
 
-/// Linear and angular velocity that a unit impulse gives the body at its origin.
+/// Returns the linear and angular velocity after a unit impulse on the body at its origin.
 Mobility mobility(const mjModel& model, mjData& data, int body) {
   constexpr int kLinear = 3, kWays = 6;
   Eigen::Matrix<double, kWays, Eigen::Dynamic, Eigen::RowMajor> jacobian(kWays, model.nv);
@@ -61,15 +61,15 @@ Mobility mobility(const mjModel& model, mjData& data, int body) {
   return jacobian * answer.transpose();
 }
 
-/// [1/kg] Velocity along `normal` from a unit impulse along it, at `arm` [m] from the body's
-/// origin.
+/// Returns the inverse effective mass [1/kg] along `normal`, at the offset `arm` [m] from the
+/// body's origin.
 double yielding(const Mobility& moves, const Vec3& arm, const Vec3& normal) {
   Wrench wrench;
   wrench << normal, arm.cross(normal);
   return wrench.dot(moves * wrench);
 }
 
-/// The largest yielding() over faces, edges and corners of the box about the object.
+/// Returns the largest inverse effective mass over faces, edges and corners of the object's box.
 double most_yielding(const mjModel& model, mjData& data, const Object& object, int body) {
   double most = 0.0;
   const Mobility moves = mobility(model, data, body);
@@ -80,7 +80,7 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
     for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z) {
         if (x == 0 && y == 0 && z == 0) continue;
-        // Skip a ball's corners and edges: they lie in the air. Its poles do not.
+        // Skip the box's corners and edges for a ball, because they lie outside the ball.
         if (ball && std::abs(x) + std::abs(y) + std::abs(z) > 1) continue;
         const Vec3 own = middle(object.shape) + h.cwiseProduct(Vec3(x, y, z));
         const Vec3 point = object.pose.position + object.pose.orientation * own;
@@ -105,7 +105,7 @@ std::string too_light(const Object& object, double mass, double tick) {
                                   : "; no tick that a scene may have is short enough");
 }
 
-/// The body that the number in a warning refers to; below 0: unknown.
+/// Returns the body to which the index in a MuJoCo warning belongs; negative if unknown.
 int body_of(const mjModel& model, int kind, int index) {
   if (kind != mjWARN_BADQPOS) return index >= 0 && index < model.nv ? model.dof_bodyid[index] : -1;
   int body = -1;
@@ -114,7 +114,7 @@ int body_of(const mjModel& model, int kind, int index) {
   return body;
 }
 
-/// A name for messages: an object of that body, or else the body's own name.
+/// Returns a name for messages: an object of that body, or else the body's own name.
 std::string name_of(const mjModel& model, int body, const std::vector<Object>& objects,
                     std::size_t still, const std::vector<Mechanism::Part>& parts) {
   const auto part = std::ranges::find(parts, body, &Mechanism::Part::body);
@@ -125,14 +125,14 @@ std::string name_of(const mjModel& model, int body, const std::vector<Object>& o
 }
 
 struct BadStep {
-  int kind;  // kind of MuJoCo's warning
+  int kind;  // type of MuJoCo's warning
   const char* what;
 };
 constexpr std::array<BadStep, 3> kBadSteps = {
     {{mjWARN_BADQACC, "acceleration"}, {mjWARN_BADQVEL, "speed"}, {mjWARN_BADQPOS, "place"}}};
 
-/// Does the first steps. A failed step makes MuJoCo reset its state. The world then resets at every
-/// step, and nothing moves.
+/// Simulates the first steps and returns a failure. After a failed step, MuJoCo resets its state,
+/// so the world would reset at every step and nothing would move.
 template <class Name>
 std::optional<std::string> first_steps(Simulation& simulation, Name name) {
   constexpr int kSteps = 3;
@@ -192,7 +192,7 @@ std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjt
   }
   for (std::string& thin : thin_contacts(model, *data, objects, object_of))
     warnings.push_back(std::move(thin));
-  // Do this last: it moves the bodies.
+  // Do this last, because it moves the bodies.
   if (auto broken = first_steps(
           *simulation, [&](int body) { return name_of(model, body, objects, still, parts); }))
     warnings.push_back(*std::move(broken));

@@ -24,17 +24,16 @@ using mujoco::attribute;
 using mujoco::place;
 using mujoco::text;
 
-/// Ticks in which a contact between bodies removes the penetration (MuJoCo's solref). The limit of
-/// stability is 2.
+/// Time constant of contacts between bodies, in ticks (MuJoCo's solref). The stability limit is 2.
 constexpr double kContactTicks = 5.0;
-/// Contacts and stops yield by 1 - d of the load. The value d grows over a depth [m] (MuJoCo's
-/// solimp). These values are as rigid as possible while the simulation stays calm at the tick.
+/// Contacts and joint limits yield by 1 - d of the load. The value d grows over a depth [m]
+/// (MuJoCo's solimp). These values are as rigid as possible without oscillation at the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
-/// MuJoCo's loader compares each body with each: this many bodies take most of a minute.
+/// MuJoCo's loader compares each body with each other body. This many bodies take most of a minute.
 constexpr std::size_t kMostBodies = 4000;
 
-// The model, as MJCF. Bodies are b0, b1, ...
+// The model as MJCF. The bodies are named b0, b1, ...
 
 Pose operator*(const Pose& a, const Pose& b) {
   return {a.position + a.orientation * b.position, a.orientation * b.orientation};
@@ -44,7 +43,7 @@ Pose inverse(const Pose& p) {
   return {back * -p.position, back};
 }
 
-/// Warns of an object without geoms: a hollow other than a box, or a shape without a formula.
+/// Warns of an object without geoms: a hollow shape other than a box, or a shape that MuJoCo lacks.
 std::string passed_through(const Object& object) {
   return "object '" + object.name +
          "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build what "
@@ -67,7 +66,7 @@ std::string joint_text(const Body& b) {
   return out + "/>\n";
 }
 
-/// The objects of each body, in ascending order.
+/// Indices of the objects of each body, in ascending order.
 using ObjectsOfBodies = std::vector<std::vector<std::size_t>>;
 ObjectsOfBodies objects_of(const std::vector<int>& body_of, std::size_t bodies) {
   ObjectsOfBodies all(bodies);
@@ -77,7 +76,7 @@ ObjectsOfBodies objects_of(const std::vector<int>& body_of, std::size_t bodies) 
   return all;
 }
 
-/// The mass properties of the body's objects, in the body's frame.
+/// Returns the mass properties of the body's objects, in the body's frame.
 MassProperties solid_of(const Body& body, const std::vector<Object>& objects,
                         const std::vector<std::size_t>& own) {
   MassProperties all;
@@ -93,7 +92,8 @@ std::string rounded(double value) {
   return text.data();
 }
 
-/// The mass of an object whose geoms only approximate it. MuJoCo would use the mass of the geoms.
+/// Returns the exact mass and inertia of an object, because MuJoCo would use those of the
+/// approximate geoms.
 std::string inertial(const MassProperties& solid, double density) {
   const Mat3 inertia = density * solid.inertia;
   return "<inertial" + attribute("pos", text(solid.center)) +
@@ -103,7 +103,7 @@ std::string inertial(const MassProperties& solid, double density) {
          "/>\n";
 }
 
-/// The reason why a mesh cannot move.
+/// Returns the reason why a mesh cannot move.
 Violation no_volume(const TriangleMesh& mesh) {
   const MeshReport& report = mesh.report();
   if (!report.closed())
@@ -113,7 +113,7 @@ Violation no_volume(const TriangleMesh& mesh) {
   return {"mesh", "its normals look inwards, so it has no volume and cannot move; turn them"};
 }
 
-/// Warns of an angle above one turn: angles are radians, but somebody may have meant degrees.
+/// Warns of an angle above one turn, because the user may have meant degrees instead of radians.
 std::string odd_angle(const Body& body) {
   constexpr double kTurn = 2.0 * std::numbers::pi, kDegree = std::numbers::pi / 180.0;
   if (body.joint != Joint::hinge) return {};
@@ -159,7 +159,7 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
   }
 }
 
-/// Warns of hollow meshes for which no solids were given.
+/// Warns of non-convex meshes without given solids.
 void warn_of_hulls(const std::vector<Object>& objects, const mujoco::CollisionGeoms& geoms,
                    const mujoco::ObjectSolids& solids, const std::vector<int>& body_of,
                    const std::vector<Body>& bodies, std::vector<std::string>& warnings) {
@@ -184,12 +184,12 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
                     attribute("timestep", number_text(options.tick)) +
                     attribute("gravity", text(options.gravity)) +
-                    // Friction that holds: a stiffer elliptic cone, and the noslip solver, which
-                    // removes the slow slip of soft constraints.
+                    // Prevent slow slip under friction. The elliptic cone is stiffer, and the
+                    // noslip solver removes the slip of soft constraints.
                     attribute("cone", "elliptic") + attribute("impratio", "10") +
                     attribute("noslip_iterations", "5") +
                     (bodies.size() > mujoco::kFewBodies ? attribute("solver", "CG") : "") + ">" +
-                    // multiccd lets hulls rest flat on more than one point.
+                    // With multiccd, hulls rest flat on more than one point.
                     (hulls.empty() ? "" : "<flag multiccd=\"enable\"/>") + "</option>\n" +
                     mujoco::trial_room(geoms.count(), bodies) + "<default><geom" +
                     attribute("solref", solref) + attribute("solimp", kImpedance) + "/><joint" +
@@ -221,7 +221,7 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   return xml + "</worldbody></mujoco>\n";
 }
 
-/// Moves the still objects to the front. Keeps the order otherwise.
+/// Moves the still objects to the front. Otherwise keeps the order.
 void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of,
                      mujoco::ObjectSolids& solids) {
   std::vector<Object> ordered;

@@ -11,12 +11,13 @@ namespace {
 thread_local std::jmp_buf* way_out = nullptr;
 thread_local bool stack_overflowed = false;
 
-// MuJoCo is C: an exception may not pass through it, and a handler that returns ends the process.
+// MuJoCo is C code, so an exception must not pass through it. If the handler returned, MuJoCo would
+// end the process.
 void on_error(const char* message) {
   stack_overflowed = std::strstr(message, "tack overflow") != nullptr;
   if (way_out != nullptr) std::longjmp(*way_out, 1);
 }
-// Ignores warnings: every simulation also counts them in its mjData.
+// Ignores warnings, because each simulation also counts them in its mjData.
 void on_warning(const char*) {}
 
 void install_handlers() {

@@ -15,10 +15,11 @@
 namespace feltwire::mujoco {
 namespace {
 
-/// Whether a mesh keeps a volume in single precision: MuJoCo refuses a mesh without volume.
+/// Whether a mesh keeps a volume in single precision. MuJoCo refuses a mesh without volume.
 bool is_solid_in_float(const std::vector<Vec3>& points) {
   constexpr double kLeastVolume = 2.0 * mjMINVAL;  // [m^3]
-  constexpr double kThin = 1e-6;                   // share of the size: some roundings of a float
+  // Share of the size, above single-precision rounding.
+  constexpr double kThin = 1e-6;
   std::vector<Vec3> rounded;
   Bounds bounds;
   for (const Vec3& p : points) {
@@ -49,12 +50,12 @@ std::vector<PhysicsGeom> made_geoms(const Object& object, const ConvexSolids* so
   return geoms;
 }
 
-/// Number for the name of one of `count` geoms.
+/// Returns the number part of a geom's name, for one of `count` geoms.
 std::string number_of(std::size_t object, std::size_t index, std::size_t count) {
   return std::to_string(object) + (count > 1 ? "_" + std::to_string(index) : "");
 }
 
-/// `name`: the name of a hull's mesh.
+/// Returns the shape attributes of a geom. `name` is the mesh of a hull.
 std::string geom_shape(const PhysicsGeom& geom, const std::string& name) {
   const auto sized = [](const char* type, const std::string& size) {
     return attribute("type", type) + attribute("size", size);
@@ -128,7 +129,8 @@ std::string CollisionGeoms::meshes() const {
 
 std::string CollisionGeoms::text(std::size_t object, const Pose& pose, const Material& material,
                                  const std::string& more) const {
-  // MuJoCo's cone takes the dynamic friction. A contact without friction is one-dimensional.
+  // MuJoCo has one friction coefficient, so use the dynamic one. A contact without friction is
+  // one-dimensional.
   const double friction = material.dynamic_friction;
   const auto& geoms = geoms_of(object);
   std::string xml;

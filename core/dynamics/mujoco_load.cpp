@@ -25,10 +25,10 @@ namespace {
 
 constexpr const char* kReader = "feltwire-mjcf";
 
-// Descriptors in the child: what it reads and writes.
+// Descriptors in the child process.
 constexpr int kInput = 3, kModel = 4, kError = 5, kFiles = 6, kFirstFree = 7;
 
-/// A file in memory.
+/// A file in memory (memfd).
 class MemoryFile {
  public:
   explicit MemoryFile(const char* name) {
@@ -60,10 +60,10 @@ class MemoryFile {
   }
 
  private:
-  int descriptor_ = -1;  // at least kFirstFree: the child's descriptors must not replace it
+  int descriptor_ = -1;  // at least kFirstFree, so that the child's descriptors do not replace it
 };
 
-/// Path of the reader: beside this program, else where it was built (tests lie elsewhere).
+/// Returns the path of the reader: beside this program, or else in the build folder (for tests).
 std::string reader() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -76,7 +76,7 @@ std::string reader() {
 
 std::string place(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
-/// A child process. The destructor kills it unless end() has waited for it.
+/// A child process. The destructor kills the process unless end() has waited for it.
 class Child {
  public:
   explicit Child(pid_t id) : id_(id) {}
@@ -88,15 +88,15 @@ class Child {
     wait(0);
   }
 
-  /// Waits, and returns the status of waitpid(). Throws Cancelled if this thread's work is
-  /// cancelled.
+  /// Waits for the process and returns the status of waitpid(). Throws Cancelled if the work of
+  /// this thread is cancelled.
   int end() {
     const int handle =
         current_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
     const MaybeDescriptor owned(handle);
     while (current_work() != nullptr && !wait(WNOHANG)) {
       constexpr int kLook = 20;        // [ms]
-      pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor: it only waits
+      pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor
       poll(&ends, 1, kLook);
       check_cancelled();
     }
@@ -115,13 +115,13 @@ class Child {
     int descriptor;
   };
 
-  /// Returns true if the child has ended.
+  /// Returns true if the child process has ended.
   bool wait(int options) {
     pid_t found = 0;
     do found = waitpid(id_, &status_, options);
     while (found < 0 && errno == EINTR);
     ended_ = found != 0;
-    // Somebody else has collected the status: the result is unknown.
+    // Another part of the process has collected the status, so the result is unknown.
     if (found < 0) status_ = SIGKILL;
     return ended_;
   }
@@ -131,9 +131,9 @@ class Child {
   bool ended_ = false;
 };
 
-/// The descriptors that the child gets.
+/// Descriptors for the child process.
 struct Ends {
-  int input = -1;  // -1: none
+  int input = -1;  // -1: no input
   int model, error, files;
 };
 
@@ -174,7 +174,7 @@ int run_reader(const std::string& file, const std::string& root, const std::stri
   return Child(child).end();
 }
 
-/// The quoted text after a word; empty if there is none.
+/// Returns the quoted text after a word, or an empty text.
 std::string quoted_behind(const std::string& words, std::string_view word) {
   std::size_t begin = words.find(word);
   if (begin == std::string::npos) return {};
@@ -183,7 +183,7 @@ std::string quoted_behind(const std::string& words, std::string_view word) {
   return end == std::string::npos ? std::string() : words.substr(begin + 1, end - begin - 1);
 }
 
-/// A file may be right for a newer MuJoCo. Names this version and the unknown word.
+/// Names this MuJoCo version and the unknown word, because the file may need a newer version.
 std::string of_this_version(const std::string& words) {
   const std::string element = quoted_behind(words, "Element");
   const std::string where = element.empty() ? "" : " in <" + element + ">";
@@ -202,7 +202,7 @@ std::string of_this_version(const std::string& words) {
          "; if the file was made for a newer one, remove it or write it for this version";
 }
 
-/// Why there is no model.
+/// Returns the reason why there is no model.
 std::string reason(int status, const MemoryFile& error) {
   constexpr std::size_t kMostWords = 1000;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
@@ -223,7 +223,7 @@ std::string reason(int status, const MemoryFile& error) {
   return words + of_this_version(words);
 }
 
-/// Splits a list of names. Each name ends with a zero byte. Drops duplicates.
+/// Splits a list of names and drops duplicates. Each name ends with a zero byte.
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
   for (std::size_t at = 0, end = list.find('\0'); end != std::string::npos;
@@ -233,7 +233,7 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-/// If `text` is given, it replaces the text of the file.
+/// Loads a file. If `text` is given, it replaces the text of the file.
 Loaded load(const std::string& file, const std::string* text, const std::string& root = {}) try {
   constexpr std::size_t kMostNames = 1 << 20;  // [bytes]
   const MemoryFile input("input"), model("model"), error("error"), files("files");

@@ -23,7 +23,7 @@ std::string geom_name(const mjModel& model, int geom) {
   return name != nullptr ? name : "geom" + std::to_string(geom);
 }
 
-/// Describes a geom in a message. A geom without a name gets its number in the file.
+/// Describes a geom in a message. A geom without a name is described by its number in the file.
 std::string described(const mjModel& model, int geom) {
   const char* name = mj_id2name(&model, mjOBJ_GEOM, geom);
   const char* body = mj_id2name(&model, mjOBJ_BODY, model.geom_bodyid[geom]);
@@ -32,12 +32,12 @@ std::string described(const mjModel& model, int geom) {
          " of body '" + (body != nullptr ? body : "?") + "'";
 }
 
-/// The meshes of a file as hands feel them. Reads each mesh once.
+/// The meshes of a file for haptic rendering. Reads each mesh once.
 class MjcfMeshes {
  public:
   MjcfMeshes(const mjModel& model, const std::string& file) : model_(model), file_(file) {}
 
-  /// The mesh in MuJoCo's frame: about its centre, along its axes of inertia.
+  /// Returns the mesh in MuJoCo's frame: its centre of mass and principal axes of inertia.
   Mesh mesh_of(int geom) {
     const int id = model_.geom_dataid[geom];
     if (const auto at = known_.find(id); at != known_.end()) return at->second;
@@ -110,8 +110,8 @@ void check_names(const mjModel& model, const MjcfMaterials& materials, const std
                          "' that the scene gives a feel to; correct the name");
 }
 
-/// MuJoCo replaces each mesh by its hull, so an open mesh may go unnoticed until a hand falls in.
-/// A mesh that is far larger than a hand's reach is probably in millimetres.
+/// Warns of suspicious meshes. MuJoCo replaces each mesh by its convex hull, so an open mesh may go
+/// unnoticed until a hand enters it. A very large mesh is probably in millimetres.
 std::vector<std::string> odd_meshes(const std::vector<Object>& objects) {
   constexpr double kLargest = 20.0;  // [m]
   std::vector<std::string> warnings;
@@ -135,7 +135,7 @@ std::vector<std::string> odd_meshes(const std::vector<Object>& objects) {
   return warnings;
 }
 
-/// Reads the file first: MuJoCo's own message about an unreadable file says less.
+/// Reads the file before MuJoCo does, because MuJoCo's message about an unreadable file says less.
 std::string read_xml(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::string text;
@@ -153,10 +153,10 @@ std::string read_xml(const std::filesystem::path& file) {
   return text;
 }
 
-/// MuJoCo opens files by itself. So this writes kept files to the disk for MuJoCo, and keeps the
-/// files that MuJoCo has read.
+/// MuJoCo opens files by itself. So this function writes recorded files to the disk for MuJoCo, and
+/// records the files that MuJoCo has read.
 mujoco::Loaded read_model(const std::filesystem::path& file) {
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // [bytes] of a file
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // [bytes] per file
   const FileReading reading = file_reading_of_this_thread;
   if (reading.given != nullptr) {
     const UnpackedFiles unpacked(*reading.given);
@@ -186,7 +186,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
   if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
   mjModel& model = *loaded.model;
   check_names(model, materials, name);
-  // mj_step1 and mj_step2 together make one step of Euler; Runge-Kutta would need more.
+  // mj_step1 and mj_step2 together make one Euler step. Runge-Kutta would need more evaluations.
   if (model.opt.integrator == mjINT_RK4) model.opt.integrator = mjINT_EULER;
   model.opt.timestep = tick;
 

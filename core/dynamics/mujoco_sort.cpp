@@ -9,8 +9,8 @@
 namespace feltwire::mujoco {
 namespace {
 
-// Memory of this thread for half of the sorted items. It grows with the scenes and stays until
-// the thread ends.
+// Memory of this thread for half of the sorted items. It grows on demand and stays until the thread
+// ends.
 thread_local std::byte* room_of_thread = nullptr;
 thread_local std::size_t size_of_room = 0;
 
@@ -20,7 +20,7 @@ void give_room_back(void* memory) noexcept {
   size_of_room = 0;
 }
 
-// Use no thread_local object with a destructor: glibc ends the program if it has no memory to
+// Use no thread_local object with a destructor: glibc ends the program if there is no memory to
 // register the destructor.
 pthread_key_t end_of_thread{};
 const bool sees_end_of_thread = ::pthread_key_create(&end_of_thread, give_room_back) == 0;
@@ -50,7 +50,7 @@ void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, st
     (take_a ? a : b) += size;
     out += size;
   }
-  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // the rest of b stays in place
+  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // the rest of b is already in place
 }
 
 void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare compare,
@@ -62,7 +62,7 @@ void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare 
   merge_halves(first, of_left, count - of_left, size, compare, context, room);
 }
 
-/// For a lack of memory: slow, but stable too.
+/// Sorts without extra memory: slow, but also stable.
 void sort_in_place(std::byte* first, std::size_t count, std::size_t size, Compare compare,
                    void* context) noexcept {
   for (std::size_t n = 1; n < count; ++n)
@@ -87,7 +87,7 @@ void bring_own_sort() noexcept {}
 
 }  // namespace feltwire::mujoco
 
-#ifndef FELTWIRE_SANITIZED  // a sanitizer brings its own
+#ifndef FELTWIRE_SANITIZED  // a sanitizer brings its own qsort_r
 extern "C" void qsort_r(void* base, std::size_t count, std::size_t size,
                         feltwire::mujoco::Compare compare, void* context) {
   feltwire::mujoco::sort_stably(base, count, size, compare, context);

@@ -8,8 +8,9 @@
 namespace feltwire {
 namespace {
 
-/// [m] A wider margin keeps a list valid for longer, but makes it longer: about ten equal objects
-/// side by side lie within one more radius.
+/// Returns the margin [m] of the neighbour list: the median radius. A wider margin keeps a list
+/// valid for longer, but makes the list longer. About ten equal objects side by side lie within one
+/// more radius.
 double margin_of(std::vector<double> radii) {
   std::erase_if(radii, [](double r) { return !std::isfinite(r); });
   if (radii.empty()) return 0.0;
@@ -29,7 +30,7 @@ NeighbourSearch::NeighbourSearch(std::span<const Object> moving, double tool_rad
   }
   margin_ = margin_of(radii);
   for (std::size_t i = 0; i < radii.size(); ++i) {
-    constexpr double kRounding = 1e-9;  // generous share for the rounding of sums over weeks
+    constexpr double kRounding = 1e-9;  // generous bound of rounding errors over weeks
     const double wide = radii[i] + (1.0 + kRounding) * margin_;
     balls_.push_back({Vec3::Zero(), radii[i] * radii[i], wide * wide});
     place(i, moving[i].pose);

@@ -20,17 +20,17 @@ std::string number_shown(const char* format, Numbers... numbers) {
   return text.data();
 }
 
-/// A geom seen along gravity.
+/// The extent of a geom along gravity.
 struct GeomExtent {
   int geom;
   double low, high;  // [m] along up
-  double thickness;  // [m] its least extent, in any direction
+  double thickness;  // [m] least extent in any direction
   bool falls;        // gravity moves it
-  bool endless;      // a plane: nothing falls through
-  bool thin;         // some object may be too fast for its thickness
+  bool endless;      // a plane: no body falls through it
+  bool thin;         // some object may be too fast for this thickness
 };
 
-/// [m] Half the extent of a geom along a direction in its own frame.
+/// Returns half the extent [m] of a geom along a direction in the geom's frame.
 double half_extent(const mjModel& model, int geom, const Vec3& own) {
   const Vec3 size = vector(entry<3>(model.geom_size, geom));
   switch (model.geom_type[geom]) {
@@ -60,7 +60,7 @@ double half_extent(const mjModel& model, int geom, const Vec3& own) {
   }
 }
 
-/// [m] Half the extent of a geom along a direction in the world frame.
+/// Returns half the extent [m] of a geom along a direction in the world frame.
 double half_extent_along(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
   const mjtNum* const turn = entry<9>(data.geom_xmat, geom);
   const Vec3 own(turn[0] * along.x() + turn[3] * along.y() + turn[6] * along.z(),
@@ -69,14 +69,16 @@ double half_extent_along(const mjModel& model, const mjData& data, int geom, con
   return half_extent(model, geom, own);
 }
 
-/// [m] Half the least extent of a geom, in any direction. Each shape is thinnest along one of its
-/// axes. So is a mesh, nearly: MuJoCo turns it into the axes of its inertia.
+/// Returns half the least extent [m] of a geom. Each primitive is thinnest along one of its axes.
+/// This is nearly true for a mesh too, because MuJoCo aligns a mesh with its principal axes of
+/// inertia.
 double half_thickness(const mjModel& model, int geom) {
   return std::min({half_extent(model, geom, Vec3::UnitX()), half_extent(model, geom, Vec3::UnitY()),
                    half_extent(model, geom, Vec3::UnitZ())});
 }
 
-/// [m] From a geom's middle down to the surface of another; negative: the surface is not below it.
+/// Returns the depth [m] of one geom's surface below the middle of another; negative if it is not
+/// below.
 double depth_below(const mjModel& model, const mjData& data, int middle_of, int surface_of,
                    const Vec3& down) {
   const std::array<mjtNum, 3> along = {down.x(), down.y(), down.z()};
@@ -88,8 +90,8 @@ double depth_below(const mjModel& model, const mjData& data, int middle_of, int 
                      model.geom_type[surface_of]);
 }
 
-/// [m] Thickness of two geoms together in a contact. MuJoCo loses a capsule in a box as soon as the
-/// capsule's axis is inside, so the box does not count.
+/// Returns the combined thickness [m] of two geoms in contact. MuJoCo loses the contact of a
+/// capsule and a box when the capsule's axis is inside the box, so the box does not count.
 double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent& b) {
   const int kinds[] = {model.geom_type[a.geom], model.geom_type[b.geom]};
   if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
@@ -97,7 +99,8 @@ double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent&
   return a.thickness + b.thickness;
 }
 
-/// Whether gravity moves a body: it, or one that carries it, is free or slides along `up`.
+/// Whether gravity moves a body. This holds if the body or one of its parents is free, or slides
+/// along `up`.
 bool falls(const mjModel& model, const mjData& data, int body, const Vec3& up) {
   constexpr double kAlong = 0.1;
   for (; body != 0; body = model.body_parentid[body])
@@ -117,20 +120,20 @@ bool meet(const mjModel& model, int a, int b) {
          (model.geom_contype[b] & model.geom_conaffinity[a]) != 0;
 }
 
-/// Whether their shadows on the ground may overlap.
+/// Whether the vertical projections of two geoms may overlap.
 bool overlap(const mjModel& model, const mjData& data, int a, int b, const Vec3& up) {
   const Vec3 apart = vector(entry<3>(data.geom_xpos, a)) - vector(entry<3>(data.geom_xpos, b));
   return (apart - up.dot(apart) * up).norm() <= model.geom_rbound[a] + model.geom_rbound[b];
 }
 
-/// [s] The time constant of their contact.
+/// Returns the time constant [s] of the contact between two geoms.
 double contact_time(const mjModel& model, int a, int b) {
   const auto of = [&](int geom) { return model.geom_solref[std::ptrdiff_t{mjNREF} * geom]; };
   const double shortest = 2.0 * model.opt.timestep;  // MuJoCo's shortest time constant
   return std::max({of(a), of(b), shortest});
 }
 
-/// [s] The longest time constant of any contact.
+/// Returns the longest time constant [s] of any contact.
 double longest_contact_time(const mjModel& model) {
   double longest = 2.0 * model.opt.timestep;
   for (int g = 0; g < model.ngeom; ++g) longest = std::max(longest, contact_time(model, g, g));
@@ -138,7 +141,7 @@ double longest_contact_time(const mjModel& model) {
 }
 
 struct Fall {
-  double height, thickness;        // [m] of the middle's fall; of both geoms together
+  double height, thickness;        // [m] fall of the middle; thickness of both geoms
   double topple = 0.0;             // [m] part of the fall in which the body turns flat
   double speed = 0.0, held = 0.0;  // [m/s]
 };
@@ -170,8 +173,8 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
 }  // namespace
 
 double held_speed(double thickness, double contact, double tick) {
-  // A contact is a spring with a critical damper, so a body enters by speed * contact / e. The
-  // delay until the contact begins adds up to kTicks ticks of way (measured, ThinContacts.*).
+  // A contact is a critically damped spring, so a body penetrates by speed * contact / e. The delay
+  // until the contact begins adds the path of kTicks ticks (measured, ThinContacts.*).
   constexpr double kTicks = 0.65, kE = 2.718281828459045;
   return 0.5 * thickness / (contact / kE + kTicks * tick);
 }
@@ -197,12 +200,12 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     lowest = std::min(lowest, middle - half);
     highest = std::max(highest, middle + half);
   }
-  // Nothing in the scene can fall faster, so thicker bodies need no check.
+  // Nothing in the scene can fall faster than this, so thicker bodies need no check.
   const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
   for (GeomExtent& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
-  // Height of a geom's fall: down to the highest geom below it that does not move.
+  // Returns the height of a geom's fall, down to the highest fixed geom below it.
   constexpr std::size_t kMostPairs = 20'000'000, kMostSaid = 16;
   std::size_t pairs = 0, more = 0;
   const auto drop_of = [&](const GeomExtent& a) {
@@ -216,7 +219,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     return std::isfinite(least) ? least : 0.0;
   };
 
-  // Height by which the middle of a body falls until the body lies flat: all of it adds speed.
+  // Returns the height by which the middle of a body falls until the body lies flat.
   const auto fall_of = [&](const GeomExtent& a, const GeomExtent& b) {
     const double below = depth_below(model, data, a.geom, b.geom, -up);
     if (model.geom_type[b.geom] == mjGEOM_MESH)
@@ -237,7 +240,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
         continue;
       Fall fall{.height = fall_of(a, b), .thickness = thickness};
       fall.topple = std::min(fall.height, 0.5 * (a.high - a.low - a.thickness));
-      // If the lower body falls too, it may lie still when the upper body arrives.
+      // If the lower body falls too, it may be at rest when the upper body arrives.
       if (b.falls) fall.height += drop_of(b);
       fall.speed = std::sqrt(2.0 * gravity * fall.height);
       const double margin = std::max(model.geom_margin[a.geom], model.geom_margin[b.geom]);

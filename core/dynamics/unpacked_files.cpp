@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Number of levels by which a normalized name leads up.
+/// Returns the number of levels by which a normalized path leads up.
 std::ptrdiff_t levels_up(const fs::path& name) {
   return std::count(name.begin(), name.end(), fs::path(".."));
 }

@@ -15,7 +15,7 @@ std::size_t behind(std::string_view xml, std::string_view end, std::size_t at) {
   return found == std::string_view::npos ? xml.size() : found + end.size();
 }
 
-/// Index where the root element begins; npos if there is none.
+/// Returns the index at which the root element begins, or npos if there is none.
 std::size_t root_of(std::string_view xml) {
   std::size_t at = 0;
   while ((at = xml.find('<', at)) != std::string_view::npos) {
@@ -38,7 +38,7 @@ bool is_element(std::string_view xml, std::size_t at, std::string_view name) {
          (kBlanks.find(xml[end]) != std::string_view::npos || xml[end] == '>' || xml[end] == '/');
 }
 
-/// Index of the next element with this name outside comments; npos if there is none.
+/// Returns the index of the next element with this name outside comments, or npos if there is none.
 std::size_t find_element(std::string_view xml, std::string_view name) {
   for (std::size_t at = xml.find('<'); at < xml.size(); at = xml.find('<', at + 1)) {
     if (xml.substr(at).starts_with("<!--"))
@@ -64,7 +64,7 @@ std::optional<fs::path> find_package_file(std::string_view path, const fs::path&
   return std::nullopt;
 }
 
-/// Replaces each value of filename="..." by what `take` returns for it.
+/// Replaces each value of filename="..." by the result of `take` for this value.
 template <class Take>
 std::string with_names(const std::string& xml, Take take) {
   constexpr std::string_view kAttribute = "filename";
