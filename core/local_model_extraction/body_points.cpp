@@ -12,27 +12,27 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Largest number of parts that the shell is cut into. The remaining places are for points of these
-/// parts that meet another side of the solid.
+/// Largest number of parts of the shell. The remaining places are for points of these parts that
+/// meet another side of the solid.
 constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
-constexpr double kLooked = 2e-3;      // [m] nearer parts are examined point by point
-constexpr double kLeastReach = 1e-2;  // [m] least reach if points that hardly matter find no place
+constexpr double kLooked = 2e-3;      // [m] a nearer part is examined point by point
+constexpr double kLeastReach = 1e-2;  // [m] least reach after an omitted point
 
-/// A part of the shell near one object: nodes or points [begin, end).
+/// A part of the shell near one object. The part has the nodes or points [begin, end).
 struct Part {
   std::size_t object = 0;
   const PointShell* shell = nullptr;  // one side of the tool
   bool of_points = false;
   std::uint32_t begin = 0, end = 0;
-  Vec3 center = Vec3::Zero();  // [m, tool frame] of the ball that holds it
-  double radius = 0.0;         // [m]
-  double distance = 0.0;       // [m] of the center from the surface
+  Vec3 center = Vec3::Zero();  // [m, tool frame] centre of the bounding ball
+  double radius = 0.0;         // [m] of the bounding ball
+  double distance = 0.0;       // [m] from the centre to the surface
 
-  double nearest() const { return distance - radius; }  // [m] no point is nearer
+  double nearest() const { return distance - radius; }  // [m] lower bound of the points' distances
   bool single() const { return of_points && end - begin == 1; }
-  /// [m] The loss of detail if the part becomes a single point.
+  /// Returns the loss of detail [m] if a single point replaces the part.
   double coarseness() const {
     if (single()) return 0.0;
     const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
@@ -40,8 +40,8 @@ struct Part {
   }
 };
 
-/// Points that meet about the same plane. The arms are in the tool's frame, the normals in the
-/// world's.
+/// Sums over points that meet about the same plane. The arms are in the tool frame, and the normals
+/// in the world frame.
 struct Gathered {
   double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();  // [m]
   double pushed = 0.0, squares = 0.0;
@@ -64,7 +64,8 @@ struct Gathered {
   Mat3 spread() const { return arms / count - center() * center().transpose(); }
 };
 
-/// [m] Depth of the centre of a part that is evenly spread by `half` and has the mean depth `mean`.
+/// Returns the depth [m] of the centre of a part with evenly spread points. `half` is the half
+/// width of the spread of depths, and `mean` is the mean penetration.
 double depth_for(double mean, double half) {
   if (mean >= half) return mean;
   return 2.0 * std::sqrt(half * mean) - half;  // (depth + half)^2 / (4 half) = mean
@@ -73,7 +74,7 @@ double depth_for(double mean, double half) {
 class Cut {
  public:
   const Mat3& turned() const { return turned_; }
-  /// Takes all objects except those of `known`, and at most `most` parts.
+  /// Uses all objects except those of `known`, and at most `most` parts.
   Cut(const PointShell& shell, const std::vector<Object>& objects, const KnownSurfaces& known,
       const Pose& tool, int most)
       : most_(most),
@@ -83,7 +84,7 @@ class Cut {
         tool_(tool),
         turned_(tool.orientation.toRotationMatrix()) {}
 
-  /// [m] No point outside of the cut is nearer to a surface than this.
+  /// Returns a lower bound [m] of the distance from a surface to any point outside the cut.
   double reach() const { return reach_; }
   std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
 
@@ -120,7 +121,8 @@ class Cut {
   }
 
  private:
-  /// Whether a point of the shell may be within the reach of an object. Most are not.
+  /// Whether a point of the shell may be within reach of an object. This test excludes most
+  /// objects.
   bool may_be_near(std::size_t object) const {
     const ShellNode& whole = shell_.nodes.front();
     return at(object, whole.center).distance - whole.radius < reach_;
@@ -131,7 +133,7 @@ class Cut {
     reach_ = std::min(reach_, part.nearest());
   }
 
-  /// Computes the ball around a part and its distance from the surface.
+  /// Computes the bounding ball of a part and the distance of its centre from the surface.
   void measure(Part& part) const {
     const auto n = static_cast<double>(part.end - part.begin);
     part.center.setZero();
@@ -147,8 +149,8 @@ class Cut {
     part.distance = at(part.object, part.center).distance;
   }
 
-  /// Adds a part. A part that is too far ends the reach. So does the farthest part if there are too
-  /// many.
+  /// Adds a part that is within the reach. If there are too many parts, the farthest part is
+  /// dropped and limits the reach.
   void offer(Part part) {
     measure(part);
     if (!(part.nearest() < reach_)) return;
@@ -168,7 +170,7 @@ class Cut {
     parts_[static_cast<std::size_t>(count_++)] = part;
   }
 
-  /// Cuts a part in two. Returns false if that is impossible.
+  /// Splits a part in two. Returns false if that is impossible.
   bool halves(const Part& part, Part& low, Part& high) const {
     Part whole = part;
     while (!whole.of_points && whole.end - whole.begin == 1) {
@@ -183,7 +185,7 @@ class Cut {
     return true;
   }
 
-  /// Cuts the coarsest part in two. Returns false if none may be cut.
+  /// Splits the coarsest part in two. Returns false if no part may be split.
   bool refine() {
     constexpr double kFine = 1e-5;  // [m]
     const auto begin = parts_.begin(), end = begin + count_;
@@ -223,7 +225,7 @@ struct Builder {
   const World* world = nullptr;  // null: no object moves
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
-  /// The side is the axis of the object's frame that is nearest to the normal.
+  /// Returns the number of the object's side: the axis of the object frame nearest to the normal.
   std::uint8_t side_of(std::size_t object, const Vec3& normal) const {
     const Vec3 n = objects[object].pose.orientation.conjugate() * normal;
     Eigen::Index axis;
@@ -231,11 +233,11 @@ struct Builder {
     return static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
   }
 
-  /// The share of an object's force that is felt.
+  /// Returns the share of an object's force that is applied.
   double trust(std::size_t object) const { return world != nullptr ? world->trust(object) : 1.0; }
 
-  /// The patch for this normal at `arm` [m, tool frame]. If no patch is left, it returns the patch
-  /// of another side of the object, or the last patch.
+  /// Returns the patch for this normal at `arm` [m, tool frame]. If no patch is free, returns the
+  /// patch of another side of the object, or the last patch.
   std::uint8_t patch_of(std::size_t object, const Vec3& normal, const Vec3& arm) {
     const std::uint8_t side = side_of(object, normal);
     std::uint8_t other = kMaxBodyPatches - 1;
@@ -277,7 +279,7 @@ struct Builder {
     const Mat3 turned = cut.turned();
     const Vec3 n = turned.transpose() * normal;
     const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
-    // Its force is the force in the scene, at the scene's centre of pressure.
+    // The point gets the force in the scene, at the scene's centre of pressure.
     if (points.pushed > 0.0) {
       point.distance = -depth_for(points.pushed / points.squares, half);
       const PressedPart in = pressed_part(-point.distance, half);
@@ -286,15 +288,15 @@ struct Builder {
       if (half > 0.0) pressed -= in.moment / in.depth / (half * half / 3.0) * spread;
       point.arm += points.pressure / points.pushed - pressed;
     } else {
-      // On curved solids, the plane would touch before the first point does.
+      // On a curved solid, the plane would otherwise touch before the nearest point.
       point.distance = std::max(point.distance, points.least + half);
     }
     model.points[static_cast<std::size_t>(model.count++)] = point;
     return true;
   }
 
-  /// Points of a part. Group 0 holds those about the plane that pushes most (or is nearest). The
-  /// others are grouped by the side of the object that they meet.
+  /// Points of a part. Group 0 has the points about the plane that pushes most. If no plane pushes,
+  /// it is the nearest plane. Each other group has the points that meet one side of the object.
   struct Group {
     Gathered points;
     std::size_t object = 0;
@@ -343,7 +345,7 @@ struct Builder {
     for (std::size_t i = 0; i < parts.size(); ++i)
       if (parts[i].nearest() < kLooked)
         gather(parts[i], std::span(groups).subspan(kSides * i, kSides));
-    // Sort: first the groups that push hardest, then the groups that will be met first.
+    // Sort the groups by force. Then sort groups of equal force by distance.
     std::array<const Group*, kParts * kSides> order{};
     std::size_t count = 0;
     for (const Group& group : groups)
@@ -364,7 +366,8 @@ struct Builder {
   }
 };
 
-/// `objects`: the view's objects at their present places. `world`: moves them; may be null.
+/// Builds the model. `objects` are the view's objects at their current poses. `world` gives their
+/// velocities and may be null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
                    const BodyMemory& memory, std::uint32_t version, const KnownSurfaces& known,
                    int most, const World* world = nullptr) noexcept {

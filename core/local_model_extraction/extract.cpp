@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastTrust = 1e-6;  // a hand does not feel so small a share of a stiffness
+constexpr double kLeastTrust = 1e-6;  // a smaller share of a stiffness cannot be felt
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
 /// A part of an object of the scene.
@@ -20,11 +20,13 @@ struct NearbySurface {
   std::uint32_t feature = 0;
 };
 
-/// The nearest parts so far, sorted by distance. Parts of equal distance keep the order of arrival.
+/// The nearest parts so far, sorted by distance. Parts at equal distances keep the order of
+/// insertion.
 class NearestSurfaces {
  public:
   explicit NearestSurfaces(double reach) : reach_(reach) {}
-  /// Inserts a part. A part that does not fit, or that cannot be shown, ends the reach.
+  /// Inserts a part. A part that does not fit or cannot be modelled limits the reach: the distance
+  /// within which the model is complete.
   void offer(const NearbySurface& part, bool shown) noexcept {
     if (part.distance >= reach_) return;
     if (!shown) {
@@ -53,7 +55,7 @@ class NearestSurfaces {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::array<NearbySurface, kMaxPatches> parts_{};
   int count_ = 0;
-  double reach_;  // [m]
+  double reach_;  // [m] within this distance, the model is complete
 };
 
 SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_t entered,
@@ -62,7 +64,8 @@ SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_
   return surface_parts(object.shape, object.felt_from, p, entered, ball);
 }
 
-/// Keeps the patches that were last fitted to meshes and grids, to use the chosen ones again.
+/// Caches the patches that were last fitted to meshes and grids, because the chosen patches are
+/// needed again.
 class Fitted {
  public:
   Fitted(const KnownSurfaces& known, double ball) : known_(known), ball_(ball) {}
@@ -91,7 +94,7 @@ class Fitted {
   std::size_t next_ = 0;
 };
 
-/// The chosen patch of a mesh or a grid, with its radius.
+/// Returns the chosen patch of a mesh or a grid, with its radius.
 SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted,
                           const NearbySurface& chosen, std::span<const NearbySurface> all,
                           const ContactMemory& memory, double ball) {
@@ -106,7 +109,8 @@ SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted,
   return patch;
 }
 
-/// [m] From a patch's point to where a part of the same object begins that the model lacks.
+/// Returns the distance [m] from a patch's point to the nearest part of the same object that the
+/// model lacks.
 double radius_of(const Object& object, const SurfacePatch& patch, std::size_t index,
                  std::span<const NearbySurface> chosen, double ball) {
   double radius = kModelReach;
@@ -121,8 +125,8 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-/// The middle of a ball that stands on a solid with edges belongs to no face. Then the ball stands
-/// on the face that looks most towards it.
+/// Marks the face that touches the ball. On an edge of a solid, the centre of the ball belongs to
+/// no face. Then this is the face with the normal nearest to the contact normal.
 void set_standing(LocalModel& model, const std::vector<Object>& objects,
                   const TouchMemory& memory) {
   const std::span patches{model.patches.data(), static_cast<std::size_t>(model.count)};
@@ -138,11 +142,11 @@ void set_standing(LocalModel& model, const std::vector<Object>& objects,
   }
 }
 
-/// `objects`: the view's objects at their present places.
+/// Builds the model. `objects` are the view's objects at their current poses.
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
-  if (view.tool().body) return model;  // a body has a model of its own kind (body_model.hpp)
+  if (view.tool().body) return model;  // a tool with a body has another model (body_model.hpp)
   const double ball = view.tool().radius;
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
@@ -212,7 +216,8 @@ LocalModel local_model(const World& world, const Vec3& position, const TouchMemo
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);
-    // Bodies that were put back become softer. Their stiffness is never zero: a surface has some.
+    // A body is softer after the server has put it back. The stiffness of a surface must stay above
+    // zero.
     const double trust = std::max(kLeastTrust, world.trust(patch.object));
     patch.material.stiffness *= trust;
     patch.material.damping *= trust;

@@ -1,6 +1,7 @@
-// Describes a distance grid as one patch that is curved as its gradient turns. Rings about the
-// point, each of double radius, check how far the patch holds. A spike that is thinner than the
-// gaps between the eight places of a ring stays unseen until the tool is nearer.
+// Describes a distance grid as one patch. The patch has the curvature of the distance field. Rings
+// around the point check how far the patch is valid: each ring has twice the radius of the previous
+// ring. The rings miss a spike that is thinner than the gaps between their eight places, until the
+// tool is nearer.
 
 #include <algorithm>
 #include <array>
@@ -15,14 +16,14 @@
 namespace feltwire {
 namespace {
 
-constexpr int kNewton = 4;          // steps to the surface
-constexpr int kGridPlaces = 8;      // on a ring
-constexpr double kFirstRing = 2.0;  // resolutions
+constexpr int kNewton = 4;          // Newton steps to the surface
+constexpr int kGridPlaces = 8;      // places on a ring
+constexpr double kFirstRing = 2.0;  // radius, in resolutions
 constexpr double kGridOpen = 0.75;  // share of a height above the patch that must be free
 constexpr double kGridDeep = 0.25;  // share of a ring's radius that must be solid below the patch
-constexpr double kStraight = 1.1;   // a point may be found this many times the distance away
+constexpr double kStraight = 1.1;   // largest way to the surface, in distances
 
-/// The point where the way down the distance reaches the surface.
+/// The surface point at the end of the descent along the gradient.
 struct GridClosest {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
   double slope = 0.0;  // |gradient|
@@ -42,7 +43,8 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
   return closest;
 }
 
-/// The bend of the surface, from differences of the normal over one resolution to either side.
+/// Returns the curvature of the surface, from differences of the normal over one resolution to each
+/// side.
 LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign,
                             const GridClosest& closest) {
   const Vec3 u = closest.normal.unitOrthogonal(), v = closest.normal.cross(u);
@@ -57,18 +59,19 @@ LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign,
                          along_v.dot(v));
 }
 
-/// Checks a line along a normal: on the surface, inside as deep as the tool gets, and free above.
+/// Checks three points of a line along a normal: on the surface, inside at the depth `deep`, and
+/// outside.
 bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, const Vec3& normal,
                  double radius, double deep) {
   const double may = kPatchSlope * (radius + field.resolution());
-  // Beyond its band, a field says only that a point is beyond.
+  // Beyond its band, a field gives only a lower bound of the distance.
   const double open = std::min(kGridOpen * radius, field.band());
   return std::abs(field.at(on).distance) <= may &&
          std::abs(sign * field.at(on - deep * normal).distance + deep) <= may &&
          sign * field.at(on + radius * normal).distance >= open;
 }
 
-/// `depth` [m]: of the tool.
+/// Whether the patch is valid within `radius` for a tool at the depth `depth` [m].
 bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& patch, double radius,
            double depth) {
   const Vec3 u = patch.normal.unitOrthogonal(), v = patch.normal.cross(u);

@@ -10,19 +10,19 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostLooked = 256;  // triangles; if there are more, the extent is halved
+constexpr std::size_t kMostLooked = 256;  // triangles; with more, the extent is halved
 
-/// Place of a triangle relative to a patch: are its corners in front of the patch or behind it?
+/// Placement of a triangle relative to a patch.
 struct TrianglePlacement {
-  bool front = false, behind = false;  // some corner is; if neither: the triangle lies on the patch
-  bool hidden = false;                 // all corners are behind, and all between them
+  bool front = false, behind = false;  // true for any corner; both false: on the patch
+  bool hidden = false;                 // the whole triangle is behind
 };
 
-/// The corners of a triangle tell its place. Its middle counts too, because patches may be curved.
+/// Tests the corners of a triangle. Tests its middle too, because a patch may be curved.
 TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& corners,
                                double skin) {
   TrianglePlacement placement{.front = false, .behind = false, .hidden = true};
-  // A triangle whose corners are behind a hollow patch may come out of the patch between them.
+  // Between corners behind a hollow patch, a triangle may still be in front of the patch.
   const double longest =
       std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
                 (corners[0] - corners[2]).squaredNorm()});
@@ -94,7 +94,7 @@ MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
     all_hidden &= placement.hidden;
     any_hidden |= placement.hidden;
   }
-  // The tool cannot reach a triangle if the patches are between them.
+  // The tool cannot reach a triangle behind the patches.
   if (joined_ ? all_hidden : any_hidden) return {.distance = kNever};
   for (int i = 0; i < count_; ++i) {
     const TrianglePlacement& on = lies[static_cast<std::size_t>(i)];
@@ -109,7 +109,7 @@ MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
   return {.distance = (nearest_on_triangle(c, place).point - place).norm(), .triangle = t};
 }
 
-/// Distance to an edge where the surface ends.
+/// Returns the distance to the nearest edge without a neighbour triangle.
 double MeshFits::border(std::uint32_t t, const std::array<Vec3, 3>& c, const Vec3& place) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k)

@@ -1,5 +1,6 @@
-// Describes a mesh as patches: either as one patch, curved as the normals about the point turn, or
-// as up to three planes with the edges between them. It takes the one that reaches farther.
+// Describes a mesh as patches: either as one curved patch, or as up to three planes with the edges
+// between them. Chooses the description that is valid to the larger distance. The curvature comes
+// from the change of the normals around the point.
 
 #include <algorithm>
 #include <array>
@@ -16,25 +17,26 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFittedSides = 3.0;  // extent of the search, in sides of the first triangle
+constexpr double kFittedSides = 3.0;  // search radius, in sides of the first triangle
 // Facets that turn by at most this angle [rad] count as parts of a smooth surface. The middle of an
-// equilateral facet is kSagitta * angle * side off the ball through its corners; of others, more.
+// equilateral facet is kSagitta * angle * side away from the ball through its corners. The middle
+// of any other facet is farther away.
 constexpr double kMostTurned = 0.15, kSagitta = 0.25;
 constexpr std::uint32_t kNone = TriangleMesh::kNone;
 
-/// The place of the surface nearest to a tool.
+/// The point of the surface that is nearest to a tool.
 struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;
-  double side = 0.0;      // 0: no side
-  double distance = 0.0;  // [m] to the surface; 0: it holds the tool
+  double side = 0.0;      // 1 or -1; 0: none
+  double distance = 0.0;  // [m] to the surface; 0 in contact
   double height = 0.0;    // [m] from the point to the tool, on either side
 };
 
 NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
                                const FeatureMemory& memory, double ball) {
   if (memory.side != 0) {
-    // A ball's proxy is its middle. The ball touches below it.
+    // The proxy of a ball is its centre. The contact point is the nearest point of the triangle.
     const Vec3 closest =
         ball > 0.0
             ? nearest_on_triangle(surface.mesh().corners(memory.triangle), memory.proxy).point
@@ -55,7 +57,7 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
              reverse != kNone) {
     nearest.triangle = reverse;
     nearest.side = side;
-  }  // else the tool is behind, and nothing there holds it yet
+  }  // else the tool is behind the surface, without contact
   return nearest;
 }
 
@@ -67,13 +69,13 @@ MeshFit plane(const MeshSurface& surface, std::uint32_t t, double side, const Ve
   return fit;
 }
 
-/// [m] About the length of an equilateral triangle's sides.
+/// Returns the side length [m] of an equilateral triangle with about the same area.
 double side_of(const std::array<Vec3, 3>& c) {
   return std::sqrt((c[1] - c[0]).cross(c[2] - c[0]).norm());
 }
 
-/// Fits a patch that curves as the normals of the corners turn (Rusinkiewicz 2004, of one
-/// triangle).
+/// Fits a patch with the curvature of one triangle, from the normals at its corners (Rusinkiewicz
+/// 2004).
 MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
   MeshFit fit = plane(surface, nearest.triangle, nearest.side, nearest.point);
   const std::array<Vec3, 3> c = surface.mesh().corners(nearest.triangle);
@@ -102,14 +104,16 @@ MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
   return fit;
 }
 
-/// A number for the flat face of the fit, or one for all round fits. Faces never share a number.
+/// Returns the number of the fit's flat face, or one common number for all curved fits. Faces never
+/// share a number.
 std::uint32_t feature_of(const MeshSurface& surface, const MeshFit& fit) {
   constexpr std::uint32_t kRound = 1, kFirstFace = 2;
   return fit.curvature != 0.0 ? kRound : kFirstFace + surface.face(fit.triangle);
 }
 
-/// Checks one patch beyond the triangles that were looked at. At eight places of each ring, it must
-/// be on the surface and free above. The rings double their radius.
+/// Checks one patch beyond the triangles that were examined. At eight places of each ring, the
+/// patch must lie on the surface, and the space above must be free. Each ring has twice the radius
+/// of the previous ring.
 bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, double radius) {
   constexpr int kPlaces = 8;
   constexpr double kOpen = 0.75;  // share of a radius above the patch that must be free
@@ -137,15 +141,15 @@ bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, doubl
   return true;
 }
 
-/// [m] Height above the triangles of the surface that pushes the tool.
+/// Returns the height [m] above the triangles of the surface that pushes the tool.
 double offset_of(const MeshOptions& options, double ball) {
   double offset = ball - options.grain.amplitude;
   if (options.height_map) offset -= options.height_map->mean();
   return offset;
 }
 
-/// `end` [m]: from the position to the first triangle that is not described. A ball meets it a
-/// radius earlier.
+/// Converts fits to patches. `end` [m] is the distance from the position to the first triangle that
+/// no patch describes. A ball meets this triangle one radius earlier.
 FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fits, double end,
                     double extent) {
   const MeshOptions& options = surface.options();
@@ -162,7 +166,7 @@ FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fit
     const std::uint32_t feature = feature_of(surface, fit);
     for (int j = 0; j < i; ++j)
       if (all.patches[static_cast<std::size_t>(j)].feature == feature) {
-        all.end = earlier(fit.distance);  // the two cannot be told apart
+        all.end = earlier(fit.distance);  // a client cannot distinguish the two patches
         return all;
       }
     all.patches[static_cast<std::size_t>(all.count++)] = {surface.mesh().origin() + fit.point,
@@ -180,11 +184,11 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
   return std::min(kMostFitted, kFittedSides * side_of(surface.mesh().corners(t)));
 }
 
-/// For one patch without any exception near it: finds how much farther the patch holds.
+/// Extends the valid radius of a single patch that has no other triangle and no border nearby.
 FittedPatches reaching(const MeshSurface& surface, double ball, const MeshFits& fits,
                        const NearestSurface& nearest, const MeshFits::Other& other) {
   FittedPatches all = found(surface, ball, fits, other.distance, other.looked);
-  constexpr double kLow = 0.75;  // share of the radius: the rings do not look higher
+  constexpr double kLow = 0.75;  // share of the radius: the rings check no higher place
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
   while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
@@ -230,7 +234,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
   if (round) beyond = curve.first_other(goal, nearest.height, extent);
-  if (flat.count > 0) {  // such fine facets may belong to a curved surface
+  if (flat.count > 0) {  // fine facets may belong to a curved surface
     if (!round || fit.curvature == 0.0) return flat;
     const FittedPatches bent = reaching(surface, ball, curve, nearest, beyond);
     return bent.end > flat.end ? bent : flat;
@@ -245,7 +249,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
     next.distance = other.distance;
     if (!more.join(next)) break;
     const MeshFits::Other after = more.first_other(goal, nearest.height, extent);
-    // For a tool over a corner, all faces of the corner are equally near.
+    // Over a corner, all faces are equally near, so an equal distance is accepted.
     if (after.distance < other.distance) break;
     planes = more;
     other = after;
@@ -262,7 +266,7 @@ FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& 
   const double ball = surface.options().radius + tool;
   const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory, ball);
   if (!(nearest.distance <= kMostFitted)) return mark;
-  // Behind a surface that is felt from one side, the patch faces that side too.
+  // A tool behind a surface that is felt from one side gets a patch that faces this side.
   const double side = nearest.side != 0.0 ? nearest.side : felt_from == Side::outside ? 1.0 : -1.0;
   FittedPatch& patch = mark.patches[0];
   patch.point = surface.mesh().origin() + nearest.point;
@@ -281,9 +285,9 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     return fitted.patches[static_cast<std::size_t>(i)];
   };
   const double ball = surface.options().radius + tool;
-  // The extent comes from rings on which the surface was sampled.
+  // The rings have sampled the surface up to this extent.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
-  // The patches' own normals tell which side faces the tool.
+  // The normal of the patch identifies the side that faces the tool.
   const Vec3 closest = at(index).point - surface.mesh().origin();
   const auto nearest = surface.nearest(closest, kMostFitted);
   if (!(nearest.distance <= kMostFitted)) return 0.0;
@@ -300,7 +304,7 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     fit.slack = at(i).slack;
     fits.add(fit);
   }
-  // The radius for a ball that touches there.
+  // Return the radius for a ball that touches at this point.
   return std::max(
       0.0, fits.first_other(closest + ball * at(index).normal, ball, looked).distance - ball);
 }

@@ -15,7 +15,7 @@ SurfacePatch in_world(const Object& object, const PatchGeometry& s, std::uint32_
   patch.joined = s.joined;
   patch.material = object.material;
   patch.feature = feature;
-  // Without friction there is no stick point.
+  // A surface without friction has no stick point, so the anchor is the patch's point.
   patch.anchor = patch.point;
   return patch;
 }
@@ -86,7 +86,7 @@ SurfacePatch surface_patch(const Object& object, const FittedPatches& fitted, in
                         .curvature = fit.curvature,
                         .joined = fitted.joined};
   SurfacePatch patch = in_world(object, s, fit.feature);
-  // The tool stands on the first patch.
+  // The tool touches the first patch.
   if (memory.touching && index == 0) set_touched(patch, object, memory);
   patch.offset = fitted.offset;
   patch.faceted = fitted.faceted;
