@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// Adds friction and viscosity of the pressed patches.
+/// Adds Coulomb friction and viscous friction of the pressed patches.
 void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double elapsed,
               ShellContact& contact) noexcept {
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -19,7 +19,7 @@ void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double ela
     Vec6 carried = Vec6::Zero();
     carried.head<3>() = elapsed * patch.velocity;
     if (patch.viscous_friction > 0.0) {
-      double whole = 0.0;  // of the whole object
+      double whole = 0.0;  // load on the whole object
       for (std::size_t k = 0; k < sums.size(); ++k)
         if (model.patches[k].object == patch.object) whole += sums[k].weight;
       contact.viscosity.add(patch.viscous_friction * load / whole * slip, carried);
@@ -33,18 +33,19 @@ void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double ela
   }
 }
 
-/// A part of the tool, turned and moved with it.
+/// A part of the tool, at the tool's current pose.
 struct Placed {
   Vec3 arm, normal;
   Mat3 spread;
-  double depth;  // [m] of its centre
+  double depth;  // [m] of the centre
 };
 
-/// Adds the answer of the part's points. Returns its force [N].
+/// Adds the contact of the part's points. Returns the force [N].
 double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContact& sum,
                 SlipSums& slip) noexcept {
   const Vec3 along_normal = part.spread * part.normal;
-  const double variance = std::max(0.0, part.normal.dot(along_normal));  // [m^2] of all depths
+  // [m^2] variance of the depths.
+  const double variance = std::max(0.0, part.normal.dot(along_normal));
   const PressedPart in = pressed_part(part.depth, std::sqrt(3.0 * variance));
   if (!(in.depth > 0.0)) return 0.0;
   // A point that is deeper by u has the arm `arm` + u `lever`.
@@ -57,7 +58,7 @@ double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContac
   sum.wrench += stiffness * (in.depth * center + in.moment * further);
   resists = in.share * center * center.transpose() + in.second * further * further.transpose() +
             in.first * (center * further.transpose() + further * center.transpose());
-  // The spread across the normal also resists turning.
+  // The spread across the normal also resists rotation.
   const Mat3 across = part.spread - variance * lever * lever.transpose();
   Mat3 cross;  // arm x normal
   const Vec3& n = part.normal;
@@ -96,7 +97,7 @@ PressedPart pressed_part(double depth, double half) noexcept {
 }
 
 ShellContact ModelledSurroundings::contact(const Pose& tool, WorkLimit* work) const noexcept {
-  constexpr std::uint64_t kPlaneWork = 8;  // units for a part against its plane
+  constexpr std::uint64_t kPlaneWork = 8;  // units of work per part
   ShellContact sum;
   if (solids_ != nullptr) sum = solids_->contact(tool, work);
   if (model_.count > 0 && may_go_on(work, kPlaneWork * static_cast<std::uint64_t>(model_.count)))

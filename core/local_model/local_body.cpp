@@ -31,10 +31,10 @@ void LocalBody::take(const BodyModel& model, std::uint64_t ticks) noexcept {
   model_ = model;
 }
 
-/// A model shows the tool one round trip ago, without the corrections made since. This corrects
-/// each difference only once (Smith 1957).
+/// A model has the tool's pose of one round trip ago, without the corrections since then. So each
+/// difference must be corrected only once (Smith 1957).
 void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
-  constexpr double kPart = 0.1;  // share of a difference that a model corrects
+  constexpr double kPart = 0.1;  // share of a difference that one model corrects
   if (ticks == 0 || ticks > ticks_ || ticks > kRemembered) return;
   const Past& past = past_[(ticks_ - ticks) % kRemembered];
   const Vec3 off = kPart * (model.tool.position - past.pose.position - (moved_ - past.moved));

@@ -8,10 +8,11 @@
 
 namespace feltwire {
 
-/// Let d lead from the patch's point to p (less its part along the axis), n be the normal and k the
-/// curvature. The centre of curvature is at d = -n / k. Balls (k > 0), hollows (k < 0), planes:
+/// Let d be the vector from the patch's point to p without its part along the axis. Let n be the
+/// normal and k the curvature. The centre of curvature is at d = -n / k. Balls (k > 0), hollows (k
+/// < 0) and planes use the same formulas:
 ///   normal = (n + k d) / s,   height = (2 n.d + k |d|^2) / (1 + s),   s = |n + k d|.
-/// Nothing cancels in it: a flat patch needs no far centre.
+/// These formulas avoid cancellation, and a flat patch needs no distant centre.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p) noexcept {
   Vec3 d = p - (patch.point + moved);
   d -= along(d, patch.axis);
@@ -39,11 +40,11 @@ ContactNormals pushing_normals(const LocalModel& model, const Vec3& point) noexc
 void LocalContact::use(const PrefetchedSurfaces* surfaces) noexcept {
   if (surfaces == surfaces_) return;
   surfaces_ = surfaces;
-  // A memory of the old surfaces is invalid on the new ones.
+  // The memory of a contact with the old surfaces is invalid on the new surfaces.
   adopt_whole();
 }
 
-/// Lets the contacts with whole surfaces continue from the server's contacts.
+/// Continues the contacts with prefetched surfaces from the server's contacts.
 void LocalContact::adopt_whole() noexcept {
   for (Contact& contact : contacts_)
     if (contact.whole) contact.adopted = true;
@@ -67,9 +68,9 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
   return nullptr;
 }
 
-/// The memory to continue with. It is this side's own memory if that follows the object and its
-/// face is still described. A free one counts too: the model's word on touching is older. Else it
-/// is the model's.
+/// Returns the memory with which a contact continues. The client's own memory is preferred if it
+/// follows the object and its face is still described. An own memory without contact counts too,
+/// because the model's contact state is older.
 LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
   const bool same_scene = model.scene == model_.scene;
@@ -109,11 +110,13 @@ void LocalContact::take(const LocalModel& model, const Command* answered) noexce
   texture_ = answered != nullptr ? texture_of(*answered) : Texture{};
 }
 
-/// The part of an answer that the patches do not explain, at the tool's place of that answer.
+/// Returns the part of an answer that the patches do not explain, at the tool position of the
+/// answer.
 LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
   Texture texture{.force = answered.elastic, .depth = 0.0};
   for (const SurfacePatch& patch : model_.view())
-    if (patch.whole && patch.touching) return {};  // its force hides the texture's
+    // The force of a prefetched surface hides the texture.
+    if (patch.whole && patch.touching) return {};
   for (int i = 0; i < count_; ++i) {
     FeatureMemory entered;
     if (contacts_[static_cast<std::size_t>(i)].whole) continue;
@@ -129,7 +132,7 @@ LocalContact::Texture LocalContact::texture_of(const Command& answered) const no
   return texture;
 }
 
-/// The patch that the tool touched before or may touch.
+/// Returns the patch that the tool touched before or may touch.
 const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcept {
   const SurfacePatch* of_object = &model_.patches[0];
   for (const SurfacePatch& patch : model_.view()) {
@@ -140,8 +143,9 @@ const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcep
   return *of_object;
 }
 
-/// Updates the memory of a touching tool: its surface has moved for `age` [s] or `elapsed` [s]. The
-/// patches hold the proxy's place at the time when the model was made.
+/// Moves the memory of a contact with its surface. The surface has moved for `age` [s] since the
+/// model, or for `elapsed` [s] since the last tick. The patches give the proxy at the time of the
+/// model.
 void LocalContact::bring_up(Contact& contact, double age, double elapsed) const noexcept {
   ContactMemory& memory = contact.memory;
   const SurfacePatch& patch = patch_of(contact);
@@ -156,7 +160,7 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
   contact.adopted = false;
 }
 
-/// Uses the scene's own contact. The object does not move.
+/// Computes the contact with a prefetched surface as the scene does. The object does not move.
 Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool,
                                   WorkLimit* work) const noexcept {
   if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center, work);
@@ -171,10 +175,10 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   if (contact.whole) {
     const SurfacePatch& patch = patch_of(contact);
     if (has_whole(patch)) return touch_whole(contact, patch, tool, work);
-    weight = 0.0;  // the server relies on a surface that is missing here
+    weight = 0.0;  // the model refers to a surface that is missing here
     return {};
   }
-  // A memory taken from the model refers to the model's centre.
+  // A memory from the model refers to the model's centre.
   CameFrom from = from_;
   if (memory.touching && contact.adopted) from = {true, model_.center, age};
   if (memory.touching) bring_up(contact, age, elapsed);
@@ -202,7 +206,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
                                   tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
-  memory = {};  // a model whose products overflow
+  memory = {};  // the products of this model overflow
   return {};
 }
 
@@ -210,7 +214,7 @@ double LocalContact::weight_at(const Vec3& position) const noexcept {
   return share_within(length(Vec3(position - model_.center)), model_.reach);
 }
 
-/// Drops everything that this tick has computed.
+/// Drops all results of this tick.
 LocalForce LocalContact::cut_off() noexcept {
   adopt_whole();
   from_ = {};
@@ -230,7 +234,7 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed,
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }
-  // The texture's force falls with the depth: it must never take off more than the surface's push.
+  // Scale the texture's force with the depth. It must never exceed the push of the surface.
   double depth = 0.0;
   for (int i = 0; i < count_; ++i)
     depth = std::max(depth, contacts_[static_cast<std::size_t>(i)].rough_depth);

@@ -11,22 +11,22 @@
 namespace feltwire {
 namespace {
 
-constexpr double kExact = 1e-12;  // share of a depth or a height
+constexpr double kExact = 1e-12;  // tolerance, as a share of a depth or a height
 
-bool solid(double height) { return height < 0.0; }  // a NaN is free
+bool solid(double height) { return height < 0.0; }  // a NaN counts as free space
 
-/// A patch seen from the tool.
+/// A patch and the tool's height above it.
 struct PatchView {
   const SurfacePatch* patch = nullptr;
   double height = 0.0;  // [m] of the tool above the patch itself
   Vec3 normal = Vec3::Zero();
-  double before = 0.0;  // [m] the height before this movement
+  double before = 0.0;  // [m] height before this movement
 
-  /// Height above the surface that pushes.
+  /// Returns the height [m] above the surface that pushes.
   double clearance() const { return height - patch->offset; }
-  /// The half space in front of the tangent plane, moved by the offset.
+  /// Returns the half space in front of the tangent plane, including the offset.
   HalfSpace open(const Vec3& tool) const { return {normal, normal.dot(tool) - clearance()}; }
-  /// The half space behind the tangent plane of the patch itself.
+  /// Returns the half space behind the tangent plane, without the offset.
   HalfSpace closed(const Vec3& tool) const { return {-normal, height - normal.dot(tool)}; }
 };
 
@@ -37,7 +37,7 @@ struct SeenPatches {
   void add(const PatchView& seen) { all[count++] = seen; }
 };
 
-/// Patches that are not joined: the proxy is the nearest point in front of all their tangent
+/// Handles patches that are not joined. The proxy is the nearest point in front of all tangent
 /// planes.
 PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   PatchProxy proxy;
@@ -69,10 +69,10 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   return proxy;
 }
 
-/// The patch beyond an obtuse edge, if such an edge lies between the proxy on a joined patch and
-/// the point of that patch closest to the tool.
+/// Returns the patch beyond an obtuse edge, if the proxy must cross this edge to reach the point of
+/// its own patch closest to the tool.
 PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool, double age) {
-  constexpr double kBeyond = 1e-9;  // share of the depth: nothing is beyond a right angle
+  constexpr double kBeyond = 1e-9;  // share of the depth: excludes right angles
   const Vec3 closest = tool - from.height * from.normal;
   PatchView to = from;
   double highest = -kBeyond * from.height;
@@ -87,8 +87,8 @@ PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool,
   return to;
 }
 
-/// A ball on the edge or corner of joined patches, or on one of them. It touches the nearest point
-/// of the solid behind all tangent planes.
+/// Handles a ball on an edge, a corner or a face of joined patches. The ball touches the nearest
+/// point of the solid behind all tangent planes.
 PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const Vec3& tool) {
   std::array<HalfSpace, kMaxPatches> spaces;
   for (std::size_t i = 0; i < seen.count; ++i) spaces[i] = seen.all[i].closed(tool);
@@ -103,11 +103,12 @@ PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const V
   return {highest.patch, {tool + depth * normal, normal, depth}};
 }
 
-/// The face that a ball reaches from a round edge or corner, once its middle is behind all patches.
-/// It is the face to which the proxy falls steepest. Null if the ball was on no edge or corner.
+/// Returns the face that a ball reaches from a round edge or corner after its centre is behind all
+/// patches. This is the face with the steepest descent. Returns null if the ball was on no edge or
+/// corner.
 const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
-  constexpr double kRound = 1e-9;    // 1 less the cosine between normals
-  constexpr double kTouched = 1e-3;  // share of the ball's radius: it was on this face's edge
+  constexpr double kRound = 1e-9;    // 1 minus the cosine between normals
+  constexpr double kTouched = 1e-3;  // share of the ball's radius: on the edge of this face
   const PatchView* best = nullptr;
   double steepest = 0.0;
   for (const PatchView& one : seen.view()) {
@@ -124,7 +125,7 @@ const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const Feature
   return best;
 }
 
-/// The patch through which the tool's way entered the solid behind all patches; null if none.
+/// Returns the patch through which the tool entered the solid behind all patches, or null.
 const PatchView* entry(const SeenPatches& seen) {
   const PatchView* by = nullptr;
   double in = 0.0, out = 1.0;
@@ -142,9 +143,9 @@ const PatchView* entry(const SeenPatches& seen) {
   return in < out ? by : nullptr;
 }
 
-/// Whether the straight way from the tool back to a face leads through the solid.
+/// Whether the straight line from the tool back to a face lies in the solid.
 bool holds(const SeenPatches& seen, const PatchView& by) {
-  double from = 0.0, to = -by.height;  // [m] along its normal
+  double from = 0.0, to = -by.height;  // [m] along the face's normal
   for (const PatchView& one : seen.view()) {
     if (one.patch == by.patch) continue;
     const double rises = one.normal.dot(by.normal);
@@ -158,8 +159,8 @@ bool holds(const SeenPatches& seen, const PatchView& by) {
   return from < to;
 }
 
-/// Joined patches: the tool is held by the patch through which it entered, or by the nearest patch
-/// if that is unknown, while the solid is between them (shapes.cpp).
+/// Handles joined patches. The patch of entry holds the tool while the solid is between them
+/// (shapes.cpp). If the entry is unknown, the nearest patch holds the tool.
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
   const PatchView* highest = nullptr;
@@ -185,15 +186,15 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
   return {on.patch, {tool + depth * on.normal, on.normal, depth}};
 }
 
-/// A round patch whose proxy stayed behind on another side (round_proxy.hpp) is seen from there. If
-/// `before` does not hold the tool on this patch, `from` says whether the tool has come through.
+/// Corrects the height above a round patch if the proxy stayed on another side (round_proxy.hpp).
+/// If `before` does not hold the tool on this patch, `from` tells whether the tool has entered.
 void leave_behind(PatchView& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
                   const FeatureMemory& before, const CameFrom& from) {
   constexpr double kRounding = 1e-9;
   const SurfacePatch& patch = *seen.patch;
   const bool held = before.feature != 0 && before.feature == patch.feature;
   if (!(patch.curvature > 0.0) || (!held && !from.known)) return;
-  // Position relative to the centre of curvature.
+  // Returns the position relative to the centre of curvature.
   const auto about = [&](const Vec3& p, const Vec3& patch_moved) {
     Vec3 d = p - (patch.point + patch_moved);
     d -= along(d, patch.axis);
@@ -239,7 +240,7 @@ PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3
   }
   const PatchProxy open = before_all(hollow, tool);
   const PatchProxy convex = behind_all(joined, tool, age, before, from.known);
-  // An object has patches of one kind. If both kinds come, the deeper one counts.
+  // An object has patches of one kind. If both kinds occur, the deeper contact counts.
   return convex.surface.depth > open.surface.depth ? convex : open;
 }
 
