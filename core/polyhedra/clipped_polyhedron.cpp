@@ -5,7 +5,8 @@
 
 namespace feltwire {
 
-/// Heights of corners above a plane: `count` is a multiple of four, all arrays are 32-byte aligned.
+/// Computes the heights of corners above a plane. `count` is a multiple of four, and all arrays are
+/// aligned to 32 bytes.
 FELTWIRE_ALSO_AVX2 static void compute_heights(const std::array<const double*, 3>& corners,
                                                std::size_t count, const LinearFunction& plane,
                                                double* height, ClippedPolyhedron::Extent& reach) {
@@ -41,7 +42,7 @@ void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
   count_ = 0;
   std::array<Vec3, kMostPolyhedronVertices> placed;
   if (solid.graph.size() > kCorners || solid.vertices.size() > placed.size()) [[unlikely]]
-    return;  // cannot happen: polyhedron() limits the vertices, and so the corners
+    return;  // impossible: polyhedron() limits the vertices and corners
   for (std::size_t v = 0; v < solid.vertices.size(); ++v)
     placed[v] = rotation * solid.vertices[v] + position;
   for (const GraphCorner& corner : solid.graph) {
@@ -102,7 +103,8 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
     corners[i] = {x_[in] + part * (x_[v] - x_[in]), y_[in] + part * (y_[v] - y_[in]),
                   z_[in] + part * (z_[v] - z_[in]), end};
   }
-  // The new corners replace removed ones. A new face lies between their other two edges.
+  // A new corner takes the place of a removed corner. There, the new face lies between the other
+  // two edges.
   std::array<std::uint16_t, kCorners> made;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i < above.size() ? above[i] : count_++;

@@ -6,8 +6,8 @@
 
 namespace feltwire {
 
-/// Heights of corners above a function, and the largest height. `count` is a multiple of four, and
-/// all arrays are aligned to 32 bytes: x, y, z, t.
+/// Computes the heights of corners above a function, and returns the largest height. `count` is a
+/// multiple of four. The arrays x, y, z, t are aligned to 32 bytes.
 FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4>& corners,
                                                std::size_t count, const LinearFunction& function,
                                                double* height) {
@@ -42,7 +42,8 @@ ClosestFaceCells::ClosestFaceCells(const ClippedPolyhedron& whole, const Vec3& n
     const auto& face = whole.tags(i);
     Links& links = links_[i];
     links.face = {face[0], face[1], face[2], tag};
-    // An edge lies on the face of its own number and on the face before. It leaves the third face.
+    // An edge lies on the face with its own number and on the previous face. It leaves the third
+    // face.
     for (std::size_t s = 0; s < 3; ++s) {
       const ClippedPolyhedron::Neighbour near = whole.neighbour(i, s);
       links.next[(s + 1) % 3] = end_of(near.corner, (near.slot + 1) % 3);
@@ -78,14 +79,14 @@ void ClosestFaceCells::insert(const Vec3& normal, double offset, std::size_t cel
   pad_corners();
 }
 
-/// Makes a corner on the edge from a removed corner to a kept one.
+/// Makes a corner on the edge from a removed corner to a kept corner.
 void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcept {
   const std::size_t v = corner_of(cut), at = count_++;
   const EdgeEnd kept = links_[v].next[slot_of(cut)];
   const std::size_t u = corner_of(kept);
   std::size_t slot = slot_of(cut);
   Links& links = links_[at];
-  if (u == kBelow) {  // straight down
+  if (u == kBelow) {  // the edge goes straight down
     x_[at] = x_[v];
     y_[at] = y_[v];
     z_[at] = z_[v];
@@ -106,17 +107,17 @@ void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcep
   links.face[slot] = tag;
   links.next = {kDown, kDown, kDown, kDown};
   links.next[slot] = kept;
-  links_[v].next[slot_of(cut)] = end_of(at, slot);  // for the walks of join()
+  links_[v].next[slot_of(cut)] = end_of(at, slot);  // join() follows this link
 }
 
-/// Connects a new corner to other new corners. Each time it walks along a two-dimensional face over
-/// removed corners. `from`: start of the walk. `first`: the first of the new corners.
+/// Connects a new corner to other new corners. For each connection, it walks over removed corners
+/// along a two-dimensional face. `from` is the start of the walk. `first` is the first new corner.
 void ClosestFaceCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
   Links& links = links_[made];
   const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);
   for (std::size_t r = 0; r < 4; ++r) {
     if (r == own || links.next[r] != kDown) continue;
-    // The new edge lies in the new cell and in these two.
+    // The new edge lies in the new cell and in these two cells.
     const std::size_t s = own != 0 && r != 0 ? 0 : own != 1 && r != 1 ? 1 : 2;
     const Tag p = links.face[s], q = links.face[6 - own - r - s];
     EdgeEnd at = from;

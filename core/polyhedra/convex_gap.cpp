@@ -20,14 +20,14 @@ const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
   return solid.vertices[at];
 }
 
-/// Up to four points of the difference.
+/// Up to four points of the Minkowski difference.
 struct Simplex {
   std::array<Vec3, 4> points;
-  std::array<Vec3, 4> on_b;  // the point of b for each difference
+  std::array<Vec3, 4> on_b;  // the point of b in each difference
   std::size_t count = 0;
 
-  /// The point nearest to the origin over the interiors of all faces. Keeps only the corners of
-  /// that face.
+  /// Returns the point of the simplex nearest to the origin. Keeps only the corners of the face
+  /// with this point.
   Vec3 reduce() {
     double best = std::numeric_limits<double>::infinity();
     Vec3 nearest = points[0];
@@ -51,8 +51,8 @@ struct Simplex {
     return nearest;
   }
 
-  /// The point of b where the difference is zero. Precondition: the origin is within the four
-  /// points.
+  /// Returns the point of b where the difference is zero. Precondition: the origin is inside the
+  /// tetrahedron of the four points.
   Vec3 shared() const {
     Mat3 edges;
     edges << points[1] - points[0], points[2] - points[0], points[3] - points[0];
@@ -61,7 +61,8 @@ struct Simplex {
   }
 
  private:
-  /// Projects the origin on the flat through a set of corners. False if it is not between them.
+  /// Projects the origin on the affine hull of a set of corners. Returns false if the projection is
+  /// not between the corners.
   bool project(unsigned set, Vec3& at) const {
     std::array<Vec3, 4> p;
     p.fill(points[0]);
@@ -124,7 +125,7 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
       gap.away = away;
       gap.distance = extent;
     }
-    // The distance lies between the extent and the length. Stop if these are close.
+    // The true distance is between gap.distance and length. Stop when these are close.
     if (round > 0 && length - gap.distance <= kClose * length) break;
     bool known = false;
     for (std::size_t i = 0; i < simplex.count; ++i) known |= simplex.points[i] == point;

@@ -8,16 +8,16 @@ namespace {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
-/// A neighbour of a vertex, and the face between it and the next neighbour in the ring.
+/// A neighbour of a vertex, and the face between this neighbour and the next neighbour in the ring.
 struct Spoke {
   std::uint32_t to;
   std::uint16_t face;
 };
 
-/// The neighbours of each vertex, clockwise as seen from outside.
+/// Returns the neighbours of each vertex, clockwise as seen from outside.
 std::vector<std::vector<Spoke>> rings(std::size_t vertices, std::span<const std::uint32_t> first,
                                       std::span<const std::uint32_t> loop) {
-  std::map<Ends, Spoke> after;  // key (v, u), where a face goes u, v, w; value: w and this face
+  std::map<Ends, Spoke> after;  // a face with u, v, w in order: (v, u) maps to w and the face
   for (std::size_t f = 0; f + 1 < first.size(); ++f) {
     const std::size_t begin = first[f], count = first[f + 1] - begin;
     for (std::size_t k = 0; k < count; ++k)

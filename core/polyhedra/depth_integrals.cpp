@@ -13,8 +13,8 @@ namespace {
 
 using Tag = ClosestFaceCells::Tag;
 
-/// Outside of a hollow, depth is measured from the face that is farthest behind. There the least of
-/// zero and the negative heights is not zero.
+/// Adds the contact with a hollow solid. A point outside the hollow is as deep as its largest
+/// distance beyond a face.
 void add_hollow(const PlacedPart& tool, const ClippedPolyhedron& whole, const DepthPlanes& planes,
                 bool slides, DepthSums& sums) {
   ClosestFaceCells cells(whole, Vec3::Zero(), 0.0, planes.size());
@@ -42,14 +42,14 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     return inside.cut(planes[i].normal, planes[i].offset, static_cast<Tag>(i));
   };
   if (!cut(planes.facing())) return;
-  std::array<double, kMostDepthPlanes> least;  // [m] of depth; at first a lower bound
+  std::array<double, kMostDepthPlanes> least;  // [m] least depth below each plane, or a lower bound
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const ClippedPolyhedron::Extent above = inside.extent(planes[i].normal, planes[i].offset);
     least[i] = -above.most;
     if (above.most > 0.0 && !cut(i)) return;
   }
   // A face can be the nearest somewhere only if its least depth is below the largest depth of every
-  // other face. Mostly the face towards the tool gives this bound.
+  // other face. In most cases, the face towards the tool gives this bound.
   double bound = std::numeric_limits<double>::infinity();
   const DepthPlane& facing = planes[planes.facing()];
   if (!facing.inner) bound = -inside.extent(facing.normal, facing.offset).least;
@@ -59,8 +59,8 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     least[i] = -above.most;
     bound = std::min(bound, -above.least);
   }
-  // Begin with the faces that are nearest in the middle: they have the largest cells and leave
-  // little to cut for the others.
+  // Begin with the faces that are nearest at the middle, because they have the largest cells.
+  // Little then remains to cut for the other faces.
   std::array<std::pair<double, std::size_t>, kMostDepthPlanes> by_depth;
   std::size_t count = 0;
   const Vec3 middle = inside.middle();

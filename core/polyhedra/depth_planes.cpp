@@ -3,7 +3,8 @@
 namespace feltwire {
 namespace {
 
-/// A face is a side of the thickened solid if its normal is at right angles to `away` within this.
+/// Tolerance of the cosine between a face's normal and `away`. Within it, the face is a side of the
+/// thickened solid.
 constexpr double kSide = 1e-6;
 
 bool is_left_out(const SolidPart& part, std::size_t face, const Vec3& away) {
@@ -45,7 +46,8 @@ void DepthPlanes::add_outline(const SolidPart& part, const Vec3& away) noexcept 
     const bool left = is_left_out(part, edge.left, away);
     if (left == is_left_out(part, edge.right, away)) continue;
     const std::size_t kept = left ? edge.right : edge.left;
-    // Skip a side, which is the outline itself, and an inner face, which bounds the part anyway.
+    // Skip a side, because it is the outline itself. Skip an inner face, because it bounds the part
+    // anyway.
     if (part.inner[kept] != 0 || shape.planes[kept].normal.dot(away) <= kSide) continue;
     const Vec3& on_edge = shape.vertices[edge.from];
     HalfSpaceBelow plane;

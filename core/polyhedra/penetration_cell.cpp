@@ -12,8 +12,8 @@ namespace {
 using Tag = ClosestFaceCells::Tag;
 using Corner = std::uint16_t;
 
-/// The six-point rule for polynomials of degree four on a triangle (Strang & Fix 1973): weights as
-/// shares of the area, and places as weights of the corners.
+/// The six-point quadrature rule of degree four on a triangle (Strang & Fix 1973). The weights are
+/// shares of the area, and the places are barycentric coordinates.
 struct TrianglePoint {
   double weight;
   std::array<double, 3> at;
@@ -28,13 +28,13 @@ constexpr std::array<TrianglePoint, 6> kRule = {
      {kOuterWeight, {kOuter, 1.0 - 2.0 * kOuter, kOuter}},
      {kOuterWeight, {1.0 - 2.0 * kOuter, kOuter, kOuter}}}};
 
-/// A corner of a cell, and which of the corner's four faces the cell is.
+/// A corner of a cell, and the cell's slot among the corner's four faces.
 struct CellCorner {
   Corner corner;
   std::uint8_t slot;
 };
 
-/// The corners of each of the first `count` cells.
+/// Lists the corners of each of the first `count` cells.
 class CornersByCell {
  public:
   CornersByCell(const ClosestFaceCells& cells, std::size_t count) {
@@ -62,8 +62,8 @@ class CornersByCell {
   std::array<CellCorner, 4 * ClosestFaceCells::kCorners> all_;
 };
 
-/// The corners as a cell sees them: (u, v) are coordinates along the face from the tool's origin,
-/// and d is the depth.
+/// The corners of a cell in its coordinates: u and v along the face from the tool's origin, and d
+/// for the depth.
 struct SeenCorners {
   static constexpr std::size_t kMost = ClosestFaceCells::kCorners;
   std::array<double, kMost> u, v, d;
@@ -82,26 +82,28 @@ struct SeenCorners {
 /// A triangle of the surface.
 using Facet = std::array<Corner, 3>;
 
-/// Integrals over the intersection of a cell and the tool's part. By Gauss, the integral of
-/// f(u, v) d^n equals that of f d^(n + 1) / (n + 1) over the surface, projected on the face.
+/// Integrals over the intersection of a cell and the tool's part. By Gauss's theorem, the integral
+/// of f(u, v) d^n equals the integral of f d^(n + 1) / (n + 1) over the surface, projected on the
+/// face.
 struct Moments {
-  double cubes = 0.0;               // of d^3
-  std::array<double, 3> squares{};  // of d^2 (1, u, v)
-  std::array<double, 6> depths{};   // of d (1, u, v, u u, u v, v v)
+  double cubes = 0.0;               // integral of d^3
+  std::array<double, 3> squares{};  // integrals of d^2 (1, u, v)
+  std::array<double, 6> depths{};   // integrals of d (1, u, v, u u, u v, v v)
 };
 
 }  // namespace
 
-/// The integrals of d^2 f g over the surface, for f and g of (1, u, v, d). If f and g are linear
-/// on a triangle with corners i,
+/// Integrals of d^2 f g over the surface, for f and g from (1, u, v, d). If f and g are linear on a
+/// triangle with corners i, then
 ///   integral of d^2 f g = area / 180 sum of f_i H_ij g_j.
-/// H holds the second derivatives of the complete homogeneous polynomial of degree 4 in the depths
-/// of the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice that if i = j.
-/// S and Q are the sums of the depths and of their squares.
-/// The order is 1, u, v, u u, u v, v v, then d (1, u, v), then d d; each is multiplied by 360 here.
+/// H has the second derivatives of the complete homogeneous polynomial of degree 4 in the depths of
+/// the corners: H_ij = ((S + d_i + d_j)^2 + Q + d_i^2 + d_j^2) / 2, and twice this value if i = j.
+/// S is the sum of the depths. Q is the sum of their squares.
+/// The order is 1, u, v, u u, u v, v v, then d (1, u, v), then d d. Each value is multiplied by
+/// 360.
 using SurfaceSums = std::array<double, 10>;
 
-/// Adds the integrals of four facets, each in its own lane. Equal corners add nothing.
+/// Adds the integrals of four facets, one facet per lane. A facet with equal corners adds zero.
 __attribute__((always_inline)) static inline void add_four(const SeenCorners& seen,
                                                            const Facet* facets, Double4* of) {
   const double *u = seen.u.data(), *v = seen.v.data(), *d = seen.d.data();
@@ -145,7 +147,7 @@ __attribute__((always_inline)) static inline void add_four(const SeenCorners& se
            (h02 * ad + h12 * bd + h22 * cd) * cd;
 }
 
-/// The integrals of all facets; their number is a multiple of four.
+/// Computes the integrals of all facets. The number of facets is a multiple of four.
 FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<const Facet> facets,
                                            SurfaceSums& sums) {
   Double4 of[10] = {};
@@ -154,8 +156,8 @@ FELTWIRE_ALSO_AVX2 static void sum_surface(const SeenCorners& seen, std::span<co
     sums[i] = (of[i][0] + of[i][1]) + (of[i][2] + of[i][3]);
 }
 
-/// Adds the integrals of each facet of a ridge to those of the cell beyond it. `facets` is filled
-/// up to a multiple of four.
+/// Adds the integrals of each facet of a ridge (the border of two cells) to the cell beyond the
+/// ridge. `facets` is padded to a multiple of four.
 FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<const Facet> facets,
                                           std::span<const Corner> beyond, SurfaceSums* sums) {
   for (std::size_t t = 0; t < beyond.size(); t += 4) {
@@ -171,7 +173,7 @@ FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<con
 namespace {
 
 Moments moments_of(const SurfaceSums& sums) {
-  constexpr double kPart = 1.0 / 360.0;  // of twice the area
+  constexpr double kPart = 1.0 / 360.0;  // per twice the area
   Moments m;
   for (std::size_t i = 0; i < m.depths.size(); ++i) m.depths[i] = kPart * sums[i] / 2.0;
   for (std::size_t i = 0; i < m.squares.size(); ++i) m.squares[i] = kPart * sums[6 + i] / 3.0;
@@ -202,7 +204,7 @@ void add_slip(const PenetrationCell& cell, const Moments& m, DepthSums& sums) {
   const double u = m.squares[1] / weight, v = m.squares[2] / weight;
   const double d = m.cubes / weight - cell.constant - cell.inwards.dot(cell.origin);
   const Vec3 centre = u * cell.across + v * cell.along + d * cell.inwards;
-  // The spread along the face, weighted by the depth.
+  // Compute the covariance along the face, weighted by the depth.
   const double mean_u = m.depths[1] / m.depths[0], mean_v = m.depths[2] / m.depths[0];
   const double uu = m.depths[3] / m.depths[0] - mean_u * mean_u;
   const double uv = m.depths[4] / m.depths[0] - mean_u * mean_v;
@@ -215,7 +217,7 @@ void add_slip(const PenetrationCell& cell, const Moments& m, DepthSums& sums) {
                 vv * cell.along * cell.along.transpose());
 }
 
-/// Adds the part of one triangle of a face at which the tool's part ends inside the solid.
+/// Adds the effect of one triangle of a face where the tool's part ends inside the solid.
 void add_inner(const std::array<Vec3, 3>& corners, const PenetrationCell& cell, Vec6& slope) {
   const auto& [a, b, c] = corners;
   const Vec3 area = 0.5 * (b - a).cross(c - a);
@@ -231,7 +233,7 @@ void add_inner(const std::array<Vec3, 3>& corners, const PenetrationCell& cell, 
   slope.tail<3>() -= arm.cross(area);
 }
 
-/// The surface of a cell, in triangles. It is used for one cell after the other.
+/// The surface of a cell as triangles. One object serves all cells in turn.
 class CellSurface {
  public:
   CellSurface(const ClosestFaceCells& cells, const DepthPlanes& planes)
@@ -240,8 +242,8 @@ class CellSurface {
       for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
   }
 
-  /// Takes the surface of cell k with these corners, without the plane from which the depth is
-  /// measured. Adds to `ends` the parts of faces at which the tool's part ends inside the solid.
+  /// Takes the surface of cell k with these corners, except the plane from which the depth is
+  /// measured. Adds to `ends` the faces where the tool's part ends inside the solid.
   void take(std::size_t k, std::span<const CellCorner> corners, const PenetrationCell& cell,
             Vec6& ends) {
     const std::uint16_t turn = ++turn_;
@@ -255,7 +257,7 @@ class CellSurface {
       for (std::size_t i = 0; i < 3; ++i) {
         const Tag tag = cells_.faces(at)[way[i]];
         const Corner next = place_[cells_.beyond(at, way[(i + 2) % 3])];
-        // All triangles of a face share the corner that is seen first.
+        // The triangles of a face form a fan around its first corner.
         CornerTurn& seen = seen_[tag];
         const Corner first = seen.turn == turn ? seen.corner : here;
         seen = {turn, first};
@@ -277,10 +279,11 @@ class CellSurface {
       spans_[ridge] = std::span(facets_[ridge]).first(count[ridge]);
     }
   }
-  /// The triangles without those of ridges to later cells; their number is a multiple of four.
-  /// Equal corners have no area.
+  /// Returns the triangles, except those of ridges to later cells. Triangles without area pad the
+  /// list to a multiple of four.
   std::span<const Facet> facets() const { return spans_[0]; }
-  /// The triangles of these ridges, filled up too; and the cells beyond them, not filled up.
+  /// Returns the triangles of these ridges, padded too. beyond() returns the cells beyond them,
+  /// without padding.
   std::span<const Facet> ridge_facets() const { return spans_[1]; }
   std::span<const Corner> beyond() const { return std::span(beyond_).first(ridge_count_); }
 
@@ -291,10 +294,10 @@ class CellSurface {
   };
   const ClosestFaceCells& cells_;
   const DepthPlanes& planes_;
-  std::uint16_t turn_ = 0;  // number of the present cell
+  std::uint16_t turn_ = 0;  // number of the current cell
   std::array<CornerTurn, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
   std::array<Corner, ClosestFaceCells::kCorners> place_;
-  // Three edges meet at each corner, so that there are fewer than two triangles for each.
+  // Three edges meet at each corner, so there are fewer than two triangles per corner.
   static constexpr std::size_t kMost = 2 * ClosestFaceCells::kCorners + 4;
   std::array<std::array<Facet, kMost>, 2> facets_;
   std::array<Corner, kMost> beyond_;
@@ -302,13 +305,13 @@ class CellSurface {
   std::size_t ridge_count_ = 0;
 };
 
-/// Adds the amount by which a ridge reduces the curvature. S: the integrals of d^2 f g over the
-/// ridge, with f and g of (1, u, v, d), projected on the face of a cell beside it.
+/// Adds the amount by which a ridge reduces the curvature. `s` has the integrals of d^2 f g over
+/// the ridge, for f and g from (1, u, v, d), projected on the face of an adjacent cell.
 void add_ridge(const PenetrationCell& cell, const PenetrationCell& beyond, const SurfaceSums& s,
                Mat6& ridges) {
-  constexpr double kPart = 6.0 / 360.0;  // of twice the area
+  constexpr double kPart = 6.0 / 360.0;  // per twice the area
   const Vec3 across = (cell.inwards - beyond.inwards).normalized();
-  const double depth = cell.constant + cell.inwards.dot(cell.origin);  // of the tool's origin
+  const double depth = cell.constant + cell.inwards.dot(cell.origin);  // depth of the tool's origin
   Eigen::Matrix4d sums;
   sums << s[0], s[1], s[2], s[6],  //
       s[1], s[3], s[4], s[7],      //
@@ -349,7 +352,8 @@ void add_cells(const ClosestFaceCells& cells, std::span<const PenetrationCell> o
                const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept {
   const CornersByCell by_cell(cells, of.size());
   CellSurface surface(cells, planes);
-  std::array<SurfaceSums, ClosestFaceCells::kMostCells> beyond;  // of the ridges from one cell
+  // Ridge integrals, by the cell beyond.
+  std::array<SurfaceSums, ClosestFaceCells::kMostCells> beyond;
   std::fill_n(beyond.begin(), of.size(), SurfaceSums{});
   for (std::size_t k = 0; k < of.size(); ++k) {
     const auto corners = by_cell[k];

@@ -25,7 +25,7 @@ Bound bound(const std::vector<Vec3>& points) {
   return b;
 }
 
-/// Keeps one of several equal planes.
+/// Removes duplicate planes.
 std::vector<HalfSpaceBelow> distinct(const std::vector<HalfSpaceBelow>& planes, double size) {
   constexpr double kSameNormal = 1e-7;
   std::vector<HalfSpaceBelow> kept;
@@ -39,7 +39,7 @@ std::vector<HalfSpaceBelow> distinct(const std::vector<HalfSpaceBelow>& planes, 
   return kept;
 }
 
-/// The vertices on a plane, counter-clockwise about its normal.
+/// Returns the vertices on a plane, counter-clockwise about its normal.
 std::vector<std::uint32_t> ring(const std::vector<Vec3>& vertices, const HalfSpaceBelow& plane,
                                 double on) {
   std::vector<std::uint32_t> found;
@@ -73,8 +73,8 @@ struct Face {
   }
 };
 
-/// The faces on the planes. A narrow face may lie in the plane of a wide one, except for rounding.
-/// Then both planes have the same corners, and only one of them remains.
+/// Returns the faces on the planes. A narrow face may lie in the plane of a wide face, except for
+/// rounding errors. Then both planes have the same corners, and only one plane remains.
 std::vector<Face> faces(const std::vector<Vec3>& vertices,
                         const std::vector<HalfSpaceBelow>& planes, double on) {
   std::vector<Face> found;
@@ -89,8 +89,8 @@ std::vector<Face> faces(const std::vector<Vec3>& vertices,
   return found;
 }
 
-/// The faces as Qhull joined them: connected triangles with one plane. Empty if some of these are
-/// no rings.
+/// Returns the faces as Qhull merged them: connected triangles in one plane. Returns an empty list
+/// if a face is not a ring.
 std::vector<Face> joined_faces(const HullTriangles& hull) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> triangle_of;
   for (std::size_t t = 0; t < hull.corners.size(); ++t)
@@ -105,7 +105,7 @@ std::vector<Face> joined_faces(const HullTriangles& hull) {
   for (std::size_t first = 0; first < hull.corners.size(); ++first) {
     if (taken[first] != 0) continue;
     taken[first] = 1;
-    std::map<std::uint32_t, std::uint32_t> next;  // along the rim
+    std::map<std::uint32_t, std::uint32_t> next;  // next vertex along the rim
     std::vector<std::size_t> waiting = {first};
     while (!waiting.empty()) {
       const std::size_t t = waiting.back();
@@ -137,7 +137,7 @@ std::vector<Face> joined_faces(const HullTriangles& hull) {
   return found;
 }
 
-/// Finds the two faces of each edge. False if an edge does not have exactly two.
+/// Finds the two faces of each edge. Returns false if an edge does not have exactly two faces.
 bool join_faces(Polyhedron& solid) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> face_of;
   for (std::size_t f = 0; f < solid.planes.size(); ++f) {
@@ -192,7 +192,7 @@ std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error) 
 
 namespace {
 
-/// Takes these faces. False if they do not close.
+/// Builds the solid from these faces. Returns false if the faces do not close.
 bool take_faces(const std::vector<Face>& faces, Polyhedron& solid) {
   solid.planes.clear();
   solid.first = {0};
@@ -228,7 +228,7 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
   solid.least = box.least;
   solid.most = box.most;
   const double size = (box.most - box.least).maxCoeff();
-  // Qhull joins faces that rounding has bent, so a corner may be this far off its face.
+  // Qhull merges nearly coplanar faces, so a corner may be this far off its face.
   for (const double on : {kCoplanar * size, 1e2 * kCoplanar * size, 1e4 * kCoplanar * size})
     if (take_faces(faces(solid.vertices, distinct(hull->planes, size), on), solid)) return solid;
   if (take_faces(joined_faces(hull_triangles(points)), solid)) return solid;
