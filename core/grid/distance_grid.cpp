@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kBrickShift = 3, kBrickMask = 7;
 constexpr double kMaxBricksAlong = 1 << 20;  // so that every index fits an int
-/// Half the diagonal of a brick's cells, in steps of the grid: the largest distance of its points
-/// from its centre.
+/// Half the diagonal of a brick's cells, in grid steps. No point of a brick is farther from its
+/// centre.
 const double kBrickReach = 4.0 * std::sqrt(3.0);
 
 std::string text(double value) {
@@ -26,12 +26,12 @@ std::string text(double value) {
   return {characters.data(), end};
 }
 
-/// Four numbers at once. A stencil has three along x; the fourth has weight zero.
+/// Four numbers. A stencil has three samples along x, so the fourth number has weight zero.
 template <class Real>
 using Row = Eigen::Array<Real, 4, 1>;
 
-/// Weights of the samples before, at and after the nearest one, and their derivatives. The offset t
-/// from the nearest sample is in [-1/2, 1/2].
+/// Weights of the samples before, at and after the nearest sample, and their derivatives. The
+/// offset t from the nearest sample is in [-1/2, 1/2].
 template <class Real>
 struct Weights {
   Row<Real> value = Row<Real>::Zero(), slope = Row<Real>::Zero();
@@ -55,8 +55,8 @@ Weights<Real> weights(Interpolation interpolation, Real t) noexcept {
   return w;
 }
 
-/// Value and gradient (per step of the grid) from 3 x 3 rows. `first` is the row of the samples
-/// before along y and z. Every row must have a readable fourth number.
+/// Returns the value and the gradient (per grid step) from 3 x 3 rows. `first` is the row of the
+/// lowest samples along y and z. Each row must have a readable fourth number.
 template <class Real>
 FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t along_z,
                     const std::array<Weights<Real>, 3>& w) noexcept {
@@ -81,12 +81,12 @@ FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t al
 
 }  // namespace
 
-/// The place of a position in the grid.
+/// A position in grid coordinates.
 template <class Real>
 struct DistanceGrid<Real>::Place {
   Index nearest;  // sample
   Index brick;
-  Vec3 beyond;  // [h] the position less the nearest sample
+  Vec3 beyond;  // [h] offset from the nearest sample
   std::size_t at = 0;
 };
 
@@ -95,10 +95,10 @@ struct DistanceGrid<Real>::Builder {
   DistanceGrid& grid;
   const Solid& solid;
   std::vector<Index> bricks;  // bricks with samples, in the order of the table
-  std::vector<Real> raw;      // their samples without aprons
+  std::vector<Real> raw;      // samples of the bricks, without aprons (borders)
 
   static constexpr std::size_t kOwn = std::size_t{kBrick} * kBrick * kBrick;
-  static constexpr int kWide = kBrick + 4;  // with an apron of two
+  static constexpr int kWide = kBrick + 4;  // with an apron of two samples
   using Wide = std::array<double, std::size_t{kWide} * kWide * kWide>;
 
   double distance(const Index& sample) const {
@@ -118,7 +118,7 @@ struct DistanceGrid<Real>::Builder {
   void store(std::size_t slot);
 };
 
-/// Determines the grid's extent and its table.
+/// Determines the extent and the table of the grid.
 template <class Real>
 void DistanceGrid<Real>::Builder::place(const GridOptions& options) {
   const double h = options.resolution;
@@ -160,7 +160,7 @@ void DistanceGrid<Real>::Builder::place(const GridOptions& options) {
 /// Chooses the bricks that the band touches.
 template <class Real>
 void DistanceGrid<Real>::Builder::choose(std::size_t max_bytes) {
-  // Each thread takes one plane of bricks at a time.
+  // Each thread processes one plane of bricks at a time.
   const auto plane =
       static_cast<std::size_t>(grid.count_.x()) * static_cast<std::size_t>(grid.count_.y());
   parallel_for(static_cast<std::size_t>(grid.count_.z()), [&](std::size_t z) {
@@ -195,7 +195,7 @@ void DistanceGrid<Real>::Builder::sample(std::size_t slot) {
       for (int x = 0; x < kBrick; ++x) *out++ = static_cast<Real>(distance(first + Index(x, y, z)));
 }
 
-/// A sample from the brick that stores it, or else from the solid.
+/// Returns a sample from the brick that stores it, or else from the solid.
 template <class Real>
 double DistanceGrid<Real>::Builder::known(const Index& sample) const {
   const Index brick = sample.unaryExpr([](int i) { return i >> kBrickShift; });
@@ -223,7 +223,7 @@ void DistanceGrid<Real>::Builder::store(std::size_t slot) {
   for (int z = 0; z < kWide; ++z)
     for (int y = 0; y < kWide; ++y)
       for (int x = 0; x < kWide; ++x) {
-        // Only the spline needs the outer apron, and only its faces.
+        // Only the spline needs the outer apron, and only the faces of the apron.
         const int outer = int{outermost(x)} + int{outermost(y)} + int{outermost(z)};
         if (outer == 0 || (outer == 1 && quadratic))
           wide[at(x, y, z)] = known(first + Index(x, y, z));
@@ -233,8 +233,8 @@ void DistanceGrid<Real>::Builder::store(std::size_t slot) {
     for (int y = 1; y <= kRow; ++y)
       for (int x = 1; x <= kRow; ++x) {
         double value = wide[at(x, y, z)];
-        // Quasi-interpolation: coefficients that make the quadratic spline exact on quadratics
-        // (de Boor & Fix 1973): c = f - (f'' h^2) / 8 along each axis.
+        // Quasi-interpolation (de Boor & Fix 1973): with the coefficients c = f - (f'' h^2) / 8
+        // along each axis, the quadratic spline is exact for quadratic functions.
         if (quadratic)
           value = 1.75 * value -
                   0.125 * (wide[at(x - 1, y, z)] + wide[at(x + 1, y, z)] + wide[at(x, y - 1, z)] +
@@ -281,7 +281,7 @@ bool DistanceGrid<Real>::find(const Vec3& position, Place& place) const noexcept
   const Vec3 u = inverse_h_ * (position - origin_) + Vec3::Constant(0.5);
   const bool in = u.x() >= 0.0 && u.y() >= 0.0 && u.z() >= 0.0 && u.x() < kBrick * count_.x() &&
                   u.y() < kBrick * count_.y() && u.z() < kBrick * count_.z();
-  if (!in) return false;  // also NaN
+  if (!in) return false;  // also for NaN
   place.nearest = u.cast<int>();
   place.brick = Index(place.nearest.x() >> kBrickShift, place.nearest.y() >> kBrickShift,
                       place.nearest.z() >> kBrickShift);
@@ -306,8 +306,8 @@ FieldPoint DistanceGrid<Real>::fine(const Place& place, std::int32_t slot) const
   return point;
 }
 
-/// Applies the same spline to the bricks' centres. The coefficients are the values themselves, so
-/// the result never exceeds them.
+/// Applies the same spline to the centres of the bricks. The coefficients are the values
+/// themselves, so the result never exceeds the values.
 template <class Real>
 FieldPoint DistanceGrid<Real>::coarse(const Place& place) const noexcept {
   constexpr std::ptrdiff_t kLanes = 4, kSide = 3;
@@ -360,7 +360,7 @@ double DistanceGrid<Real>::at_least(const Vec3& position, double sign,
       sign * static_cast<double>(centers_[place.at]) - (position - center_of(place.brick)).norm();
   const std::int32_t slot = slots_[place.at];
   if (quick > wanted || slot < 0) return quick;
-  // Interpolation errs by at most a part of a step, at the solid's sharpest edges.
+  // The interpolation error is less than a grid step, at the sharpest edges of the solid.
   return std::max(quick, sign * fine(place, slot).distance - h_);
 }
 

@@ -1,7 +1,7 @@
-// Eight queries of a distance grid at once. A place reads nine rows of samples. The rows of four
-// places are transposed, so that each lane of a vector belongs to one place and all arithmetic is
-// vector arithmetic. The width is fixed here and not chosen by the compiler: every machine gives
-// the same bits.
+// Evaluates a distance grid at eight places at once. Each place reads nine rows of samples. The
+// rows of four places are transposed. Each lane of a vector then belongs to one place, and all
+// arithmetic is vector arithmetic. The width is a constant, so that every machine computes the same
+// bits.
 
 #include <cstring>
 
@@ -24,8 +24,8 @@ void load(Type& quad, const Real* from) noexcept {
   std::memcpy(&quad, from, sizeof quad);
 }
 
-/// Weights of the samples before, at and after the nearest one along an axis, and their
-/// derivatives, as for a single place (distance_grid.cpp).
+/// Weights of the samples before, at and after the nearest sample along an axis, and their
+/// derivatives. They equal the weights for a single place (distance_grid.cpp).
 template <class Type>
 struct QuadWeights {
   std::array<Type, kTaps> value, slope;
@@ -50,7 +50,8 @@ void weigh(Interpolation interpolation, const Real* beyond, QuadWeights<Type>& w
 
 }  // namespace
 
-/// False if a place is not near the surface: nothing is known there.
+/// Finds the samples of all places. Returns false if a place is too far from the surface to have
+/// samples.
 template <class Real>
 bool DistanceGrid<Real>::find(const FieldGroup& group, Offsets& offsets,
                               Beyond& beyond) const noexcept {
@@ -147,7 +148,7 @@ void DistanceGrid<Real>::at_least(FieldGroup& group, double sign,
   Beyond beyond;
   if (find(group, offsets, beyond)) {
     fine(offsets, beyond, group);
-    group.distance = sign * group.distance - h_;  // as for a single place
+    group.distance = sign * group.distance - h_;  // same bound as for a single place
     return;
   }
   for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {

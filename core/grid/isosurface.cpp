@@ -19,8 +19,9 @@ class Lattice {
   Lattice(const DistanceGrid<float>& grid, int steps) {
     const Vec3 size = grid.high() - grid.low();
     step_ = size.maxCoeff() / steps;
-    // Leave more than a cell on each side, so that the surface is closed. Do not leave whole cells:
-    // a flat side of the solid would lie in a plane of corners, where cells share their vertices.
+    // Leave more than a cell on each side, so that the surface is closed. Avoid a whole number of
+    // cells: otherwise a flat side of the solid lies in a plane of corners, and cells share their
+    // vertices.
     constexpr double kAside = 1.63;  // cells
     origin_ = grid.low() - Vec3::Constant(kAside * step_);
     for (int axis = 0; axis < 3; ++axis)
@@ -46,8 +47,8 @@ class Lattice {
   std::size_t size() const { return values_.size(); }
   const std::array<std::size_t, 3>& count() const { return count_; }
 
-  /// Mean of the points where the surface crosses the edges of a cell; nothing if it crosses no
-  /// edge.
+  /// Returns the mean of the points where the surface crosses the edges of a cell. Returns nothing
+  /// if the surface crosses no edge.
   std::optional<Vec3> crossing(std::size_t x, std::size_t y, std::size_t z) const {
     Vec3 sum = Vec3::Zero();
     int crossed = 0;
@@ -94,7 +95,7 @@ TriangleSoup isosurface(const DistanceGrid<float>& grid, int steps) {
           soup.vertices.push_back(*place);
         }
 
-  // An edge that the surface crosses has four cells around it. Their vertices form a square.
+  // Four cells surround an edge that the surface crosses. Their vertices form a square.
   const auto join = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d, bool outwards) {
     const std::array<std::uint32_t, 4> corner = {vertex[a], vertex[b], vertex[c], vertex[d]};
     if (outwards) {

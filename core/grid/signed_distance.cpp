@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-/// Distance from the solid, whichever side it is felt from.
+/// Returns the distance from the solid, regardless of the side that is felt.
 FieldPoint of_solid(const Shape& shape, const Vec3& p) noexcept {
   if (const auto* grid = std::get_if<Grid>(&shape)) return grid->field->at(p);
   return on_primitive(
@@ -17,7 +17,7 @@ FieldPoint of_solid(const Shape& shape, const Vec3& p) noexcept {
       });
 }
 
-/// [m]
+/// Returns half the sides [m] of the bounding box.
 Vec3 half_box(const Shape& shape) {
   if (std::holds_alternative<Mesh>(shape))
     throw std::invalid_argument("a mesh has a sampling of its own (mesh_distance.hpp)");
