@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// Steps of the additive recurrence in two dimensions with the smallest known gaps (Roberts 2018):
-/// 1 / the plastic number, and the square of that.
+/// Steps of the two-dimensional additive recurrence with the smallest known gaps (Roberts 2018): 1
+/// / the plastic number, and the square of this value.
 constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;
 
 double part_of(double x) { return x - std::floor(x); }
@@ -25,7 +25,7 @@ double area_of(const TriangleSoup& surface, const Triangle& t) {
 }
 
 constexpr std::size_t kSides = 6;
-/// The side is the axis that the triangle's normal is nearest to.
+/// Returns the axis that is nearest to the triangle's normal, with its sign.
 std::size_t side_of(const TriangleSoup& surface, const Triangle& t) {
   const Vec3 a = surface.vertices[t[1]] - surface.vertices[t[0]];
   const Vec3 normal = a.cross(surface.vertices[t[2]] - surface.vertices[t[0]]);
@@ -41,7 +41,7 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
                          Sides& sides) {
   std::vector<Vec3> points;
   points.reserve(count);
-  double before = 0.0;  // [m^2] of the triangles before this one
+  double before = 0.0;  // [m^2] area of the previous triangles
   std::size_t triangle = 0;
   double here = area_of(surface, surface.triangles[0]);
   for (std::size_t i = 0; i < count; ++i) {
@@ -52,7 +52,7 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
       here = area_of(surface, surface.triangles[++triangle]);
     }
     double u = part_of(n * kFirstStep), v = part_of(n * kSecondStep);
-    if (u + v > 1.0) {  // mirrors a point of the parallelogram's other half
+    if (u + v > 1.0) {  // mirrors a point of the other half
       u = 1.0 - u;
       v = 1.0 - v;
     }
@@ -65,8 +65,8 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
   return points;
 }
 
-/// Cuts the shell into parts of eight, so that the children of a part, or the points of a leaf,
-/// fill a vector.
+/// Divides the shell into parts of eight. So the children of a node, or the points of a leaf, fill
+/// a vector.
 struct TreeBuilder {
   PointShell& shell;
   static constexpr std::uint32_t kParts = ShellNode::kParts;
@@ -86,8 +86,8 @@ struct TreeBuilder {
     return node;
   }
 
-  /// Cuts in two along the longest side, so that full leaves stay full. Returns the place of the
-  /// cut.
+  /// Splits a range in two along its longest side, so that full leaves stay full. Returns the index
+  /// of the split.
   std::uint32_t halve(std::uint32_t begin, std::uint32_t end) {
     const auto first = shell.points.begin() + static_cast<std::ptrdiff_t>(begin),
                last = shell.points.begin() + static_cast<std::ptrdiff_t>(end);
@@ -98,14 +98,15 @@ struct TreeBuilder {
     }
     Eigen::Index axis;
     (high - low).maxCoeff(&axis);
-    // Sort completely, not only to the middle: then every standard library makes the same tree.
+    // Sort completely instead of only to the middle, so that every standard library makes the same
+    // tree.
     std::stable_sort(first, last,
                      [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
     const std::uint32_t leaves = (end - begin + kParts - 1) / kParts;
     return begin + (leaves + 1) / 2 * kParts;
   }
 
-  /// Cuts a part in two, `cuts` times over, and appends the ends of the parts to `ends`.
+  /// Splits a range `cuts` times in two and appends the ends of the parts to `ends`.
   void cut(std::uint32_t begin, std::uint32_t end, int cuts, std::vector<std::uint32_t>& ends) {
     if (cuts == 0 || end - begin <= kParts) {
       ends.push_back(end);

@@ -11,24 +11,24 @@
 namespace feltwire {
 namespace {
 
-/// A ball of points is skipped if it is farther from the surface than this share of its radius.
-/// With a smaller share, little would be certain about the clearance.
+/// A ball of points is skipped if its distance from the surface is above this share of its radius.
+/// A smaller share would give a weaker bound of the clearance.
 constexpr double kFarEnough = 0.5;
 
-constexpr std::uint64_t kGroupWork = 4;  // units of eight points or nodes against one solid
+constexpr std::uint64_t kGroupWork = 4;  // units of work per eight points or nodes
 
 double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; }
 
 using Lanes = FieldGroup::Lanes;
 static_assert(ShellNode::kParts == FieldGroup::kSize);
 
-/// Sums in the object's frame, arms from the tool's origin.
+/// Sums in the object frame. The arms start at the tool's origin.
 struct Sums {
   double squares = 0.0;  // of distances [m^2]
   Vec6 wrench = Vec6::Zero();
   Mat6 stiffness = Mat6::Zero();  // the lower half
 
-  /// Adds the places with a distance below zero. All others have zero as distance and gradient.
+  /// Adds the places with a negative distance. All other places have zero distance and gradient.
   void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
     const std::array<Lanes, 6> way = {group.gradient_x,
                                       group.gradient_y,
@@ -46,7 +46,7 @@ struct Sums {
   }
 };
 
-/// The place of a patch: sums over its points, weighted by the load d |grad d|.
+/// Sums over the points of a friction patch, weighted by the load d |grad d|.
 struct FrictionPatchSums : SlipSums {
   void add(const Lanes& weights, const std::array<Lanes, 3>& normals,
            const std::array<Lanes, 3>& arm_of) {
@@ -62,7 +62,8 @@ struct FrictionPatchSums : SlipSums {
   }
 };
 
-/// The side is the axis of the object's frame nearest to the normal: within 55 degrees of it.
+/// The side of a normal is the nearest axis of the object frame. The angle to this axis is at most
+/// 55 degrees.
 constexpr std::size_t kPatchSides = 6;
 std::size_t side_of(const Vec3& way) {
   Eigen::Index axis;
@@ -74,15 +75,15 @@ std::size_t side_of(const Vec3& way) {
 struct ShellQuery {
   const PointShell& shell;
   const Object& object;
-  Mat3 turned;  // the tool's frame into the object's
-  Vec3 origin;  // [m] of the tool
+  Mat3 turned;  // from the tool frame to the object frame
+  Vec3 origin;  // [m] the tool's origin
   ShellContact& sum;
-  bool slides;  // the sums of slip are wanted
+  bool slides;  // computes the slip sums
   WorkLimit* work;
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
 
-  /// Whether the ball may be near. If it is not, the clearance takes its distance.
+  /// Whether the ball may be near the surface. If not, its distance limits the clearance.
   bool near(const ShellNode& node, double distance) {
     if (!(distance > far_of(node))) return true;
     sum.clearance = std::min(sum.clearance, distance - node.radius);
@@ -155,7 +156,7 @@ struct ShellQuery {
       if (there[side]) patches[side].add(weights[side], normals, arm);
   }
 
-  /// `scale` [N]: the force of a unit of load.
+  /// Adds the friction patches. `scale` [N] is the force per unit of load.
   void patch(const Mat3& to_world, double scale, const ObjectInStep& in) {
     const Material& material = object.material;
     double whole = 0.0;
@@ -177,7 +178,7 @@ struct ShellQuery {
   }
 
   void all() {
-    // The stack holds a node's children only while the node is looked into.
+    // The stack has the children of a node only while the node is processed.
     std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
     std::size_t count = 0;
     if (root_is_near()) waiting[count++] = 0;
