@@ -15,8 +15,8 @@
 namespace feltwire {
 namespace {
 
-/// [Hz] The highest whole servo rate at which the account can follow the forces of a motor with
-/// this lag. Precondition: the lag is not zero.
+/// Returns the highest whole servo rate [Hz] at which the account can model a motor with this lag.
+/// Precondition: the lag is not zero.
 long highest_rate(const MotorLag& lag) {
   constexpr double kRounded = 1.0 + 1e-9;
   return static_cast<long>(std::floor(kRounded * LaggingForces::kMostSamples / lag.rest()));
@@ -53,8 +53,8 @@ const AccountConfig& checked(const AccountConfig& config) {
   return config;
 }
 
-/// The largest share s, 0 to 1, at which `balance` pays for the sum of all needs. `Needs`: a span,
-/// preferably with a length known at compile time.
+/// Returns the largest share s in [0, 1] at which `balance` covers the sum of all needs. `Needs` is
+/// a span, preferably with a length known at compile time.
 template <class Needs>
 double affordable(const Needs& needs, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
@@ -69,14 +69,16 @@ double affordable(const Needs& needs, double balance) noexcept {
     for (const EnergyNeed& need : needs) sum += need.at(s);
     return sum;
   };
-  // Rounding moves a command at the limit of its own bound slightly beyond it. Do not scale for
-  // that.
+  // A rounding error may move a command at the limit of its own bound beyond the balance. Do not
+  // scale such a command.
   if (all(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
-  constexpr double kLess = 1.0 - kOffByRounding;  // rounding must not overdraw
+  constexpr double kLess = 1.0 - kOffByRounding;  // a rounding error must not overdraw
   const double below = kLess * std::sqrt(balance / first);
   if (std::ranges::all_of(needs, [&](const EnergyNeed& need) { return need.before_turn(below); }))
     return std::min(below, 1.0);
-  // Every need grows with s. So the answer lies beyond a turn exactly when the turn costs less.
+  // At its turn, a need changes from a quadratic function to its second form. Every need grows with
+  // s. So the solution is beyond a turn exactly if the sum of needs at this turn is below the
+  // balance.
   double square = 0.0, linear = 0.0, left = balance;
   for (const EnergyNeed& need : needs) {
     const double turn = need.reach / need.free;
@@ -96,7 +98,7 @@ double affordable(const Needs& needs, double balance) noexcept {
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       looks_ahead_(config.looks_ahead),
-      // The true force of a lagging motor is not known well enough to learn from it.
+      // The true force of a lagging motor is too uncertain for learning.
       translation_(config.translation, config.period,
                    config.learns_outside_force && config.lag.time == 0.0),
       rotation_(config.rotation, config.period,
@@ -112,11 +114,11 @@ PortAccount::PortAccount(const AccountConfig& config)
   surely_paid_ = 1.0 - std::max(translation_.most_kept(), rotation_.most_kept());
 }
 
-/// Returns the balance that limits the next force: the smaller of the present balance and the one
-/// half a sample ahead if the motion goes on.
+/// Returns the balance that limits the next force. It is the smaller of the current balance and the
+/// expected balance when the force acts, at least half a sample later, if the motion continues.
 inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
-  // Reject a movement whose square is not finite, even if its numbers are.
+  // Reject a movement if its square is not finite, even if its components are finite.
   const double moved = s.displacement.squaredNorm() + s.rotation.squaredNorm();
   const bool known = std::isfinite(moved) && std::isfinite(s.hold_time) && s.hold_time > 0.0;
   const double delivered = held_.force.dot(s.displacement) + held_.torque.dot(s.rotation);
@@ -132,7 +134,7 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
     balance_ += earned;
     if (translation_.strong_hand() || rotation_.strong_hand()) ++statistics_.strong_hand;
   } else {
-    // The last force was affordable, so the worst movement left a balance that is not negative.
+    // The last force was affordable, so even the worst movement left a balance of zero or more.
     balance_ = std::min(balance_, worst_next_);
     translation_.forget();
     rotation_.forget();
@@ -146,20 +148,20 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   return balance_ - ahead * std::max(0.0, per_period);
 }
 
-/// Whether no force is on the hand and no earlier force is still to come.
+/// Whether no force acts on the hand and no earlier force is pending.
 bool PortAccount::idle() const noexcept {
   for (std::size_t n = 0; n < late_; ++n)
     if (!ForceAndTorque{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
   return held_.nothing() && older_forces_.nothing() && older_torques_.nothing();
 }
 
-/// The force of the last command.
+/// Returns the force of the last command.
 inline PortAccount::Last PortAccount::last() const noexcept {
   if (late_ == 0) return {held_.force, held_.torque};
   return {coming_forces_[late_ - 1], coming_torques_[late_ - 1]};
 }
 
-/// The share of the balance that is kept in reserve.
+/// Returns the share of the balance that is kept in reserve.
 inline double PortAccount::kept() const noexcept {
   const double force = translation_.kept_beside(last().force);
   if (force == 0.0) return 0.0;
@@ -167,8 +169,8 @@ inline double PortAccount::kept() const noexcept {
   return beside == PortBalance::kBesideNothing ? 0.0 : beside;
 }
 
-/// `usual` and `most`: the shares of `wanted` that can be paid for without and with the reserve.
-/// The reserve is spent only so far that the force falls gradually.
+/// Returns the share of `wanted` to give. `usual` and `most` are the affordable shares without and
+/// with the reserve. The reserve is used only so far that the force falls gradually.
 double PortAccount::softened(const ForceAndTorque& wanted, double usual,
                              double most) const noexcept {
   const bool pushes = !wanted.force.isZero(0.0);
@@ -178,11 +180,11 @@ double PortAccount::softened(const ForceAndTorque& wanted, double usual,
   return usual >= softer ? usual : std::max(usual, std::min(most, softer));
 }
 
-/// The share of `wanted` that `left` [J] pays for after the coming forces. `own`: its needs after
-/// them. A force that took all that is left would leave nothing for the next force, and that one
-/// would leave everything to the one after it. So `left` must also pay for L + 1 such forces in a
-/// row. Their needs are computed at the share that is given: a larger force has differently
-/// distributed needs, and the share would oscillate.
+/// Returns the share of `wanted` that `left` [J] covers after the pending forces. `own` has the
+/// needs of `wanted` after these forces. A force that used all energy would leave none for the next
+/// force. So `left` must also cover L + 1 such forces in a row. Their needs are computed at the
+/// returned share. The needs of a larger force are distributed differently, and the share would
+/// oscillate.
 double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
@@ -202,14 +204,14 @@ double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& w
   return usual == 1.0 || keeps == 0.0 ? usual : softened(wanted, usual, share(left));
 }
 
-/// [J] Need of the whole of `held`, after the first n of the coming forces.
+/// Returns the need [J] of `held` in full, after the first n pending forces.
 double PortAccount::need_after(const ForceAndTorque& held, std::size_t n,
                                double hold) const noexcept {
   return translation_.need(held.force, hold, {coming_forces_.data(), n}).at(1.0) +
          rotation_.need(held.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
-/// Stores the given force: it acts on the hand now, or L samples later.
+/// Stores the given force. The force acts on the hand now, or L samples later.
 void PortAccount::give(const ForceAndTorque& given) noexcept {
   if (late_ == 0) {
     held_ = given;
@@ -241,8 +243,8 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   return given;
 }
 
-/// The largest share of `wanted` that `left` [J] pays for. kNoLimit if a need has no limit, as for
-/// a number that is not finite.
+/// Returns the largest share of `wanted` that `left` [J] covers. Returns kNoLimit if a need has no
+/// limit, for example because a number is not finite.
 inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double left,
                                             double hold) noexcept {
   if (lags()) return lagging_share(wanted, left, hold);
@@ -257,8 +259,8 @@ inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double
   return softened(wanted, usual, affordable(both, left));
 }
 
-/// affordable_share() for a lagging motor. The cost of a share has no simple inverse, so this
-/// searches. The share that it returns is always affordable.
+/// Computes affordable_share() for a lagging motor. The cost of a share has no simple inverse, so
+/// this function searches. The returned share is always affordable.
 double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept {
   const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
   const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
@@ -270,8 +272,8 @@ double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, dou
   return share;
 }
 
-/// Gives the affordable share of the parts whose need has a limit. Gives nothing of a command that
-/// is not finite.
+/// Gives the affordable share of the parts with a limited need. Gives nothing if the command is not
+/// finite.
 Command PortAccount::give_limited_part(const Command& command, double left, double hold) noexcept {
   Command given;
   if (command.finite()) {
@@ -327,7 +329,7 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
       for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
       return LaggingNeed(balance, older, force, config.period).at(1.0);
     }
-    double sum = 0.0;  // over the samples that pay together for this force
+    double sum = 0.0;  // over all samples that pay for this force
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);
     return sum;

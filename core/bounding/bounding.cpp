@@ -15,7 +15,7 @@ void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Checks the paper's constants of one port. Every configuration may set them.
+/// Checks the constants c1 and c2 of one port. Every configuration may set them.
 void check_constants(const Damping& damping, double period, std::optional<double> given_c1,
                      std::optional<double> given_c2, const std::string& suffix) {
   const Vec3 b = damping.per_axis();

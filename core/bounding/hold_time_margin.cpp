@@ -6,13 +6,13 @@ namespace feltwire {
 
 void HoldTimeMargin::saw(double hold_time, bool felt) noexcept {
   // Change per tick, as shares of T. A force at its limit falls by up to twice the first share, or
-  // by half the second; on a device with late forces, by as much again for each force still to
-  // come.
+  // by half the second share. On a device with late forces, the force falls by as much again for
+  // each pending force.
   constexpr double kGrowth = 0.005, kGrowthOfAnyHand = 0.03, kShrinkage = 0.001, kAtOnce = 1.0;
   const auto follow = [&](double reserved, double growth, double most) {
     return std::clamp(most, reserved - kShrinkage * period_, reserved + growth * period_);
   };
-  // The lateness of this tick counts from the next tick on: for this tick, the reach is enough.
+  // The lateness of this tick counts from the next tick on. The reach already covers this tick.
   reserved_ = follow(reserved_, kGrowth, std::max(over_, over_before_));
   over_ = std::max(over_, std::min(hold_time - period_, period_));
   window_ += hold_time;

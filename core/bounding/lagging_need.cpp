@@ -52,7 +52,8 @@ double LaggingNeed::of_sample(std::size_t i, double s) const noexcept {
   double sum = (sample.weight - most) * own + sample.changes;
   for (std::size_t j = 0; j < sample.count; ++j)
     sum += (sample.older[j] - sample.older[j + 1]) * std::max(own, sample.worst[j]);
-  // The force changes from the newest older force to s f, and in later samples from s f to zero.
+  // The force changes from the newest older force to s f. In later samples, it changes from s f to
+  // zero.
   const double change =
       std::sqrt(std::max(0.0, newest_squared_ + s * (s * squared_ - 2.0 * along_)));
   sum += turns_.energy(change, sample.begins) + turns_.energy(s * length_, sample.ends);

@@ -1,4 +1,4 @@
-// A port of the account: the earnings of a sample, and the need of the next one.
+// A port of the account: the energy that a sample earns, and the energy that the next sample needs.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -21,15 +21,16 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-/// For a force so small that its need is f d, after L + 1 such forces in a row. After the late tick
-/// each reach d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the part that is
-/// kept of f (d_0 + ... + d_L). Between an axis and a diagonal the kept part grows nearly with the
+/// Computes the share of the balance to keep for a late tick. The derivation takes a force so small
+/// that its need is f d, with the reachable displacement d, after L + 1 such forces in a row. After
+/// the late tick, each d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the kept
+/// part of f (d_0 + ... + d_L). Between an axis and a diagonal, the kept part grows nearly with the
 /// square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
-  if (late == 0 || !reach_.bounds()) return;  // there a first press must be felt in full
-  constexpr double kLate = 0.5;               // [T]
-  constexpr double kMost = 0.1;               // of a balance: limits what a device loses by it
-  constexpr int kSamples = 4;                 // more than a reach remembers
+  if (late == 0 || !reach_.bounds()) return;  // then a first press must get its full force
+  constexpr double kLate = 0.5;               // [T] lateness
+  constexpr double kMost = 0.1;               // largest kept share of a balance
+  constexpr int kSamples = 4;                 // more samples than reach_ stores
   const Vec3 none = Vec3::Zero();
   ReachableDisplacement before(known_);
   for (int n = 0; n < kSamples; ++n) before.moved(none, none, period_, period_);
@@ -50,8 +51,7 @@ void PortBalance::keep_for_late_ticks(int late) noexcept {
 
 double PortBalance::damping_along(const Vec3& force) const noexcept {
   if (known_.damping.isotropic()) return known_.damping.matrix()(0, 0);
-  // If one direction has no damping, a force along any other direction may move the handle along
-  // it.
+  // A force along a damped direction may also move the handle along a direction without damping.
   return directional_ ? force.squaredNorm() / force.dot(inverse_damping_ * force) : 0.0;
 }
 
@@ -85,14 +85,14 @@ inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held
   if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
   const double squared = displacement.squaredNorm();
   if (squared == 0.0) return false;
-  // A movement of one quantum is always within reach, and often exactly at its limit.
+  // A movement of one encoder quantum is always possible, and it is often exactly at the limit.
   return squared >
          (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
 }
 
-/// During an even movement only the mean force counts. At most share(j) of it comes from the older
-/// force j and the forces before j. So a slice of share(j) - share(j + 1) is charged with the worst
-/// of the forces up to j. TurnLimit covers a hand that turns around within the sample.
+/// During a uniform movement, only the mean force counts. At most share(j) of the mean comes from
+/// the older force j and the forces before j. So the slice share(j) - share(j + 1) is charged with
+/// the worst of the forces up to j. TurnLimit covers a hand that reverses within the sample.
 double PortBalance::charged_for_lag(const Vec3& displacement, const Vec3& held, double hold_time,
                                     const LaggingForces& older) const noexcept {
   double charged = 0.0, worst = 0.0, slice = 0.0;
@@ -145,12 +145,13 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
          held.dot(displacement) - lagged;
 }
 
-// max of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|: the free maximum
-// F^2 h/(4b) at y = F h/(2b) while that is within reach, and the value at d(F) beyond.
+// The need is the maximum of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|.
+// The free maximum is F^2 h/(4b) at y = F h/(2b). If this y exceeds d(F), the need is the value at
+// d(F).
 inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                                           double farther) const noexcept {
   const double k = hold.per_newton;
-  if (!(k < hold.free)) return;  // the damping is so large that no force moves the handle that far
+  if (!(k < hold.free)) return;  // with so much damping, y never exceeds d(F)
   need.reach = reach_.along(force.vector, force.length, hold.time) + farther;
   need.free = (hold.free - k) * force.squared;
   need.second = hold.second * force.squared;
@@ -171,7 +172,7 @@ EnergyNeed PortBalance::need_of(const Vec3& wanted, double hold_time,
   const Hold& hold = prepared ? hold_ : other;
   need.first = 0.5 * hold.free * squared;
   if (reach_.known()) limit_by_inertia(need, force, hold, farther(force.length));
-  // Skip the speed limit after the handle exceeded it: it may do so again.
+  // Skip the speed limit if the handle has just exceeded it, because that may happen again.
   if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
   return need;
 }
@@ -182,8 +183,8 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
                  [&](double length) { return reach_.driven(wanted, length, coming, hold_time); });
 }
 
-/// Each earlier sample carries the handle farther by its speed times a whole sample; this sample by
-/// its speed times half a sample.
+/// Each earlier sample moves the handle farther by its speed times a whole sample. This sample
+/// moves the handle by its speed times half a sample.
 EnergyNeed PortBalance::need_after(const Vec3& wanted, double hold_time, int samples,
                                    double strongest) const noexcept {
   return need_of(wanted, hold_time, [&](double length) {
@@ -198,8 +199,8 @@ double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const
   return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
 }
 
-/// Both limits hold at every share of the force. Take the one that is smaller for the whole force:
-/// the maximum under both limits at once would be only slightly smaller.
+/// Both limits hold at every share of the force. Use the smaller limit at the whole force, because
+/// the maximum under both limits is only slightly smaller.
 void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
                                  const Hold& hold) const noexcept {
   const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);

@@ -15,20 +15,20 @@ void refuse(const char* field, const char* part, double value, const char* remed
                               "; " + remedy);
 }
 
-/// The longest time before the end of a sample of `time` [s] during which the handle can have moved
-/// along v without standing or turning back. All but `time` are multiplied by |v|: `driven` and
-/// `braked` [m/s^2] are the largest accelerations along v and against v, `way` [m] is the largest
-/// movement along v, `against` [m/s] is the largest speed against v at the beginning.
+/// Returns the longest time before the end of a sample during which the handle can move along v
+/// without a stop or a reversal. The sample lasts `time` [s]. All other values are multiplied by
+/// |v|: `driven` and `braked` [m/s^2] are the largest accelerations along v and against v, `way`
+/// [m] is the largest movement along v, and `against` [m/s] is the largest initial speed against v.
 ///
-/// It solves driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2 for s: the left side grows
-/// with s and the right side falls.
+/// The function solves driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2 for s. The left
+/// side grows with s, and the right side falls.
 double since_turn(double driven, double braked, double way, double against, double time) noexcept {
   const double square = 0.5 * (driven - braked);
   const double linear = against + braked * time;
   const double constant = way + against * time + 0.5 * braked * time * time;
   if (!(constant > 0.0)) return 0.0;
   const double root = linear * linear + 4.0 * square * constant;
-  if (!(root >= 0.0)) return time;  // every s fulfils it
+  if (!(root >= 0.0)) return time;  // every s satisfies the inequality
   const double since = 2.0 * constant / (linear + std::sqrt(root));
   return since < time ? since : time;  // also for NaN
 }
@@ -56,7 +56,7 @@ double ReachableDisplacement::Past::magnitude() const noexcept {
   return joined ? strongest : length(held);
 }
 
-/// Joins two samples. The stronger force may have acted all the time, along any direction.
+/// Joins two samples. The stronger force may have acted all the time, in any direction.
 ReachableDisplacement::Past ReachableDisplacement::together(const Past& first,
                                                             const Past& second) noexcept {
   return {.displacement = first.displacement + second.displacement,
@@ -69,7 +69,7 @@ ReachableDisplacement::Past ReachableDisplacement::together(const Past& first,
 void ReachableDisplacement::moved(const Vec3& displacement, const Vec3& held, double hold_time,
                                   double period, double strongest) noexcept {
   period_ = period;
-  // After an unknown movement, the speed stays unknown until one whole sample has shown it.
+  // After an unknown movement, the speed stays unknown until one whole sample determines it.
   const bool too_short = hold_time < 0.5 * period;
   Past sample{.displacement = displacement, .held = held, .time = hold_time};
   if (strongest >= 0.0) {
@@ -84,8 +84,8 @@ void ReachableDisplacement::moved(const Vec3& displacement, const Vec3& held, do
   past_[newest_] = sample;
 }
 
-/// |v| times the largest speed along v at the end of `sample`. `before` is the age of the sample
-/// before it.
+/// Returns |v| times the largest speed along v at the end of `sample`. `before` is the age of the
+/// previous sample.
 double ReachableDisplacement::fastest(const Past& sample, std::size_t before, const Vec3& v,
                                       double length) const noexcept {
   const double outside = known_.outside_force * length;
@@ -101,9 +101,9 @@ double ReachableDisplacement::fastest(const Past& sample, std::size_t before, co
   return std::max({0.0, driven * since, way / sample.time + 0.5 * driven * sample.time});
 }
 
-/// |v| times the largest speed along v after a sample that was not one period long. `simple` is the
-/// bound from that sample alone. The result is never below the bound after a regular period with
-/// the same speed: so a handle at rest keeps its reach with irregular ticks.
+/// Returns |v| times the largest speed along v after a sample of irregular duration. `simple` is
+/// the bound from that sample alone. The result is never below the bound after a regular period
+/// with the same speed. So irregular ticks do not change the reach of a handle at rest.
 double ReachableDisplacement::irregular(const Vec3& v, double length,
                                         double simple) const noexcept {
   const Past& before = last();
