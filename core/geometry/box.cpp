@@ -12,7 +12,8 @@ namespace {
 
 double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 
-/// The face through which the way from a free point enters; -1: it does not enter.
+/// Returns the face through which the path from a free point enters, or -1 if the path does not
+/// enter.
 int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
   double in = 0.0, out = 1.0;
   int entered = -1;
@@ -34,8 +35,8 @@ int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
 }
 
 SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
-  // The solid is convex. So a tool that is still inside has crossed no other face since it entered.
-  // A tool without a memory takes the nearest face.
+  // The solid is convex, so a tool that is still inside has crossed no other face since its entry.
+  // A tool without a memory gets the nearest face.
   int face = static_cast<int>(memory.feature) - 1;
   if (face < 0 || face >= kBoxFaces) {
     face = memory.tracked ? box_entry(h, memory.proxy, p) : -1;
@@ -58,8 +59,8 @@ SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memor
   return held_on({point, sign * Vec3::Unit(axis), depth}, face, memory);
 }
 
-/// From inside, the proxy's room is convex. The proxy is the clamped point on a face, an edge or a
-/// corner, and the force acts along the line from the tool to it.
+/// From inside, the free space is convex. The proxy is the clamped point on a face, an edge or a
+/// corner. The force acts along the line from the tool to the proxy.
 SurfacePoint box_from_inside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
   const Vec3 point = p.cwiseMax(-h).cwiseMin(h);
   const Vec3 beyond = p - point;
@@ -144,7 +145,7 @@ SurfaceParts Box::parts(Side side, const Vec3& p, std::uint32_t entered) const n
       add(all, inward, feature_of(face));
       continue;
     }
-    Vec3 way = out;  // to what is beyond this face and within the others
+    Vec3 way = out;  // to a point beyond this face and within the others
     way[axis] = inward;
     add_convex(all, way.norm(), solid, face, entered);
   }

@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-/// A cone seen from a point p, in the half plane through the axis and p.
+/// A cone relative to a point p, in the half plane through the axis and p.
 struct ConeView {
   ConeView(const Cone& cone, const Vec3& p) : radius(cone.radius), half_length(cone.half_length) {
     slant = hypotenuse(radius, 2.0 * half_length);
@@ -28,9 +28,9 @@ struct ConeView {
     along = across * sine + (half_length - p.z()) * cosine;
   }
   bool is_inside() const { return below_side > 0.0 && above_base > 0.0; }
-  /// Normal of the side in the direction `facing`.
+  /// Returns the normal of the side in the direction `facing`.
   Vec3 normal(const Vec3& facing) const { return cosine * facing + sine * Vec3::UnitZ(); }
-  /// Direction down the side, from the tip to the rim.
+  /// Returns the direction down the side, from the tip to the rim.
   Vec3 down(const Vec3& facing) const { return sine * facing - cosine * Vec3::UnitZ(); }
   Vec3 tip() const { return half_length * Vec3::UnitZ(); }
   Vec3 on_side(const Vec3& facing, double from_tip) const {
@@ -41,14 +41,14 @@ struct ConeView {
   double sine, cosine;  // of the angle between the axis and the side
   double across;        // [m] of p from the axis
   Vec3 outward;         // from the axis to p; zero on the axis
-  double below_side;    // [m] p is under the endless side
-  double above_base;    // [m] p is over the endless base
+  double below_side;    // [m] depth of p below the endless side
+  double above_base;    // [m] height of p above the endless base
   double along;         // [m] from the tip down the side to the point closest to p
 };
 
-/// The point of the solid that is nearest to a point outside.
+/// The point of the solid that is nearest to an outside point.
 struct ConeClosest {
-  Vec3 point = Vec3::Zero(), away = Vec3::Zero();  // away: unit, to the point outside
+  Vec3 point = Vec3::Zero(), away = Vec3::Zero();  // unit vector to the outside point
   double distance = std::numeric_limits<double>::infinity();
   int face = kConeSide;
 };
@@ -78,21 +78,21 @@ ConeClosest closest_on(const ConeView& view, const Vec3& p) {
   return best;
 }
 
-/// From inside, the proxy's room is convex, as for the box.
+/// From inside, the free space is convex, as for the box.
 SurfacePoint cone_from_inside(const Cone& cone, const Vec3& p, FeatureMemory& memory) {
   const ConeClosest closest = closest_on(ConeView(cone, p), p);
   if (!(closest.distance > 0.0) || !std::isfinite(closest.distance)) return no_contact(memory);
   return stand_on(closest.point, -closest.away, closest.distance, closest.face, memory);
 }
 
-/// The part of a way inside the solid, and the face through which it enters.
+/// The part of a path inside the solid, and the face of entry.
 struct ConeSpan : Span {
   int face = kConeSide;
 };
 ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   const double h = cone.half_length, length_unit = std::max(cone.radius, h);
   ConeSpan span{{0.0, 1.0}};
-  // Clip the way to heights above the base and below the tip.
+  // Clip the path to heights above the base and below the tip.
   const auto cut = [&](double before, double change, int face) {
     if (before <= 0.0) {
       if (!(before + change > 0.0)) {
@@ -109,7 +109,7 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   cut(h - from.z(), -way.z(), kConeSide);
   if (!(span.in < span.out)) return span;
 
-  // Clip the way to the inside of the side: a x^2 + 2 b x + c < 0.
+  // Clip the path to the inside of the side: a x^2 + 2 b x + c < 0.
   const double slope = cone.radius / (2.0 * h);
   const Vec3 start = Vec3(from.x(), from.y(), slope * (h - from.z())) / length_unit;
   const Vec3 going = Vec3(way.x(), way.y(), -slope * way.z()) / length_unit;
@@ -124,11 +124,11 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
     span.face = kConeSide;
   };
   if (!(square > 0.0)) {
-    // The way runs along the axis, or passes beside the cone.
+    // The path runs along the axis, or passes beside the cone.
     if (!(c < 0.0)) span.in = 1.0, span.out = 0.0;
     return span;
   }
-  // Both roots, in the form without cancellation.
+  // Compute both roots in the form without cancellation.
   const double q = -(b + std::copysign(std::sqrt(square), b));
   double low = a != 0.0 ? q / a : -std::numeric_limits<double>::infinity();
   double high = q != 0.0 ? c / q : 0.0;
@@ -136,7 +136,7 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   if (a > 0.0) {
     in_from(low);
     span.out = std::min(span.out, high);
-  } else if (going.z() > 0.0) {  // down and steeper than the side: it enters
+  } else if (going.z() > 0.0) {  // down and steeper than the side: an entry
     in_from(a < 0.0 ? high : c / q);
   } else {
     span.out = std::min(span.out, a < 0.0 ? low : c / q);
@@ -144,8 +144,8 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   return span;
 }
 
-/// The proxy on the side turns with the hand like the proxy of a pipe with the cone's width at the
-/// hand's height. A proxy drawn over the tip continues on the hand's side.
+/// Returns the proxy on the side. The proxy turns with the hand as on a cylinder with the cone's
+/// radius at the hand's height. A proxy that is pulled over the tip continues on the hand's side.
 SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from, const Vec3& p,
                        Vec3 facing, FeatureMemory& memory) {
   const double wide = (view.half_length - p.z()) * view.sine / view.cosine;
@@ -159,7 +159,7 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
   const bool nearest = facing == view.outward;
   const double under = nearest ? view.below_side : -normal.dot(offset);
   if (!(under > 0.0)) return free_at(p, memory);
-  if (!view.is_inside()) {  // held while the straight way back leads through the solid
+  if (!view.is_inside()) {  // contact lasts while the straight way back crosses the solid
     const Span back = way_within(cone, p, under * normal);
     if (!(back.in < back.out)) return free_at(p, memory);
   }
@@ -171,12 +171,13 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({on.point, normal, on.depth}, kConeSide, memory);
-  memory.proxy = p;  // round surfaces remember the tool's place
+  memory.proxy = p;  // a round surface stores the tool's position
   return on;
 }
 
-/// [m] Extent of the patch about a point of the side: there a cylinder approximates the cone. With
-/// a cone angle of 45 degrees its error is half of kPatchSlope times the extent, else less.
+/// Returns the extent [m] of a patch about a point of the side. Within this extent, a cylinder
+/// approximates the cone. At a cone angle of 45 degrees, the error is half of kPatchSlope times the
+/// extent. At other angles, the error is smaller.
 double side_extent(double across) {
   constexpr double kOfRadius = 0.25;
   return kOfRadius * across;
@@ -216,7 +217,7 @@ SurfacePoint Cone::surface_point(Side side, const Vec3& p, FeatureMemory& memory
 
 Grown<Cone> Cone::grown(Side side, double ball) const noexcept {
   if (side == Side::outside) return {*this, Vec3::Zero(), ball};
-  // A smaller cone of the same angle: side and base lie inside by the ball's radius.
+  // Use a smaller cone with the same angle. Its side and base lie inside by the ball's radius.
   const double sine = radius / hypotenuse(radius, 2.0 * half_length);
   const double top = half_length - ball / sine, bottom = ball - half_length;
   const double half = 0.5 * (top - bottom);
@@ -272,13 +273,13 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   }
   const ConeClosest closest = closest_on(view, p);
   const double solid = std::isfinite(closest.distance) ? closest.distance : 0.0;
-  // These are no longer than the ways to anything beyond one face and within the other.
+  // These are lower bounds of the distance to a point beyond one face and within the other.
   const double beyond_side = std::max(under, -view.above_base);
   const double beyond_base = std::max(over, -view.below_side);
   add_convex(all, beyond_side, solid, kConeSide, entered);
   add_convex(all, beyond_base, solid, kConeBase, entered);
-  // Surface beyond the extent of the side's patch. If it is that far from the solid's nearest
-  // point, it is also farther from p (Pythagoras).
+  // Bound the distance to the surface beyond the side's patch. This surface is at least the extent
+  // away from the solid's nearest point, so its distance from p is larger (Pythagoras).
   double rest = extent - off;
   if (entered != feature_of(kConeSide)) {
     if (solid > 0.0 && closest.face == kConeSide) rest = root(solid, extent);

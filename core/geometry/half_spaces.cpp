@@ -5,14 +5,14 @@
 namespace feltwire {
 namespace {
 
-/// Below this sine, two planes count as one and three planes as meeting in a line.
+/// Below this sine, two planes count as parallel, and three planes count as meeting in a line.
 constexpr double kParallel = 1e-9;
 constexpr int kMostActive = 3;
 
 using Subset = std::array<std::size_t, kMostActive>;
 
-/// Finds the point on all these planes that is nearest to the goal. False if the planes do not
-/// determine it, or if a plane would have to pull.
+/// Finds the point on all these planes that is nearest to the goal. Returns false if the planes do
+/// not determine this point, or if a plane would have to pull.
 bool on_planes(std::span<const HalfSpace> all, const Subset& which, int count, const Vec3& goal,
                Vec3& point) {
   const HalfSpace& a = all[which[0]];
@@ -61,7 +61,8 @@ NearestPoint nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, dou
     if (!(lowest < -tolerance)) return best;
     if (!may_go_on(work, kRoundWork)) break;
 
-    // Take the worst plane with a subset of the active ones, so that the point satisfies all four.
+    // Combine the worst plane with a subset of the active planes, so that the point satisfies all
+    // four planes.
     NearestPoint next;
     double nearest = 0.0;
     for (unsigned chosen = 0; chosen < 1u << best.count; ++chosen) {
