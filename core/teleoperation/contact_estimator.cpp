@@ -9,22 +9,23 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] range of stiffness that is believed
-constexpr double kMostFriction = 1.0;               // largest mu that is believed
-constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool rests
-constexpr double kResting = 5e-6;                   // [m] a tip that moves less has not moved
-constexpr double kLearns = 0.5;                     // [s] of a touch to learn the stiffness in
-constexpr double kOther = 0.5;                      // cosine of 60 degrees
-constexpr double kModelled = 0.02;                  // [N s] impulse that outweighs a model
+constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] plausible range of stiffness
+constexpr double kMostFriction = 1.0;               // largest plausible friction coefficient
+constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool counts as resting
+constexpr double kResting = 5e-6;                   // [m] a smaller movement counts as none
+// [s] time in contact for learning the stiffness.
+constexpr double kLearns = 0.5;
+constexpr double kOther = 0.5;      // cosine of 60 degrees
+constexpr double kModelled = 0.02;  // [N s] impulse that outweighs a model
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
          prior.velocity.allFinite();
 }
 
-/// Whether the tool moves along the surface, and not into it or out of it.
+/// Whether the tool moves along the surface, and not mainly into it or out of it.
 bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
-  constexpr double kSteep = 0.5;  // slope of a path that is still along the surface
+  constexpr double kSteep = 0.5;  // largest slope of a path along the surface
   const Vec3 off = along(velocity, normal);
   const double across = length(Vec3(velocity - off));
   return across > kLeastSlide && length(off) < kSteep * across;
@@ -54,16 +55,16 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
   watch(s, force);
   if (!pressed) {
     apart_ += s.elapsed;
-    // A sliding tool leaves the surface for some samples. This is still the same touch.
+    // A sliding tool leaves the surface for some samples. These samples belong to the same contact.
     if (contact_.touching && apart_ < kApart) return;
     contact_.touching = false;
     if (!expect(s)) recede(s);
     left_ = left_ || (apart_ >= kLeft && absent_ >= SurfaceMemory::kAbsent);
     return;
   }
-  // A force outside the friction cone belongs to another surface. A carried load shows no
-  // stiffness. For a load this is true only after a gap: the force that pushes the load adds to its
-  // weight.
+  // A force outside the friction cone belongs to another surface. A carried load is an exception,
+  // because the pushing force adds to its weight. A load never gives a stiffness. So without a
+  // learnt stiffness, the rule holds only after a gap.
   const bool other = (apart_ > 0.0 || learnt_) && s.force.dot(contact_.normal) < kOther * force;
   if (!contact_.touching || other) begin(s);
   apart_ = 0.0;
@@ -77,9 +78,9 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
     shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
 }
 
-/// Counts how long nothing has pressed where the touched surface, if it stood, would press.
+/// Measures how long the force has been missing where the touched surface should press.
 void ContactEstimator::watch(const Sample& s, double force) noexcept {
-  constexpr double kLeans = 0.5;  // slope of the surface against the plane of the estimate
+  constexpr double kLeans = 0.5;  // slope between the surface and the estimated plane
   const Vec3 way = s.position - felt_;
   const Vec3 off = along(way, contact_.normal);
   const double deeper = -way.dot(contact_.normal) - kLeans * length(Vec3(way - off));
@@ -88,7 +89,7 @@ void ContactEstimator::watch(const Sample& s, double force) noexcept {
   if (force > config_.on) felt_ = s.position;
 }
 
-/// No force: the tip cannot be inside the surface. Moves the surface back to the tip.
+/// Without a force, the tip cannot be inside the surface. Moves the surface back to the tip.
 void ContactEstimator::recede(const Sample& s) noexcept {
   contact_.velocity.setZero();
   const double inside = (contact_.point - s.position).dot(contact_.normal);
@@ -98,8 +99,8 @@ void ContactEstimator::recede(const Sample& s) noexcept {
   if (receded_ > kSame) contact_.surface = 0;
 }
 
-/// No force: the surface is where the model and the last touch have it, but not in front of the
-/// tip. False: the model has nothing valid to say here.
+/// Without a force, places the surface according to the model and the last contact, but not in
+/// front of the tip. Returns false if the model has no valid surface here.
 bool ContactEstimator::expect(const Sample& s) noexcept {
   const SurfacePrior& prior = s.prior;
   if (!says(prior)) return false;
@@ -133,14 +134,14 @@ bool ContactEstimator::expect(const Sample& s) noexcept {
   return true;
 }
 
-/// The first sample of a touch of the last surface or of another.
+/// Handles the first sample of a contact with the last surface or another surface.
 void ContactEstimator::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
   const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
   const bool last = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
   const bool same = last || change(s, normal);
-  // A bouncing touch is one touch: keep its samples until the stiffness is known.
+  // A bouncing contact is one contact. Keep its samples until the stiffness is known.
   if (!same || known_ || touched_ == 0.0) {
     fit_.clear();
     touched_ = 0.0;
@@ -151,7 +152,7 @@ void ContactEstimator::begin(const Sample& s) noexcept {
   known_ = known_ || (moves_ && learnt_);
   left_ = false;
   receded_ = absent_ = 0.0;
-  last_height_ = s.position.dot(contact_.normal) + 1.0;  // the first sample is always taken
+  last_height_ = s.position.dot(contact_.normal) + 1.0;  // so that the first sample is used
   const double force = length(s.force);
   within_ = same ? way_within(s, force) : Vec3::Zero();
   if (same) contact_.normal = direction(contact_.normal - along(contact_.normal, within_));
@@ -159,10 +160,11 @@ void ContactEstimator::begin(const Sample& s) noexcept {
   place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
 }
 
-/// The way from the last touch of the surface lies in it. A force along this way is friction.
+/// Returns the direction from the last contact point to this contact point. This direction is in
+/// the surface, so a force along it is friction.
 Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
-  constexpr double kSteep = 0.35;  // sine of 20 degrees: more is no error of the normal
+  constexpr double kSteep = 0.35;  // sine of 20 degrees: largest error of the normal
   const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
   const Polar<double> way = polar(Vec3(here - last_));
   const bool usable = way.length > kShortest && way.length < kLongest &&
@@ -170,7 +172,7 @@ Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept 
   return usable ? way.direction : Vec3::Zero();
 }
 
-/// The touch belongs to another surface than the last one. Returns whether the memory knows it.
+/// Handles a contact with another surface than before. Returns whether the memory has this surface.
 bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
   if (found && !left_)
@@ -200,24 +202,25 @@ bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
 }
 
 void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
-  constexpr double kCone = 0.7;                   // cosine of kMostFriction's cone
+  constexpr double kCone = 0.7;                   // cosine of the friction cone at kMostFriction
   constexpr double kSlow = 3.0;                   // [Hz]
-  constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] in this touch
+  constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] time in this contact
   const double speed = length(s.velocity);
   Vec3 pressing = s.force - along(s.force, within_);
   if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
-    within_.setZero();  // too much for friction: another normal, or two surfaces
+    within_.setZero();  // too large for friction: another normal, or two surfaces
     pressing = s.force;
   }
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool sliding = slides(s.velocity, contact_.normal);
   Vec3 pushes = pressing;
   bool rubs = false;
-  const double against = -s.force.dot(way);  // below zero: the surface springs back
+  const double against = -s.force.dot(way);  // negative: the surface springs back
   if (sliding && against >= 0.0) {
     const Vec3 across = pressing - along(pressing, way);
     const double normal_force = length(across);
-    // More than kMostFriction is no friction: the tool carries a weight, or the normal is wrong.
+    // A larger ratio than kMostFriction is no friction. Then the tool carries a weight, or the
+    // normal is wrong.
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
       pushes = across;
@@ -228,20 +231,21 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   settled_ = settled_ || touched_ >= kSettled;
   if (!(force > config_.on)) return;
   // A tool that arrives, bounces or springs back also slides by some tenths of a millimetre, with
-  // friction. Then the force does not show the normal, unless it is outside of every friction cone.
+  // friction. Then the force does not show the normal, unless the force is outside every friction
+  // cone.
   const bool young = !settled_ && touched_ < kYoung;
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
   const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
-  // A young touch uses the direction of its whole impulse. A tool that sticks and springs back
-  // leans its force to both sides, and the normal must not swing with it.
+  // A new contact uses the direction of its total impulse. The force of a sticking and springing
+  // tool tilts to both sides, and the normal must not follow this oscillation.
   const double pushed = force * s.elapsed;
   impulse_ += young ? pushed : 0.0;
   const double slow = low_pass_share(kSlow, s.elapsed);
   const double share = young ? std::max(slow, pushed / impulse_) : slow;
   const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
-  // The place is a height along the normal. Adapt it when the normal turns.
+  // The place of the surface is a height along the normal. Adapt this height when the normal turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));
   contact_.normal = turned;
 }
@@ -251,15 +255,15 @@ void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcep
   constexpr double kExplained = 0.98;
   if (known_ && (touched_ > kLearns || moves_)) return;
   const double height = s.position.dot(contact_.normal);
-  if (std::abs(height - last_height_) < kResting) return;  // it would only add noise
+  if (std::abs(height - last_height_) < kResting) return;  // the sample would only add noise
   last_height_ = height;
   fit_.add(origin_ - s.position, -s.velocity, s.force);
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
-  // On a stiffer surface, the old place would mean a larger force. So the place changes in the same
-  // sample. On a softer surface, the new place may be far away and the first fit may be wrong. So
-  // the place moves there slowly.
+  // On a stiffer surface, the old place would imply a larger force, so the place changes in the
+  // same sample. On a softer surface, the new place may be far away, and the first fit may be
+  // wrong. So the place moves there slowly.
   const bool stiffer = line.slope > contact_.stiffness;
   contact_.stiffness = line.slope;
   const double place = height_of(s, force);
@@ -270,7 +274,7 @@ void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcep
   known_ = learnt_ = true;
 }
 
-/// [m] Height along the normal of a surface that answers with this force.
+/// Returns the height [m] along the normal at which a surface would give this force.
 double ContactEstimator::height_of(const Sample& s, double force) const noexcept {
   return s.position.dot(contact_.normal) + force / contact_.stiffness;
 }

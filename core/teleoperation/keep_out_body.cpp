@@ -13,7 +13,7 @@ Vec3 sides(const Vec3& at) noexcept {
 
 bool KeepOutBody::valid(double farthest) const noexcept {
   constexpr double kUnit = 1e-6;
-  // Written so that NaN fails.
+  // All these comparisons are false for NaN.
   return pose.position.cwiseAbs().maxCoeff() <= farthest && half.minCoeff() >= 0.0 &&
          half.maxCoeff() <= farthest && radius >= kLeastRadius && radius <= farthest &&
          std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnit && pose.position.allFinite() &&

@@ -15,7 +15,7 @@ double away(const KnownSurface& surface, const Vec3& tip) noexcept {
   return length(Vec3(tip - surface.contact.point));
 }
 
-/// Whether the tool is where the surface would press, but feels too little force.
+/// Whether the tool is where the surface should press, but the measured force is too small.
 bool missing(const RemoteContact& surface, const Vec3& tip, const Vec3& force) noexcept {
   constexpr double kHalf = 0.5;
   const double expected = -surface.stiffness * height(surface, tip);
@@ -36,7 +36,7 @@ void SurfaceMemory::keep(const KnownSurface& surface, const Vec3& tip) noexcept 
   kept.contact.touching = false;
   kept.contact.velocity.setZero();
   kept.absent = 0.0;
-  kept.told = true;  // it was reported as the contact until now
+  kept.told = true;  // until now, reports had it as the contact
 }
 
 std::optional<KnownSurface> SurfaceMemory::take(const Vec3& tip, const Vec3& direction,
@@ -63,7 +63,7 @@ void SurfaceMemory::step(const Vec3& tip, const Vec3& force, double elapsed,
     surface.absent = missing(surface.contact, tip, force) ? surface.absent + elapsed : 0.0;
     if (surface.absent >= kAbsent || !(away(surface, tip) < kNear)) forget(i);
   }
-  // Insertion into a short list by rising height.
+  // Insert into a short list, sorted by ascending height.
   std::array<std::size_t, OtherSurfaces::kMost> nearest{};
   std::size_t told = 0;
   for (std::size_t i = 0; i < count_; ++i) {

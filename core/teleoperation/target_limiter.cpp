@@ -27,8 +27,7 @@ TargetLimiter::TargetLimiter(const TargetLimits& limits) : limits_(limits) {
   check(limits.unfelt, "unfelt", true);
 }
 
-/// Counts the energy that the hand gave in this contact, less the energy that went into the
-/// environment.
+/// Counts the energy from the hand in this contact, minus the energy into the environment.
 void TargetLimiter::account(const Sample& s) noexcept {
   double paid = 0.0;
   if (std::isfinite(s.hand_work)) {
@@ -39,9 +38,9 @@ void TargetLimiter::account(const Sample& s) noexcept {
   const Vec3 way = s.robot - robot_;
   robot_ = s.robot;
   if (s.surface == 0 || !touched_) {
-    paid_ = 0.0;  // the rest of the contact before is lost
+    paid_ = 0.0;  // drops the rest of the previous contact
   } else {
-    // A force counts only as far as it exceeds `unfelt`, whoever gave the energy.
+    // Only the part of a force above `unfelt` counts, for energy in both directions.
     const double given = s.force.allFinite() ? s.force.dot(way) : 0.0;
     const double free = limits_.unfelt * length(way);
     paid_ += paid + std::copysign(std::max(0.0, std::abs(given) - free), given);

@@ -31,7 +31,7 @@ Workspace joined(const Workspace& one, const Workspace& other) noexcept {
 
 bool has_room(const Workspace& workspace, double inside) noexcept {
   constexpr int kTries = 200;
-  constexpr int kCuts = 12;       // along each axis of the room, if there are bodies
+  constexpr int kCuts = 12;       // search points along each axis, if there are bodies
   constexpr double kLeft = 1e-6;  // [m]
   Workspace narrow = workspace;
   for (std::size_t i = 0; i < narrow.count; ++i) narrow.walls[i].distance += inside;
@@ -51,7 +51,8 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
   const Vec3 first = nearest(Vec3::Zero());
   if (!in_room(first)) return false;
   if (outside(first)) return true;
-  // Search the whole room coarsely: beside the bodies there is much room, or hardly any.
+  // A coarse search is enough, because the free space beside the bodies is either large or nearly
+  // none.
   Vec3 low, high;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Vec3 far = 2.0 * Workspace::kFarthest * Vec3::Unit(axis);
@@ -70,7 +71,7 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
 
 Vec3 nearest_in_front(const Vec3& point, std::span<const WorkspaceWall> walls) noexcept {
   constexpr int kSweeps = 50;
-  // [m] along each normal
+  // Correction [m] along each normal.
   std::array<double, Workspace::kMostWalls + Workspace::kMostBodies> moved{};
   Vec3 place = point;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -99,7 +100,8 @@ RemoteContact WorkspaceLimit::free_part(const RemoteContact& contact) const noex
   const Polar<double> normal = polar(free_part(contact.normal));
   if (contact.normal == free_part(contact.normal)) return contact;
   if (!(normal.length >= kHardlyFree)) return {};
-  // The robot's locked axes stand still. Along the free axes its height becomes h' = h / l.
+  // The robot's locked axes do not move. Along the free axes, a height becomes h' = h / l, with the
+  // length l of the normal's free part.
   const Vec3 held = begun_.position - free_part(begun_.position);
   const double height = (free_part(contact.point) + held - contact.point).dot(contact.normal);
   RemoteContact seen = contact;
@@ -116,7 +118,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   const Vec3 held = here.position - free_part(here.position);
   for (const WorkspaceWall& wall : workspace_.view()) {
     const Polar<double> normal = polar(free_part(wall.normal));
-    if (!(normal.length >= kHardlyFree)) continue;  // only the locked axes decide about it
+    if (!(normal.length >= kHardlyFree)) continue;  // free axes do not change its clearance
     const double meant = (wall.distance - wall.normal.dot(held)) / normal.length;
     meant_[count_] = meant;
     walls_[count_] = {normal.direction, std::min(meant, normal.direction.dot(here.position))};
@@ -126,7 +128,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   face_bodies(here.position);
 }
 
-/// The place, with each locked axis at its kept value.
+/// Returns the place with each locked axis at its kept value.
 Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   Vec3 kept = place;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -134,9 +136,9 @@ Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   return kept;
 }
 
-/// Computes the walls of the bodies at an allowed place.
+/// Computes the walls that replace the bodies at an allowed place.
 void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
-  constexpr double kAcross = 1e-9;  // length of a normal with no part along the free axes
+  constexpr double kAcross = 1e-9;  // a shorter normal has no part along the free axes
   const Vec3 held = begun_.position - free_part(begun_.position);
   for (std::size_t i = 0; i < workspace_.body_count; ++i) {
     const WorkspaceWall full = workspace_.bodies[i].wall_at(place);
@@ -149,12 +151,12 @@ void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
   }
 }
 
-/// Moves straight from an allowed place to the place nearest to `wanted` in front of all walls.
-/// Stays if unfinished sweeps would lead away from `wanted`.
+/// Returns the place nearest to `wanted` in front of all walls, on a straight path from an allowed
+/// place. Returns `from` if unfinished iterations would lead away from `wanted`.
 Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept {
   const Vec3 place = nearest_in_front(wanted, walls());
-  // The walls bound a convex room. If `place` is outside, the way has a last point in the room:
-  // stop there.
+  // The walls bound a convex room. If `place` is outside, stop at the last point of the path in the
+  // room.
   double share = 1.0;
   for (const WorkspaceWall& wall : walls()) {
     const double clearance = wall.clearance(place);
@@ -173,7 +175,7 @@ Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {
 }
 
 const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
-  constexpr int kSlides = 16;  // along the bodies; the next sample makes the rest
+  constexpr int kSlides = 16;  // moves along the bodies; the next sample continues
   if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
   const Vec3 aim = unlocked(wanted.position);
   Vec3 place = slide(last_.position, aim);
