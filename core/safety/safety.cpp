@@ -12,8 +12,9 @@ namespace feltwire {
 namespace {
 
 constexpr double kLongestRamp = 10.0;  // [s] a longer ramp means a wrong unit
-// [Hz] Cutoff for the speed. At 1 kHz, a quantum of 55 um then counts as 15 mm/s for a moment, not
-// as 55 mm/s. A device that is thrown by 10 m/s^2 is noticed 3 ms late, when it is 30 mm/s faster.
+// [Hz] Cutoff of the speed filter. At 1 kHz, a quantum of 55 um then counts as 15 mm/s for a
+// moment, and not as 55 mm/s. An acceleration of 10 m/s^2 is detected 3 ms late, when the device is
+// 30 mm/s faster.
 constexpr double kSpeedCutoff = 50.0;
 
 void require(bool good, const char* channel, const char* name, double value, const char* must) {
@@ -31,25 +32,24 @@ void check(const ChannelLimits& c, const char* channel) {
   require(c.small >= 0.0, channel, "small", c.small, "zero or more; infinity switches it off");
 }
 
-/// Also checks that the sum of its two forces does not overflow.
+/// Whether the command and the sum of its two forces are finite.
 bool usable(const Command& c) { return c.finite() && c.force().allFinite(); }
 
-/// Whether a movement is finite, and its velocity too.
+/// Whether a movement and its velocity are finite.
 bool usable(const Vec3& movement, double time) {
   return movement.allFinite() && (!(time > 0.0) || (movement / time).allFinite());
 }
 
-/// 1 up to the limit, 0 from twice the limit on.
+/// Returns 1 up to the limit, and 0 from twice the limit on.
 double share_at(double speed, double limit) {
   return std::isfinite(limit) ? std::clamp(2.0 - speed / limit, 0.0, 1.0) : 1.0;
 }
 
-/// Reduces a magnitude to the smallest limit. Sets the flag in `who` of each limit that is
-/// exceeded.
+/// Reduces a magnitude to the smallest limit. Sets the flag in `who` for each exceeded limit.
 struct Reduction {
   const ChannelLimits& limits;
   double commanded, held;  // magnitudes
-  double floor;            // part of the command that is not given
+  double floor;            // withheld part of the command
   double ramp, speed;      // share of the command that the ramp allows; speed of the device
   double time;             // [s] since the last sample
 
@@ -61,7 +61,7 @@ struct Reduction {
       allowed = std::min(allowed, most);
     };
     if (floor > 0.0) limit(std::max(0.0, commanded - floor), who.waiting);
-    if (!(allowed > 0.0)) return 0.0;  // nothing left to take
+    if (!(allowed > 0.0)) return 0.0;  // nothing is left to reduce
     limit(limits.max, who.limited);
     if (std::isfinite(limits.slew)) limit(held + limits.slew * time, who.slewed);
     if (ramp < 1.0) limit(ramp * commanded, who.ramped);
@@ -86,7 +86,8 @@ SafetyStage::SafetyStage(const SafetyLimits& limits, bool reduces)
   begin_wait();
 }
 
-/// The floor of a channel without a wait is zero. The floor of any other is not known yet.
+/// The floor is the withheld part of a command. It is zero for a channel without a wait, and
+/// otherwise still unknown.
 void SafetyStage::begin_wait() noexcept {
   constexpr double kUnknown = ChannelLimits::kOff;
   const auto floor_of = [](double small) { return std::isfinite(small) ? kUnknown : 0.0; };
@@ -95,8 +96,8 @@ void SafetyStage::begin_wait() noexcept {
   waiting_ = force_floor_ > 0.0 || torque_floor_ > 0.0;
 }
 
-/// The wait depends on the environment's command, not on the given one. The floors sink by `sinks`
-/// times the small limit.
+/// Lowers each floor by `sinks` times the small limit. The wait depends on the command of the
+/// environment, and not on the given command.
 void SafetyStage::wait(const SafetyStep& step, double force, double torque, double sinks) noexcept {
   const auto follow = [&](double& floor, double magnitude, double small) {
     if (!(floor > 0.0)) return true;
@@ -114,7 +115,7 @@ void SafetyStage::wait(const SafetyStep& step, double force, double torque, doub
   force_floor_ = torque_floor_ = 0.0;
 }
 
-/// Counts the time since the first touch, which raises the ramp's limits.
+/// Counts the time since the first touch. The ramp's limits rise with this time.
 void SafetyStage::follow_ramp(double force, double torque, double time) noexcept {
   if (touched_)
     since_touch_ += time;
