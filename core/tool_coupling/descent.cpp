@@ -9,25 +9,25 @@
 namespace feltwire::tool_coupling {
 namespace {
 
-/// A spring whose force is at most `most`.
+/// A spring with the largest force `most`.
 struct Spring {
   double stiffness, most;
 
-  /// [J] Quadratic until the spring saturates, linear beyond.
+  /// Returns the energy [J]. It is quadratic until the spring saturates, and linear beyond.
   double energy(double stretch) const {
     const double linear_from = most / stiffness;
     return stretch <= linear_from ? 0.5 * stiffness * stretch * stretch
                                   : most * (stretch - 0.5 * linear_from);
   }
-  /// Force over stretch. It is also the stiffness of the parabola that touches the energy at this
-  /// stretch and lies above it everywhere.
+  /// Returns force / stretch. This is also the stiffness of the parabola that touches the energy
+  /// curve at this stretch and lies above the curve everywhere else.
   double secant(double stretch) const {
     return stiffness * stretch <= most ? stiffness : most / stretch;
   }
 };
 
-/// The stiffness less a share of the softening, so that a tenth of the stiffness is left in every
-/// direction. The share is 1, 1/2, 1/4 or 0.
+/// Returns the stiffness minus a share of the softening. The share is 1, 1/2, 1/4 or 0, so that a
+/// tenth of the stiffness remains in every direction.
 Mat6 softened(const Mat6& stiffness, const Mat6& softening) {
   constexpr double kLeft = 0.1;
   if (softening.isZero(0.0)) return stiffness;
@@ -101,9 +101,10 @@ void Step::damp(const State& state, bool slipping) {
 }
 
 FrictionSolution descend(Step& step, State& state, bool& slipping) {
-  // Shares of the radius: a shorter way is not tried (kCloseEnough: not tried again in this step).
+  // Shares of the radius. The search ends below kClose at first, and later below kCloseEnough.
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
-  // The velocity of a tool with mass is its way over the time. A tool held by friction stays.
+  // With mass, the limit is much smaller, because the velocity is the movement over the time. A
+  // tool that friction holds counts as at rest.
   constexpr double kCloseWithMass = 1e-12, kRounding = 1e-7;
   const bool has_mass = step.inertial != nullptr;
   const double radius = step.tool.radius;
@@ -117,16 +118,16 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     return next;
   };
   FrictionSolution next = next_slide();
-  bool slips = next.slips;  // at any time in this step
+  bool slips = next.slips;  // in any iteration of this step
   Vec6 way = step.allowed(state, next.motion);
-  // Follow moving objects, however slow they are.
+  // Follow slowly moving objects too.
   const double least = step.tool.surroundings_move ? 0.0 : kClose * radius;
   const auto enough = [&] {
     if (!has_mass) return kCloseEnough * radius;
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
   const auto done = [&] { return step.tool.work != nullptr ? step.tool.work->done() : 0; };
-  std::uint64_t look = done();  // units: the first costs at most all work before it
+  std::uint64_t look = done();  // work per query; the first costs at most all work so far
   while (step.result.evaluations < step.budget && !is_cut(step.tool.work)) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
@@ -146,14 +147,14 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
       state = tried;
       step.done += way;
       step.paid += cost;
-      // The tool has moved with the object that carries it. From here on it slips.
+      // The tool has already moved with the object that carries it. Any further movement is slip.
       for (std::size_t i = 0; i < state.contact.grip_count; ++i)
         state.contact.patches[i].carried.setZero();
       next = next_slide();
       slips |= next.slips;
       way = step.allowed(state, next.motion);
     } else if (has_mass && step.length_of(way) < kRounding * radius) {
-      break;  // the energy would fall by less than its rounding
+      break;  // the energy would fall by less than its rounding error
     } else {
       way *= 0.5;
     }

@@ -7,10 +7,10 @@
 namespace feltwire {
 namespace {
 
-constexpr int kSweeps = 4;      // over the patches
-constexpr int kRootSteps = 12;  // for one patch
+constexpr int kSweeps = 4;      // sweeps over the patches
+constexpr int kRootSteps = 12;  // root-finding steps per patch
 constexpr double kCloseToCone = 1e-3;
-constexpr std::uint64_t kSolveWork = 16;  // units of a system of six equations
+constexpr std::uint64_t kSolveWork = 16;  // units of work for a system of six equations
 
 double limit_of(const FrictionPatch& patch, bool slipping) {
   return (slipping ? patch.dynamic_friction : patch.static_friction) * patch.load;
@@ -43,7 +43,8 @@ struct Springs {
     motion = all.ldlt().solve(pull);
   }
 
-  /// limit / slip - spring of a patch. It falls almost linearly with the spring, through the root.
+  /// Returns limit / slip - spring of a patch. Near its root, this function of the spring is almost
+  /// linear.
   double excess(std::size_t i, double limit, double spring) {
     of[i] = spring;
     solve();

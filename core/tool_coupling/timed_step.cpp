@@ -18,7 +18,8 @@ using tool_coupling::resistance;
 using tool_coupling::State;
 using tool_coupling::Step;
 
-/// The damper's resistance is reduced if spring and damper together would exceed the largest pull.
+/// Returns the damper. Its resistance is reduced if spring and damper together would exceed the
+/// largest pull.
 Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before,
                    const Pose& device, double elapsed, const BodyMemory& memory) {
   const ToolInertia& body = *tool.inertia;
@@ -46,9 +47,9 @@ Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before
 struct End {
   State state;
   ToolVelocity velocity = {};
-  Vec6 damper = Vec6::Zero();        // [N], [N m] of the dashpot on the tool
+  Vec6 damper = Vec6::Zero();        // [N], [N m] of the damper on the tool
   double work = 0.0;                 // [J] done by the hand
-  std::optional<State> middle = {};  // of the midpoint rule: contact forces act here
+  std::optional<State> middle = {};  // midpoint, where contact forces act
   FrictionSolution last = {};
   Vec6 resisted = Vec6::Zero();  // [N], [N m] by friction and the dampers of contacts
   bool slipping = false;
@@ -71,8 +72,8 @@ struct TimeStep {
     return kinetic_energy(*tool.inertia, memory.pose.orientation, memory.velocity);
   }
 
-  /// Slows the tool down until its energy is `left`. Returns false if `left` is negative: then the
-  /// tool cannot be there.
+  /// Slows the tool down until its energy is `left`. Returns false if `left` is negative, because
+  /// the tool cannot have such a pose.
   bool settle(End& end, double left) const {
     if (!(left >= 0.0)) return false;
     const double has = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
@@ -101,7 +102,7 @@ struct TimeStep {
     return end.damper.dot(way);
   }
 
-  /// Leaves the tool where it began: no other place is possible, or no time passes.
+  /// Leaves the tool at its start, because no other place is possible or no time passes.
   void stay(End& end, const ToolVelocity& velocity) const {
     end = {start(device), velocity};
     end.work = end.state.pull.energy - pull_at(before).energy;
@@ -130,7 +131,7 @@ struct TimeStep {
     return settle(end, had - has - step.paid + damped);
   }
 
-  /// Places the device halfway too while it searches for the middle.
+  /// Makes a step with the midpoint rule. During the search, the device is at its midpoint too.
   bool midpoint(End& end) const {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 0.5);
     const Vec3 by = device.position - before.position;
@@ -138,7 +139,7 @@ struct TimeStep {
     Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
     step.inertial = &inertial;
     step.frictionless = true;
-    // The step may have to be repeated with the other method.
+    // Reserve work, because the implicit step may have to replace this step.
     if (tool.work != nullptr) step.reserve = tool.work->left() / 2;
     const Pull begins = pull_at(before);
     State& state = end.middle.emplace(start(step.device));
@@ -148,7 +149,7 @@ struct TimeStep {
     end.slipping = false;
     end.last = descend(step, state, end.slipping);
     end.velocity = inertial.velocity(state.pose);
-    // The second half of the way is not searched: allow it no more length than the first half.
+    // The second half of the path is not searched, so its length must be within the clearance.
     const Pose whole = inertial.whole(state.pose);
     Vec6 beyond;
     beyond << whole.position - state.pose.position,
@@ -166,14 +167,16 @@ struct TimeStep {
     return settle(end, had - has + damped);
   }
 
-  /// Leaves work for both steps: the midpoint step may fail, and then an implicit step follows.
+  /// Whether enough work is left for both steps, because an implicit step follows a failed midpoint
+  /// step.
   bool has_room_for_midpoint() const {
-    constexpr std::uint64_t kTimes = 4;  // times the work that the step has taken so far
+    constexpr std::uint64_t kTimes = 4;  // times the work of this step so far
     return tool.work == nullptr || tool.work->left() >= kTimes * tool.work->done();
   }
 
   bool may_take_midpoint() const {
-    // If friction or a damper takes energy, energy need not be kept.
+    // The midpoint rule conserves energy. Friction and dampers take energy, so the rule is then
+    // unnecessary.
     return tool.inertia->integration == ToolIntegration::midpoint && elapsed <= kLongestMidpoint &&
            has_room_for_midpoint() && met.grip_count == 0 && met.damping.resistance.isZero(0.0) &&
            met.viscosity.resistance.isZero(0.0);
@@ -185,9 +188,8 @@ struct TimeStep {
   }
 };
 
-/// Splits the force on the hand. Inertia, weight and the damper belong to no surface. The part of a
-/// contact's force that they take does not reach the hand, so the elastic part is never larger than
-/// the whole.
+/// Splits the force on the hand. Inertia, weight and damper belong to no surface, and may take a
+/// part of the contact force. So the elastic part is limited to the force on the hand.
 Command command_of(const Vec6& on_tool, const ShellContact& contact) {
   Command command;
   const Vec3 force = -on_tool.head<3>();
