@@ -1,4 +1,4 @@
-// Chooses the pairs of convex parts that a tool of polygons remembers.
+// Chooses the pairs of convex parts that a tool of polygons stores.
 
 #include <algorithm>
 #include <array>
@@ -17,13 +17,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 auto key(const PartPair& pair) { return std::tuple(pair.object, pair.tool_part, pair.solid_part); }
 bool in_order(const PartPair& a, const PartPair& b) { return key(a) < key(b); }
 
-/// [m] Distance from a ball to a box along the axes; -`radius` if its centre is inside.
+/// Returns the distance [m] from a ball to an axis-aligned box, or -`radius` if the ball's centre
+/// is inside.
 double distance_of(const Vec3& centre, double radius, const Polyhedron& box) {
   const Vec3 out = (box.least - centre).cwiseMax(centre - box.most).cwiseMax(Vec3::Zero());
   return out.norm() - radius;
 }
 
-/// Looks at all pairs once.
+/// Visits all pairs once.
 struct PartPairQuery {
   const PolygonBody& body;
   std::span<const Object> objects;
@@ -36,7 +37,8 @@ struct PartPairQuery {
     return at != end && key(*at) == key(pair) ? &*at : nullptr;
   }
 
-  /// If there is no room for all pairs, keeps the nearest: pairs that touch come first.
+  /// Stores a pair. If there are too many pairs, keeps the nearest pairs. Touching pairs come
+  /// first.
   void keep(const PartPair& pair) {
     if (now.count < PartPairs::kMost) {
       now.pairs[now.count++] = pair;
@@ -93,7 +95,8 @@ struct PartPairQuery {
     return at == end || at->object != index || at->tool_part != t;
   }
 
-  /// For a pair that is apart, sets its direction to that between the nearest points. Sets the gap.
+  /// Sets the gap of a pair. Sets the direction of a separated pair to the line between the nearest
+  /// points.
   void turn_away(const PlacedTool& placed, const SolidParts& solid, PartPair& pair,
                  const Vec3& centre) const {
     const Polyhedron &part = body.parts[pair.tool_part],
@@ -114,7 +117,7 @@ struct PartPairQuery {
     if (pair.overlaps) pair.shared = *found.shared;
     if (!(found.distance > 0.0)) return;
     if (pair.thickened && !(known_gap > 0.0)) {
-      // The pair is apart, but maybe not from the solid that the direction thickens.
+      // The pair is separated, but maybe not from the solid that is thickened along the direction.
       DepthSums sums;
       placed.add(body, solid, pair, false, sums);
       if (sums.cells > 0) {
@@ -139,10 +142,10 @@ struct PartPairQuery {
   }
 };
 
-/// The push of a pair. Uses the last computed contact if its pair and pose are the same.
+/// Returns the push of a pair. Reuses the last contact if its pair and pose are the same.
 PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
                  const Pose& tool, const PartPair& pair, const PairPush& last) {
-  constexpr double kRounding = 1e-15;  // of an orientation that is normalized again
+  constexpr double kRounding = 1e-15;  // of a repeated normalization
   const PartPair& same = last.pair;
   const auto turned = last.tool.orientation.coeffs() - tool.orientation.coeffs();
   if (last.known && key(same) == key(pair) && same.thickened == pair.thickened &&
@@ -154,7 +157,7 @@ PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedT
   return {true, pair, tool, sums.cubes, sums.slope.head<3>()};
 }
 
-/// Lets the direction of a touching pair follow the force, if this changes nothing else.
+/// Aligns the direction of a touching pair with the force, if nothing else changes.
 void follow(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
             const Pose& tool, const PairPush& last, PartPair& pair) {
   constexpr double kAligned = 0.9998;  // one degree

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-/// `load` [N]: the force of a unit of the sides' weight.
+/// Adds friction. `load` [N] is the force per unit of the sides' weight.
 void add_friction(const Material& material, const Mat3& to_world, const DepthSums& sums,
                   double load, const ObjectInStep& in, ShellContact& sum) {
   double whole = 0.0;
@@ -44,7 +44,7 @@ void add_object(const Object& object, const DepthSums& sums, double contact_area
   if (!(root > 0.0)) return;
   const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
-  // C of the contact law, and C / (2 sqrt V).
+  // Compute C of the contact law, and C / (2 sqrt V).
   const double constant = in.share * material.stiffness / std::sqrt(contact_area);
   const double scale = 0.5 * constant / root;
   sum.energy += constant * root;
