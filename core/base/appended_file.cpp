@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// Removes the rights of all others, also from an existing file. Leaves a pipe or a device as it
-/// is. Returns false and sets errno if the system refuses.
+/// Removes the access rights of all other users, also from an existing file. Leaves a pipe or a
+/// device unchanged. Returns false and sets errno if the system refuses.
 bool keep_private(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
@@ -49,8 +49,8 @@ void AppendedFile::append(std::string_view piece, Whole whole) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int error = errno;
-      // Remove the half-written piece: it would make the whole file unreadable. (A pipe cannot be
-      // cut.)
+      // Remove the incomplete piece, because it would make the whole file unreadable. A pipe cannot
+      // be truncated.
       size_ += static_cast<std::int64_t>(whole(piece.substr(0, done)));
       while (::ftruncate(descriptor_, size_) != 0 && errno == EINTR) {
       }

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// Whether a text begins with `lower`, in small or capital letters. `lower` has no capitals.
+/// Whether a text begins with `lower`, ignoring case. `lower` must be in lower case.
 bool begins_with(std::string_view text, std::string_view lower) {
   return text.size() >= lower.size() &&
          std::equal(lower.begin(), lower.end(), text.begin(), [](char a, char b) {

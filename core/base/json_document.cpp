@@ -46,7 +46,7 @@ std::string names_of(const Definitions& definitions) {
   return names;
 }
 
-/// Text that shows how to write a value of a table or a struct, with the names of its fields.
+/// Returns a text that shows how to write a table or a struct, with the names of its fields.
 std::string notation(const StructDef& definition) {
   const auto& fields = definition.fields.vec;
   if (definition.fixed) return "[" + names_of(fields) + "]";
@@ -64,7 +64,7 @@ const Node* member(const Node& object, std::string_view key) {
   return nullptr;
 }
 
-/// Follows a path as far as it exists in the text. Leaves the rest in `path`.
+/// Follows a path through the document as far as the path exists. Leaves the rest in `path`.
 const Node& walk(const Node& root, std::string_view& path) {
   const Node* node = &root;
   while (!path.empty()) {
@@ -85,8 +85,8 @@ const Node& walk(const Node& root, std::string_view& path) {
   return *node;
 }
 
-/// Replaces the escapes of a text by their characters. Precondition: the scanner accepted them.
-/// Returns the reason if one half of a surrogate pair stands alone.
+/// Replaces the escapes of a text by their characters. Precondition: the scanner has accepted the
+/// escapes. If one half of a surrogate pair is alone, returns this reason.
 std::optional<std::string_view> unescape(std::string_view written, std::string& text) {
   constexpr std::string_view kUnpairedHigh = "illegal Unicode sequence (unpaired high surrogate)";
   constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kPairs = 0x10000;
@@ -119,7 +119,7 @@ std::optional<std::string_view> unescape(std::string_view written, std::string& 
   return std::nullopt;
 }
 
-/// Checks the structure of a text against a schema, so that every error names its field and line.
+/// Checks the structure of a document against a schema, so that every error has its field and line.
 /// Builds the FlatBuffer at the same time.
 class Builder {
  public:
@@ -159,7 +159,7 @@ class Builder {
     return buffer_.EndTable(start);
   }
 
-  /// A struct, given as an object or as a list of all its fields.
+  /// Reads a struct from an object or from a list of all fields.
   void fixed(Node& node, const StructDef& definition, const std::string& path,
              std::uint8_t* place) const {
     const auto& fields = definition.fields.vec;
@@ -296,7 +296,7 @@ class Builder {
     return value;
   }
 
-  /// Writes the low bytes of a whole number, the lowest first.
+  /// Writes the low bytes of an integer, the lowest byte first.
   static void put(std::uint64_t value, flatbuffers::BaseType type, std::uint8_t* place) {
     for (std::size_t i = 0; i < flatbuffers::SizeOf(type); ++i, value >>= 8)
       place[i] = static_cast<std::uint8_t>(value);
@@ -306,9 +306,9 @@ class Builder {
   flatbuffers::FlatBufferBuilder buffer_;
 };
 
-/// If memory runs out while FlatBuffers 2.0.8 reads a value of an enumeration, the parser's
-/// destructor frees that value twice. So this function never destroys an interrupted parser and
-/// loses its memory.
+/// Parses a schema. If memory runs out while FlatBuffers 2.0.8 reads an enumeration value, the
+/// destructor of the parser frees this value twice. So this function never destroys an interrupted
+/// parser, and leaks its memory.
 std::unique_ptr<flatbuffers::Parser> parsed_schema(const char* schema, const std::string& file) {
   auto parser = std::make_unique<flatbuffers::Parser>();
   bool good = false;

@@ -13,7 +13,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::string_view kPart = ".part-";  // follows the file's name while it is written
+constexpr std::string_view kPart = ".part-";  // suffix of the file's name during writing
 constexpr std::size_t kDigits = 6;            // digits after kPart
 
 /// Creates a file that did not exist, and stores its name.
@@ -34,7 +34,7 @@ bool synchronize(int descriptor) {
   return true;
 }
 
-/// Ignores the result: some file systems cannot synchronize a folder.
+/// Synchronizes the folder of a file. Ignores a failure, because some file systems cannot do this.
 void synchronize_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -51,7 +51,8 @@ PendingFile::PendingFile(std::filesystem::path file, std::string_view text,
   if (std::error_code failed; std::filesystem::is_directory(file_, failed))
     cannot_write(file_, "it is a directory");
   if (is_special(file_)) cannot_write(file_, "it is not a regular file");
-  // Create it private if a mode is given: nobody else may read it before it has that mode.
+  // If a mode is given, create a private file first. No other user may read it before it has this
+  // mode.
   const int descriptor = make_beside(file_, mode ? kPrivate : kPublic, written_);
   if (descriptor < 0) cannot_write(file_, std::strerror(errno));
   const bool written = (!mode || ::fchmod(descriptor, *mode) == 0) && write_all(descriptor, text) &&

@@ -52,8 +52,8 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
     if (at == reading.given->end()) fail("is not among the files that were kept");
     return at->second;
   }
-  // O_NONBLOCK: opening a pipe without a writer would wait. O_NOCTTY: a terminal must not become
-  // the controlling terminal of the program.
+  // With O_NONBLOCK, opening a pipe does not wait for a writer. With O_NOCTTY, a terminal does not
+  // become the controlling terminal of the program.
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (in.value() < 0)
     fail(std::string("cannot be opened: ") + std::strerror(errno) + "; " + std::string(remedy));
@@ -67,7 +67,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
   };
   if (status.st_size > 0 && static_cast<std::uintmax_t>(status.st_size) > most) too_large();
 
-  // The system's own files report size 0, so the size is only a first guess.
+  // The files of the kernel report size 0, so the size is only a first guess.
   constexpr std::size_t kBlock = 65536;
   std::string text(std::min(most, static_cast<std::size_t>(status.st_size)) + 1, '\0');
   std::size_t size = 0;

@@ -9,13 +9,14 @@ namespace {
 
 using CodePoint = std::uint32_t;
 
-/// A character of UTF-8. Size 0: the first byte begins no character.
+/// A UTF-8 character. Its size is 0 if the first byte begins no character.
 struct Character {
   CodePoint code = 0;
   std::size_t size = 0;
 };
 
-/// Table 3-7 of the Unicode standard: only the shortest form, no surrogates, at most U+10FFFF.
+/// Follows table 3-7 of the Unicode standard: only the shortest form, no surrogates, at most
+/// U+10FFFF.
 Character first_character(std::string_view text) {
   constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
   constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // by size
@@ -38,7 +39,7 @@ bool within(CodePoint code, CodePoint first, CodePoint last) {
   return code >= first && code <= last;
 }
 
-/// Whether a terminal obeys the character, or a reader cannot see it.
+/// Whether the character controls a terminal or is invisible.
 bool hidden(CodePoint code) {
   constexpr CodePoint kSoftHyphen = 0xAD, kArabicMark = 0x61C, kByteOrderMark = 0xFEFF;
   return code < 0x20 || within(code, 0x7F, 0x9F) || code == kSoftHyphen || code == kArabicMark ||
