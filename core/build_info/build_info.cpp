@@ -15,7 +15,8 @@ const char* compiler() { return FELTWIRE_COMPILER; }
 const char* build_type() { return FELTWIRE_BUILD_TYPE; }
 
 std::string build_info(const std::string& program) {
-  constexpr bool kSanitized = sizeof(FELTWIRE_SANITIZERS) > 1;  // the text is empty without any
+  // Without sanitizers, the text is empty.
+  constexpr bool kSanitized = sizeof(FELTWIRE_SANITIZERS) > 1;
   std::string text = program + " " + version() + ", " + compiler() + ", " + build_type();
   if (std::string_view(FELTWIRE_COMPONENTS) == "client") text += ", client alone";
   if (kSanitized) text += ", sanitizers " FELTWIRE_SANITIZERS;
