@@ -22,8 +22,9 @@ SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
   return {p + beneath * out.direction, out.direction, beneath * out.length};
 }
 
-/// A ball outside a solid whose edges the ball rounds off. It uses the signed distance while the
-/// centre is outside the solid, and the solid's own proxy while the centre is inside.
+/// Computes the contact of a ball outside a solid. The ball rounds off the solid's edges. While the
+/// centre is outside the solid, this uses the signed distance. While the centre is inside, this
+/// uses the solid's own proxy.
 template <Primitive Solid>
 SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
   SurfacePoint centre = solid.surface_point(Side::outside, p, memory);
