@@ -8,12 +8,12 @@
 namespace feltwire {
 namespace {
 
-/// A number that was not given (NaN) becomes infinity.
+/// Replaces a missing number (NaN) by infinity.
 double endless(double value) {
   return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
 }
 
-/// Keeps the choice that is given. Reports an error if another is given too.
+/// Stores one of several alternatives. Reports an error if a second alternative is given too.
 template <class Value>
 class OneOf {
  public:

@@ -66,7 +66,7 @@ MeshOptions options_of(const JsonDocument& document, const std::string& path,
   return options;
 }
 
-/// [m] Empty: use the mesh's own weld.
+/// Returns the given weld distance [m], or nothing to use the default of the mesh.
 std::optional<double> weld_of(const JsonDocument& document, const std::string& path,
                               const scene_file::Mesh& mesh) {
   if (std::isnan(mesh.weld())) return std::nullopt;
@@ -96,8 +96,9 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
 }  // namespace
 
 std::optional<std::string> odd_size(const std::string& name, double size, double scale) {
-  constexpr double kLargest = 20.0, kLeast = 1e-4;    // [m] no hand feels it as a whole
-  constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] what a hand holds or reaches
+  // [m] limits for a surface that a hand explores.
+  constexpr double kLargest = 20.0, kLeast = 1e-4;
+  constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] usual sizes for a hand
   if (size <= kLargest && size >= kLeast) return std::nullopt;
   std::string others;
   for (const Unit& unit : kUnits) {
@@ -153,7 +154,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, boo
     known_.emplace(key, made);
     return made;
   } catch (const FileError& error) {
-    // Errors of the mesh file already name it and its line.
+    // An error of the mesh file already has the file's name and line.
     if (std::string(error.what()).starts_with((folder_ / name).string()))
       document_.fail(path + ".file", error.what());
     throw;

@@ -27,7 +27,8 @@ fs::path beside(const NamedMesh& mesh) {
   return (mesh.folder / mesh.name).string() + "." + mesh.use + kEnding;
 }
 
-/// Follows the XDG Base Directory Specification. Empty: the environment names no home.
+/// Follows the XDG Base Directory Specification. Returns nothing if the environment gives no home
+/// folder.
 std::optional<fs::path> cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
     return fs::path(cache) / "feltwire";
@@ -36,15 +37,16 @@ std::optional<fs::path> cache_folder() {
   return std::nullopt;
 }
 
-/// In a folder that others may write to, somebody could have left a file. A file of the mesh's
-/// owner is as trustworthy as the mesh.
+/// Whether a file is trustworthy. In a folder that other users may write to, another user may have
+/// left the file. A file of the mesh's owner is as trustworthy as the mesh.
 bool is_ours(const struct stat& file, const fs::path& mesh) {
   if (file.st_uid == ::geteuid() || file.st_uid == 0) return true;
   struct stat its {};
   return ::stat(mesh.c_str(), &its) == 0 && its.st_uid == file.st_uid;
 }
 
-/// The bytes. Empty: there is no file, or a remark says why it is refused.
+/// Returns the bytes of a file. Returns nothing if there is no file, or if a remark refuses the
+/// file.
 std::optional<std::string> read(const fs::path& file, const fs::path& mesh,
                                 std::vector<std::string>& remarks) {
   struct stat status {};
@@ -129,7 +131,7 @@ class Search {
     for (const fs::path& place : places) {
       const bool is_beside = place == beside(named_);
       try {
-        // If this fails, writing the file reports the error.
+        // If this fails, writing the file below reports the error.
         if (!is_beside) make_private_folder(place.parent_path());
         replace_file(place, bytes_, is_beside ? kByUmask : std::optional(kPrivate));
         found_.place = place.string();

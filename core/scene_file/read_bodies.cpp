@@ -46,7 +46,8 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
     Body body = read_body(*given);
     bodies.names.add(body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
-    if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;  // no mass needed
+    // A fixed body needs no mass, so any valid mass will do.
+    if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;
     require(document, path, check(body));
     make_unit(body.pose.orientation);
     bodies.all.push_back(std::move(body));
@@ -54,7 +55,8 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
   return bodies;
 }
 
-/// Copies the bodies that move to `moving`. Returns each body's index there, -1 for fixed bodies.
+/// Copies the moving bodies to `moving`. Returns the index of each body in `moving`, or -1 for a
+/// fixed body.
 std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   std::vector<int> number;
   for (std::size_t i = 0; i < bodies.all.size(); ++i) {
@@ -64,7 +66,7 @@ std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   return number;
 }
 
-/// Removes the prefix of a message of compile(): the error made from it already names the field.
+/// Removes the prefix from an error of compile(), because the new error already has the field.
 std::string without_prefix(const std::string& words) {
   for (const char* prefix : {"bodies: ", "scene: bodies: "})
     if (words.starts_with(prefix)) return words.substr(std::string_view(prefix).size());

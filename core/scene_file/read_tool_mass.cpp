@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastMass = 1e-6, kLargestMass = 1e3;        // [kg] in a hand
+constexpr double kLeastMass = 1e-6, kLargestMass = 1e3;        // [kg] for a hand-held tool
 constexpr double kLeastDensity = 1e-3, kLargestDensity = 1e6;  // [kg/m^3]
 
 void require_within(const JsonDocument& document, const std::string& field, double value,

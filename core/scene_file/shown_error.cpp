@@ -26,8 +26,8 @@ constexpr const char* kNotShown =
     ": cannot be used; what stands there is not shown, because the file lies outside of the "
     "scene's folder; copy it there to be told more";
 
-/// Values of an attribute, anywhere in a text. A value with a character reference could be any
-/// path, so it is given as an absolute path.
+/// Returns all values of an attribute in a text. A value with a character reference could be any
+/// path, so it is returned as an absolute path.
 std::vector<std::string> values_of(std::string_view xml, std::string_view attribute) {
   std::vector<std::string> values;
   const auto skip_blanks = [&](std::size_t at) {
@@ -48,13 +48,13 @@ std::vector<std::string> values_of(std::string_view xml, std::string_view attrib
   return values;
 }
 
-/// Files that an MJCF or URDF file names, itself or through the files that it includes.
+/// The files that an MJCF or URDF file names, directly or through included files.
 class NamedFiles {
  public:
   explicit NamedFiles(const fs::path& file) : main_(file.parent_path()) { read(file); }
 
-  /// The first file that lies outside of a folder. Looks beside the model and in the folders it
-  /// names.
+  /// Returns the first file that lies outside a folder. Searches beside the model and in the
+  /// folders that the model names.
   std::optional<fs::path> outside(const fs::path& folder) const {
     if (too_many_) return main_;
     for (const auto& [name, is_plain] : names_)
@@ -65,14 +65,14 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// Whether the model itself, or a text that it includes, lies outside of a folder.
+  /// Whether the model itself, or an included text, lies outside a folder.
   bool has_text_outside(const fs::path& folder) const {
     return too_many_ || std::ranges::any_of(texts_, [&](const fs::path& text) {
              return lies_outside(text, folder);
            });
   }
 
-  /// The first file name that MuJoCo cannot find anywhere.
+  /// Returns the first file name that MuJoCo cannot find anywhere.
   std::optional<std::string> missing() const {
     for (const auto& [name, is_plain] : names_)
       if (is_plain && !is_at(places_of(name)) && !is_at(places_of(name.filename())))
@@ -82,7 +82,7 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// The first file name that is found only together with its folder.
+  /// Returns the first file name that can be found only together with its folder.
   std::optional<fs::path> needs_folder() const {
     for (const auto& [name, is_plain] : names_)
       if (is_plain && name.has_parent_path() && is_at(places_of(name)) &&
@@ -93,7 +93,8 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// The first file with another content than its name says: its place, and the content.
+  /// Returns the path and the kind of content of the first file with the wrong content for its
+  /// name.
   std::optional<std::string> foreign() const {
     for (const auto& [name, is_plain] : names_)
       for (const fs::path& place : places_of(name)) {
@@ -129,7 +130,7 @@ class NamedFiles {
     try {
       xml = read_text(file);
     } catch (const FileError&) {
-      return;  // there is nothing to quote
+      return;  // without its text, nothing can be quoted
     }
     const std::size_t begin = xml.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     if (begin == std::string::npos || xml[begin] == '<' || texts_.empty()) texts_.push_back(file);
@@ -148,14 +149,14 @@ class NamedFiles {
         too_many_ =
             too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
-        std::error_code error;  // any file may be an include that names others
+        std::error_code error;  // any file may be an included file that names others
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
       }
   }
 
   fs::path main_;
-  std::map<fs::path, bool> names_;  // true: a path as it is written
-  std::set<std::string> uris_;      // package:// and file://
+  std::map<fs::path, bool> names_;  // true: the path is exactly as written
+  std::set<std::string> uris_;      // URIs: package:// and file://
   std::set<fs::path> folders_;
   std::vector<fs::path> texts_;
   bool too_many_ = false;
