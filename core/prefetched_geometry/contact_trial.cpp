@@ -11,9 +11,9 @@ namespace {
 
 using Visit = std::function<bool(const TrialTick&)>;
 
-constexpr double kStep = 0.25e-3;  // [m] per tick: a fast hand in contact
+constexpr double kStep = 0.25e-3;  // [m] per tick, for a fast hand in contact
 
-/// Calls go(place) in steps after `from`, up to `to`. Returns false if go() does.
+/// Calls go(place) at steps after `from`, up to `to`. Returns false if go() returns false.
 template <class Go>
 bool each_step(const Vec3& from, const Vec3& to, int most, Go go) {
   const double way = length(Vec3(to - from));
@@ -23,7 +23,8 @@ bool each_step(const Vec3& from, const Vec3& to, int most, Go go) {
   return true;
 }
 
-/// Tries a point on a mesh. The first tick takes its memory from a model, as after a cut-off tick.
+/// Tries a point on a mesh. The first tick takes its memory from a model, as after an interrupted
+/// tick.
 bool try_way(const PrefetchedSurfaces& surfaces, const TrialWay& way, const Visit& visit) {
   constexpr int kMostSteps = 32;
   const Material material{.stiffness = 1000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
@@ -49,8 +50,8 @@ bool try_way(const PrefetchedSurfaces& surfaces, const TrialWay& way, const Visi
          each_step(way.into, way.along, kMostSteps, tick);
 }
 
-/// Moves to the place at which the tool first meets something. `meets` stays false if the tool
-/// begins in a solid or meets nothing.
+/// Moves to the place of the first contact. `meets` stays false if the tool begins in a solid or
+/// meets nothing.
 struct Approach {
   const PrefetchedTool& body;
   const TrialWay& way;
@@ -58,7 +59,7 @@ struct Approach {
   Pose pose;
   bool meets = false;
 
-  /// Returns false if visit() does.
+  /// Returns false if visit() returns false.
   bool run() {
     constexpr int kMostSteps = 64;
     constexpr double kTouching = 1e-4;  // [m]

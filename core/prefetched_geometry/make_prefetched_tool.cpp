@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-/// Surroundings that own everything that they are made of.
+/// Surroundings that own their shell and their objects.
 class OwnSurroundings final : public ToolSurroundings {
  public:
   OwnSurroundings(PointShell shell, double contact_area, std::vector<Object> objects)
@@ -34,7 +34,7 @@ class OwnSurroundings final : public ToolSurroundings {
   ShellSurroundings surroundings_;
 };
 
-/// Written so that NaN fails.
+/// These comparisons are false for NaN.
 bool not_below_zero(double x) { return x >= 0.0 && std::isfinite(x); }
 
 bool possible(const Material& m) {

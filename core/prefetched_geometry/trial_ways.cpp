@@ -9,14 +9,14 @@
 namespace feltwire {
 namespace {
 
-/// A place on a mesh [m, from the mesh's origin], and how crowded it is.
+/// A place on a mesh [m, from the mesh's origin], and the work of a query there.
 struct Place {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   std::uint64_t crowd = 0;
 };
 
-/// The units of work of a query of the tree at one point.
+/// Returns the units of work of a tree query at one point.
 std::uint64_t crowd_at(const MeshSurface& surface, const Vec3& p) {
   WorkLimit work(WorkLimit::kUnlimited);
   Bounds here;
@@ -30,7 +30,7 @@ Place on_triangle(const MeshSurface& surface, std::uint32_t t, const Vec3& p) {
   return {p, triangle_normal(surface.mesh().corners(t)), crowd_at(surface, p)};
 }
 
-/// The corner with the most triangles. A walk round it looks at all of them.
+/// Returns the corner with the most triangles. A walk around it visits all these triangles.
 Place at_fullest_corner(const MeshSurface& surface) {
   const TriangleMesh& mesh = surface.mesh();
   std::uint32_t fullest = 0;
@@ -69,7 +69,8 @@ Vec3 across(const Vec3& normal) {
   return direction(Vec3(normal.cross(Vec3::Unit(axis))));
 }
 
-/// [m] from the middle of the solid to its farthest point; 0: the solid is endless.
+/// Returns the distance [m] from the centre of the solid to its farthest point, or 0 if the solid
+/// is unbounded.
 double reach_of(const SolidData& solid) {
   double reach = 0.0;
   for (const Vec3& p : solid.mesh.vertices) reach = std::max(reach, length(p));
@@ -85,7 +86,7 @@ std::vector<TrialWay> mesh_ways(const Object& object, std::uint16_t index) {
   constexpr double kAbove = 2e-3, kBelow = 4e-3, kAlong = 8e-3;  // [m]
   const MeshSurface& surface = *std::get<Mesh>(object.shape).surface;
   std::vector<Place> places = places_of(surface);
-  // Take the most crowded places, and as many others, evenly spread.
+  // Take the most crowded places, and as many other places, evenly spread.
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::crowd);
   const std::size_t crowded = std::min(places.size(), kMostMeshWays / 2);
   std::vector<Place> chosen(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(crowded));
