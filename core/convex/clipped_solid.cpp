@@ -9,11 +9,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the size
-constexpr int kAlongAxis = 15;      // cuts
+constexpr double kRounding = 1e-9;  // share of the size
+constexpr int kAlongAxis = 15;      // cuts per axis
 constexpr std::size_t kHollow = 24;
 
-/// [m] Height of a point above the plane.
+/// Returns the height [m] of a point above the plane.
 double height(const HalfSpaceBelow& plane, const Vec3& p) {
   return plane.normal.dot(p) - plane.offset;
 }
@@ -68,8 +68,8 @@ std::vector<double> ClippedSolid::heights_over(const HalfSpaceBelow& cut) const 
   return heights;
 }
 
-// A side gets a vertex on the plane only from a polygon that also has a corner strictly on that
-// side. Otherwise a face in the plane would become a part without volume.
+// A side gets a vertex on the plane only from a polygon with another corner strictly on that side.
+// Otherwise a face in the plane would become a part without volume.
 std::pair<std::vector<Vec3>, std::vector<Vec3>> ClippedSolid::points_beside(
     const HalfSpaceBelow& cut) const {
   const std::vector<double> heights = heights_over(cut);
@@ -156,7 +156,7 @@ std::vector<HalfSpaceBelow> ClippedSolid::cuts() const {
     for (int i = 1; i <= kAlongAxis; ++i)
       cuts.push_back({Vec3::Unit(axis), bounds.least[axis] + (bounds.most - bounds.least)[axis] *
                                                                  i / (kAlongAxis + 1)});
-  // Hollow edges: a corner of the neighbouring face lies above this face.
+  // At a hollow (concave) edge, a corner of the neighbouring face lies above this face.
   struct Hollow {
     double weight;
     HalfSpaceBelow plane;
@@ -164,7 +164,7 @@ std::vector<HalfSpaceBelow> ClippedSolid::cuts() const {
   std::vector<Hollow> hollow;
   std::map<std::pair<std::uint32_t, std::uint32_t>, HalfSpaceBelow> waiting;
   for (const Polygon& polygon : polygons_) {
-    // Newell's normal is right for any polygon, also if some corners lie in a line.
+    // Newell's normal is correct for any polygon, even if some corners are collinear.
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < polygon.size(); ++k)
       sum += (vertices_[polygon[k]] - vertices_[polygon[0]])
@@ -177,7 +177,7 @@ std::vector<HalfSpaceBelow> ClippedSolid::cuts() const {
       const auto [at, is_first] = waiting.try_emplace(std::minmax(a, b), plane);
       if (is_first) continue;
       const Vec3 along = vertices_[b] - vertices_[a];
-      // The edge of this face from a to b is hollow if the other face's normal leans over this
+      // The edge of this face from a to b is hollow if the other face's normal tilts towards this
       // face.
       const double bend = normal.cross(at->second.normal).dot(along);
       constexpr double kSharp = 1e-3;  // [rad]

@@ -22,7 +22,7 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// Owns Qhull's state and frees it in every case.
+/// Owns Qhull's state and always frees it.
 class Qhull {
  public:
   explicit Qhull(std::FILE* messages) { qh_zero(&state_, messages); }
@@ -39,10 +39,10 @@ class Qhull {
   qhT state_{};
 };
 
-/// Whether all points lie in one plane, on a line or at one place, within rounding. Qhull reports a
-/// different error for each of these cases, one of them "internal".
+/// Whether all points lie in one plane, on one line or at one place, within rounding errors. Qhull
+/// reports a different error for each of these cases.
 bool is_flat(std::span<const Vec3> points) {
-  constexpr double kFlat = 1e-13;  // of the size
+  constexpr double kFlat = 1e-13;  // share of the size
   const auto farthest = [&](const auto& distance) {
     return *std::ranges::max_element(points, {}, distance);
   };
@@ -59,12 +59,12 @@ bool is_flat(std::span<const Vec3> points) {
   return !(height(farthest(height)) > kFlat * size);
 }
 
-/// Calls read(qh) with the hull of the points, made of triangles. Returns false if they are flat.
+/// Calls read(qh) with the triangulated hull of the points. Returns false if the points are flat.
 template <class Read>
 bool with_hull(std::span<const Vec3> points, Read read) {
   constexpr std::size_t kLeast = 4;
   if (points.size() < kLeast || is_flat(points)) return false;
-  // Drop Qhull's messages about flat points: they help nobody.
+  // Drop Qhull's messages about flat points, because they do not help a user.
   const std::unique_ptr<std::FILE, CloseFile> messages(std::fopen("/dev/null", "w"));
   if (messages == nullptr) throw std::runtime_error("convex hull: cannot open /dev/null");
   std::vector<coordT> coordinates;
@@ -88,7 +88,7 @@ std::size_t index_of(const qhT& qh, const vertexT& vertex) {
   return static_cast<std::size_t>(vertex.point - qh.first_point) / 3;
 }
 
-/// The indices of the corners among the given points, ascending.
+/// Returns the indices of the corners among the given points, in ascending order.
 std::vector<std::size_t> corners_of(const qhT& qh) {
   std::vector<std::size_t> corners;
   for (const vertexT* vertex = qh.vertex_list; vertex != nullptr && vertex->next != nullptr;
@@ -98,7 +98,7 @@ std::vector<std::size_t> corners_of(const qhT& qh) {
   return corners;
 }
 
-/// Calls visit(facet, its plane) for each facet.
+/// Calls visit(facet, plane) for each facet.
 template <class Visit>
 void for_each_facet(const qhT& qh, Visit visit) {
   for (const facetT* facet = qh.facet_list; facet != nullptr && facet->next != nullptr;
@@ -152,7 +152,7 @@ HullTriangles hull_triangles(std::span<const Vec3> points) {
         triangle[k] =
             static_cast<std::uint32_t>(std::ranges::lower_bound(corners, corner) - corners.begin());
       }
-      // All triangles turn the same way. The largest one shows it best.
+      // All triangles have the same orientation. The largest triangle determines it most reliably.
       const Vec3 turn = (place[1] - place[0]).cross(place[2] - place[0]);
       if (turn.norm() > largest) {
         largest = turn.norm();

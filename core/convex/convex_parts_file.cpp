@@ -24,7 +24,7 @@ constexpr std::size_t kDigest = std::tuple_size_v<PartsKey>;
 constexpr std::size_t kHead = kMagic.size() + kDigest + kNumber + kCount;
 constexpr std::size_t kLeastCorners = 4;
 
-/// SHA-256 of all that is added, in order.
+/// The SHA-256 hash of all added bytes, in order.
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new()) {
@@ -75,7 +75,7 @@ std::string_view text_of(const PartsKey& key) {
   return {reinterpret_cast<const char*>(key.data()), key.size()};
 }
 
-/// Reads numbers from the front. Precondition of each call: enough bytes are left.
+/// Reads numbers from the front of the bytes. Precondition of each call: enough bytes are left.
 class Front {
  public:
   explicit Front(std::string_view bytes) : bytes_(bytes) {}
@@ -96,9 +96,9 @@ class Front {
   std::string_view bytes_;
 };
 
-/// The reason why these cannot be the corners of a part; empty if they can.
+/// Returns the reason why these points cannot be the corners of a part, or an empty text.
 std::string wrong_corners(const std::vector<Vec3>& corners, const TriangleMesh& mesh) {
-  constexpr double kSlack = 1e-6;  // share of the mesh's size: a corner cut by planes is rounded
+  constexpr double kSlack = 1e-6;  // share of the mesh's size, for rounding errors
   const Vec3 most = mesh.half_extents().array() + kSlack * mesh.report().size;
   for (const Vec3& corner : corners)
     if (!(corner.array().abs() <= most.array()).all()) return "has a corner outside of the mesh";

@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Pieces to cut for each requested part: joining reduces their number.
+/// Pieces to cut per requested part. The later joining reduces their number.
 constexpr std::size_t kPiecesPerPart = 2;
 /// A part below this share of the whole volume is a rounding error.
 constexpr double kDust = 1e-9;
@@ -32,8 +32,9 @@ struct Cutter {
 
   double outside(const ConvexHull& hull) const { return outward_error(hull, surface, tolerance); }
 
-  /// Whether a piece is so thin along a direction that no cut across it brings a hull nearer. A
-  /// thin plate with a hollow in its rim would prefer such cuts, the most even ones, without end.
+  /// Whether a piece is thinner along a direction than the tolerance. A cut across such a direction
+  /// brings no hull nearer to the surface. Without this test, a thin plate with a hollow in its rim
+  /// would be cut again and again.
   bool is_thin(const Piece& piece, const Vec3& direction) const {
     double least = kInfinity, most = -kInfinity;
     for (const Vec3& v : piece.hull.vertices) {
@@ -43,8 +44,8 @@ struct Cutter {
     return most - least < tolerance;
   }
 
-  /// The plane that leaves the hulls with the least volume. Prefers even cuts among equals, to
-  /// avoid thin slices.
+  /// Returns the plane that leaves the hulls with the least volume. Among equal planes, prefers an
+  /// even cut, to avoid thin slices.
   std::optional<HalfSpaceBelow> best_cut(const Piece& piece) const {
     constexpr double kUneven = 0.02;
     const std::vector<HalfSpaceBelow> cuts = piece.solid.cuts();
@@ -68,7 +69,7 @@ struct Cutter {
     return Piece{std::move(solid), *std::move(hull), out};
   }
 
-  /// Cuts until every piece is near enough or there are `most` pieces.
+  /// Cuts until every piece is within the tolerance, or until there are `most` pieces.
   std::vector<Piece> cut(std::size_t most) const {
     std::vector<Piece> done, open;
     if (auto whole = piece(ClippedSolid(surface))) open.push_back(*std::move(whole));
@@ -105,12 +106,12 @@ Part part_of(ConvexHull hull) {
 struct Join {
   std::size_t a = 0, b = 0;  // a < b
   ConvexHull hull;
-  double added = 0.0;  // [m^3] volume beyond the sum of both parts, if they do not overlap
-  bool fits = true;    // false once the hull is found to reach out too far
+  double added = 0.0;  // [m^3] volume of the hull minus the volumes of both parts
+  bool fits = true;    // false after the hull has exceeded the tolerance
 };
 
-/// Joins pairs of parts, the pair that adds the least volume first. It joins while the tolerance
-/// holds, and beyond the tolerance while there are more than `most` parts.
+/// Joins pairs of parts, beginning with the pair that adds the least volume. A join may exceed the
+/// tolerance only while there are more than `most` parts.
 std::vector<Part> joined(const Cutter& cutter, std::vector<Part> parts, std::size_t most) {
   std::vector<Join> joins;
   const auto add_pairs = [&](const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
@@ -176,7 +177,7 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  // The search may find only this share of the true overhang (outward_error()).
+  // The search may find only this share of the true error (outward_error()).
   constexpr double kFound = 8.0 / 9.0;
   const double tolerance = tolerance_of(options, solid.mesh());
   const Cutter cutter{solid, kFound * tolerance};
