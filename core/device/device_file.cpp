@@ -51,14 +51,15 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
   return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
-/// The least value in any direction, given as a number in one field or as a matrix in another.
+/// Returns the least value over all directions. It is given as a number in one field or as a matrix
+/// in another.
 double least(const JsonDocument& document, const std::string& field, double number,
              const Numbers* values) {
   if (values == nullptr) return number;
   const std::string other = field + "_matrix";
   if (document.has(field))
     document.fail(other, "stands beside " + field + ", which says the same; give one of the two");
-  const Damping given(matrix(document, other.c_str(), *values));  // checks it like a damping
+  const Damping given(matrix(document, other.c_str(), *values));  // applies the checks of a damping
   try {
     validate(given, other.c_str());
   } catch (const std::invalid_argument& error) {
@@ -151,7 +152,7 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
   return {std::move(spec), sources_of(given), document.has("actuation_lag")};
 }
 
-/// The built-in devices, in a fixed order.
+/// Returns the built-in devices, in a fixed order.
 const std::vector<SourcedSpec>& built_in() {
   static const std::vector<SourcedSpec> list = [] {
     std::vector<SourcedSpec> specs;

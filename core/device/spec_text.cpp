@@ -13,7 +13,8 @@ constexpr std::string_view kAssumption = "assumption", kAssumedFor = "assumption
 struct Number {
   const char* field;
   const char* unit;
-  bool counted_on;  // by the account: too large a number creates energy
+  // The energy account relies on this number: too large a value creates energy.
+  bool counted_on;
   std::function<std::string(const DeviceSpec&)> text;
 };
 
@@ -75,7 +76,7 @@ const std::vector<Number>& numbers() {
   return list;
 }
 
-/// The source of a field; empty if nobody gave one.
+/// Returns the source of a field, or an empty text if there is none.
 std::string_view source_of(const SourcedSpec& described, std::string_view field) {
   const auto found = described.sources.find(field);
   return found == described.sources.end() ? std::string_view() : std::string_view(found->second);
@@ -102,7 +103,7 @@ std::vector<std::string> assumptions(const SourcedSpec& described) {
   for (const Number& number : numbers()) {
     const std::string_view source = source_of(described, number.field);
     if (!number.counted_on || !source.starts_with(kAssumption)) continue;
-    // "assumption for USB" names the case that it was made for.
+    // A source such as "assumption for USB" names the case that it applies to.
     const bool says_for = source.starts_with(kAssumedFor);
     said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
                    number.unit + " is an " + std::string(says_for ? source : kAssumption) + "; " +
