@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// `force` along `away`, at most `most`. The damping along it uses only the rest of `most`, so that
+/// Returns `force` along `away`, at most `most`. The damping uses only the rest of `most`, so that
 /// the elastic part depends on the position alone.
 Command along_way(const Vec3& away, double force, double damping, const Vec3& velocity,
                   double most) {
@@ -20,7 +20,7 @@ Command along_way(const Vec3& away, double force, double damping, const Vec3& ve
   return command;
 }
 
-/// 1 up to half of the range, then linear down to 0.
+/// Returns 1 up to half of the range, and then falls linearly to 0.
 double fade(double distance, double range) {
   constexpr double kWhole = 0.5;
   if (distance <= kWhole * range) return 1.0;
@@ -40,7 +40,8 @@ Command keep_out(const KeepOut& spring, const ClosestPoint& closest, const Vec3&
   if (!(depth > 0.0)) return {};
   Command command =
       along_way(closest.away, spring.stiffness * depth, spring.damping, velocity, most);
-  // When the hand leaves, damping must not exceed the spring's force: it would hold the hand back.
+  // When the hand leaves, the damping must not exceed the spring force. Otherwise it would hold the
+  // hand back.
   if (command.force().dot(closest.away) < 0.0) command.frictional = -command.elastic;
   return command;
 }
@@ -64,7 +65,8 @@ Command constant(const ConstantForce& field, double most) {
   return command;
 }
 
-/// The tool relative to the guide's place, world frame. Every point is inside Everywhere.
+/// Returns the tool relative to the guide's place, in the world frame. Every point is inside
+/// Everywhere.
 ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
   ClosestPoint at = closest_point(
@@ -93,7 +95,8 @@ Command guide_force(const Guide& guide, const Tool& tool) noexcept {
   if (const auto* field = std::get_if<ConstantForce>(&guide.action))
     return inside ? constant(*field, most) : Command{};
 
-  // A solid attracts only from outside; a place without end (a plane) attracts from both sides.
+  // A bounded solid attracts only from outside. An unbounded place (a plane) attracts from both
+  // sides.
   if (inside && has_an_end(guide.place)) return {};
   if (inside) at = {-at.away, -at.distance};
   if (const auto* spring = std::get_if<Attract>(&guide.action))
@@ -106,7 +109,8 @@ double begins(const Guide& guide, const Vec3& position) noexcept {
   const double distance = foot_at(guide, position).distance;
   if (std::get_if<Magnet>(&guide.action) != nullptr) return 0.0;
   if (const auto* spring = std::get_if<Attract>(&guide.action))
-    return std::max(0.0, std::abs(distance) - spring->range);  // a solid's inside is near
+    // The inside of a solid counts as near.
+    return std::max(0.0, std::abs(distance) - spring->range);
   if (const auto* spring = std::get_if<KeepOut>(&guide.action))
     return std::max(0.0, distance - spring->margin);
   return std::max(0.0, distance);
@@ -120,14 +124,14 @@ bool needs_velocity(const Guide& guide) noexcept {
 
 double stiffness(const Guide& guide) noexcept {
   if (const auto* spring = std::get_if<Attract>(&guide.action)) {
-    // A force that fades can fall faster than it rises: it falls fastest over half of the range.
+    // A fading force falls fastest over half of the range, possibly faster than it rises.
     const double falling = 2.0 * std::min(guide.max_force, spring->stiffness * spring->range);
     return std::isinf(spring->range) ? spring->stiffness
                                      : std::max(spring->stiffness, falling / spring->range);
   }
   if (const auto* spring = std::get_if<KeepOut>(&guide.action)) return spring->stiffness;
   if (const auto* field = std::get_if<Magnet>(&guide.action))
-    return 2.0 * guide.max_force / field->reach;  // at the place itself
+    return 2.0 * guide.max_force / field->reach;  // slope at the place itself
   return 0.0;
 }
 
