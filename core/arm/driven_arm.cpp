@@ -12,9 +12,10 @@ namespace feltwire {
 namespace {
 
 constexpr double kTouches = 1.0;    // [N]
-constexpr double kMostNoise = 4.0;  // RMS; a longer vector is shortened to this
+constexpr double kMostNoise = 4.0;  // [RMS] largest length of a noise vector
 
-/// Three normal numbers of variance 1 (Box and Muller), in length at most kMostNoise.
+/// Returns three normally distributed numbers of variance 1 (Box and Muller), as a vector of length
+/// kMostNoise or less.
 Vec3 noise(std::uint64_t seed, std::uint64_t n) noexcept {
   constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
   constexpr int kSpare = 11;                          // bits that a double cannot hold
@@ -30,9 +31,9 @@ Vec3 noise(std::uint64_t seed, std::uint64_t n) noexcept {
   return size > kMostNoise ? Vec3(kMostNoise / size * v) : v;
 }
 
-/// [N s/m] A lower bound of the axes' friction, seen at the tool. By Cauchy and Schwarz,
-/// |v|^2 <= (sum r_i |q_i'|)^2 <= sum d_i q_i'^2 sum r_i^2 / d_i, with r_i an upper bound of the
-/// distance from axis i to the tool.
+/// Returns a lower bound [N s/m] of the axes' friction, as seen at the tool. By the Cauchy-Schwarz
+/// inequality, |v|^2 <= (sum r_i |q_i'|)^2 <= sum d_i q_i'^2 sum r_i^2 / d_i. Here r_i is an upper
+/// bound of the distance from axis i to the tool.
 double least_damping(const arm::ArmParts& arm, const mjModel& model) {
   double reach = mujoco::vector(mujoco::entry<3>(model.site_pos, arm.tool)).norm(), sum = 0.0;
   int body = arm.hand;
@@ -91,7 +92,7 @@ void DrivenArm::spread(int steps) noexcept {
 }
 
 bool DrivenArm::drive(mjData& data) noexcept {
-  // Keep the wrist's frame at the beginning of the step: the sensors' numbers refer to it.
+  // Store the wrist's frame at the beginning of the step, because the sensor values refer to it.
   using Frame = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   inside_->wrist = Frame(mujoco::entry<9>(data.site_xmat, inside_->parts.wrist));
   arm::Impedance& impedance = inside_->impedance;
@@ -137,7 +138,7 @@ const FollowerReading& DrivenArm::read(const mjData& data, std::uint64_t n) noex
   reading.pose = tool.pose;
   reading.velocity = tool.velocity;
   reading.angular_velocity = tool.angular_velocity;
-  constexpr std::uint64_t kOther = 0x746f72717565ULL;  // the torque has another noise
+  constexpr std::uint64_t kOther = 0x746f72717565ULL;  // gives the torque another noise
   reading.force = inside_->force + control.noise * noise(control.seed, n);
   reading.torque = inside_->torque + control.torque_noise * noise(control.seed ^ kOther, n);
   reading.commanded = target().pose;

@@ -14,20 +14,20 @@ namespace feltwire::arm {
 namespace {
 
 constexpr int kWays = 6, kLinear = 3;
-constexpr double kReferenceRate = 20.0;  // [Hz]
-constexpr double kFastest = 0.5;         // [m/s] largest believed speed of the target
-constexpr double kFastestTurn = 2.0;     // [rad/s] the largest turning speed
-constexpr double kPostureDamping = 1.0;  // [N m s/rad] for each sqrt of the stiffness
-constexpr double kWall = 300.0;          // [N m/rad] of a joint's wall
+constexpr double kReferenceRate = 20.0;  // [Hz] cutoff of the low pass
+constexpr double kFastest = 0.5;         // [m/s] largest accepted speed of the target
+constexpr double kFastestTurn = 2.0;     // [rad/s] largest accepted turning speed
+constexpr double kPostureDamping = 1.0;  // [N m s/rad] per square root of the stiffness
+constexpr double kWall = 300.0;          // [N m/rad] stiffness of a joint's wall
 constexpr double kWallDamping = 5.0;     // [N m s/rad]
 constexpr double kBefore = 0.1;          // [rad] distance from the limit at which the wall begins
-// The gripper: the mean of the fingers follows the target. Their difference is held at zero.
+// The mean of the gripper's fingers follows the target. Their difference is controlled to zero.
 constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
 constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
 
 using feltwire::clamp_length;
 
-/// Shortens the linear and the angular part, each on its own.
+/// Limits the lengths of the linear and the angular part separately.
 Vec6 clamp_length(const Vec6& v, double linear, double angular) {
   Vec6 out;
   out << clamp_length(Vec3(v.head<3>()), linear), clamp_length(Vec3(v.tail<3>()), angular);
@@ -39,7 +39,7 @@ bool is_orientation(const Quaternion& q) {
   return std::isfinite(square) && std::abs(square - 1.0) < 0.01;
 }
 
-/// [J] Energy of a spring whose force is at most `most`.
+/// Returns the energy [J] of a spring with the largest force `most`.
 double stored(double stiffness, double stretched, double most) {
   const double free = most / stiffness;
   return stretched <= free ? 0.5 * stiffness * stretched * stretched
@@ -61,7 +61,7 @@ Impedance::Impedance(const ArmControl& control, const ArmParts& arm, const mjMod
   const int speeds = model_.nv;
   const Mat6 mobility =
       Rows(rows_.data(), kWays, speeds) * Rows(solved_.data(), kWays, speeds).transpose();
-  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // sorts the eigenvalues in rising order
+  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // sorts the eigenvalues in ascending order
   mass_ = 1.0 / Solver(mobility.topLeftCorner<3, 3>()).eigenvalues().y();
   const double inertia = 1.0 / Solver(mobility.bottomRightCorner<3, 3>()).eigenvalues().y();
   damping_ = 2.0 * control.damping_ratio * std::sqrt(control.stiffness * mass_);
@@ -86,7 +86,7 @@ ToolState Impedance::tool(const mjData& data) const noexcept {
   mjtNum turned[4];
   mju_mat2Quat(turned, mujoco::entry<9>(data.site_xmat, arm_.tool));
   state.pose.orientation = mujoco::quaternion(turned);
-  mjtNum velocity[kWays];  // angular above linear
+  mjtNum velocity[kWays];  // angular part first
   mj_objectVelocity(&model_, &data, mjOBJ_SITE, arm_.tool, velocity, 0);
   state.angular_velocity = mujoco::vector(velocity);
   state.velocity = mujoco::vector(velocity + kLinear);
@@ -107,7 +107,7 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
     target_.pose.orientation =
         turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
                       : target.pose.orientation.normalized();
-    moved_.setZero();  // the tool drags the target along: the target has no velocity of its own
+    moved_.setZero();  // a target that the tool drags along has no velocity
   } else {
     target_.pose = {target.pose.position, target.pose.orientation.normalized()};
     moved_.head<3>() += target_.pose.position - before.position;
@@ -132,7 +132,7 @@ void Impedance::spread(int steps, bool touching) noexcept {
   moved_.setZero();
 }
 
-/// [N m] Torques with which the axes carry the weight of the arm.
+/// Returns the torques [N m] of the axes that carry the weight of the arm.
 Vec7 Impedance::gravity(const mjData& data) const noexcept {
   const Vec3 down = mujoco::vector(model_.opt.gravity);
   Vec7 torque;
@@ -158,8 +158,8 @@ Vec7 Impedance::walls(const Vec7& q, const Vec7& speed) const noexcept {
   return torque;
 }
 
-/// Torques towards home, without the part that would move the tool (Khatib's dynamically consistent
-/// null space, IEEE J. Robotics and Automation 3(1) 1987).
+/// Returns the torques towards home, without the part that would move the tool. The projection is
+/// Khatib's dynamically consistent null space (IEEE J. Robotics and Automation 3(1) 1987).
 Vec7 Impedance::posture(const Vec7& q, const Vec7& speed) noexcept {
   constexpr double kSingular = 1e-6;  // [1/kg] keeps the inverse finite
   const std::ptrdiff_t speeds = model_.nv;
