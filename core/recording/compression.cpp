@@ -8,7 +8,7 @@
 namespace feltwire::mcap {
 namespace {
 
-// Level 3 makes servo ticks 5 % smaller and takes 1.7 times the time (bench record/mcap/16).
+// Level 3 makes servo ticks 5 % smaller, but takes 1.7 times as long (bench record/mcap/16).
 constexpr int kLevel = 1;
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMillisecond = 1'000'000;  // [ns]
 constexpr std::string_view kBegin = "flight-", kStampLike = "20261123T070259.123Z";
 
-/// A time as text, so that file names sort by time.
+/// Returns a time as text, so that file names sort by time.
 std::string stamp(std::uint64_t time) {
   constexpr std::uint64_t kInSecond = 1000;
   const std::uint64_t milliseconds = time / kMillisecond;
@@ -53,9 +53,9 @@ void make_flight_folder(const fs::path& folder) {
 
 fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {
   const std::string end = '-' + name + ".mcap";
-  std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with their sizes
+  std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with sizes
   std::uintmax_t bytes = 0;
-  std::error_code gone;  // another program may remove old files here too
+  std::error_code gone;  // for files that another program removes meanwhile
   for (const std::string& other : names_in(folder)) {
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
         other.starts_with(kBegin) && other.ends_with(end)) {

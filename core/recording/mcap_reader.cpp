@@ -35,7 +35,8 @@ void Reader::damaged(const std::string& what) const {
       "it with feltwire-lab export --skip-damaged");
 }
 
-/// Reads up to `size` bytes, and takes memory only for what exists. False if there is less.
+/// Reads up to `size` bytes. Allocates memory only for bytes that exist. Returns false if there are
+/// fewer bytes.
 bool Reader::fill(std::string& to, std::uint64_t size) {
   constexpr std::uint64_t kStep = 1 << 20;
   to.clear();
@@ -52,7 +53,7 @@ bool Reader::fill(std::string& to, std::uint64_t size) {
   return to.size() == size;
 }
 
-/// The next record of the file; empty if no whole record is left.
+/// Returns the next record of the file, or nothing if no whole record is left.
 std::optional<Reader::Record> Reader::read_record() {
   record_at_ = at_;
   crc_before_ = crc_;
@@ -128,7 +129,7 @@ std::optional<Message> Reader::take(const Record& record) {
     case Opcode::footer:
       take_footer(record.content);
       break;
-    default:  // an index, which is not needed here, or a newer record
+    default:  // an index, which is not needed, or a newer record
       break;
   }
   return std::nullopt;
@@ -139,7 +140,7 @@ void Reader::take_schema(Cursor content) {
   Schema schema{std::string(content.text()), std::string(content.text()),
                 std::string(content.text())};
   require(content.ok(), "a schema ends within a field");
-  if (id == 0) return;  // the specification says: ignore it
+  if (id == 0) return;  // the specification requires to ignore it
   const auto known = schemas_.try_emplace(id, std::move(schema));
   require(known.second || known.first->second == schema, "two schemas have the same number");
 }
@@ -216,7 +217,7 @@ void Reader::take_statistics(Cursor content) {
 }
 
 void Reader::open_chunk(Cursor content) {
-  content.number<std::uint64_t>();  // the times of the first and the last message
+  content.number<std::uint64_t>();  // skips the times of the first and the last message
   content.number<std::uint64_t>();
   const auto size = content.number<std::uint64_t>();
   const auto crc = content.number<std::uint32_t>();
@@ -252,7 +253,7 @@ void Reader::take_data_end(Cursor content) {
 
 void Reader::take_footer(std::string_view bytes) {
   Cursor content(bytes);
-  constexpr std::size_t kStarts = 16;  // [bytes] of the footer that its CRC covers
+  constexpr std::size_t kStarts = 16;  // [bytes] of the footer before its CRC
   content.bytes(kStarts);
   const auto crc = content.number<std::uint32_t>();
   require(content.ok() && content.empty(), "the footer has a wrong length");

@@ -23,7 +23,7 @@ struct Range {
 
 struct Head {
   Opcode opcode;
-  std::uint64_t end;  // of the record
+  std::uint64_t end;  // end of the record
 };
 
 bool is_known(std::uint8_t opcode) {
@@ -32,7 +32,8 @@ bool is_known(std::uint8_t opcode) {
          opcode >= 0x80;  // opcodes of other programs
 }
 
-/// Records that a chunk may not contain. So none of them is taken out of a damaged chunk.
+/// Whether a chunk must not contain such a record. After damage, the search stops only at these
+/// records. So it never takes a record out of a damaged chunk.
 bool is_outside_of_chunks(Opcode opcode) {
   return opcode == Opcode::chunk || opcode == Opcode::message_index ||
          opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;
@@ -44,7 +45,7 @@ bool has_known_fields(Opcode opcode) {
          opcode == Opcode::attachment || opcode == Opcode::chunk;
 }
 
-/// Whether the fields fill the record. A record that is too long would hide what follows it.
+/// Whether the fields fill the record. A record that is too long would hide the records after it.
 bool is_filled(Opcode opcode, Cursor content) {
   constexpr std::size_t kNumber = sizeof(std::uint64_t), kId = sizeof(std::uint16_t);
   constexpr std::size_t kCrc = sizeof(std::uint32_t);
@@ -93,7 +94,7 @@ std::string record_of(Opcode opcode, std::string_view content) {
   return out;
 }
 
-/// The error of a Reader, without the place and the remedy.
+/// Returns the error of a Reader, without the place and the remedy.
 std::string reason_of(const FileError& error) {
   std::string_view words = error.what();
   constexpr std::string_view kByte = ": byte ";
@@ -105,7 +106,7 @@ std::string reason_of(const FileError& error) {
 
 }  // namespace
 
-/// The head and some ranges of the file, read as one stream.
+/// A stream of the head and some ranges of the file.
 class SalvagedFile::Parts final : public std::streambuf {
  public:
   explicit Parts(std::istream& file) : file_(file) {}
@@ -171,7 +172,7 @@ struct SalvagedFile::Scan {
     return out;
   }
 
-  /// A record's head; empty if its length is impossible.
+  /// Returns the head of a record, or nothing if its length is impossible.
   std::optional<Head> head_at(std::uint64_t at) {
     if (at > size || size - at < kRecordHead) return std::nullopt;
     const std::string raw = bytes(at, at + kRecordHead);
@@ -184,7 +185,8 @@ struct SalvagedFile::Scan {
     return Head{static_cast<Opcode>(opcode), at + kRecordHead + length};
   }
 
-  /// Whether a record stands here. Its fields fill it, or another record follows, which may be cut.
+  /// Whether a record begins here. Either its fields fill it, or another record follows. The other
+  /// record may be incomplete.
   bool is_record_at(std::uint64_t at) {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (at == size) return true;
@@ -201,7 +203,7 @@ struct SalvagedFile::Scan {
     return is_known(next.number<std::uint8_t>()) && next.number<std::uint64_t>() <= limits.record;
   }
 
-  /// The next record from `at` on that does not belong in a chunk.
+  /// Returns the place of the next record from `at` on that cannot be in a chunk.
   std::uint64_t next_after(std::uint64_t at) {
     constexpr std::uint64_t kBlock = 1 << 20;
     for (std::uint64_t block = at; block < size; block += kBlock) {
@@ -218,7 +220,7 @@ struct SalvagedFile::Scan {
     return size;
   }
 
-  /// Reads the summary if it is whole: definitions, the chunks' times, statistics.
+  /// Reads the summary if it is complete: the definitions, the times of the chunks, the statistics.
   void read_summary() {
     constexpr std::uint64_t kFooter = kRecordHead + 20;
     if (size < kFooter + kMagic.size()) return;
@@ -254,7 +256,7 @@ struct SalvagedFile::Scan {
     summary_at = start;
   }
 
-  /// Says what is wrong with the record. Empty: a Reader accepts it.
+  /// Returns the error of the record, or nothing if a Reader accepts the record.
   std::optional<std::string> wrong_with(const std::string& record) {
     std::istringstream alone(definitions + record);
     try {
@@ -277,7 +279,7 @@ struct SalvagedFile::Scan {
       const auto first = content.number<std::uint64_t>(), last = content.number<std::uint64_t>();
       if (content.ok() && first <= last) part.times = {first, last};
     }
-    // If the chunk's own head is damaged, the summary may know its times by its place.
+    // If the chunk's head is damaged, the summary may have the chunk's times.
     for (auto it = times.lower_bound(begin); it != times.end() && it->first < end; ++it) {
       const auto& [first, last] = it->second;
       part.times = part.times ? std::pair(std::min(part.times->first, first),
@@ -327,8 +329,8 @@ struct SalvagedFile::Scan {
     parts.head = definitions;
   }
 
-  /// Whether a head can be that of a record in the data section. An index of the summary is
-  /// refused: it may be a chunk with a damaged opcode.
+  /// Whether the data section may contain a record with this head. Refuses an index of the summary,
+  /// because it may be a chunk with a damaged opcode.
   bool is_possible(std::uint64_t at, const Head& head) const {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (head.end > summary_at.value_or(size)) return false;
@@ -343,14 +345,15 @@ struct SalvagedFile::Scan {
         return head.end - at == kDataEnd && (!summary_at || head.end == *summary_at);
       case Opcode::chunk:
         return true;
-      case Opcode::message:  // no CRC protects it, unless the summary says that there is no chunk
+      // A message outside chunks has no CRC. Accept it only if the summary lists no chunk.
+      case Opcode::message:
         return summary_at && times.empty();
       default:
         return !times.contains(at);
     }
   }
 
-  /// Checks the CRC of the data: bytes outside of all chunks may be damaged too.
+  /// Checks the CRC of the data, because bytes outside all chunks may be damaged too.
   void check_crc(std::uint64_t data_end) {
     constexpr std::uint64_t kBlock = 1 << 20;
     const std::string record = bytes(data_end, data_end + kRecordHead + sizeof(std::uint32_t));
@@ -364,7 +367,7 @@ struct SalvagedFile::Scan {
            "the CRC of the data is wrong, but every chunk is whole", {});
   }
 
-  /// Takes a record. Returns the place to go on at.
+  /// Takes a record. Returns the place at which to continue.
   std::uint64_t take(Parts& parts, std::uint64_t at, const Head& head) {
     const std::string record = bytes(at, head.end);
     if (!is_filled(head.opcode, Cursor(std::string_view(record).substr(kRecordHead))))
@@ -397,7 +400,8 @@ struct SalvagedFile::Scan {
     return head.end;
   }
 
-  /// Notes a damaged record. Goes on behind it if its length is right, else at the next record.
+  /// Reports a damaged record. Continues after it if its length is correct, or else at the next
+  /// record.
   std::uint64_t lost(std::uint64_t at, const std::string& record, const std::string& what) {
     const std::uint64_t behind = at + record.size();
     const std::uint64_t end = summary_at.value_or(size);
@@ -411,9 +415,10 @@ struct SalvagedFile::Scan {
   ReaderLimits limits;
   std::uint64_t size = 0;
   std::string definitions;
-  std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;  // of chunks, by place
+  // Times of chunks, by place.
+  std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;
   std::optional<std::uint64_t> summary_at, messages;
-  std::uint64_t found = 0;  // messages that are whole
+  std::uint64_t found = 0;  // number of intact messages
   std::set<std::uint64_t> whole_chunks;
   bool ended = false;
   std::vector<MissingPart> missing;
@@ -426,7 +431,7 @@ SalvagedFile::SalvagedFile(std::istream& in, const std::string& name, ReaderLimi
   if (scan.found == 0 && !scan.missing.empty()) {
     in.clear();
     in.seekg(0);
-    Reader reader(in, name, limits);  // throws the reason
+    Reader reader(in, name, limits);  // throws the reason of the damage
     while (reader.next()) continue;
   }
   missing_ = std::move(scan.missing);

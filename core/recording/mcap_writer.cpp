@@ -65,12 +65,12 @@ Writer::Writer(WriterOptions options) : options_(std::move(options)) {
   size_ = out_.size();
   crc_ = crc32(out_);
   std::string content;
-  put_text(content, "");  // no profile of messages
+  put_text(content, "");  // no message profile
   put_text(content, options_.library);
   put_record(Opcode::header, content);
 }
 
-/// Returns where the record begins in the file.
+/// Writes a record. Returns its start in the file.
 std::uint64_t Writer::put_record(Opcode opcode, std::string_view content) {
   const std::uint64_t start = size_;
   const std::size_t before = out_.size();
@@ -84,7 +84,7 @@ std::uint64_t Writer::put_record(Opcode opcode, std::string_view content) {
 
 std::uint16_t Writer::add(const Schema& schema) {
   schemas_.push_back(schema);
-  const auto id = static_cast<std::uint16_t>(schemas_.size());  // 0 would mean: no schema
+  const auto id = static_cast<std::uint16_t>(schemas_.size());  // 0 means: no schema
   put_record(Opcode::schema, content_of(id, schema));
   return id;
 }
@@ -126,7 +126,7 @@ void Writer::attach(const Attachment& attachment) {
 }
 
 void Writer::write(std::uint16_t channel, std::uint64_t time, std::string_view data) {
-  constexpr std::size_t kBeforeData = 22;  // [bytes] of a message's content
+  constexpr std::size_t kBeforeData = 22;  // [bytes] of a message before its data
   const std::size_t size = kRecordHead + kBeforeData + data.size();
   const bool too_long =
       std::max(time, chunk_end_) - std::min(time, chunk_start_) > options_.chunk_time;
@@ -223,7 +223,7 @@ void Writer::finish() {
   crc_ = 0;
   const std::uint64_t summary_start = size_;
   put_summary();
-  // The CRC of the footer covers the footer up to the CRC.
+  // The CRC covers the summary, and the footer up to the CRC itself.
   constexpr std::uint64_t kFooter = 20;
   const std::size_t before = out_.size();
   put_head(out_, Opcode::footer, kFooter);

@@ -9,7 +9,8 @@ namespace {
 using protobuf::Field;
 using protobuf::Fields;
 
-/// The arrow points along its x axis, and its length is that of shaft and head.
+/// Reads an arrow as a force. The arrow points along its x axis. Its length is the sum of shaft and
+/// head.
 bool read_arrow(const Field& field, Vec3& force) {
   Fields fields(field.bytes);
   Pose pose;

@@ -21,7 +21,7 @@ void put_varint(std::string& out, std::uint64_t value) {
 }
 
 void put(std::string& out, std::uint32_t field, double value) {
-  // Leave out only +0, which has no bits set. -0 is a different number.
+  // Omit only +0, which has no bits set. -0 is a different number.
   if (std::bit_cast<std::uint64_t>(value) != 0) put_optional(out, field, value);
 }
 
@@ -87,7 +87,7 @@ std::optional<Field> Fields::next() {
       field.is_bytes = true;
       break;
     }
-    default:  // a group, which nobody writes any more
+    default:  // a group, which is obsolete
       ok_ = false;
   }
   ok_ = ok_ && rest.ok();
