@@ -31,7 +31,7 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
-/// A generated certificate names the address of the page.
+/// Opens the security of the page. A generated certificate has the page's address.
 Security open_page_security(const GatewayConfig& config) {
   SecurityOptions options = config;
   options.address = web_place(config.web).address;
@@ -45,8 +45,8 @@ std::string names_of(const std::vector<control::SceneEntry>& entries) {
   return names.empty() ? "none" : names;
 }
 
-/// Checks that the server has these scenes. It only warns if the server cannot be reached now: the
-/// server may have the scenes later.
+/// Checks that the server has these scenes. If the server is unreachable, this only warns, because
+/// the server may have the scenes later.
 void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
   std::vector<control::SceneEntry> entries;
   try {
@@ -81,7 +81,7 @@ struct Gateway::Parts {
       : files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
-    // The scenes share this memory: a server may lie about the sessions of each scene.
+    // The scenes share this memory, because a server may report false sessions for each scene.
     const LookOptions options_of_scene{
         .list_room =
             std::max(kRoomOfServer / std::max<std::size_t>(1, looks.size()), kLeastRoomOfScene)};
@@ -125,7 +125,7 @@ struct Gateway::Parts {
   }
 
   void stop() {
-    web->stop();  // first, because it asks the scenes
+    web->stop();  // first, because it uses the scenes
     for (const auto& scene : scenes) scene->stop();
   }
 };

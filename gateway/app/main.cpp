@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   try {
     const feltwire::GatewayConfig config = feltwire::gateway_config(argc, argv);
     feltwire::open_log("feltwire-view", config.log_level);
-    // Block signals before any thread starts, so that only this thread takes them.
+    // Block signals before any thread starts, so that only this thread receives them.
     const sigset_t signals = feltwire::block_signals();
     std::signal(SIGPIPE, SIG_IGN);
 

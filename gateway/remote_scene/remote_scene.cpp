@@ -25,18 +25,18 @@ namespace feltwire {
 namespace {
 
 constexpr const char* kName = "feltwire-view";
-constexpr double kPeriod = 0.01;   // [s] of samples, and so of views
+constexpr double kPeriod = 0.01;   // [s] period of samples and views
 constexpr int kBetweenLooks = 16;  // [ms] between checks for new views
-constexpr std::size_t kRoom = 64;  // views: half a second of them
+constexpr std::size_t kRoom = 64;  // capacity in views: half a second
 constexpr int kBetweenAsks = 500;  // [ms] between requests for data that is not in the views
 
-/// Waits until the event is set, or the time [ms] is over.
+/// Waits until the event is set or the time [ms] is over.
 void wait_for(const Event& event, int time) {
   pollfd waiting{event.descriptor(), POLLIN, 0};
   ::poll(&waiting, 1, time);
 }
 
-/// The device of an observer: nobody holds it, and it never moves.
+/// A device for an observer: it is not connected to a hand and never moves.
 class ObserverDevice final : public Device {
  public:
   ObserverDevice() : spec_(builtin_device("simulated")) { spec_.name = kName; }
@@ -49,7 +49,8 @@ class ObserverDevice final : public Device {
   DeviceSpec spec_;
 };
 
-/// Sends a sample for each view. An observer feels nothing, so no sample has to be on time.
+/// Returns parameters with one sample per view. An observer has no force feedback, so late samples
+/// do no harm.
 SessionParameters observer_parameters() {
   SessionParameters parameters;
   parameters.servo_period = kPeriod;
@@ -57,14 +58,14 @@ SessionParameters observer_parameters() {
   return parameters;
 }
 
-/// The state that the threads share. A hanging thread keeps its share of it.
+/// The state that the threads share. A hanging thread keeps this state alive.
 struct ObserverTask : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};
 };
 
-/// Asks the server in its own thread until it is destroyed, so that a slow answer does not delay a
-/// picture.
+/// Queries the server in its own thread, so that a slow answer does not delay a picture. The
+/// destructor ends the thread.
 class QueryThread {
  public:
   explicit QueryThread(std::function<void(const Event&)> ask)
@@ -150,7 +151,7 @@ control::SceneTimes RemoteScene::server_times() const {
   return server_times_;
 }
 
-/// Clears the picture: old views would show hands whose state is no longer known.
+/// Clears the picture, because old views would show hands in an unknown state.
 void RemoteScene::hide(std::string why) {
   std::string text = "Scene " + name_ + " is not seen: " + std::move(why);
   const std::lock_guard lock(mutex_);
@@ -176,8 +177,8 @@ void RemoteScene::show(const ObservedScene& seen) {
   hidden_.reset();
 }
 
-/// While a session is watched, asks for data that is not in its views. Stops asking if the server
-/// is too old for these questions, or gives impossible answers.
+/// Requests data that is not in the views while a session runs. Stops if the server is too old for
+/// these requests, or if it gives impossible answers.
 void RemoteScene::ask_on(const Event& over) {
   std::optional<ControlDialogue> server;
   int wait = kBetweenAsks;
@@ -229,7 +230,7 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   const CurrentScene before = current_scene();
   std::optional<Scene> changed = with_materials(*before.scene, materials);
   const std::lock_guard lock(mutex_);
-  if (current_.version != before.version) return;  // reloaded meanwhile; the next answer fits
+  if (current_.version != before.version) return;  // the scene was reloaded; the next answer fits
   if (adopted_ && adopted_->first != told.version)
     spdlog::warn("scene {}: the server has reloaded it; send SIGHUP to read its file again",
                  visible(name_));
@@ -239,7 +240,8 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   adopted_ = {told.version, told.changes};
 }
 
-/// Runs until stop(). Retries after every failure: a token may be renewed, a server repaired.
+/// Runs until stop(). Retries after every failure, because a token may be renewed or a server
+/// repaired.
 void RemoteScene::run() {
   auto wait = options_.first_wait;
   std::string said;
@@ -261,14 +263,14 @@ void RemoteScene::run() {
   }
 }
 
-/// Joins, and shows the views until the session ends. Returns why it ended. Throws the same as
-/// join().
+/// Joins, and shows the views until the session ends. Returns the reason for the end. Throws the
+/// exceptions of join().
 std::string RemoteScene::look_on() {
   auto eye = std::make_unique<ObserverDevice>();
   control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
   request.version = version();
   request.figures = true;
-  // It feels nothing, so the server may choose how long a command holds.
+  // An observer has no force feedback, so the server may choose how long a command holds.
   const Joined joined =
       join(server_, request, options_.timeout, {.hold_time = kLongestGrantedHold});
   const SessionParameters& parameters = joined.accepted.parameters;

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallForce = 0.01;  // [N] smaller forces count as none
+constexpr double kSmallForce = 0.01;  // [N] a smaller force counts as none
 constexpr std::uint32_t kKnownStates = (1u << kHandStates) - 1u;
 
 PictureHand picture_of(const SeenHand& seen) {
@@ -37,7 +37,7 @@ PictureHand picture_of(const SeenHand& seen) {
   return hand;
 }
 
-/// Empty if the server sent impossible parameters.
+/// Returns nothing if the server sent impossible parameters.
 std::optional<SessionParameters> possible(const SessionParameters& parameters) {
   try {
     validate(parameters);
