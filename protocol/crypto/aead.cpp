@@ -16,7 +16,7 @@ static_assert(kNonceSize == crypto_aead_aes256gcm_NPUBBYTES &&
 static_assert(kKeySize == crypto_aead_aes256gcm_KEYBYTES &&
               kKeySize == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
 
-/// libsodium detects the features of the CPU once.
+/// Initializes libsodium once. This detects the features of the CPU.
 void make_ready() {
   static const bool ready = ::sodium_init() >= 0;
   if (!ready) throw std::runtime_error("libsodium cannot be initialised");
