@@ -21,7 +21,7 @@ ssize_t receive_datagram(int descriptor, std::span<std::uint8_t> into, sockaddr*
 
 bool send_datagram(int descriptor, std::span<const std::uint8_t> datagram, const sockaddr* to,
                    socklen_t length, const LocalAddress& from) noexcept {
-  // sendmsg() does not change its arguments.
+  // The casts are safe, because sendmsg() does not change its arguments.
   iovec part{const_cast<std::uint8_t*>(datagram.data()), datagram.size()};
   LocalAddressRoom room;
   msghdr message{};

@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-/// "eth0, wlan0": the interfaces of this machine, without the loopback.
+/// Returns the interfaces of this machine without the loopback, for example "eth0, wlan0".
 std::string interfaces() {
   std::string names;
   auto* const all = ::if_nameindex();

@@ -12,7 +12,7 @@ int family_of(int descriptor) noexcept {
   return value;
 }
 
-/// Writes the only entry of the message's control data.
+/// Writes the single entry of the message's control data.
 template <class Info>
 void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Info& info) noexcept {
   room.bytes = {};
@@ -56,7 +56,8 @@ LocalAddress local_address(const msghdr& message) noexcept {
       if (IN6_IS_ADDR_MULTICAST(&info.ipi6_addr)) continue;
       local.family = AF_INET6;
       local.six = info.ipi6_addr;
-      // A reply to any other address may leave through another interface.
+      // Only a link-local address needs its interface. A reply to any other address may leave
+      // through another interface.
       if (IN6_IS_ADDR_LINKLOCAL(&info.ipi6_addr)) local.interface = info.ipi6_ifindex;
     }
   }

@@ -14,7 +14,7 @@ RealTime request_real_time(int priority) noexcept {
   const sched_param parameters{.sched_priority = priority};
   granted.scheduler =
       priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
-  // Not MCL_FUTURE: under a limit it would make later allocations of other threads fail.
+  // Do not use MCL_FUTURE: under a limit, later allocations of other threads would fail.
   granted.memory_locked = mlockall(MCL_CURRENT) == 0;
   prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; the default is 50 us
   return granted;
@@ -22,7 +22,7 @@ RealTime request_real_time(int priority) noexcept {
 
 void give_way() noexcept {
   constexpr int kNice = 10;
-  // On Linux each thread has its own nice value, and its thread number is accepted as a process.
+  // On Linux, each thread has its own nice value, and setpriority() accepts a thread number.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
 }
 

@@ -18,7 +18,7 @@ constexpr std::array<std::pair<std::string_view, int>, 22> kCodePoints = {{
     {"af22", 20}, {"af23", 22}, {"af31", 26}, {"af32", 28}, {"af33", 30}, {"af41", 34},
     {"af42", 36}, {"af43", 38}, {"ef", 46},   {"va", 44},
 }};
-// The code point is above the two bits of congestion notification.
+// The code point is above the two bits of explicit congestion notification (ECN).
 constexpr int kEcnBits = 2;
 
 bool set(int descriptor, int level, int option, int value) noexcept {
@@ -49,7 +49,7 @@ int dscp(std::string_view text) {
 
 bool set_dscp(int descriptor, int dscp) noexcept {
   const int field = dscp << kEcnBits;
-  // An IPv6 socket may also carry IPv4.
+  // An IPv6 socket may also carry IPv4, so set both options.
   const bool six = family(descriptor) == AF_INET6;
   if (six && !set(descriptor, IPPROTO_IPV6, IPV6_TCLASS, field)) return false;
   return set(descriptor, IPPROTO_IP, IP_TOS, field) || six;
@@ -77,7 +77,7 @@ std::optional<int> path_mtu(const sockaddr_storage& to, socklen_t size) noexcept
   if (descriptor < 0) return std::nullopt;
   int mtu = 0;
   socklen_t length = sizeof mtu;
-  // Only a connected socket knows the MTU of its path.
+  // Only a connected socket has the MTU of its path.
   const auto ask = [&](int level, int option) {
     return ::getsockopt(descriptor, level, option, &mtu, &length) == 0;
   };
