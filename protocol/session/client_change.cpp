@@ -16,14 +16,14 @@ std::string digits(double value) {
   return text.data();
 }
 
-/// Written so that NaN fails.
+/// The comparison is false for NaN too.
 std::optional<std::string> out_of_range(const char* field, double value, double most,
                                         const char* range) {
   if (value >= 0.0 && value <= most) return std::nullopt;
   return std::string(field) + " must be " + range;
 }
 
-/// Whether the method is passive for every hand, whatever fails.
+/// Whether the method is passive for every hand and under all faults.
 bool passive_by_itself(const BoundingMethod& method) {
   return promise(method, kAllFaults) == Promise::port;
 }

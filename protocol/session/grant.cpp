@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<const char*, 2> kAtTheJoin = {"asked", "granted"};
 
 std::string text(double value) {
-  // The shortest digits that distinguish the number from its neighbours.
+  // Use the fewest digits that distinguish the number from its neighbours.
   std::array<char, 32> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
   return {digits.data(), end};
@@ -25,8 +25,8 @@ std::string text(const std::optional<double>& value) { return value ? text(*valu
 template <class Choice>
 requires std::is_enum_v<Choice> std::string text(Choice value) { return std::string(name(value)); }
 
-/// Finds the first rule whose field differs and for which `breaks` is true. Returns the field and
-/// both values, labelled with `words`.
+/// Finds the first rule with different values for which `breaks` returns true. Returns the field
+/// and both values, labelled with `words`.
 template <class Breaks>
 std::optional<std::string> first(const SessionParameters& one, const SessionParameters& other,
                                  std::array<const char*, 2> words, Breaks breaks) {

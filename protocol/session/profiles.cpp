@@ -30,11 +30,11 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
   p.position_deadband = line.position_deadband;
   p.force_deadband = line.force_deadband;
   p.predictor = line.predictor;
-  // If the servo is slower than the line, one packet interval may exceed the profile's times.
+  // If the servo is slow, one packet interval may exceed the profile's times.
   const double between = p.packet_interval * p.servo_period;
   p.keep_alive = std::max(line.keep_alive, between);
   p.hold_time = std::max(line.hold_time, 2.0 * between);
-  // Methods that need the scene away from the device stay beside the scene, without a model.
+  // A method that runs beside the scene uses no local model.
   p.local_model = line.local_model && !stands_beside_scene(bounding_method(p.mode));
   if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::client;
   return p;
@@ -42,10 +42,11 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
 
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& p) {
   if (p.packet_interval >= interval(line, p.servo_period)) return p;
-  constexpr double kSilences = 5.0;  // silences that a command outlives (docs/lab/deadband.md)
+  constexpr double kSilences = 5.0;  // silent intervals that a command outlives
   SessionParameters whole = over(line, p);
   const double between = whole.packet_interval * whole.servo_period;
-  // By default a client does not allow a longer hold time, so keep it if the line has room.
+  // By default, a client accepts no longer hold time. So keep the hold time if the profile permits
+  // it.
   if (whole.hold_time <= p.hold_time || kSilences * between > p.hold_time) return whole;
   SessionParameters kept = whole;
   kept.hold_time = p.hold_time;

@@ -27,7 +27,7 @@ std::string short_text(double number) {
   return digits;
 }
 
-/// False also for NaN.
+/// Throws if the value is outside the range, or if it is NaN.
 void within(const char* field, double value, double low, double high, const char* unit,
             const char* remedy) {
   if (value >= low && value <= high) return;
@@ -43,7 +43,7 @@ void known(const char* field, std::size_t value, std::size_t choices) {
                                 " there are; take one by its name");
 }
 
-/// Checks the parameters of the traffic.
+/// Checks the parameters that determine the traffic.
 void validate_traffic(const SessionParameters& p) {
   known("predictor", static_cast<std::size_t>(p.predictor), kPredictorNames.size());
   within("packet_interval", p.packet_interval, 1, kMaxPacketInterval, "servo ticks",
@@ -60,7 +60,7 @@ void validate_traffic(const SessionParameters& p) {
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
   within("keep_alive", p.keep_alive, 0.0, kLongestHold, "s", "0.02 suits most lines");
-  // The silences of both sides add up.
+  // The silent times of both sides add up.
   const bool both = p.position_deadband > 0.0 && p.force_deadband > 0.0;
   if (p.position_deadband > 0.0 || p.force_deadband > 0.0)
     within("keep_alive", p.keep_alive, interval, (both ? 0.25 : 0.5) * p.hold_time, "s",
