@@ -10,15 +10,16 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShort = 32767.0;  // the largest value of 16 bits
+constexpr double kShort = 32767.0;  // largest value of 16 bits
 
-/// The nearest integer; zero for NaN.
+/// Returns the nearest integer, or zero for NaN.
 std::int16_t wire_short(double value) {
   if (std::isnan(value)) return 0;
   return static_cast<std::int16_t>(std::lround(std::clamp(value, -kShort, kShort)));
 }
 
-/// A lower triangular root of a symmetric matrix that is positive semidefinite except for rounding.
+/// Returns a lower triangular root of a symmetric matrix. The matrix is positive semidefinite
+/// except for rounding errors.
 Mat3 root_of(const Mat3& m) {
   Mat3 root = Mat3::Zero();
   for (Eigen::Index i = 0; i < 3; ++i) {
@@ -68,7 +69,7 @@ BodyPoint part_of(const wire::BodyPoint& from, double unit) {
 
 double unit_of(double radius) { return 2.0 * radius / kShort; }
 
-// Written so that NaN fails.
+// Both comparisons are false for NaN.
 bool above_zero(double x) { return x > 0.0 && std::isfinite(x); }
 bool not_below_zero(double x) { return x >= 0.0 && std::isfinite(x); }
 

@@ -15,7 +15,7 @@ namespace feltwire::control {
 namespace {
 
 constexpr flatbuffers::uoffset_t kMaxDepth = 8;
-// The largest number of tables of one message. Each entry of a list may point at the same bytes, so
+// Largest number of tables in a message. Several entries of a list may point at the same bytes, so
 // this also limits the memory that a hostile frame can take.
 constexpr flatbuffers::uoffset_t kMaxTables = kMaxScenes + 8;
 constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
@@ -48,7 +48,7 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
     for (const auto* seat : *seats)
       if (!read_name(seat, to.seats.emplace_back())) return false;
   }
-  // Suites are numbered from 1.
+  // Cipher suites are numbered from 1.
   return control::read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
          from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
          read_name(from.version(), to.version) && control::read(*from.parameters(), to.parameters);
@@ -269,7 +269,7 @@ std::uint32_t frame_length(std::span<const std::uint8_t, kFrameLengthSize> bytes
 
 std::optional<Message> decode(Bytes body) {
   if (body.size() < kSmallestBuffer || body.size() > kMaxFrame) return std::nullopt;
-  // FlatBuffers reads eight bytes at a time, and a body may be unaligned.
+  // FlatBuffers reads eight bytes at a time, so copy an unaligned body.
   std::vector<std::uint8_t> aligned;
   if (reinterpret_cast<std::uintptr_t>(body.data()) % alignof(std::uint64_t) != 0) {
     aligned.assign(body.begin(), body.end());

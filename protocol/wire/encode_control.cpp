@@ -30,14 +30,14 @@ wire::TimesCounted wire_times(const TimeCounts& times) {
           times.sum()};
 }
 
-/// Builds the union's member for each message.
+/// Builds the union member for each message.
 struct BodyBuilder {
   FlatBufferBuilder& builder;
 
   Offset<wire::JoinRequest> operator()(const JoinRequest& m) {
     const auto device = build(builder, m.device);
     const auto parameters = build(builder, m.parameters);
-    // CreateString takes the length, here and below: a name may contain a zero byte.
+    // A name may contain a zero byte, so CreateString gets the length, here and below.
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
@@ -211,7 +211,7 @@ struct BodyBuilder {
   }
 };
 
-/// The union counts from 1, in the order of Message.
+/// Returns the union's type. It counts from 1, in the order of Message.
 wire::Body body_type(const Message& message) {
   return static_cast<wire::Body>(message.index() + 1);
 }

@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-// The offsets of the header's fields [bytes]; PROTOCOL.md has the same table.
+// Offsets of the header fields [bytes], as in the table of PROTOCOL.md.
 constexpr std::size_t kMagicAt = 0, kVersionAt = 2, kKindAt = 3, kReservedAt = 4, kSessionAt = 8,
                       kPacketNumberAt = 16;
 

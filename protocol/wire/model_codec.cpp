@@ -55,7 +55,7 @@ void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
   to.whole = (from.flags() & kFlagWhole) != 0;
 }
 
-/// Written so that NaN fails.
+/// NaN fails all these comparisons.
 bool plausible(const SurfacePatch& p) {
   const Material& m = p.material;
   return p.point.allFinite() && unit_length(p.normal) &&

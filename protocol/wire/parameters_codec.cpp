@@ -12,7 +12,8 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-/// No numbers for an isotropic damping, 3 for one along the axes, 6 for a matrix.
+/// Writes no numbers for an isotropic damping, 3 numbers for damping along the axes, and 6 numbers
+/// for a matrix.
 Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
   if (damping.isotropic()) return 0;
   const Mat3& m = damping.matrix();
@@ -61,7 +62,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
   const auto damping = tensor(builder, d.damping);
   const auto rotational_damping = tensor(builder, d.rotational_damping);
   const auto name = builder.CreateString(d.name);
-  // A peer that does not know the tensor uses the smallest damping over all directions.
+  // A peer without support for the tensor uses the smallest damping over all directions.
   return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
                                 static_cast<std::uint8_t>(d.rotation_sensed),
                                 static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),
@@ -156,7 +157,7 @@ bool read(const wire::Workspace* from, Workspace& to) {
   if (!aligned(*walls, alignof(wire::Wall)) || walls->size() > Workspace::kMostGiven) return false;
   for (const wire::Wall* wall : *walls) {
     const Vec3 normal = vector(wall->normal());
-    // Written so that NaN fails.
+    // The negated comparisons also refuse NaN.
     if (!(std::abs(normal.squaredNorm() - 1.0) <= kUnitTolerance) ||
         !(std::abs(wall->distance()) <= Workspace::kFarthest))
       return false;

@@ -20,8 +20,8 @@ std::string shortened(const std::string& text, std::size_t most) {
   constexpr std::size_t kLongest = 4;  // [bytes] of a character in UTF-8
   if (text.size() <= most) return text;
   std::size_t end = most - kCut.size();
-  // Go back to the first byte of the character that the cut would split. A text that is not UTF-8
-  // may be cut anywhere.
+  // Move the cut back to the first byte of the character that it would split. A text that is not
+  // UTF-8 may be cut anywhere.
   std::size_t start = end;
   while (start > 0 && end - start < kLongest &&
          (static_cast<unsigned char>(text[start]) & kContinuesMask) == kContinues)

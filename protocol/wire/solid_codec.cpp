@@ -30,7 +30,7 @@ const char* name_of(const Shape& shape) {
       shape, [](const auto& primitive) { return primitive.kName; }, [] { return ""; });
 }
 
-/// The result of reading a shape by its name and its lengths.
+/// The result of reading a shape from its name and lengths.
 struct ReadShape {
   bool known = false;  // this program has a shape of this name
   bool whole = false;  // the number of lengths is right

@@ -12,7 +12,7 @@ static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
 static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 
-static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // less its table entry and padding
+static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // minus its table entry and padding
 
 constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
 constexpr int kSeat = 8, kSeats = 16;  // the first bit of each field
@@ -97,7 +97,7 @@ wire::SeenRobot wire_seen(const SeenRobot& r) {
 std::uint32_t place(const SeenHand& hand) { return hand.number; }
 std::uint32_t place(const SeenBody& body) { return body.object; }
 
-bool finite(const Pose& pose) {  // written so that NaN fails
+bool finite(const Pose& pose) {  // NaN fails
   return pose.position.allFinite() &&
          std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
@@ -130,7 +130,7 @@ DropReason read(const wire::SeenRobot& from, SeenRobot& to) noexcept {
   return good ? DropReason::none : DropReason::not_finite;
 }
 
-/// Reads a list of hands or bodies. Their numbers must rise within [begin, end).
+/// Reads a list of hands or bodies. Their numbers must ascend within [begin, end).
 template <class Seen, class Wire, std::size_t most>
 DropReason read(const flatbuffers::Vector<const Wire*>* from, std::uint32_t begin,
                 std::uint32_t end, std::array<Seen, most>& out, std::size_t& count) noexcept {
@@ -148,7 +148,7 @@ DropReason read(const flatbuffers::Vector<const Wire*>* from, std::uint32_t begi
   return wrong;
 }
 
-/// Reads the figures of the hands that were read before.
+/// Reads the figures of the hands in `view`.
 DropReason read_figures(const flatbuffers::Vector<const wire::HandFigures*>& from,
                         SceneView& view) noexcept {
   if (!aligned(from, alignof(wire::HandFigures))) return DropReason::malformed;
