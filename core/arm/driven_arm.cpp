@@ -12,7 +12,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kTouches = 1.0;    // [N]
-constexpr double kMostNoise = 4.0;  // [RMS] largest length of a noise vector
+constexpr double kMostNoise = 4.0;  // largest length of a noise vector, in RMS values
 
 /// Returns three normally distributed numbers of variance 1 (Box and Muller), as a vector of length
 /// kMostNoise or less.

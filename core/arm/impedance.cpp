@@ -132,7 +132,7 @@ void Impedance::spread(int steps, bool touching) noexcept {
   moved_.setZero();
 }
 
-/// Returns the torques [N m] of the axes that carry the weight of the arm.
+/// Returns the axis torques [N m] that carry the weight of the arm.
 Vec7 Impedance::gravity(const mjData& data) const noexcept {
   const Vec3 down = mujoco::vector(model_.opt.gravity);
   Vec7 torque;

@@ -19,7 +19,7 @@ struct Character {
 /// U+10FFFF.
 Character first_character(std::string_view text) {
   constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
-  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // by size
+  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // indexed by size
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);
   if (lead < 0x80) return {lead, 1};

@@ -114,8 +114,8 @@ PortAccount::PortAccount(const AccountConfig& config)
   surely_paid_ = 1.0 - std::max(translation_.most_kept(), rotation_.most_kept());
 }
 
-/// Returns the balance that limits the next force. It is the smaller of the current balance and the
-/// expected balance when the force acts, at least half a sample later, if the motion continues.
+/// Returns the balance that limits the next force: the current balance or, if smaller, the expected
+/// balance when the force acts. The expectation assumes that the motion continues.
 inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
   // Reject a movement if its square is not finite, even if its components are finite.
@@ -183,8 +183,7 @@ double PortAccount::softened(const ForceAndTorque& wanted, double usual,
 /// Returns the share of `wanted` that `left` [J] covers after the pending forces. `own` has the
 /// needs of `wanted` after these forces. A force that used all energy would leave none for the next
 /// force. So `left` must also cover L + 1 such forces in a row. Their needs are computed at the
-/// returned share. The needs of a larger force are distributed differently, and the share would
-/// oscillate.
+/// returned share. A larger force has differently distributed needs, and the share would oscillate.
 double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
@@ -272,8 +271,8 @@ double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, dou
   return share;
 }
 
-/// Gives the affordable share of the parts with a limited need. Gives nothing if the command is not
-/// finite.
+/// Gives the affordable share of each part (force, torque) that has a limited need. Gives nothing
+/// if the command is not finite.
 Command PortAccount::give_limited_part(const Command& command, double left, double hold) noexcept {
   Command given;
   if (command.finite()) {

@@ -9,7 +9,7 @@ namespace feltwire {
 
 void HandForceBound::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
   pass(hold_time);
-  // The weights hold only for samples that last about one period.
+  // The weights are valid only for samples of about one period.
   if (hold_time < 0.5 * period_ || hold_time > 1.5 * period_) return forget();
   const double late = (block_.samples + 0.5) / kSamples;
   block_.way += displacement;

@@ -5,9 +5,9 @@
 namespace feltwire {
 
 void HoldTimeMargin::saw(double hold_time, bool felt) noexcept {
-  // Change per tick, as shares of T. A force at its limit falls by up to twice the first share, or
-  // by half the second share. On a device with late forces, the force falls by as much again for
-  // each pending force.
+  // Changes per tick, as shares of T. In one tick, a force at its limit falls by at most twice
+  // kGrowth, or half of kGrowthOfAnyHand. On a device with late forces, each pending force adds the
+  // same amount.
   constexpr double kGrowth = 0.005, kGrowthOfAnyHand = 0.03, kShrinkage = 0.001, kAtOnce = 1.0;
   const auto follow = [&](double reserved, double growth, double most) {
     return std::clamp(most, reserved - kShrinkage * period_, reserved + growth * period_);

@@ -21,7 +21,7 @@ LaggingNeed::LaggingNeed(const PortBalance& port, const LaggingForces& older, co
     const double ahead = hold * static_cast<double>(i);
     OfSample& sample = samples_[count_++];
     sample.weight = weight;
-    // In the next sample, f itself and the rest of the older forces drive the handle.
+    // In the next sample, the wanted force f and the rest of the older forces drive the handle.
     sample.wanted = port.need_after(wanted, hold, i, i == 0 ? before : strongest);
     limited_ = limited_ && (squared_ == 0.0 || sample.wanted.limited());
     if (i > 0) sample.rounded = port.quantum() * wanted.lpNorm<1>();
@@ -52,8 +52,8 @@ double LaggingNeed::of_sample(std::size_t i, double s) const noexcept {
   double sum = (sample.weight - most) * own + sample.changes;
   for (std::size_t j = 0; j < sample.count; ++j)
     sum += (sample.older[j] - sample.older[j + 1]) * std::max(own, sample.worst[j]);
-  // The force changes from the newest older force to s f. In later samples, it changes from s f to
-  // zero.
+  // The force changes from the newest older force to s f, the share s of the wanted force. In later
+  // samples, it changes from s f to zero.
   const double change =
       std::sqrt(std::max(0.0, newest_squared_ + s * (s * squared_ - 2.0 * along_)));
   sum += turns_.energy(change, sample.begins) + turns_.energy(s * length_, sample.ends);

@@ -21,14 +21,14 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-/// Computes the share of the balance to keep for a late tick. The derivation takes a force so small
-/// that its need is f d, with the reachable displacement d, after L + 1 such forces in a row. After
-/// the late tick, each d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the kept
-/// part of f (d_0 + ... + d_L). Between an axis and a diagonal, the kept part grows nearly with the
+/// Computes the share of the balance to keep for a late tick. Let f be a force so small that its
+/// need is f d, where d is the reachable displacement. L + 1 such forces act in a row. After the
+/// late tick, each d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the kept part
+/// of f (d_0 + ... + d_L). Between an axis and a diagonal, the kept part grows nearly with the
 /// square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
-  if (late == 0 || !reach_.bounds()) return;  // then a first press must get its full force
-  constexpr double kLate = 0.5;               // [T] lateness
+  if (late == 0 || !reach_.bounds()) return;  // in both cases, a first press gets its full force
+  constexpr double kLate = 0.5;               // lateness in periods T
   constexpr double kMost = 0.1;               // largest kept share of a balance
   constexpr int kSamples = 4;                 // more samples than reach_ stores
   const Vec3 none = Vec3::Zero();
@@ -172,7 +172,7 @@ EnergyNeed PortBalance::need_of(const Vec3& wanted, double hold_time,
   const Hold& hold = prepared ? hold_ : other;
   need.first = 0.5 * hold.free * squared;
   if (reach_.known()) limit_by_inertia(need, force, hold, farther(force.length));
-  // Skip the speed limit if the handle has just exceeded it, because that may happen again.
+  // Skip the speed limit after the handle has exceeded it, because the handle may do so again.
   if (limits_speed_ && !too_fast_) limit_by_speed(need, force, hold);
   return need;
 }
@@ -183,8 +183,8 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
                  [&](double length) { return reach_.driven(wanted, length, coming, hold_time); });
 }
 
-/// Each earlier sample moves the handle farther by its speed times a whole sample. This sample
-/// moves the handle by its speed times half a sample.
+/// Each earlier sample adds its speed times a whole sample to the movement. This sample adds its
+/// speed times half a sample.
 EnergyNeed PortBalance::need_after(const Vec3& wanted, double hold_time, int samples,
                                    double strongest) const noexcept {
   return need_of(wanted, hold_time, [&](double length) {

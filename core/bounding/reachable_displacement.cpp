@@ -20,8 +20,8 @@ void refuse(const char* field, const char* part, double value, const char* remed
 /// |v|: `driven` and `braked` [m/s^2] are the largest accelerations along v and against v, `way`
 /// [m] is the largest movement along v, and `against` [m/s] is the largest initial speed against v.
 ///
-/// The function solves driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2 for s. The left
-/// side grows with s, and the right side falls.
+/// With h = `time`, the function solves driven s^2/2 <= way + against (h - s) + braked (h - s)^2/2
+/// for s. The left side grows with s, and the right side falls.
 double since_turn(double driven, double braked, double way, double against, double time) noexcept {
   const double square = 0.5 * (driven - braked);
   const double linear = against + braked * time;
@@ -30,7 +30,7 @@ double since_turn(double driven, double braked, double way, double against, doub
   const double root = linear * linear + 4.0 * square * constant;
   if (!(root >= 0.0)) return time;  // every s satisfies the inequality
   const double since = 2.0 * constant / (linear + std::sqrt(root));
-  return since < time ? since : time;  // also for NaN
+  return since < time ? since : time;  // NaN gives the whole time
 }
 
 }  // namespace
@@ -44,10 +44,10 @@ void validate(const PortKnowledge& port, const char* field) {
               "give a lower bound in N (N m), 0 when none is known");
   lower_bound("the encoder quantum", port.quantum, "give it in m (rad), 0 for an exact sensor");
   lower_bound("the mass", port.mass, "give a lower bound in kg (kg m^2), 0 when none is known");
-  if (!(port.outside_force >= 0.0))  // infinity: unknown
+  if (!(port.outside_force >= 0.0))  // infinity means unknown
     refuse(field, "the outside force", port.outside_force,
            "give an upper bound in N (N m), infinity when none is known");
-  if (!(port.speed > 0.0))  // infinity: unknown
+  if (!(port.speed > 0.0))  // infinity means unknown
     refuse(field, "the speed", port.speed,
            "give an upper bound in m/s (rad/s) above 0, infinity when none is known");
 }

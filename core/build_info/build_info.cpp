@@ -15,7 +15,7 @@ const char* compiler() { return FELTWIRE_COMPILER; }
 const char* build_type() { return FELTWIRE_BUILD_TYPE; }
 
 std::string build_info(const std::string& program) {
-  // Without sanitizers, the text is empty.
+  // Without sanitizers, FELTWIRE_SANITIZERS is an empty text.
   constexpr bool kSanitized = sizeof(FELTWIRE_SANITIZERS) > 1;
   std::string text = program + " " + version() + ", " + compiler() + ", " + build_type();
   if (std::string_view(FELTWIRE_COMPONENTS) == "client") text += ", client alone";

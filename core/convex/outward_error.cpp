@@ -30,8 +30,8 @@ double signed_distance(const MeshSurface& solid, const Vec3& p, double within) {
 }  // namespace
 
 double outward_error(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
-  constexpr double kGap = 1.125;       // bound of the true error over the found error
-  constexpr double kWider = 1.000001;  // margin of the search distance
+  constexpr double kGap = 1.125;       // largest ratio of the true error to the found error
+  constexpr double kWider = 1.000001;  // factor of the search distance, above rounding errors
   Bounds bounds;
   for (const Vec3& v : hull.vertices) bounds.add(v);
   double found = 0.0;

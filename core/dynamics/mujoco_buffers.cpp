@@ -15,10 +15,11 @@ namespace {
 constexpr int kFewContacts = 16, kContactsOfGeom = 4;
 // MuJoCo 2.2 uses these sizes if the file has no <size>.
 constexpr int kDefaultContacts = 100, kDefaultRows = 500;
-constexpr int kMostFriction = 6;                // largest friction dimension of a contact
-constexpr int kRowsOfEquality = 6;              // rows of a weld constraint
-constexpr double kFirstStack = 1 << 20;         // in numbers (mjtNum)
-constexpr double kMostStack = 2.0 * (1 << 27);  // in numbers: 2 GiB; unused stack takes no memory
+constexpr int kMostFriction = 6;         // largest friction dimension of a contact
+constexpr int kRowsOfEquality = 6;       // rows of a weld constraint
+constexpr double kFirstStack = 1 << 20;  // size in numbers (mjtNum)
+// Size in numbers: 2 GiB; unused stack takes no memory.
+constexpr double kMostStack = 2.0 * (1 << 27);
 constexpr double kNumber = sizeof(mjtNum), kIndex = sizeof(int);
 
 /// Returns the constraint rows of one contact with the largest friction dimension in the model.
@@ -87,7 +88,8 @@ std::string printed(double bytes) {
 }  // namespace
 
 double bytes(const mjModel& model, const BufferSizes& room) {
-  // Sum the constraint Jacobian and its transpose with column indices, and the matrix of all rows.
+  // Count the constraint Jacobian and its transpose, both with column indices. Add the square
+  // matrix of all rows.
   const double entry = kNumber + kIndex, rows = room.rows;
   return 2.0 * entry * rows * model.nv + entry * rows * rows +
          static_cast<double>(sizeof(mjContact)) * room.contacts;

@@ -26,11 +26,13 @@ using mujoco::text;
 
 /// Time constant of contacts between bodies, in ticks (MuJoCo's solref). The stability limit is 2.
 constexpr double kContactTicks = 5.0;
-/// Contacts and joint limits yield by 1 - d of the load. The value d grows over a depth [m]
-/// (MuJoCo's solimp). These values are as rigid as possible without oscillation at the tick.
+/// Contacts and joint limits are soft and yield by the share 1 - d of the load. The value d grows
+/// over a depth [m] (MuJoCo's solimp). These values are as rigid as possible without oscillation at
+/// the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
-/// MuJoCo's loader compares each body with each other body. This many bodies take most of a minute.
+/// MuJoCo's loader compares each body with each other body. With so many bodies, it takes most of a
+/// minute.
 constexpr std::size_t kMostBodies = 4000;
 
 // The model as MJCF. The bodies are named b0, b1, ...
@@ -159,7 +161,7 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
   }
 }
 
-/// Warns of non-convex meshes without given solids.
+/// Warns of each non-convex mesh for which no convex solids are given.
 void warn_of_hulls(const std::vector<Object>& objects, const mujoco::CollisionGeoms& geoms,
                    const mujoco::ObjectSolids& solids, const std::vector<int>& body_of,
                    const std::vector<Body>& bodies, std::vector<std::string>& warnings) {
@@ -184,8 +186,8 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   std::string xml = "<mujoco><compiler angle=\"radian\"/>\n<option" +
                     attribute("timestep", number_text(options.tick)) +
                     attribute("gravity", text(options.gravity)) +
-                    // Prevent slow slip under friction. The elliptic cone is stiffer, and the
-                    // noslip solver removes the slip of soft constraints.
+                    // An elliptic friction cone with a higher stiffness and the noslip solver
+                    // prevent the slow slip of soft constraints.
                     attribute("cone", "elliptic") + attribute("impratio", "10") +
                     attribute("noslip_iterations", "5") +
                     (bodies.size() > mujoco::kFewBodies ? attribute("solver", "CG") : "") + ">" +

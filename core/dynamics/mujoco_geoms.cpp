@@ -18,7 +18,7 @@ namespace {
 /// Whether a mesh keeps a volume in single precision. MuJoCo refuses a mesh without volume.
 bool is_solid_in_float(const std::vector<Vec3>& points) {
   constexpr double kLeastVolume = 2.0 * mjMINVAL;  // [m^3]
-  // Share of the size, above single-precision rounding.
+  // Share of the size. It is larger than the rounding errors of single precision.
   constexpr double kThin = 1e-6;
   std::vector<Vec3> rounded;
   Bounds bounds;
@@ -129,8 +129,8 @@ std::string CollisionGeoms::meshes() const {
 
 std::string CollisionGeoms::text(std::size_t object, const Pose& pose, const Material& material,
                                  const std::string& more) const {
-  // MuJoCo has one friction coefficient, so use the dynamic one. A contact without friction is
-  // one-dimensional.
+  // MuJoCo has one friction coefficient per contact, and gets the dynamic friction. A contact
+  // without friction is one-dimensional.
   const double friction = material.dynamic_friction;
   const auto& geoms = geoms_of(object);
   std::string xml;

@@ -37,7 +37,8 @@ class MjcfMeshes {
  public:
   MjcfMeshes(const mjModel& model, const std::string& file) : model_(model), file_(file) {}
 
-  /// Returns the mesh in MuJoCo's frame: its centre of mass and principal axes of inertia.
+  /// Returns the mesh in MuJoCo's frame. Its origin is the centre of mass, and its axes are the
+  /// principal axes of inertia.
   Mesh mesh_of(int geom) {
     const int id = model_.geom_dataid[geom];
     if (const auto at = known_.find(id); at != known_.end()) return at->second;

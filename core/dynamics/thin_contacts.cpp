@@ -23,7 +23,7 @@ std::string number_shown(const char* format, Numbers... numbers) {
 /// The extent of a geom along gravity.
 struct GeomExtent {
   int geom;
-  double low, high;  // [m] along up
+  double low, high;  // [m] of the lowest and highest point along `up`
   double thickness;  // [m] least extent in any direction
   bool falls;        // gravity moves it
   bool endless;      // a plane: no body falls through it
@@ -173,8 +173,9 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
 }  // namespace
 
 double held_speed(double thickness, double contact, double tick) {
-  // A contact is a critically damped spring, so a body penetrates by speed * contact / e. The delay
-  // until the contact begins adds the path of kTicks ticks (measured, ThinContacts.*).
+  // A contact is a critically damped spring with the time constant `contact`, so a body penetrates
+  // by speed * contact / e. The delay until the contact begins adds the path of kTicks ticks
+  // (measured, ThinContacts.*).
   constexpr double kTicks = 0.65, kE = 2.718281828459045;
   return 0.5 * thickness / (contact / kE + kTicks * tick);
 }

@@ -38,7 +38,8 @@ double distance_to(const Torus& torus, const Vec3& p) {
 
 /// Returns the distance [m] from a free point to the first entry of a path into the ring, or
 /// infinity. The path is `length` [m] long, along a unit direction. Each step is the distance to
-/// the ring, but at least 1/64 of the tube's radius. So it can miss only a chord of this length.
+/// the ring, but at least 1/64 of the tube's radius. So a step can miss only a chord of this
+/// length.
 double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double length) {
   constexpr double kLeastStep = 1.0 / 64.0;
   constexpr int kMostSteps = 1024, kHalvings = 48;
@@ -68,7 +69,7 @@ struct RingProxy {
 };
 
 /// memory.triangle is zero while the proxy is at the part of the ring nearest to the tool.
-/// Otherwise it is the angle of the proxy's part, in units of 2^-32 turns.
+/// Otherwise memory.triangle is the angle of the proxy's part, in units of 2^-32 turns.
 constexpr double kTurn = 2.0 * std::numbers::pi, kParts = 0x1p32;
 Vec3 remembered_facing(const FeatureMemory& memory) {
   if (memory.triangle == 0) return or_else(facing_of(memory.proxy), Vec3::UnitX());

@@ -84,7 +84,7 @@ FieldPoint evaluate(const Real* first, std::ptrdiff_t along_y, std::ptrdiff_t al
 /// A position in grid coordinates.
 template <class Real>
 struct DistanceGrid<Real>::Place {
-  Index nearest;  // sample
+  Index nearest;  // index of the nearest sample
   Index brick;
   Vec3 beyond;  // [h] offset from the nearest sample
   std::size_t at = 0;
@@ -157,7 +157,7 @@ void DistanceGrid<Real>::Builder::place(const GridOptions& options) {
   grid.centers_.resize(size);
 }
 
-/// Chooses the bricks that the band touches.
+/// Chooses the bricks that touch the band around the surface.
 template <class Real>
 void DistanceGrid<Real>::Builder::choose(std::size_t max_bytes) {
   // Each thread processes one plane of bricks at a time.
@@ -307,7 +307,7 @@ FieldPoint DistanceGrid<Real>::fine(const Place& place, std::int32_t slot) const
 }
 
 /// Applies the same spline to the centres of the bricks. The coefficients are the values
-/// themselves, so the result never exceeds the values.
+/// themselves, so the result never exceeds their range.
 template <class Real>
 FieldPoint DistanceGrid<Real>::coarse(const Place& place) const noexcept {
   constexpr std::ptrdiff_t kLanes = 4, kSide = 3;
@@ -329,7 +329,7 @@ FieldPoint DistanceGrid<Real>::coarse(const Place& place) const noexcept {
         weights(Interpolation::quadratic, static_cast<Real>(t[static_cast<Eigen::Index>(axis)]));
   FieldPoint point = evaluate<Real>(around.data(), kLanes, kSide * kLanes, w);
   point.gradient *= inverse_h_ / kBrick;
-  // Every point of a brick without samples is farther from the surface than the band.
+  // In a brick without samples, every point is farther from the surface than the band.
   point.distance =
       centers_[place.at] > 0 ? std::max(point.distance, band_) : std::min(point.distance, -band_);
   return point;

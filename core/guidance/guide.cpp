@@ -40,8 +40,8 @@ Command keep_out(const KeepOut& spring, const ClosestPoint& closest, const Vec3&
   if (!(depth > 0.0)) return {};
   Command command =
       along_way(closest.away, spring.stiffness * depth, spring.damping, velocity, most);
-  // When the hand leaves, the damping must not exceed the spring force. Otherwise it would hold the
-  // hand back.
+  // When the hand leaves, the damping must not exceed the spring force. Otherwise the damping would
+  // hold the hand back.
   if (command.force().dot(closest.away) < 0.0) command.frictional = -command.elastic;
   return command;
 }
@@ -65,8 +65,8 @@ Command constant(const ConstantForce& field, double most) {
   return command;
 }
 
-/// Returns the tool relative to the guide's place, in the world frame. Every point is inside
-/// Everywhere.
+/// Returns the tool relative to the guide's place, in the world frame. In Everywhere, every point
+/// is inside.
 ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
   ClosestPoint at = closest_point(

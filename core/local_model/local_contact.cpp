@@ -69,8 +69,8 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
 }
 
 /// Returns the memory with which a contact continues. The client's own memory is preferred if it
-/// follows the object and its face is still described. An own memory without contact counts too,
-/// because the model's contact state is older.
+/// follows the object and its face is still described. This is also true without contact, because
+/// the model's contact state is older.
 LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
   const bool same_scene = model.scene == model_.scene;
@@ -234,7 +234,7 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed,
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }
-  // Scale the texture's force with the depth. It must never exceed the push of the surface.
+  // Scale the texture's force with the depth, so that it never exceeds the push of the surface.
   double depth = 0.0;
   for (int i = 0; i < count_; ++i)
     depth = std::max(depth, contacts_[static_cast<std::size_t>(i)].rough_depth);

@@ -103,9 +103,9 @@ PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const V
   return {highest.patch, {tool + depth * normal, normal, depth}};
 }
 
-/// Returns the face that a ball reaches from a round edge or corner after its centre is behind all
-/// patches. This is the face with the steepest descent. Returns null if the ball was on no edge or
-/// corner.
+/// Returns the face that a ball reaches from a round edge or corner, when the ball's centre is
+/// behind all patches. On this face, the descent is steepest. Null means that the ball was on no
+/// edge or corner.
 const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
   constexpr double kRound = 1e-9;    // 1 minus the cosine between normals
   constexpr double kTouched = 1e-3;  // share of the ball's radius: on the edge of this face
@@ -159,8 +159,8 @@ bool holds(const SeenPatches& seen, const PatchView& by) {
   return from < to;
 }
 
-/// Handles joined patches. The patch of entry holds the tool while the solid is between them
-/// (shapes.cpp). If the entry is unknown, the nearest patch holds the tool.
+/// Handles joined patches. The patch of entry holds the tool while the solid is between patch and
+/// tool (shapes.cpp). If the entry is unknown, the nearest patch holds the tool.
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
   const PatchView* highest = nullptr;
@@ -187,7 +187,7 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
 }
 
 /// Corrects the height above a round patch if the proxy stayed on another side (round_proxy.hpp).
-/// If `before` does not hold the tool on this patch, `from` tells whether the tool has entered.
+/// If `before` does not hold the tool on this patch, `from` shows whether the tool has entered.
 void leave_behind(PatchView& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
                   const FeatureMemory& before, const CameFrom& from) {
   constexpr double kRounding = 1e-9;

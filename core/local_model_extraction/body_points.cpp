@@ -23,7 +23,7 @@ constexpr double kLeastReach = 1e-2;  // [m] least reach after an omitted point
 /// A part of the shell near one object. The part has the nodes or points [begin, end).
 struct Part {
   std::size_t object = 0;
-  const PointShell* shell = nullptr;  // one side of the tool
+  const PointShell* shell = nullptr;  // points of one side of the tool
   bool of_points = false;
   std::uint32_t begin = 0, end = 0;
   Vec3 center = Vec3::Zero();  // [m, tool frame] centre of the bounding ball
@@ -279,7 +279,7 @@ struct Builder {
     const Mat3 turned = cut.turned();
     const Vec3 n = turned.transpose() * normal;
     const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
-    // The point gets the force in the scene, at the scene's centre of pressure.
+    // Give the point the contact force of the scene, at the scene's centre of pressure.
     if (points.pushed > 0.0) {
       point.distance = -depth_for(points.pushed / points.squares, half);
       const PressedPart in = pressed_part(-point.distance, half);
@@ -295,8 +295,8 @@ struct Builder {
     return true;
   }
 
-  /// Points of a part. Group 0 has the points about the plane that pushes most. If no plane pushes,
-  /// it is the nearest plane. Each other group has the points that meet one side of the object.
+  /// Points of a part. Group 0 has the points about one plane: the plane that pushes most, or else
+  /// the nearest plane. Each other group has the points that meet one side of the object.
   struct Group {
     Gathered points;
     std::size_t object = 0;

@@ -21,7 +21,7 @@ constexpr int kGridPlaces = 8;      // places on a ring
 constexpr double kFirstRing = 2.0;  // radius, in resolutions
 constexpr double kGridOpen = 0.75;  // share of a height above the patch that must be free
 constexpr double kGridDeep = 0.25;  // share of a ring's radius that must be solid below the patch
-constexpr double kStraight = 1.1;   // largest way to the surface, in distances
+constexpr double kStraight = 1.1;   // limit of the way to the surface, in distances
 
 /// The surface point at the end of the descent along the gradient.
 struct GridClosest {

@@ -14,7 +14,7 @@ constexpr std::size_t kMostLooked = 256;  // triangles; with more, the extent is
 
 /// Placement of a triangle relative to a patch.
 struct TrianglePlacement {
-  bool front = false, behind = false;  // true for any corner; both false: on the patch
+  bool front = false, behind = false;  // of any corner; both false: it is on the patch
   bool hidden = false;                 // the whole triangle is behind
 };
 

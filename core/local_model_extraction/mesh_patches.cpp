@@ -17,7 +17,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFittedSides = 3.0;  // search radius, in sides of the first triangle
+constexpr double kFittedSides = 3.0;  // search radius, in side lengths of the first triangle
 // Facets that turn by at most this angle [rad] count as parts of a smooth surface. The middle of an
 // equilateral facet is kSagitta * angle * side away from the ball through its corners. The middle
 // of any other facet is farther away.
@@ -28,7 +28,7 @@ constexpr std::uint32_t kNone = TriangleMesh::kNone;
 struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;
-  double side = 0.0;      // 1 or -1; 0: none
+  double side = 0.0;      // side of the surface: 1 or -1; 0: none
   double distance = 0.0;  // [m] to the surface; 0 in contact
   double height = 0.0;    // [m] from the point to the tool, on either side
 };
@@ -141,7 +141,7 @@ bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, doubl
   return true;
 }
 
-/// Returns the height [m] above the triangles of the surface that pushes the tool.
+/// Returns the height [m] of the pushing surface above the triangles.
 double offset_of(const MeshOptions& options, double ball) {
   double offset = ball - options.grain.amplitude;
   if (options.height_map) offset -= options.height_map->mean();

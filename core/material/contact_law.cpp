@@ -24,7 +24,8 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
   const double mu = memory.slipping ? material.dynamic_friction : material.static_friction;
   memory.slipping = stretched > mu * surface.depth;
   if (memory.slipping) {
-    // When slipping begins, the force falls from mu_s F_n to mu_d F_n, and the anchor moves along.
+    // When slipping begins, the force falls from mu_s F_n to mu_d F_n, and the anchor moves towards
+    // the proxy.
     stretch *= material.dynamic_friction * surface.depth / stretched;
     memory.anchor = surface.point + stretch;
   }
@@ -34,7 +35,7 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
 Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept {
   const double cosine = from.dot(to);
   const Vec3 axis = from.cross(to), v = anchor - about;
-  if (!(cosine > -0.5)) return anchor;  // turned too far: another place
+  if (!(cosine > -0.5)) return anchor;  // after such a turn, it is another place
   return about + cosine * v + axis.cross(v) + axis.dot(v) / (1.0 + cosine) * axis;
 }
 

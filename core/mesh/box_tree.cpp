@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kMostInLeaf = 4;
 constexpr std::size_t kBins = 16;
-/// From this level on, each split halves the items at any cost. This limits the depth of the tree.
+/// From this level on, each split halves the items regardless of its cost. This limits the depth of
+/// the tree.
 constexpr int kMaxUneven = 24;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -54,7 +55,7 @@ struct Item {
   float middle(std::size_t axis) const { return box.least[axis] + box.most[axis]; }
 };
 
-/// Bounds and count of a group.
+/// A range of items and its bounding box.
 struct Part {
   std::size_t begin = 0, end = 0;
   Hull box;
@@ -109,7 +110,7 @@ std::array<Bins, 3> bins_of(const std::vector<Item>& items, const Part& part) {
   return bins;
 }
 
-/// The cheapest cut between the bins of an axis.
+/// Returns the cheapest cut between two bins of an axis.
 Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   Cut cut{.axis = axis};
   // First compute the cost of the items behind each cut. Then add the cost of the items before the

@@ -193,7 +193,7 @@ class Choice {
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
       if (chosen_[f] != 0) continue;
       const auto [group, sign] = groups.find(f);
-      // In a closed shell, each edge links two faces: twice the edges is three times the faces.
+      // In a closed shell, each edge links two faces, so 2 * edges = 3 * faces.
       if (groups.is_torn(group) || 2 * groups.links(group) != 3 * count[group]) continue;
       if (volume[group] != 0.0) chosen_[f] = volume[group] > 0.0 ? sign : -sign;
     }
@@ -208,7 +208,7 @@ class Choice {
     std::vector<std::pair<std::uint32_t, long>> own;  // face, vote
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // undecided; decided up minus decided down
+          up = 0;  // open: undecided; up: decided faces up minus down
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {

@@ -14,10 +14,11 @@ namespace feltwire::edge_splits {
 namespace {
 
 constexpr std::uint32_t kSides = 3;
-constexpr double kPart = 0.25;  // largest offset, as a share of the height and of each part
+constexpr double kPart = 0.25;  // largest offset of a corner, as a share of a part's size
 /// Least relative height of a part of a triangle, well above rounding errors.
 constexpr double kLeastHeight = 1e-12;
-constexpr std::size_t kMostLooked = std::size_t{1} << 27;  // candidates; so many take some seconds
+// Candidates; testing them takes some seconds.
+constexpr std::size_t kMostLooked = std::size_t{1} << 27;
 
 /// A vertex that lies on an open edge.
 struct OnEdge {
@@ -123,7 +124,7 @@ class Search {
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> open_;
   double weld_;
-  std::vector<std::uint32_t> pieces_;  // for each box, the place of its edge
+  std::vector<std::uint32_t> pieces_;  // for each box, the index of its edge in open_
 };
 
 /// Returns the corners of one edge, without corners that are too close to the previous corner.

@@ -166,8 +166,8 @@ class Ball {
       const Vec3 way = aim.point - from;
       const double far = length(way);
       cut = far > reach;
-      // A shortened step may violate the planes, so project it onto them. The projection is shorter
-      // than the margin of gather().
+      // A shortened step may violate the planes, so project it onto them. The projection moves the
+      // end by less than the search margin of gather().
       Vec3 next = aim.point;
       if (cut)
         next = nearest_in(planes, from + reach / far * way, kTolerance * exact_, work_).point;

@@ -84,8 +84,8 @@ std::string_view first_word(std::string_view text) {
 }
 
 bool is_text_stl(std::string_view bytes) {
-  // A binary file may also begin with "solid". Its length is the best evidence. If the file was cut
-  // short, look for bytes that never occur in text.
+  // A binary file may also begin with "solid", so compare its length with its count first. If the
+  // file was cut short, look for bytes that never occur in text.
   if (bytes.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kStlCountAt, sizeof count);

@@ -25,7 +25,7 @@ constexpr std::uint64_t kRoundWork = 8;
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
 std::size_t previous(std::size_t k) { return k == 0 ? 2 : k - 1; }
 
-/// A triangle seen from the side that the proxy is on.
+/// A triangle, as seen from the proxy's side.
 struct Face {
   Face(const MeshSurface& surface, std::uint32_t t, std::int8_t side)
       : corners(surface.mesh().corners(t)),
@@ -169,7 +169,7 @@ class Walk {
     return mesh_.vertices()[mine[0]];
   }
 
-  /// Enters the triangle at the corner with the steepest descent of the distance.
+  /// Enters the triangle around this corner in which the distance falls fastest.
   std::optional<Outcome> cross_corner(std::uint32_t vertex) {
     const Vec3 d = goal_ - at_.point;
     double steepest = 0.0;
@@ -201,7 +201,7 @@ class Walk {
     return std::nullopt;
   }
 
-  static constexpr double kTouching = 1e-12;  // share of an edge: as good as on the edge
+  static constexpr double kTouching = 1e-12;  // tolerance, as a share of an edge
 
   const MeshSurface& surface_;
   const TriangleMesh& mesh_;

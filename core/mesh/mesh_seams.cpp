@@ -13,8 +13,8 @@ namespace feltwire::mesh_seams {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Share of a triangle's longest side. A shorter side is a rounding error, for example at a pole of
-/// radius sin(pi).
+/// Share of a triangle's longest side. A shorter side is a rounding error, for example at a pole
+/// with the computed radius sin(pi).
 constexpr double kNoSide = 0x1p-40;
 constexpr double kPartOfSide = 0.25;
 
@@ -58,7 +58,8 @@ class RemainingVertices {
 
   void add(const End& end) {
     const int level = std::ilogb(end.reach) + 1;
-    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);  // reach ascends
+    // The ends come in ascending order of reach, so the levels ascend too.
+    if (levels_.empty() || levels_.back() != level) levels_.push_back(level);
     cells_[cell_hash(level, cell_of(level, vertices_[end.vertex]))].push_back(end);
   }
 

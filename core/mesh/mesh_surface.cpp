@@ -27,7 +27,7 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   return boxes;
 }
 
-/// Returns the first triangle of the flat face for each triangle.
+/// Returns, for each triangle, the first triangle of its flat face.
 std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
   constexpr double kFlat = 1e-3;  // [rad] above the errors of coordinates in single precision
   constexpr std::uint32_t kNone = TriangleMesh::kNone;
@@ -120,7 +120,7 @@ std::optional<Crossing> MeshSurface::crossing(std::uint32_t t, const Vec3& from,
   std::int8_t side = 0;
   if (sides > 0 && a >= 0.0 && b < 0.0) side = 1;
   if (sides < 0 && a <= 0.0 && b > 0.0) side = -1;
-  // If both sides are felt, choose a side for a point in the plane of the triangle.
+  // If contact is possible on both sides, choose a side for a point in the plane of the triangle.
   if (sides == 0 && a > 0.0 && b <= 0.0) side = 1;
   if (sides == 0 && a < 0.0 && b >= 0.0) side = -1;
   if (side == 0) return std::nullopt;

@@ -37,7 +37,7 @@ std::optional<Scalar> scalar_named(std::string_view name) {
 struct Property {
   std::string name;
   Scalar type = Scalar::f32;
-  std::optional<Scalar> list;  // the type of its length, if it is a list
+  std::optional<Scalar> list;  // type of the list's length; empty: no list
 };
 struct Element {
   std::string name;

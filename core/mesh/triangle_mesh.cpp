@@ -39,7 +39,8 @@ bool degenerate(const std::array<Vec3, 3>& c, double& height) {
 
 std::uint64_t place_hash(const Vec3& v) {
   std::uint64_t h = 0;
-  for (const double x : v) h = splitmix::mix(h ^ std::bit_cast<std::uint64_t>(x + 0.0));  // -0 is 0
+  // X + 0.0 is never -0.
+  for (const double x : v) h = splitmix::mix(h ^ std::bit_cast<std::uint64_t>(x + 0.0));
   return h;
 }
 
@@ -122,7 +123,7 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld,
 }
 
 /// Returns the edges that are still open. A triangle that loses its area can open further edges.
-/// The next round joins these.
+/// The next round joins these edges.
 TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   constexpr int kMostJoinRounds = 8;
   for (int round = 0; round < kMostJoinRounds && !open.edges.empty(); ++round) {

@@ -26,7 +26,7 @@ static_assert(ShellNode::kParts == FieldGroup::kSize);
 struct Sums {
   double squares = 0.0;  // of distances [m^2]
   Vec6 wrench = Vec6::Zero();
-  Mat6 stiffness = Mat6::Zero();  // the lower half
+  Mat6 stiffness = Mat6::Zero();  // lower triangle
 
   /// Adds the places with a negative distance. All other places have zero distance and gradient.
   void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
@@ -83,7 +83,7 @@ struct ShellQuery {
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
 
-  /// Whether the ball may be near the surface. If not, its distance limits the clearance.
+  /// Whether the ball may be near the surface. If not, the ball's distance limits the clearance.
   bool near(const ShellNode& node, double distance) {
     if (!(distance > far_of(node))) return true;
     sum.clearance = std::min(sum.clearance, distance - node.radius);

@@ -46,8 +46,8 @@ void DepthPlanes::add_outline(const SolidPart& part, const Vec3& away) noexcept 
     const bool left = is_left_out(part, edge.left, away);
     if (left == is_left_out(part, edge.right, away)) continue;
     const std::size_t kept = left ? edge.right : edge.left;
-    // Skip a side, because it is the outline itself. Skip an inner face, because it bounds the part
-    // anyway.
+    // Skip a side of the thickened solid, because it is the outline itself. Skip an inner face,
+    // because it bounds the part anyway.
     if (part.inner[kept] != 0 || shape.planes[kept].normal.dot(away) <= kSide) continue;
     const Vec3& on_edge = shape.vertices[edge.from];
     HalfSpaceBelow plane;

@@ -62,8 +62,8 @@ class CornersByCell {
   std::array<CellCorner, 4 * ClosestFaceCells::kCorners> all_;
 };
 
-/// The corners of a cell in its coordinates: u and v along the face from the tool's origin, and d
-/// for the depth.
+/// The corners of a cell in the cell's coordinates: u and v along the face from the tool's origin,
+/// and d for the depth.
 struct SeenCorners {
   static constexpr std::size_t kMost = ClosestFaceCells::kCorners;
   std::array<double, kMost> u, v, d;
@@ -352,7 +352,7 @@ void add_cells(const ClosestFaceCells& cells, std::span<const PenetrationCell> o
                const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept {
   const CornersByCell by_cell(cells, of.size());
   CellSurface surface(cells, planes);
-  // Ridge integrals, by the cell beyond.
+  // Ridge integrals of the current cell, indexed by the cell beyond the ridge.
   std::array<SurfaceSums, ClosestFaceCells::kMostCells> beyond;
   std::fill_n(beyond.begin(), of.size(), SurfaceSums{});
   for (std::size_t k = 0; k < of.size(); ++k) {

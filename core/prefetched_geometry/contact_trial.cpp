@@ -50,8 +50,8 @@ bool try_way(const PrefetchedSurfaces& surfaces, const TrialWay& way, const Visi
          each_step(way.into, way.along, kMostSteps, tick);
 }
 
-/// Moves to the place of the first contact. `meets` stays false if the tool begins in a solid or
-/// meets nothing.
+/// Moves the tool to its first contact. `meets` stays false if the tool begins in a solid or finds
+/// no contact.
 struct Approach {
   const PrefetchedTool& body;
   const TrialWay& way;

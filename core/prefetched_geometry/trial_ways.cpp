@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// A place on a mesh [m, from the mesh's origin], and the work of a query there.
+/// A place on a mesh [m, from the mesh's origin], and the work of a query at this place.
 struct Place {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();

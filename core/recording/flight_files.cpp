@@ -53,7 +53,7 @@ void make_flight_folder(const fs::path& folder) {
 
 fs::path next_flight_file(const fs::path& folder, const std::string& name, std::uint64_t time) {
   const std::string end = '-' + name + ".mcap";
-  std::vector<std::pair<fs::path, std::uintmax_t>> files;  // with sizes
+  std::vector<std::pair<fs::path, std::uintmax_t>> files;  // files and their sizes [bytes]
   std::uintmax_t bytes = 0;
   std::error_code gone;  // for files that another program removes meanwhile
   for (const std::string& other : names_in(folder)) {

@@ -415,7 +415,7 @@ struct SalvagedFile::Scan {
   ReaderLimits limits;
   std::uint64_t size = 0;
   std::string definitions;
-  // Times of chunks, by place.
+  // Times of the chunks, by their place in the file.
   std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;
   std::optional<std::uint64_t> summary_at, messages;
   std::uint64_t found = 0;  // number of intact messages

@@ -96,7 +96,7 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
 }  // namespace
 
 std::optional<std::string> odd_size(const std::string& name, double size, double scale) {
-  // [m] limits for a surface that a hand explores.
+  // [m] Outside these limits, the unit is probably wrong.
   constexpr double kLargest = 20.0, kLeast = 1e-4;
   constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] usual sizes for a hand
   if (size <= kLargest && size >= kLeast) return std::nullopt;

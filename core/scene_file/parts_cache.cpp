@@ -131,7 +131,7 @@ class Search {
     for (const fs::path& place : places) {
       const bool is_beside = place == beside(named_);
       try {
-        // If this fails, writing the file below reports the error.
+        // If this fails, the write below reports the error.
         if (!is_beside) make_private_folder(place.parent_path());
         replace_file(place, bytes_, is_beside ? kByUmask : std::optional(kPrivate));
         found_.place = place.string();

@@ -149,7 +149,7 @@ class NamedFiles {
         too_many_ =
             too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
-        std::error_code error;  // any file may be an included file that names others
+        std::error_code error;  // any file may be an include with further names
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
       }
   }
@@ -165,7 +165,7 @@ class NamedFiles {
 }  // namespace
 
 bool lies_outside(const fs::path& file, const fs::path& folder) {
-  // A given text was not read from this disk, so an error reveals nothing about the disk.
+  // A recorded text was not read from this disk, so an error reveals nothing about the disk.
   if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(fs::absolute(file, error), error);

@@ -45,8 +45,7 @@ LineFit::Line LineFit::line(const Vec3& direction) const noexcept {
   const Vec3 right(square(xf_, direction), square(vf_, direction), f);
   Mat3 normal;
   normal << square(xx_, direction), xv, x, xv, square(vv_, direction), v, x, v, count_;
-  // The speed terms are small, on a scale of one second. A prior weight keeps the smallest pivot
-  // above noise.
+  // The speed terms may be very small. A prior weight keeps the smallest pivot above noise.
   Mat3 damped = normal;
   damped(1, 1) += kSpeedPrior * count_;
   const Vec3 solution = damped.ldlt().solve(right);

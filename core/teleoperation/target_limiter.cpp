@@ -58,11 +58,11 @@ const Vec3& TargetLimiter::step(const Sample& s) noexcept {
     begun_ = true;
   }
   const double k = limits_.stiffness;
-  const Vec3 before = target_ - s.robot;  // e'
+  const Vec3 before = target_ - s.robot;  // e' (e of the previous sample)
   account(s);
   Vec3 way = s.wanted.allFinite() ? Vec3(s.wanted - target_) : Vec3::Zero();
   way *= std::min(1.0, limits_.speed * std::max(0.0, s.elapsed) / std::max(length(way), 1e-12));
-  Vec3 after = before + way;  // e
+  Vec3 after = before + way;  // e of this sample
   double most = limits_.leash / k;
   if (s.surface != 0) {
     if (s.known < s.surface) most = std::min(most, limits_.first_touch / k);

@@ -118,7 +118,8 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   const Vec3 held = here.position - free_part(here.position);
   for (const WorkspaceWall& wall : workspace_.view()) {
     const Polar<double> normal = polar(free_part(wall.normal));
-    if (!(normal.length >= kHardlyFree)) continue;  // free axes do not change its clearance
+    // The free axes do not change this wall's clearance.
+    if (!(normal.length >= kHardlyFree)) continue;
     const double meant = (wall.distance - wall.normal.dot(held)) / normal.length;
     meant_[count_] = meant;
     walls_[count_] = {normal.direction, std::min(meant, normal.direction.dot(here.position))};

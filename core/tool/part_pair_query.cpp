@@ -37,8 +37,8 @@ struct PartPairQuery {
     return at != end && key(*at) == key(pair) ? &*at : nullptr;
   }
 
-  /// Stores a pair. If there are too many pairs, keeps the nearest pairs. Touching pairs come
-  /// first.
+  /// Stores a pair. If there are too many pairs, keeps the nearest pairs. Touching pairs have
+  /// priority.
   void keep(const PartPair& pair) {
     if (now.count < PartPairs::kMost) {
       now.pairs[now.count++] = pair;
@@ -145,7 +145,7 @@ struct PartPairQuery {
 /// Returns the push of a pair. Reuses the last contact if its pair and pose are the same.
 PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
                  const Pose& tool, const PartPair& pair, const PairPush& last) {
-  constexpr double kRounding = 1e-15;  // of a repeated normalization
+  constexpr double kRounding = 1e-15;  // rounding error of a repeated normalization
   const PartPair& same = last.pair;
   const auto turned = last.tool.orientation.coeffs() - tool.orientation.coeffs();
   if (last.known && key(same) == key(pair) && same.thickened == pair.thickened &&

@@ -21,8 +21,8 @@ double slip_of(const FrictionPatch& patch, const Vec6& motion) {
   return std::sqrt(std::max(0.0, against.dot(patch.slip * against)));
 }
 
-/// Treats each patch as a spring with the stiffness limit / slip. At the minimum of the sum, the
-/// spring forces equal the friction forces.
+/// Treats each patch as a spring with the stiffness (friction limit) / slip. At the minimum of the
+/// sum, the spring forces equal the friction forces.
 struct Springs {
   const Mat6& stiffness;
   const Vec6& wrench;

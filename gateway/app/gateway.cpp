@@ -45,8 +45,8 @@ std::string names_of(const std::vector<control::SceneEntry>& entries) {
   return names.empty() ? "none" : names;
 }
 
-/// Checks that the server has these scenes. If the server is unreachable, this only warns, because
-/// the server may have the scenes later.
+/// Checks that the server has these scenes. If the server is unreachable, the gateway only warns,
+/// because the server may have the scenes later.
 void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
   std::vector<control::SceneEntry> entries;
   try {
@@ -125,7 +125,7 @@ struct Gateway::Parts {
   }
 
   void stop() {
-    web->stop();  // first, because it uses the scenes
+    web->stop();  // first, because the web server uses the scenes
     for (const auto& scene : scenes) scene->stop();
   }
 };

@@ -16,7 +16,7 @@ std::string digits(double value) {
   return text.data();
 }
 
-/// The comparison is false for NaN too.
+/// NaN is out of range too.
 std::optional<std::string> out_of_range(const char* field, double value, double most,
                                         const char* range) {
   if (value >= 0.0 && value <= most) return std::nullopt;

@@ -60,7 +60,7 @@ void validate_traffic(const SessionParameters& p) {
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
   within("keep_alive", p.keep_alive, 0.0, kLongestHold, "s", "0.02 suits most lines");
-  // The silent times of both sides add up.
+  // The silent times of both sides add up, so two deadbands halve the limit.
   const bool both = p.position_deadband > 0.0 && p.force_deadband > 0.0;
   if (p.position_deadband > 0.0 || p.force_deadband > 0.0)
     within("keep_alive", p.keep_alive, interval, (both ? 0.25 : 0.5) * p.hold_time, "s",
