@@ -12,7 +12,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kTouches = 1.0;    // [N]
-constexpr double kMostNoise = 4.0;  // largest length of a noise vector, in RMS values
+constexpr double kMostNoise = 4.0;  // largest noise, in RMS values
 
 /// Returns three normally distributed numbers of variance 1 (Box and Muller), as a vector of length
 /// kMostNoise or less.
@@ -138,7 +138,7 @@ const FollowerReading& DrivenArm::read(const mjData& data, std::uint64_t n) noex
   reading.pose = tool.pose;
   reading.velocity = tool.velocity;
   reading.angular_velocity = tool.angular_velocity;
-  constexpr std::uint64_t kOther = 0x746f72717565ULL;  // gives the torque another noise
+  constexpr std::uint64_t kOther = 0x746f72717565ULL;  // This gives the torque another noise.
   reading.force = inside_->force + control.noise * noise(control.seed, n);
   reading.torque = inside_->torque + control.torque_noise * noise(control.seed ^ kOther, n);
   reading.commanded = target().pose;

@@ -17,10 +17,10 @@ constexpr int kWays = 6, kLinear = 3;
 constexpr double kReferenceRate = 20.0;  // [Hz] cutoff of the low pass
 constexpr double kFastest = 0.5;         // [m/s] largest accepted speed of the target
 constexpr double kFastestTurn = 2.0;     // [rad/s] largest accepted turning speed
-constexpr double kPostureDamping = 1.0;  // [N m s/rad] per square root of the stiffness
+constexpr double kPostureDamping = 1.0;  // [N m s/rad] per root of the stiffness
 constexpr double kWall = 300.0;          // [N m/rad] stiffness of a joint's wall
 constexpr double kWallDamping = 5.0;     // [N m s/rad]
-constexpr double kBefore = 0.1;          // [rad] distance from the limit at which the wall begins
+constexpr double kBefore = 0.1;          // [rad] from the start of the wall to the limit
 // The mean of the gripper's fingers follows the target. Their difference is controlled to zero.
 constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
 constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
@@ -61,7 +61,7 @@ Impedance::Impedance(const ArmControl& control, const ArmParts& arm, const mjMod
   const int speeds = model_.nv;
   const Mat6 mobility =
       Rows(rows_.data(), kWays, speeds) * Rows(solved_.data(), kWays, speeds).transpose();
-  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // sorts the eigenvalues in ascending order
+  using Solver = Eigen::SelfAdjointEigenSolver<Mat3>;  // The eigenvalues are in ascending order.
   mass_ = 1.0 / Solver(mobility.topLeftCorner<3, 3>()).eigenvalues().y();
   const double inertia = 1.0 / Solver(mobility.bottomRightCorner<3, 3>()).eigenvalues().y();
   damping_ = 2.0 * control.damping_ratio * std::sqrt(control.stiffness * mass_);
@@ -107,7 +107,7 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
     target_.pose.orientation =
         turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
                       : target.pose.orientation.normalized();
-    moved_.setZero();  // a target that the tool drags along has no velocity
+    moved_.setZero();  // A target that the tool drags along has no velocity.
   } else {
     target_.pose = {target.pose.position, target.pose.orientation.normalized()};
     moved_.head<3>() += target_.pose.position - before.position;

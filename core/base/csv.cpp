@@ -16,7 +16,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;  // long enough to find the text in the file
+  constexpr std::size_t kLongest = 40;  // enough to find the text in the file
   std::string out(1, '\'');
   out += text.substr(0, kLongest);
   out += text.size() > kLongest ? "...'" : "'";

@@ -47,7 +47,7 @@ std::string_view without_byte_order_mark(std::string_view text) {
 }
 
 std::optional<std::string> foreign_content(std::string_view bytes) {
-  constexpr std::size_t kLongestPointer = 1024;  // [bytes] limit in the specification of Git LFS
+  constexpr std::size_t kLongestPointer = 1024;  // [bytes] limit in Git LFS's specification
   for (const Packed& packed : kPacked)
     if (bytes.starts_with(packed.begin)) return packed.what;
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))

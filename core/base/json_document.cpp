@@ -134,7 +134,7 @@ class Builder {
   /// The value of a field or an element: its bytes, or the offset of its text, list or table.
   struct Value {
     std::vector<std::uint8_t> bytes;
-    flatbuffers::uoffset_t offset = 0;  // above zero: the value is a text, a list or a table
+    flatbuffers::uoffset_t offset = 0;  // 0: the value has no text, list or table
   };
 
   [[noreturn]] void fail(const Node& node, const std::string& path, const std::string& why) const {
@@ -169,7 +169,7 @@ class Builder {
              "must have " + std::to_string(fields.size()) + " elements, is " + describe(node) +
                  "; give [" + names_of(fields) + "]");
       for (std::size_t i = 0; i < fields.size(); ++i)
-        node.children[i].key = fields[i]->name;  // so that line_of() finds "position.y"
+        node.children[i].key = fields[i]->name;  // With this key, line_of() finds "position.y".
     }
     members(node, definition, path, [&](Node& child, const FieldDef& field, const auto& name) {
       in_place(child, field.value.type, name, place + field.value.offset);

@@ -36,7 +36,7 @@ void LineFile::put() {
   try {
     file_.append(lines_, whole_lines);
   } catch (...) {
-    lines_.clear();  // the file already has a part of these lines
+    lines_.clear();  // The file already has a part of these lines.
     throw;
   }
   lines_.clear();

@@ -20,7 +20,7 @@ constexpr std::size_t kDigits = 6;            // digits after kPart
 int make_beside(const std::filesystem::path& file, mode_t mode, std::string& name) {
   for (int number = 0;; ++number) {
     std::string digits = std::to_string(number);
-    if (digits.size() > kDigits) return -1;  // errno is EEXIST
+    if (digits.size() > kDigits) return -1;  // errno is EEXIST.
     digits.insert(0, kDigits - digits.size(), '0');
     name = file.string() + std::string(kPart) + digits;
     const int made = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);

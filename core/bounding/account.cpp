@@ -72,7 +72,7 @@ double affordable(const Needs& needs, double balance) noexcept {
   // A rounding error may move a command at the limit of its own bound beyond the balance. Do not
   // scale such a command.
   if (all(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
-  constexpr double kLess = 1.0 - kOffByRounding;  // a rounding error must not overdraw
+  constexpr double kLess = 1.0 - kOffByRounding;  // A rounding error must not overdraw the balance.
   const double below = kLess * std::sqrt(balance / first);
   if (std::ranges::all_of(needs, [&](const EnergyNeed& need) { return need.before_turn(below); }))
     return std::min(below, 1.0);
@@ -306,7 +306,7 @@ void PortAccount::begin_in_debt(double energy) noexcept {
   older_forces_.forget();
   older_torques_.forget();
   worst_next_ = 0.0;
-  balance_ = 0.0 - energy;  // avoids a negative zero
+  balance_ = 0.0 - energy;  // This avoids a negative zero.
   translation_.forget();
   rotation_.forget();
 }
@@ -328,7 +328,7 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
       for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
       return LaggingNeed(balance, older, force, config.period).at(1.0);
     }
-    double sum = 0.0;  // over all samples that pay for this force
+    double sum = 0.0;  // sum over all samples that pay for this force
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);
     return sum;

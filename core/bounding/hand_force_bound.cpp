@@ -31,7 +31,7 @@ void HandForceBound::look() noexcept {
 
 void HandForceBound::pass(double time) noexcept {
   time_ += time;
-  if (time_ < kWindow - 0.5 * period_) return;  // a sum of periods has rounding errors
+  if (time_ < kWindow - 0.5 * period_) return;  // A sum of periods has rounding errors.
   const double seen = kMargin * std::max(largest_, largest_before_);
   bound_ = std::clamp(seen, kLeastShare * told_, told_);
   largest_before_ = largest_;

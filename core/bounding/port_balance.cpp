@@ -27,7 +27,7 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
 /// of f (d_0 + ... + d_L). Between an axis and a diagonal, the kept part grows nearly with the
 /// square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
-  if (late == 0 || !reach_.bounds()) return;  // in both cases, a first press gets its full force
+  if (late == 0 || !reach_.bounds()) return;  // In both cases, a first press gets its full force.
   constexpr double kLate = 0.5;               // lateness in periods T
   constexpr double kMost = 0.1;               // largest kept share of a balance
   constexpr int kSamples = 4;                 // more samples than reach_ stores
@@ -127,7 +127,7 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
     too_fast_ = squared > reach_.at_full_speed(displacement, std::sqrt(squared), hold_time);
   }
   if (reach_.bounds() || limits_speed_) {
-    const Vec3* drives = &held;  // the force that explains most of the movement
+    const Vec3* drives = &held;  // force that explains most of the movement
     for (std::size_t i = 0; i < lagging; ++i)
       if (older[i].force.dot(displacement) > drives->dot(displacement)) drives = &older[i].force;
     const bool too_far = beyond_reach(displacement, *drives, hold_time);
@@ -151,7 +151,7 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
 inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                                           double farther) const noexcept {
   const double k = hold.per_newton;
-  if (!(k < hold.free)) return;  // with so much damping, y never exceeds d(F)
+  if (!(k < hold.free)) return;  // With so much damping, y never exceeds d(F).
   need.reach = reach_.along(force.vector, force.length, hold.time) + farther;
   need.free = (hold.free - k) * force.squared;
   need.second = hold.second * force.squared;

@@ -28,9 +28,9 @@ double since_turn(double driven, double braked, double way, double against, doub
   const double constant = way + against * time + 0.5 * braked * time * time;
   if (!(constant > 0.0)) return 0.0;
   const double root = linear * linear + 4.0 * square * constant;
-  if (!(root >= 0.0)) return time;  // every s satisfies the inequality
+  if (!(root >= 0.0)) return time;  // Every s satisfies the inequality.
   const double since = 2.0 * constant / (linear + std::sqrt(root));
-  return since < time ? since : time;  // NaN gives the whole time
+  return since < time ? since : time;  // A NaN gives the whole time.
 }
 
 }  // namespace
@@ -44,10 +44,10 @@ void validate(const PortKnowledge& port, const char* field) {
               "give a lower bound in N (N m), 0 when none is known");
   lower_bound("the encoder quantum", port.quantum, "give it in m (rad), 0 for an exact sensor");
   lower_bound("the mass", port.mass, "give a lower bound in kg (kg m^2), 0 when none is known");
-  if (!(port.outside_force >= 0.0))  // infinity means unknown
+  if (!(port.outside_force >= 0.0))  // Infinity means unknown.
     refuse(field, "the outside force", port.outside_force,
            "give an upper bound in N (N m), infinity when none is known");
-  if (!(port.speed > 0.0))  // infinity means unknown
+  if (!(port.speed > 0.0))  // Infinity means unknown.
     refuse(field, "the speed", port.speed,
            "give an upper bound in m/s (rad/s) above 0, infinity when none is known");
 }

@@ -98,7 +98,7 @@ class Front {
 
 /// Returns the reason why these points cannot be the corners of a part, or an empty text.
 std::string wrong_corners(const std::vector<Vec3>& corners, const TriangleMesh& mesh) {
-  constexpr double kSlack = 1e-6;  // share of the mesh's size, for rounding errors
+  constexpr double kSlack = 1e-6;  // rounding errors, as a share of the mesh's size
   const Vec3 most = mesh.half_extents().array() + kSlack * mesh.report().size;
   for (const Vec3& corner : corners)
     if (!(corner.array().abs() <= most.array()).all()) return "has a corner outside of the mesh";

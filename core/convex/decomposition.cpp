@@ -106,8 +106,8 @@ Part part_of(ConvexHull hull) {
 struct Join {
   std::size_t a = 0, b = 0;  // a < b
   ConvexHull hull;
-  double added = 0.0;  // [m^3] volume of the hull minus the volumes of both parts
-  bool fits = true;    // false after the hull has exceeded the tolerance
+  double added = 0.0;  // [m^3] volume of the hull minus both volumes
+  bool fits = true;    // false: the hull exceeds the tolerance
 };
 
 /// Joins pairs of parts, beginning with the pair that adds the least volume. A join may exceed the

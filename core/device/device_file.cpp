@@ -59,7 +59,8 @@ double least(const JsonDocument& document, const std::string& field, double numb
   const std::string other = field + "_matrix";
   if (document.has(field))
     document.fail(other, "stands beside " + field + ", which says the same; give one of the two");
-  const Damping given(matrix(document, other.c_str(), *values));  // applies the checks of a damping
+  // This applies the checks of a damping.
+  const Damping given(matrix(document, other.c_str(), *values));
   try {
     validate(given, other.c_str());
   } catch (const std::invalid_argument& error) {

@@ -40,7 +40,7 @@ int files = -1;  // descriptor of FILES
     std::fputs(words, out);
     std::fclose(out);
   }
-  _exit(1);  // skips the destructors of a half-read model
+  _exit(1);  // This skips the destructors of a half-read model.
 }
 
 [[noreturn]] void refuse_file(const char* name, mode_t mode) {
@@ -106,7 +106,7 @@ void limit_resources() {
   const rlimit time{kSeconds, kSeconds}, none{0, 0};
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
-#ifndef FELTWIRE_SANITIZED                     // a sanitizer's own memory would count too
+#ifndef FELTWIRE_SANITIZED                     // A sanitizer's own memory would count too.
   constexpr rlim_t kMemory = rlim_t{4} << 30;  // [bytes]
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_DATA, &memory);
@@ -135,7 +135,7 @@ int main(int count, char** words) {
   main_text = words[6];
   files = open(words[4], O_WRONLY | O_APPEND | O_CLOEXEC);
   mju_user_error = refuse;
-  mju_user_warning = [](const char*) {};  // MuJoCo's own handler would write a file
+  mju_user_warning = [](const char*) {};  // MuJoCo's own handler would write a file.
   std::array<char, 1000> error{};
   mjModel* model = mj_loadXML(words[1], nullptr, error.data(), static_cast<int>(error.size()));
   if (model == nullptr)

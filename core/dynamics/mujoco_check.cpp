@@ -14,7 +14,7 @@
 namespace feltwire::mujoco {
 namespace {
 
-constexpr double kOverlap = 1e-4;  // [m] deeper than any resting contact at the start
+constexpr double kOverlap = 1e-4;  // [m] deeper than any resting contact
 /// Limit of tick * sqrt(k / m). A single undamped spring is stable up to 2 under symplectic Euler.
 /// However, n hands at one place act as one spring of stiffness n k.
 constexpr double kCalm = 1.0;

@@ -278,7 +278,7 @@ std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vect
                                 (loaded.error.find("memory") == std::string::npos
                                      ? "; check masses, sizes and places"
                                      : ""));
-  loaded.model->nconmax = 0;  // 0: the simulation may enlarge its buffers
+  loaded.model->nconmax = 0;  // With 0, the simulation may enlarge its buffers.
   std::vector<Mechanism::Part> parts;
   std::size_t still = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {

@@ -60,7 +60,9 @@ class MemoryFile {
   }
 
  private:
-  int descriptor_ = -1;  // at least kFirstFree, so that the child's descriptors do not replace it
+  // The number is at least kFirstFree, so that the child's descriptors do not replace this
+  // descriptor.
+  int descriptor_ = -1;
 };
 
 /// Returns the path of the reader: beside this program, or else in the build folder (for tests).
@@ -96,7 +98,7 @@ class Child {
     const MaybeDescriptor owned(handle);
     while (current_work() != nullptr && !wait(WNOHANG)) {
       constexpr int kLook = 20;        // [ms]
-      pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor
+      pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor.
       poll(&ends, 1, kLook);
       check_cancelled();
     }
@@ -148,7 +150,7 @@ int run_reader(const std::string& file, const std::string& root, const std::stri
   if (ends.input >= 0) posix_spawn_file_actions_adddup2(&actions, ends.input, kInput);
   if (ends.input < 0) posix_spawn_file_actions_addopen(&actions, kInput, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // silences Qhull
+  for (const int chatter : {STDOUT_FILENO, STDERR_FILENO})  // This silences Qhull.
     posix_spawn_file_actions_addopen(&actions, chatter, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addclosefrom_np(&actions, kFirstFree);
   posix_spawnattr_t attributes;

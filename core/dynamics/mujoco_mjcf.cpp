@@ -52,7 +52,7 @@ class MjcfMeshes {
                                 static_cast<std::uint32_t>(face[1]),
                                 static_cast<std::uint32_t>(face[2])});
     try {
-      TriangleMesh triangles(soup, {}, true);  // MuJoCo treats each mesh as a solid
+      TriangleMesh triangles(soup, {}, true);  // MuJoCo treats each mesh as a solid.
       if (triangles.report().closed() && triangles.report().volume < 0.0) triangles.turn();
       return known_[id] = Mesh{std::make_shared<MeshSurface>(std::move(triangles))};
     } catch (const std::exception& error) {

@@ -50,7 +50,8 @@ void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, st
     (take_a ? a : b) += size;
     out += size;
   }
-  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));  // the rest of b is already in place
+  // The rest of b is already in place.
+  std::memcpy(out, a, static_cast<std::size_t>(end_of_a - a));
 }
 
 void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare compare,
@@ -87,7 +88,7 @@ void bring_own_sort() noexcept {}
 
 }  // namespace feltwire::mujoco
 
-#ifndef FELTWIRE_SANITIZED  // a sanitizer brings its own qsort_r
+#ifndef FELTWIRE_SANITIZED  // A sanitizer brings its own qsort_r.
 extern "C" void qsort_r(void* base, std::size_t count, std::size_t size,
                         feltwire::mujoco::Compare compare, void* context) {
   feltwire::mujoco::sort_stably(base, count, size, compare, context);

@@ -23,11 +23,11 @@ std::string number_shown(const char* format, Numbers... numbers) {
 /// The extent of a geom along gravity.
 struct GeomExtent {
   int geom;
-  double low, high;  // [m] of the lowest and highest point along `up`
+  double low, high;  // [m] lowest and highest point along `up`
   double thickness;  // [m] least extent in any direction
-  bool falls;        // gravity moves it
-  bool endless;      // a plane: no body falls through it
-  bool thin;         // some object may be too fast for this thickness
+  bool falls;        // Gravity moves the geom.
+  bool endless;      // No body falls through a plane.
+  bool thin;         // Some object may be too fast for this thickness.
 };
 
 /// Returns half the extent [m] of a geom along a direction in the geom's frame.
@@ -142,7 +142,7 @@ double longest_contact_time(const mjModel& model) {
 
 struct Fall {
   double height, thickness;        // [m] fall of the middle; thickness of both geoms
-  double topple = 0.0;             // [m] part of the fall in which the body turns flat
+  double topple = 0.0;             // [m] fall until the body lies flat
   double speed = 0.0, held = 0.0;  // [m/s]
 };
 

@@ -145,7 +145,7 @@ SurfaceParts Box::parts(Side side, const Vec3& p, std::uint32_t entered) const n
       add(all, inward, feature_of(face));
       continue;
     }
-    Vec3 way = out;  // to a point beyond this face and within the others
+    Vec3 way = out;  // way to a point beyond only this face
     way[axis] = inward;
     add_convex(all, way.norm(), solid, face, entered);
   }

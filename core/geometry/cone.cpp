@@ -43,7 +43,7 @@ struct ConeView {
   Vec3 outward;         // from the axis to p; zero on the axis
   double below_side;    // [m] depth of p below the endless side
   double above_base;    // [m] height of p above the endless base
-  double along;         // [m] from the tip down the side to the point closest to p
+  double along;         // [m] from the tip to the closest point of the side
 };
 
 /// The point of the solid that is nearest to an outside point.
@@ -136,7 +136,7 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   if (a > 0.0) {
     in_from(low);
     span.out = std::min(span.out, high);
-  } else if (going.z() > 0.0) {  // down and steeper than the side: an entry
+  } else if (going.z() > 0.0) {  // The path enters: it goes down, steeper than the side.
     in_from(a < 0.0 ? high : c / q);
   } else {
     span.out = std::min(span.out, a < 0.0 ? low : c / q);
@@ -159,7 +159,9 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
   const bool nearest = facing == view.outward;
   const double under = nearest ? view.below_side : -normal.dot(offset);
   if (!(under > 0.0)) return free_at(p, memory);
-  if (!view.is_inside()) {  // contact lasts while the straight way back crosses the solid
+  // A point outside the solid is in contact while the straight line back to the side crosses the
+  // solid.
+  if (!view.is_inside()) {
     const Span back = way_within(cone, p, under * normal);
     if (!(back.in < back.out)) return free_at(p, memory);
   }
@@ -171,7 +173,7 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({on.point, normal, on.depth}, kConeSide, memory);
-  memory.proxy = p;  // a round surface stores the tool's position
+  memory.proxy = p;  // A round surface stores the tool's position.
   return on;
 }
 

@@ -58,7 +58,7 @@ int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
 SurfacePoint cylinder_side(const Cylinder& cylinder, const Vec3& p, FeatureMemory& memory) {
   if (!(std::abs(p.z()) < cylinder.half_length)) return free_at(p, memory);
   Vec3 undefined = memory.normal;
-  undefined.z() = 0.0;  // before the first contact, the normal is along z
+  undefined.z() = 0.0;  // Before the first contact, the normal is along z.
   if (undefined.isZero(0.0)) undefined = Vec3::UnitX();
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   return round_from_outside({cylinder.radius, kEndless}, p, undefined, memory);

@@ -111,7 +111,9 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
   const bool on_tube = !ends_on_axis(torus, proxy);
   const Vec3 point =
       torus.major_radius * proxy.facing + torus.minor_radius * from_cut(proxy.facing, proxy.normal);
-  if (!inside) {  // contact lasts while the straight way back crosses the ring
+  // A proxy outside the ring is in contact while the straight line back to the surface crosses the
+  // ring.
+  if (!inside) {
     const double back = straight.dot(point - p);
     if (!(back > 0.0) || !(way_in(torus, p, straight, back) < back)) return free_at(p, memory);
   }
@@ -123,7 +125,7 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({point, normal, on.depth}, 0, memory);
-  memory.proxy = p;  // a round surface stores the tool's position
+  memory.proxy = p;  // A round surface stores the tool's position.
   memory.triangle = at_nearest ? 0 : part_of(proxy.facing);
   return on;
 }

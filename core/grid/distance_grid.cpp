@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 constexpr int kBrickShift = 3, kBrickMask = 7;
-constexpr double kMaxBricksAlong = 1 << 20;  // so that every index fits an int
+constexpr double kMaxBricksAlong = 1 << 20;  // Every index fits an int.
 /// Half the diagonal of a brick's cells, in grid steps. No point of a brick is farther from its
 /// centre.
 const double kBrickReach = 4.0 * std::sqrt(3.0);
@@ -94,11 +94,11 @@ template <class Real>
 struct DistanceGrid<Real>::Builder {
   DistanceGrid& grid;
   const Solid& solid;
-  std::vector<Index> bricks;  // bricks with samples, in the order of the table
-  std::vector<Real> raw;      // samples of the bricks, without aprons (borders)
+  std::vector<Index> bricks;  // bricks with samples, in table order
+  std::vector<Real> raw;      // samples of these bricks, without aprons (borders)
 
   static constexpr std::size_t kOwn = std::size_t{kBrick} * kBrick * kBrick;
-  static constexpr int kWide = kBrick + 4;  // with an apron of two samples
+  static constexpr int kWide = kBrick + 4;  // brick with an apron of two samples
   using Wide = std::array<double, std::size_t{kWide} * kWide * kWide>;
 
   double distance(const Index& sample) const {
@@ -251,7 +251,7 @@ DistanceGrid<Real>::DistanceGrid(const Solid& solid, const GridOptions& options)
   const std::size_t count = build.bricks.size();
   build.raw.resize(count * Builder::kOwn);
   parallel_for(count, [&](std::size_t slot) { build.sample(slot); });
-  values_.resize(count * kStored + 1);  // the last row needs a readable fourth number too
+  values_.resize(count * kStored + 1);  // The last row needs a readable fourth number too.
   parallel_for(count, [&](std::size_t slot) { build.store(slot); });
 }
 
@@ -281,7 +281,7 @@ bool DistanceGrid<Real>::find(const Vec3& position, Place& place) const noexcept
   const Vec3 u = inverse_h_ * (position - origin_) + Vec3::Constant(0.5);
   const bool in = u.x() >= 0.0 && u.y() >= 0.0 && u.z() >= 0.0 && u.x() < kBrick * count_.x() &&
                   u.y() < kBrick * count_.y() && u.z() < kBrick * count_.z();
-  if (!in) return false;  // also for NaN
+  if (!in) return false;  // This is also the result for NaN.
   place.nearest = u.cast<int>();
   place.brick = Index(place.nearest.x() >> kBrickShift, place.nearest.y() >> kBrickShift,
                       place.nearest.z() >> kBrickShift);

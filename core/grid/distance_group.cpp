@@ -99,7 +99,7 @@ void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
         const std::size_t row = (z * kRow + y) * kRow;
         std::array<Four, kQuad> from;
         for (std::size_t i = 0; i < kQuad; ++i)
-          load(from[i], &values_[offsets[half + i] + row]);  // the fourth number has weight zero
+          load(from[i], &values_[offsets[half + i] + row]);  // The fourth number has weight zero.
         const Four low = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
         const Four high = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
         const Four low_last = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
@@ -148,7 +148,7 @@ void DistanceGrid<Real>::at_least(FieldGroup& group, double sign,
   Beyond beyond;
   if (find(group, offsets, beyond)) {
     fine(offsets, beyond, group);
-    group.distance = sign * group.distance - h_;  // same bound as for a single place
+    group.distance = sign * group.distance - h_;  // The bound equals that of a single place.
     return;
   }
   for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {

@@ -34,7 +34,7 @@ void LocalBody::take(const BodyModel& model, std::uint64_t ticks) noexcept {
 /// A model has the tool's pose of one round trip ago, without the corrections since then. So each
 /// difference must be corrected only once (Smith 1957).
 void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
-  constexpr double kPart = 0.1;  // share of a difference that one model corrects
+  constexpr double kPart = 0.1;  // corrected share of a difference
   if (ticks == 0 || ticks > ticks_ || ticks > kRemembered) return;
   const Past& past = past_[(ticks_ - ticks) % kRemembered];
   const Vec3 off = kPart * (model.tool.position - past.pose.position - (moved_ - past.moved));
@@ -52,7 +52,7 @@ BodyForce LocalBody::touch(const Pose& device, double age, double elapsed,
   last_weight_ = 0.0;
   const bool whole = has_whole();
   if (!memory_.placed || !(model_.reach > 0.0) || (model_.solids != 0 && !whole)) return force;
-  memory_.known = false;  // surfaces may have moved
+  memory_.known = false;  // Surfaces may have moved.
   const ModelledSurroundings surroundings(model_, age, elapsed,
                                           whole ? whole_->solids.get() : nullptr);
   const CoupledTool tool{

@@ -175,7 +175,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   if (contact.whole) {
     const SurfacePatch& patch = patch_of(contact);
     if (has_whole(patch)) return touch_whole(contact, patch, tool, work);
-    weight = 0.0;  // the model refers to a surface that is missing here
+    weight = 0.0;  // The model refers to a surface that is missing here.
     return {};
   }
   // A memory from the model refers to the model's centre.
@@ -206,7 +206,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
                                   tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
-  memory = {};  // the products of this model overflow
+  memory = {};  // The products of this model overflow.
   return {};
 }
 

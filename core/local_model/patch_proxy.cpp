@@ -11,14 +11,14 @@
 namespace feltwire {
 namespace {
 
-constexpr double kExact = 1e-12;  // tolerance, as a share of a depth or a height
+constexpr double kExact = 1e-12;  // tolerance, as a share of a depth or height
 
-bool solid(double height) { return height < 0.0; }  // a NaN counts as free space
+bool solid(double height) { return height < 0.0; }  // A NaN counts as free space.
 
 /// A patch and the tool's height above it.
 struct PatchView {
   const SurfacePatch* patch = nullptr;
-  double height = 0.0;  // [m] of the tool above the patch itself
+  double height = 0.0;  // [m] of the tool above the patch
   Vec3 normal = Vec3::Zero();
   double before = 0.0;  // [m] height before this movement
 
@@ -72,7 +72,7 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
 /// Returns the patch beyond an obtuse edge, if the proxy must cross this edge to reach the point of
 /// its own patch closest to the tool.
 PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool, double age) {
-  constexpr double kBeyond = 1e-9;  // share of the depth: excludes right angles
+  constexpr double kBeyond = 1e-9;  // tolerance, as a share of the depth
   const Vec3 closest = tool - from.height * from.normal;
   PatchView to = from;
   double highest = -kBeyond * from.height;
@@ -108,7 +108,7 @@ PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const V
 /// edge or corner.
 const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
   constexpr double kRound = 1e-9;    // 1 minus the cosine between normals
-  constexpr double kTouched = 1e-3;  // share of the ball's radius: on the edge of this face
+  constexpr double kTouched = 1e-3;  // tolerance, as a share of the ball's radius
   const PatchView* best = nullptr;
   double steepest = 0.0;
   for (const PatchView& one : seen.view()) {

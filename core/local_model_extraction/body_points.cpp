@@ -17,7 +17,7 @@ constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
 constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
-constexpr double kLooked = 2e-3;      // [m] a nearer part is examined point by point
+constexpr double kLooked = 2e-3;      // [m] A nearer part is examined point by point.
 constexpr double kLeastReach = 1e-2;  // [m] least reach after an omitted point
 
 /// A part of the shell near one object. The part has the nodes or points [begin, end).
@@ -385,7 +385,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   model.radius = tool.shell().radius;
   model.slipping = memory.slipping;
   model.reach = cut.reach();
-  for (const Guide& guide : view.guides())  // a model cannot describe guides
+  for (const Guide& guide : view.guides())  // A model cannot describe guides.
     model.reach = std::min(model.reach, begins(guide, device.position));
   Builder{tool, objects, cut, model, most, world}.build();
   model.reach = std::max(0.0, model.reach);

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastTrust = 1e-6;  // a smaller share of a stiffness cannot be felt
+constexpr double kLeastTrust = 1e-6;  // A smaller share of a stiffness cannot be felt.
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
 /// A part of an object of the scene.
@@ -55,7 +55,7 @@ class NearestSurfaces {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::array<NearbySurface, kMaxPatches> parts_{};
   int count_ = 0;
-  double reach_;  // [m] within this distance, the model is complete
+  double reach_;  // [m] Within this distance, the model is complete.
 };
 
 SurfaceParts parts_near(const Object& object, const Vec3& position, std::uint32_t entered,
@@ -146,14 +146,14 @@ void set_standing(LocalModel& model, const std::vector<Object>& objects,
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
-  if (view.tool().body) return model;  // a tool with a body has another model (body_model.hpp)
+  if (view.tool().body) return model;  // A tool with a body has another model (body_model.hpp).
   const double ball = view.tool().radius;
   if (!position.allFinite() || memory.size() != objects.size()) [[unlikely]]
     return model;
   model.center = position;
 
   double reach = kModelReach;
-  for (const Guide& guide : view.guides())  // a model cannot describe guides
+  for (const Guide& guide : view.guides())  // A model cannot describe guides.
     reach = std::min(reach, begins(guide, position));
   NearestSurfaces nearest(reach);
   Fitted fits(known, ball);

@@ -18,10 +18,10 @@ namespace {
 
 constexpr int kNewton = 4;          // Newton steps to the surface
 constexpr int kGridPlaces = 8;      // places on a ring
-constexpr double kFirstRing = 2.0;  // radius, in resolutions
-constexpr double kGridOpen = 0.75;  // share of a height above the patch that must be free
-constexpr double kGridDeep = 0.25;  // share of a ring's radius that must be solid below the patch
-constexpr double kStraight = 1.1;   // limit of the way to the surface, in distances
+constexpr double kFirstRing = 2.0;  // radius, in grid steps
+constexpr double kGridOpen = 0.75;  // free share of a height above the patch
+constexpr double kGridDeep = 0.25;  // solid share of a ring's radius below the patch
+constexpr double kStraight = 1.1;   // largest ratio of the way to the distance
 
 /// The surface point at the end of the descent along the gradient.
 struct GridClosest {

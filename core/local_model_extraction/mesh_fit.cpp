@@ -10,12 +10,12 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostLooked = 256;  // triangles; with more, the extent is halved
+constexpr std::size_t kMostLooked = 256;  // triangles; more triangles halve the extent
 
 /// Placement of a triangle relative to a patch.
 struct TrianglePlacement {
-  bool front = false, behind = false;  // of any corner; both false: it is on the patch
-  bool hidden = false;                 // the whole triangle is behind
+  bool front = false, behind = false;  // of any corner; neither: on the patch
+  bool hidden = false;                 // The whole triangle is behind.
 };
 
 /// Tests the corners of a triangle. Tests its middle too, because a patch may be curved.

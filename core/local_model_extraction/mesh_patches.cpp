@@ -17,7 +17,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFittedSides = 3.0;  // search radius, in side lengths of the first triangle
+constexpr double kFittedSides = 3.0;  // search radius, in sides of the first triangle
 // Facets that turn by at most this angle [rad] count as parts of a smooth surface. The middle of an
 // equilateral facet is kSagitta * angle * side away from the ball through its corners. The middle
 // of any other facet is farther away.
@@ -30,7 +30,7 @@ struct NearestSurface {
   std::uint32_t triangle = kNone;
   double side = 0.0;      // side of the surface: 1 or -1; 0: none
   double distance = 0.0;  // [m] to the surface; 0 in contact
-  double height = 0.0;    // [m] from the point to the tool, on either side
+  double height = 0.0;    // [m] from the point to the tool
 };
 
 NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
@@ -57,7 +57,7 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
              reverse != kNone) {
     nearest.triangle = reverse;
     nearest.side = side;
-  }  // else the tool is behind the surface, without contact
+  }  // Otherwise the tool is behind, without contact.
   return nearest;
 }
 
@@ -116,7 +116,7 @@ std::uint32_t feature_of(const MeshSurface& surface, const MeshFit& fit) {
 /// of the previous ring.
 bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, double radius) {
   constexpr int kPlaces = 8;
-  constexpr double kOpen = 0.75;  // share of a radius above the patch that must be free
+  constexpr double kOpen = 0.75;  // free share of a radius above the patch
   SurfacePatch patch;
   patch.point = fit.point;
   patch.normal = fit.normal;
@@ -166,7 +166,7 @@ FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fit
     const std::uint32_t feature = feature_of(surface, fit);
     for (int j = 0; j < i; ++j)
       if (all.patches[static_cast<std::size_t>(j)].feature == feature) {
-        all.end = earlier(fit.distance);  // a client cannot distinguish the two patches
+        all.end = earlier(fit.distance);  // A client cannot distinguish the two patches.
         return all;
       }
     all.patches[static_cast<std::size_t>(all.count++)] = {surface.mesh().origin() + fit.point,
@@ -188,7 +188,7 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
 FittedPatches reaching(const MeshSurface& surface, double ball, const MeshFits& fits,
                        const NearestSurface& nearest, const MeshFits::Other& other) {
   FittedPatches all = found(surface, ball, fits, other.distance, other.looked);
-  constexpr double kLow = 0.75;  // share of the radius: the rings check no higher place
+  constexpr double kLow = 0.75;  // share of the radius that the rings check
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
   while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
@@ -234,7 +234,7 @@ FittedPatches mesh_patches(const MeshSurface& surface, Side felt_from, const Vec
   if (options.smooth && !round) return none;
   MeshFits::Other beyond;
   if (round) beyond = curve.first_other(goal, nearest.height, extent);
-  if (flat.count > 0) {  // fine facets may belong to a curved surface
+  if (flat.count > 0) {  // Fine facets may belong to a curved surface.
     if (!round || fit.curvature == 0.0) return flat;
     const FittedPatches bent = reaching(surface, ball, curve, nearest, beyond);
     return bent.end > flat.end ? bent : flat;

@@ -35,7 +35,7 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
 Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept {
   const double cosine = from.dot(to);
   const Vec3 axis = from.cross(to), v = anchor - about;
-  if (!(cosine > -0.5)) return anchor;  // after such a turn, it is another place
+  if (!(cosine > -0.5)) return anchor;  // After such a turn, the anchor is elsewhere.
   return about + cosine * v + axis.cross(v) + axis.dot(v) / (1.0 + cosine) * axis;
 }
 

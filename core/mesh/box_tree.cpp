@@ -76,7 +76,7 @@ struct Bins {
 
 struct Cut {
   std::size_t axis = 0;
-  std::size_t bin = 0;  // items of this bin and of later bins go to the second part; 0: no cut
+  std::size_t bin = 0;  // first bin of the second part; 0: no cut
   double cost = std::numeric_limits<double>::infinity();
 };
 

@@ -18,8 +18,8 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// forward side lists the corners in this cyclic order.
 struct Face {
   Triangle corners;
-  std::uint32_t first = kNone;                      // first triangle on either side
-  std::array<std::uint32_t, 2> side{kNone, kNone};  // forward, backward; kNone: no triangle
+  std::uint32_t first = kNone;                      // first triangle of the face
+  std::array<std::uint32_t, 2> side{kNone, kNone};  // forward and backward triangle, or kNone
   bool has_both() const { return side[0] != kNone && side[1] != kNone; }
 };
 
@@ -101,7 +101,7 @@ class Groups {
 
   struct Place {
     std::uint32_t group;
-    int sign;  // the face's choice relative to the group's choice
+    int sign;  // product of the face's and the group's choice
   };
   Place find(std::uint32_t face) {
     std::uint32_t root = face;
@@ -143,7 +143,7 @@ class Groups {
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<int> sign_;  // relative to the parent's choice
+  std::vector<int> sign_;  // product with the parent's choice
   std::vector<bool> torn_;
   std::vector<std::size_t> links_;
 };
@@ -205,10 +205,10 @@ class Choice {
  private:
   /// Links the undecided faces. Counts the votes of the decided neighbours for each group.
   std::vector<long> count_votes(Groups& groups) const {
-    std::vector<std::pair<std::uint32_t, long>> own;  // face, vote
+    std::vector<std::pair<std::uint32_t, long>> own;  // face and vote
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // open: undecided; up: decided faces up minus down
+          up = 0;  // open: undecided faces; up: votes
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {
@@ -246,7 +246,7 @@ KeptFaces keep_one_of_each(std::span<const Vec3> vertices, std::span<const Trian
   std::vector<Corners> all = sorted_corners(triangles, vertices.size());
   if (std::ranges::adjacent_find(all) == all.end()) return kept;
   const std::vector<Face> faces = faces_of(triangles, all);
-  std::vector<Corners>().swap(all);  // frees memory that a large surface needs
+  std::vector<Corners>().swap(all);  // This frees memory for a large surface.
   Choice choice(vertices, faces);
   choice.ask_neighbours();
   if (solid) choice.turn_shells_outwards();

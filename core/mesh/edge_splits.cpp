@@ -14,7 +14,7 @@ namespace feltwire::edge_splits {
 namespace {
 
 constexpr std::uint32_t kSides = 3;
-constexpr double kPart = 0.25;  // largest offset of a corner, as a share of a part's size
+constexpr double kPart = 0.25;  // largest offset, as a share of a part's size
 /// Least relative height of a part of a triangle, well above rounding errors.
 constexpr double kLeastHeight = 1e-12;
 // Candidates; testing them takes some seconds.
@@ -22,8 +22,8 @@ constexpr std::size_t kMostLooked = std::size_t{1} << 27;
 
 /// A vertex that lies on an open edge.
 struct OnEdge {
-  std::uint32_t place;  // index of the edge in the list of open edges
-  double along;         // 0 to 1
+  std::uint32_t place;  // index of the edge in open_
+  double along;         // position, 0 to 1
   std::uint32_t vertex;
   double off;  // [m] distance from the edge
 };
@@ -124,7 +124,7 @@ class Search {
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> open_;
   double weld_;
-  std::vector<std::uint32_t> pieces_;  // for each box, the index of its edge in open_
+  std::vector<std::uint32_t> pieces_;  // index of the edge in open_, by box
 };
 
 /// Returns the corners of one edge, without corners that are too close to the previous corner.
@@ -179,7 +179,8 @@ Split split(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
   };
 
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> split_at(triangles.size(), kNone);  // place of the edge to split
+  // Index of the edge to split, by triangle.
+  std::vector<std::uint32_t> split_at(triangles.size(), kNone);
   for (std::uint32_t place = 0; place < open.size(); ++place) {
     std::uint32_t& here = split_at[open[place] / kSides];
     if (corners[place].empty() || here != kNone) continue;

@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostPixels = 8192;  // on a side
+constexpr int kMostPixels = 8192;  // per side
 constexpr int kMostGrey = 65535;   // 16 bits
 constexpr int kMostOfOneByte = 255;
 
@@ -105,11 +105,11 @@ struct Spline {
 
 struct Pixel {
   int index;    // 0 to count - 1
-  double from;  // distance from the middle of the pixel, in pixels
+  double from;  // [pixels] distance from the pixel's middle
 };
 Pixel pixel_at(double x, int count) {
   double within = x - count * std::floor(x / count);
-  if (!(within >= 0.0 && within <= count)) within = 0.0;  // not finite, or too large
+  if (!(within >= 0.0 && within <= count)) within = 0.0;  // x is not finite, or too large.
   const double nearest = std::floor(within + 0.5);
   return {static_cast<int>(nearest) % count, within - nearest};
 }

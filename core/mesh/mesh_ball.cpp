@@ -14,15 +14,15 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostSteps = 256;         // steps per sample; the next sample continues
+constexpr int kMostSteps = 256;         // steps per sample
 constexpr int kMostCorrections = 16;    // iterations per step
-constexpr std::size_t kMostNear = 512;  // triangles near a step; more shorten the step
+constexpr std::size_t kMostNear = 512;  // triangles near a step
 constexpr std::size_t kMostHeld = 16;
 constexpr double kExact = 1e-7;                          // accuracy, as a share of the radius
 constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // step length, as a share of the radius
 constexpr double kLeastReach = 0x1p-16;
-constexpr double kFarther = 1.25;           // search distance, in step lengths
-constexpr double kTolerance = 0.1;          // tolerance of the planes, as a share of exact_
+constexpr double kFarther = 1.25;           // search range, in step lengths
+constexpr double kTolerance = 0.1;          // of the planes, as a share of exact_
 constexpr std::size_t kTangentsInUnit = 8;  // tangents per unit of work
 
 class Ball {
@@ -46,7 +46,7 @@ class Ball {
       reach = std::min(reach, kMostReach * radius_);
       while (!gather(reach))
         if (is_cut(work_) || (reach *= 0.5) < kLeastReach * radius_)
-          return;  // still too many triangles: the ball stays
+          return;  // The ball stays, because there are too many triangles.
       const Vec3 before = stand_.point;
       const bool whole = move(std::min(reach, left));
       const double moved = length(Vec3(stand_.point - before));
@@ -221,12 +221,12 @@ class Ball {
   struct NearbyTriangle {
     std::uint32_t triangle;
     double distance;  // [m] at the start of the step
-    Vec3 away;        // unit vector from the nearest point of the triangle to the start
+    Vec3 away;        // unit vector from the triangle to the start
   };
   std::array<NearbyTriangle, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
-  double least_ = 0.0;  // [m] clearance at the start, at most the radius
+  double least_ = 0.0;  // [m] clearance at the start, up to the radius
 };
 
 }  // namespace

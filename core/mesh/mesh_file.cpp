@@ -173,7 +173,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, dou
       } else if (is_word(word, "facet")) {
         skip_normal(words);
       } else if (is_word(word, "solid") || is_word(word, "endsolid")) {
-        words.end_line();  // skips the name of the solid
+        words.end_line();  // This skips the name of the solid.
       } else if (!is_word(word, "endfacet") && !is_word(word, "loop")) {
         words.fail(TokenReader::shown(word) +
                    ": is no word of an STL file; export the surface anew");
@@ -216,7 +216,7 @@ TriangleSoup parse_obj(std::string_view bytes, const std::string& name, double s
     const std::string_view word = words.word();
     if (is_word(word, "v")) {
       if (soup.vertices.size() >= kMostVertices) words.fail("v: too many vertices; simplify it");
-      add_vertex(words, "v", scale, soup);  // a weight or a colour may follow
+      add_vertex(words, "v", scale, soup);  // A weight or a colour may follow.
     } else if (is_word(word, "f") || is_word(word, "fo")) {
       corners.clear();
       while (!words.line_ended() && words.rest().front() != '#')

@@ -15,11 +15,11 @@ namespace feltwire {
 namespace {
 
 constexpr int kMostPieces = 32;  // pieces of a path per collision check
-constexpr int kMostLegs = 64;    // groups of pieces per sample; the next sample continues
-constexpr int kMostStill = 16;   // steps without progress, when only rounding errors remain
+constexpr int kMostLegs = 64;    // groups of pieces per sample
+constexpr int kMostStill = 16;   // steps that gain only rounding errors
 constexpr int kMostRounds = 48;  // ray casts per sample
 // Units of work. The tree counts its own work.
-constexpr std::uint64_t kTriangleWork = 4;  // per triangle that is crossed or tested
+constexpr std::uint64_t kTriangleWork = 4;  // per crossed or tested triangle
 constexpr std::uint64_t kRoundWork = 8;
 
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
@@ -38,15 +38,15 @@ struct Face {
   Vec3 out_of(std::size_t k) const { return (corners[next(k)] - corners[k]).cross(outward); }
 
   std::array<Vec3, 3> corners;
-  Vec3 outward;  // along the triangle's own normal; not normalised
+  Vec3 outward;  // normal of the triangle itself, not normalised
   Vec3 normal;   // unit
 };
 
 enum class Outcome {
-  standing,  // no step reduces the distance to the goal
-  going,     // the path has more pieces than fit
-  leaving,   // the goal is in front of the surface
-  crowded,   // at an edge that the walk cannot cross
+  standing,  // No step reduces the distance to the goal.
+  going,     // The path has too many pieces.
+  leaving,   // The goal is in front of the surface.
+  crowded,   // The walk cannot cross an edge.
 };
 
 /// A straight piece of the path, in one triangle.
@@ -298,7 +298,7 @@ void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goa
       at += std::clamp((from - skin) / fall, 0.0, hit->part) * way;
       bool known = false;
       for (std::size_t i = 0; i < count; ++i) known = known || held[i]->triangle == hit->triangle;
-      if (known || count == held.size()) break;  // the planes hold the proxy here
+      if (known || count == held.size()) break;  // The planes hold the proxy here.
       held[count++].emplace(HoldingPlane{face, hit->triangle, hit->side});
       continue;
     }

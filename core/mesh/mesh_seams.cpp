@@ -139,7 +139,7 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
         if (!ring.closed) ring.vertices.push_back(other);
       }
     }
-    ring.closed = ring.closed || ring.vertices.size() > 2;  // a straight side closes an open chain
+    ring.closed = ring.closed || ring.vertices.size() > 2;  // A straight side closes the chain.
     rings.push_back(std::move(ring));
   }
   return rings;
@@ -148,7 +148,7 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
 /// Points along a ring, and the arc length [m] to each point.
 struct Rim {
   std::vector<Vec3> places;
-  std::vector<double> along;  // has places.size() + 1 numbers if closed
+  std::vector<double> along;  // A closed rim has places.size() + 1 numbers.
   double whole = 0.0;         // [m]
   bool closed = false;
 };
@@ -210,7 +210,7 @@ double width(std::span<const Vec3> vertices, const Ring& ring) {
     const double found = across(rim, a + part * (b - a), at);
     if (std::isfinite(found)) widths.push_back(found);
   }
-  if (widths.empty()) return 0.5 * rim.whole;  // the ring has no opposite side
+  if (widths.empty()) return 0.5 * rim.whole;  // The ring has no opposite side.
   const auto most = widths.begin() + static_cast<std::ptrdiff_t>(3 * (widths.size() - 1) / 4);
   std::nth_element(widths.begin(), most, widths.end());
   return *most;

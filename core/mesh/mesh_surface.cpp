@@ -13,7 +13,7 @@ namespace {
 /// precision of 24-bit coordinates in a file and the smallest distance that a hand can feel.
 constexpr double kSkin = 0x1p-22;
 
-constexpr std::uint64_t kCornerWork = 4;  // units of work for the angle of a triangle at a corner
+constexpr std::uint64_t kCornerWork = 4;  // units of work per triangle at a corner
 
 /// Returns the box of each triangle. A triangle extends by one skin at an edge without a neighbour.
 std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
@@ -29,7 +29,7 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
 
 /// Returns, for each triangle, the first triangle of its flat face.
 std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-3;  // [rad] above the errors of coordinates in single precision
+  constexpr double kFlat = 1e-3;  // [rad] above single-precision errors
   constexpr std::uint32_t kNone = TriangleMesh::kNone;
   std::vector<std::uint32_t> faces(mesh.triangles().size(), kNone), open;
   for (std::uint32_t first = 0; first < faces.size(); ++first) {
@@ -193,7 +193,7 @@ double MeshSurface::side_of(const Vec3& p, const NearestTriangle& nearest,
   }
   if (zeros == 2) {
     normal = corner_normal(corner[one], work);
-  } else if (zeros == 1) {  // the nearest point is on the opposite edge
+  } else if (zeros == 1) {  // The nearest point is on the opposite edge.
     const std::uint32_t other = mesh_.neighbour(nearest.triangle, static_cast<int>((zero + 1) % 3));
     if (other != TriangleMesh::kNone) normal += triangle_normal(mesh_.corners(other));
   }

@@ -186,9 +186,9 @@ class BinaryValues {
 template <class Values>
 void read_body(Values& values, const Header& header, double scale, TriangleSoup& soup) {
   std::vector<double> row;   // the scalars of an element
-  std::vector<double> list;  // the values of the wanted list property
+  std::vector<double> list;  // values of the index list
   std::vector<std::uint32_t> corners;
-  std::size_t vertices = 0;  // faces may come before vertices
+  std::size_t vertices = 0;  // Faces may come before vertices.
   for (const Element& element : header.elements)
     if (element.name == "vertex") vertices += element.count;
   for (const Element& element : header.elements) {

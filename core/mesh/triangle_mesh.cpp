@@ -18,7 +18,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // the index of a side fits 32 bits
+constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // The index of a side fits 32 bits.
 constexpr std::uint32_t kSides = 3;
 
 /// Below this relative height, rounding errors dominate the triangle's normal. The corners are
@@ -133,7 +133,7 @@ TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
     const std::vector<Triangle> before = triangles_;
     for (Triangle& t : triangles_)
       for (std::uint32_t& i : t) i = joined.renamed[i];
-    if (!keep_areas()) {  // no triangle would remain: restore the mesh
+    if (!keep_areas()) {  // No triangle would remain.
       triangles_ = before;
       break;
     }
@@ -284,8 +284,8 @@ void TriangleMesh::drop_duplicates() {
 
 TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
   struct EdgeSide {
-    std::uint32_t low, high;  // the edge's ends
-    std::uint32_t side;       // kSides * triangle + number
+    std::uint32_t low, high;  // ends of the edge
+    std::uint32_t side;       // kSides * triangle + edge
   };
   const auto ends = [&](std::size_t side) {
     const Triangle& t = triangles_[side / kSides];
@@ -312,7 +312,7 @@ TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
     if (end - first == 1 || (end - first == 2 && report_.both_sides > 0 &&
                              same_corners(one / kSides, other / kSides))) {
       is_open[one] = is_open[other] = true;
-      if (one != other) is_second[other] = true;  // a face with two sides has this edge twice
+      if (one != other) is_second[other] = true;  // A face with two sides has this edge twice.
     } else if (end - first > 2) {
       ++report_.non_manifold_edges;
     } else if (ends(one)[0] == ends(other)[0]) {
@@ -343,7 +343,7 @@ double TriangleMesh::volume() const {
 
 void TriangleMesh::turn() {
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    std::swap(triangles_[t][1], triangles_[t][2]);  // edges 0, 1, 2 become 2, 1, 0
+    std::swap(triangles_[t][1], triangles_[t][2]);  // The edges 0, 1, 2 become 2, 1, 0.
     std::swap(neighbours_[t][0], neighbours_[t][2]);
   }
   report_.volume = -report_.volume;

@@ -52,7 +52,7 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
       here = area_of(surface, surface.triangles[++triangle]);
     }
     double u = part_of(n * kFirstStep), v = part_of(n * kSecondStep);
-    if (u + v > 1.0) {  // mirrors a point of the parallelogram's other half
+    if (u + v > 1.0) {  // This mirrors a point of the parallelogram's other half.
       u = 1.0 - u;
       v = 1.0 - v;
     }

@@ -15,7 +15,7 @@ namespace {
 /// A smaller share would give a weaker bound of the clearance.
 constexpr double kFarEnough = 0.5;
 
-constexpr std::uint64_t kGroupWork = 4;  // units of work per eight points or nodes
+constexpr std::uint64_t kGroupWork = 4;  // units of work per eight queries
 
 double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; }
 
@@ -24,7 +24,7 @@ static_assert(ShellNode::kParts == FieldGroup::kSize);
 
 /// Sums in the object frame. The arms start at the tool's origin.
 struct Sums {
-  double squares = 0.0;  // of distances [m^2]
+  double squares = 0.0;  // [m^2] sum of squared distances
   Vec6 wrench = Vec6::Zero();
   Mat6 stiffness = Mat6::Zero();  // lower triangle
 
@@ -75,10 +75,10 @@ std::size_t side_of(const Vec3& way) {
 struct ShellQuery {
   const PointShell& shell;
   const Object& object;
-  Mat3 turned;  // from the tool frame to the object frame
+  Mat3 turned;  // rotation from the tool frame to the object frame
   Vec3 origin;  // [m] the tool's origin
   ShellContact& sum;
-  bool slides;  // computes the slip sums
+  bool slides;  // whether the slip sums are computed
   WorkLimit* work;
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
@@ -198,7 +198,7 @@ struct ShellQuery {
       }
       distance_at_least(object.shape, object.felt_from, group, far);
       sum.looked_at += node.children;
-      for (std::size_t lane = node.children; lane-- > 0;) {  // the first child will be on top
+      for (std::size_t lane = node.children; lane-- > 0;) {  // The first child will be on top.
         const auto child = node.child + static_cast<std::uint32_t>(lane);
         if (near(shell.nodes[child], group.distance[static_cast<Eigen::Index>(lane)]))
           waiting[count++] = child;

@@ -42,7 +42,7 @@ void ClippedPolyhedron::assign(const Polyhedron& solid, const Mat3& rotation,
   count_ = 0;
   std::array<Vec3, kMostPolyhedronVertices> placed;
   if (solid.graph.size() > kCorners || solid.vertices.size() > placed.size()) [[unlikely]]
-    return;  // impossible: polyhedron() limits the vertices and corners
+    return;  // polyhedron() limits the vertices and corners.
   for (std::size_t v = 0; v < solid.vertices.size(); ++v)
     placed[v] = rotation * solid.vertices[v] + position;
   for (const GraphCorner& corner : solid.graph) {

@@ -86,7 +86,7 @@ void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcep
   const std::size_t u = corner_of(kept);
   std::size_t slot = slot_of(cut);
   Links& links = links_[at];
-  if (u == kBelow) {  // the edge goes straight down
+  if (u == kBelow) {  // The edge goes straight down.
     x_[at] = x_[v];
     y_[at] = y_[v];
     z_[at] = z_[v];
@@ -107,7 +107,7 @@ void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcep
   links.face[slot] = tag;
   links.next = {kDown, kDown, kDown, kDown};
   links.next[slot] = kept;
-  links_[v].next[slot_of(cut)] = end_of(at, slot);  // join() follows this link
+  links_[v].next[slot_of(cut)] = end_of(at, slot);  // join() follows this link.
 }
 
 /// Connects a new corner to other new corners. For each connection, it walks over removed corners

@@ -23,7 +23,7 @@ const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
 /// Up to four points of the Minkowski difference.
 struct Simplex {
   std::array<Vec3, 4> points;
-  std::array<Vec3, 4> on_b;  // the point of b in each difference
+  std::array<Vec3, 4> on_b;  // point of b in each difference
   std::size_t count = 0;
 
   /// Returns the point of the simplex nearest to the origin. Keeps only the corners of the face
@@ -113,7 +113,7 @@ ConvexGap convex_gap(const Polyhedron& a, const Mat3& rotation, const Vec3& posi
   Simplex simplex;
   for (int round = 0; round < kGapRounds; ++round) {
     const double length = towards.norm();
-    if (!(length > 0.0)) {  // the difference contains the origin
+    if (!(length > 0.0)) {  // The difference contains the origin.
       if (simplex.count == simplex.points.size()) gap.shared = simplex.shared();
       break;
     }

@@ -17,7 +17,7 @@ struct Spoke {
 /// Returns the neighbours of each vertex, clockwise as seen from outside.
 std::vector<std::vector<Spoke>> rings(std::size_t vertices, std::span<const std::uint32_t> first,
                                       std::span<const std::uint32_t> loop) {
-  std::map<Ends, Spoke> after;  // a face with u, v, w in order: (v, u) maps to w and the face
+  std::map<Ends, Spoke> after;  // For each face with u, v, w in order: (v, u) -> w, face
   for (std::size_t f = 0; f + 1 < first.size(); ++f) {
     const std::size_t begin = first[f], count = first[f + 1] - begin;
     for (std::size_t k = 0; k < count; ++k)
@@ -65,7 +65,7 @@ std::vector<GraphCorner> corner_graph(std::size_t vertices, std::span<const std:
     const auto& ring = around[v];
     const std::size_t count = ring.size();
     if (count < 2) continue;
-    if (count == 2) {  // a face of two edges lies between the two corners
+    if (count == 2) {  // A face of two edges lies between the two corners.
       const std::size_t between = first.size() - 1 + v;
       const std::uint16_t a = add(v, ring[0].face, between, ring[1].face);
       const std::uint16_t b = add(v, ring[1].face, between, ring[0].face);

@@ -42,7 +42,7 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     return inside.cut(planes[i].normal, planes[i].offset, static_cast<Tag>(i));
   };
   if (!cut(planes.facing())) return;
-  std::array<double, kMostDepthPlanes> least;  // [m] least depth below each plane, or a lower bound
+  std::array<double, kMostDepthPlanes> least;  // [m] least depth, or a lower bound of it
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const ClippedPolyhedron::Extent above = inside.extent(planes[i].normal, planes[i].offset);
     least[i] = -above.most;

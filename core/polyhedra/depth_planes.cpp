@@ -17,7 +17,7 @@ DepthPlanes::DepthPlanes(const SolidPart& part, const Vec3* away) noexcept {
   add_all(part, away);
   bool measured = false;
   for (std::size_t i = 0; i < count_; ++i) measured |= !planes_[i].inner;
-  if (!measured) {  // only inner faces face the tool
+  if (!measured) {  // Only inner faces are opposite the tool.
     count_ = 0;
     away = nullptr;
     add_all(part, away);

@@ -11,7 +11,7 @@ namespace {
 
 using Visit = std::function<bool(const TrialTick&)>;
 
-constexpr double kStep = 0.25e-3;  // [m] per tick, for a fast hand in contact
+constexpr double kStep = 0.25e-3;  // [m] per tick of a fast hand
 
 /// Calls go(place) at steps after `from`, up to `to`. Returns false if go() returns false.
 template <class Go>

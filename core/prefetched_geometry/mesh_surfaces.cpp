@@ -68,7 +68,7 @@ class MeshSurfaces final : public PrefetchedSurfaces {
   const Object& at(std::uint16_t object) const noexcept { return objects_[places_[object]]; }
 
   std::uint32_t version_;
-  std::vector<std::size_t> places_;  // index in objects_, by the object's number in the scene
+  std::vector<std::size_t> places_;  // index in objects_, by object number
   std::vector<Object> objects_;
 };
 

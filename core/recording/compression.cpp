@@ -29,7 +29,7 @@ void Compressor::compress(std::string_view bytes, std::string& out) {
   out.resize(before + ZSTD_compressBound(bytes.size()));
   const std::size_t size = ZSTD_compressCCtx(
       context_.get(), out.data() + before, out.size() - before, bytes.data(), bytes.size(), kLevel);
-  if (ZSTD_isError(size)) throw std::bad_alloc();  // only a lack of memory is possible here
+  if (ZSTD_isError(size)) throw std::bad_alloc();  // Only a lack of memory is possible here.
   out.resize(before + size);
 }
 

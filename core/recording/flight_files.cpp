@@ -55,7 +55,7 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
   const std::string end = '-' + name + ".mcap";
   std::vector<std::pair<fs::path, std::uintmax_t>> files;  // files and their sizes [bytes]
   std::uintmax_t bytes = 0;
-  std::error_code gone;  // for files that another program removes meanwhile
+  std::error_code gone;  // Another program may remove a file meanwhile.
   for (const std::string& other : names_in(folder)) {
     if (other.size() == kBegin.size() + kStampLike.size() + end.size() &&
         other.starts_with(kBegin) && other.ends_with(end)) {
@@ -73,7 +73,7 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
     fs::remove(files[i].first, gone);
   }
   const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
-  while (fs::exists(named())) time += kMillisecond;  // keeps an earlier file
+  while (fs::exists(named())) time += kMillisecond;  // This keeps an earlier file.
   return named();
 }
 

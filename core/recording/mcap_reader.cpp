@@ -129,7 +129,7 @@ std::optional<Message> Reader::take(const Record& record) {
     case Opcode::footer:
       take_footer(record.content);
       break;
-    default:  // an index, which is not needed, or a newer record
+    default:  // Indices and newer records are not needed.
       break;
   }
   return std::nullopt;
@@ -140,7 +140,7 @@ void Reader::take_schema(Cursor content) {
   Schema schema{std::string(content.text()), std::string(content.text()),
                 std::string(content.text())};
   require(content.ok(), "a schema ends within a field");
-  if (id == 0) return;  // the specification requires to ignore it
+  if (id == 0) return;  // The specification requires this.
   const auto known = schemas_.try_emplace(id, std::move(schema));
   require(known.second || known.first->second == schema, "two schemas have the same number");
 }
@@ -217,7 +217,7 @@ void Reader::take_statistics(Cursor content) {
 }
 
 void Reader::open_chunk(Cursor content) {
-  content.number<std::uint64_t>();  // skips the times of the first and the last message
+  content.number<std::uint64_t>();  // This skips the times of the first and last message.
   content.number<std::uint64_t>();
   const auto size = content.number<std::uint64_t>();
   const auto crc = content.number<std::uint32_t>();
@@ -248,7 +248,7 @@ void Reader::take_data_end(Cursor content) {
   require(content.ok(), "the end of the data ends within a field");
   require(crc == 0 || crc == crc_before_, "the CRC of the data is wrong");
   data_ended_ = true;
-  crc_ = 0;  // the summary begins
+  crc_ = 0;  // The summary begins here.
 }
 
 void Reader::take_footer(std::string_view bytes) {

@@ -385,7 +385,7 @@ struct SalvagedFile::Scan {
       case Opcode::header:
       case Opcode::message_index:
         return head.end;
-      default:  // a newer record
+      default:  // The record is of a newer type.
         return is_record_at(at) ? head.end : lost(at, {}, "the length of a record is damaged");
     }
     const auto wrong = wrong_with(record);
@@ -431,7 +431,7 @@ SalvagedFile::SalvagedFile(std::istream& in, const std::string& name, ReaderLimi
   if (scan.found == 0 && !scan.missing.empty()) {
     in.clear();
     in.seekg(0);
-    Reader reader(in, name, limits);  // throws the reason of the damage
+    Reader reader(in, name, limits);  // The Reader throws the reason.
     while (reader.next()) continue;
   }
   missing_ = std::move(scan.missing);

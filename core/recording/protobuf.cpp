@@ -87,7 +87,7 @@ std::optional<Field> Fields::next() {
       field.is_bytes = true;
       break;
     }
-    default:  // a group, which is obsolete
+    default:  // Groups are obsolete.
       ok_ = false;
   }
   ok_ = ok_ && rest.ok();

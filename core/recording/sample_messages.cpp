@@ -72,7 +72,7 @@ std::optional<RecordedSample> read_sample(std::string_view bytes) {
       case 8:
         sample.age = field->real();
         break;
-      default:  // from a newer version
+      default:  // The field is from a newer version.
         break;
     }
   }

@@ -11,7 +11,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestRamp = 10.0;  // [s] a longer ramp means a wrong unit
+constexpr double kLongestRamp = 10.0;  // [s] A longer ramp means a wrong unit.
 // [Hz] Cutoff of the speed filter. At 1 kHz, a quantum of 55 um then counts as 15 mm/s for a
 // moment, and not as 55 mm/s. An acceleration of 10 m/s^2 is detected 3 ms late, when the device is
 // 30 mm/s faster.
@@ -48,9 +48,9 @@ double share_at(double speed, double limit) {
 /// Reduces a magnitude to the smallest limit. Sets the flag in `who` for each exceeded limit.
 struct Reduction {
   const ChannelLimits& limits;
-  double commanded, held;  // magnitudes
+  double commanded, held;  // magnitudes [N] or [N m]
   double floor;            // withheld part of the command
-  double ramp, speed;      // share of the command that the ramp allows; speed of the device
+  double ramp, speed;      // share that the ramp allows; speed of the device
   double time;             // [s] since the last sample
 
   double factor(double bounded, Safeguarded& who) const noexcept {
@@ -61,7 +61,7 @@ struct Reduction {
       allowed = std::min(allowed, most);
     };
     if (floor > 0.0) limit(std::max(0.0, commanded - floor), who.waiting);
-    if (!(allowed > 0.0)) return 0.0;  // nothing is left to reduce
+    if (!(allowed > 0.0)) return 0.0;  // Nothing is left to reduce.
     limit(limits.max, who.limited);
     if (std::isfinite(limits.slew)) limit(held + limits.slew * time, who.slewed);
     if (ramp < 1.0) limit(ramp * commanded, who.ramped);

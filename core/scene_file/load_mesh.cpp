@@ -98,7 +98,7 @@ std::shared_ptr<const HeightMap> height_map_of(const JsonDocument& document,
 std::optional<std::string> odd_size(const std::string& name, double size, double scale) {
   // [m] Outside these limits, the unit is probably wrong.
   constexpr double kLargest = 20.0, kLeast = 1e-4;
-  constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] usual sizes for a hand
+  constexpr double kUsualLeast = 5e-3, kUsual = 3.0;  // [m] usual sizes
   if (size <= kLargest && size >= kLeast) return std::nullopt;
   std::string others;
   for (const Unit& unit : kUnits) {

@@ -251,7 +251,7 @@ Scene load_scene(const std::filesystem::path& file) {
     return parse_scene(text, file.string());
   } catch (const FileError& error) {
     throw FileError(shown_error(error.what(), file, file.parent_path()));
-  } catch (const std::runtime_error& error) {  // not enough memory for a tree
+  } catch (const std::runtime_error& error) {  // There is not enough memory for a tree.
     throw FileError(file.string() + ": " + error.what());
   } catch (const std::bad_alloc&) {
     throw FileError(file.string() +

@@ -163,7 +163,7 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
       }
       scene.set_tools(std::move(tools));
     }
-  } catch (const std::invalid_argument& error) {  // e.g. a mesh without a distance grid
+  } catch (const std::invalid_argument& error) {  // A mesh may have no distance grid.
     document.fail(file.tool() ? "tool" : "tools", error.what());
   }
   scene.warn(std::move(warnings));

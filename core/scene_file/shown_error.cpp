@@ -99,7 +99,7 @@ class NamedFiles {
     for (const auto& [name, is_plain] : names_)
       for (const fs::path& place : places_of(name)) {
         std::error_code error;
-        if (!fs::is_regular_file(place, error)) continue;  // opening a pipe would block
+        if (!fs::is_regular_file(place, error)) continue;  // Opening a pipe would block.
         std::ifstream in(place, std::ios::binary);
         std::string begin(kLooked, '\0');
         in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
@@ -130,7 +130,7 @@ class NamedFiles {
     try {
       xml = read_text(file);
     } catch (const FileError&) {
-      return;  // without its text, nothing can be quoted
+      return;  // Without its text, nothing can be quoted.
     }
     const std::size_t begin = xml.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     if (begin == std::string::npos || xml[begin] == '<' || texts_.empty()) texts_.push_back(file);
@@ -149,14 +149,14 @@ class NamedFiles {
         too_many_ =
             too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
-        std::error_code error;  // any file may be an include with further names
+        std::error_code error;  // Any file may be an include with further names.
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
       }
   }
 
   fs::path main_;
   std::map<fs::path, bool> names_;  // true: the path is exactly as written
-  std::set<std::string> uris_;      // URIs: package:// and file://
+  std::set<std::string> uris_;      // package:// and file://
   std::set<fs::path> folders_;
   std::vector<fs::path> texts_;
   bool too_many_ = false;

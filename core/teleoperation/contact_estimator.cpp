@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] plausible range of stiffness
 constexpr double kMostFriction = 1.0;               // largest plausible friction coefficient
-constexpr double kLeastSlide = 2e-3;                // [m/s] a slower tool counts as resting
-constexpr double kResting = 5e-6;                   // [m] a smaller movement counts as none
+constexpr double kLeastSlide = 2e-3;                // [m/s] A slower tool counts as resting.
+constexpr double kResting = 5e-6;                   // [m] A smaller movement counts as none.
 // [s] time in contact for learning the stiffness.
 constexpr double kLearns = 0.5;
 constexpr double kOther = 0.5;      // cosine of 60 degrees
@@ -80,7 +80,7 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
 
 /// Measures how long the force has been missing where the touched surface should press.
 void ContactEstimator::watch(const Sample& s, double force) noexcept {
-  constexpr double kLeans = 0.5;  // slope between the surface and the estimated plane
+  constexpr double kLeans = 0.5;  // largest slope error of the estimated plane
   const Vec3 way = s.position - felt_;
   const Vec3 off = along(way, contact_.normal);
   const double deeper = -way.dot(contact_.normal) - kLeans * length(Vec3(way - off));
@@ -152,7 +152,7 @@ void ContactEstimator::begin(const Sample& s) noexcept {
   known_ = known_ || (moves_ && learnt_);
   left_ = false;
   receded_ = absent_ = 0.0;
-  last_height_ = s.position.dot(contact_.normal) + 1.0;  // so that the first sample is used
+  last_height_ = s.position.dot(contact_.normal) + 1.0;  // The first sample is always used.
   const double force = length(s.force);
   within_ = same ? way_within(s, force) : Vec3::Zero();
   if (same) contact_.normal = direction(contact_.normal - along(contact_.normal, within_));
@@ -164,7 +164,7 @@ void ContactEstimator::begin(const Sample& s) noexcept {
 /// the surface, so a force along it is friction.
 Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
-  constexpr double kSteep = 0.35;  // sine of 20 degrees: largest error of the normal
+  constexpr double kSteep = 0.35;  // largest error of the normal, sine of 20 degrees
   const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
   const Polar<double> way = polar(Vec3(here - last_));
   const bool usable = way.length > kShortest && way.length < kLongest &&
@@ -208,14 +208,15 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   const double speed = length(s.velocity);
   Vec3 pressing = s.force - along(s.force, within_);
   if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
-    within_.setZero();  // too large for friction: another normal, or two surfaces
+    within_.setZero();  // The force is too large for friction.
     pressing = s.force;
   }
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
   const bool sliding = slides(s.velocity, contact_.normal);
   Vec3 pushes = pressing;
   bool rubs = false;
-  const double against = -s.force.dot(way);  // negative: the surface springs back
+  // A negative value means that the surface springs back.
+  const double against = -s.force.dot(way);
   if (sliding && against >= 0.0) {
     const Vec3 across = pressing - along(pressing, way);
     const double normal_force = length(across);
@@ -255,7 +256,7 @@ void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcep
   constexpr double kExplained = 0.98;
   if (known_ && (touched_ > kLearns || moves_)) return;
   const double height = s.position.dot(contact_.normal);
-  if (std::abs(height - last_height_) < kResting) return;  // the sample would only add noise
+  if (std::abs(height - last_height_) < kResting) return;  // The sample would only add noise.
   last_height_ = height;
   fit_.add(origin_ - s.position, -s.velocity, s.force);
   if (fit_.excitation(contact_.normal) < kExcited) return;

@@ -36,7 +36,7 @@ void SurfaceMemory::keep(const KnownSurface& surface, const Vec3& tip) noexcept 
   kept.contact.touching = false;
   kept.contact.velocity.setZero();
   kept.absent = 0.0;
-  kept.told = true;  // earlier reports had it as the contact
+  kept.told = true;  // Earlier reports had this surface as the contact.
 }
 
 std::optional<KnownSurface> SurfaceMemory::take(const Vec3& tip, const Vec3& direction,

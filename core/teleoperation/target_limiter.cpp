@@ -38,7 +38,7 @@ void TargetLimiter::account(const Sample& s) noexcept {
   const Vec3 way = s.robot - robot_;
   robot_ = s.robot;
   if (s.surface == 0 || !touched_) {
-    paid_ = 0.0;  // drops the rest of the previous contact
+    paid_ = 0.0;  // This drops the rest of the previous contact.
   } else {
     // Only the part of a force above `unfelt` counts, for energy in both directions.
     const double given = s.force.allFinite() ? s.force.dot(way) : 0.0;

@@ -31,7 +31,7 @@ Workspace joined(const Workspace& one, const Workspace& other) noexcept {
 
 bool has_room(const Workspace& workspace, double inside) noexcept {
   constexpr int kTries = 200;
-  constexpr int kCuts = 12;       // search points along each axis, if there are bodies
+  constexpr int kCuts = 12;       // search points along each axis
   constexpr double kLeft = 1e-6;  // [m]
   Workspace narrow = workspace;
   for (std::size_t i = 0; i < narrow.count; ++i) narrow.walls[i].distance += inside;
@@ -139,7 +139,7 @@ Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
 
 /// Computes the walls that replace the bodies at an allowed place.
 void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
-  constexpr double kAcross = 1e-9;  // a shorter normal has no part along the free axes
+  constexpr double kAcross = 1e-9;  // length of a normal without a free part
   const Vec3 held = begun_.position - free_part(begun_.position);
   for (std::size_t i = 0; i < workspace_.body_count; ++i) {
     const WorkspaceWall full = workspace_.bodies[i].wall_at(place);
@@ -176,7 +176,7 @@ Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {
 }
 
 const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
-  constexpr int kSlides = 16;  // moves along the bodies; the next sample continues
+  constexpr int kSlides = 16;  // slides along the bodies per sample
   if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
   const Vec3 aim = unlocked(wanted.position);
   Vec3 place = slide(last_.position, aim);

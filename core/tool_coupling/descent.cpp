@@ -127,7 +127,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
   const auto done = [&] { return step.tool.work != nullptr ? step.tool.work->done() : 0; };
-  std::uint64_t look = done();  // estimated work of a query; at first, all work so far
+  std::uint64_t look = done();  // estimated work of a query
   while (step.result.evaluations < step.budget && !is_cut(step.tool.work)) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;
@@ -154,7 +154,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
       slips |= next.slips;
       way = step.allowed(state, next.motion);
     } else if (has_mass && step.length_of(way) < kRounding * radius) {
-      break;  // the energy would fall by less than its rounding error
+      break;  // The energy would fall by less than its rounding error.
     } else {
       way *= 0.5;
     }

@@ -10,7 +10,7 @@ namespace {
 constexpr int kSweeps = 4;      // sweeps over the patches
 constexpr int kRootSteps = 12;  // root-finding steps per patch
 constexpr double kCloseToCone = 1e-3;
-constexpr std::uint64_t kSolveWork = 16;  // units of work for a system of six equations
+constexpr std::uint64_t kSolveWork = 16;  // units of work per system of six equations
 
 double limit_of(const FrictionPatch& patch, bool slipping) {
   return (slipping ? patch.dynamic_friction : patch.static_friction) * patch.load;
@@ -54,10 +54,10 @@ struct Springs {
   /// Finds the spring of one patch and leaves the others unchanged.
   void find(std::size_t i, double limit) {
     double high = limit / kHeld, above = excess(i, limit, high);
-    if (above >= 0.0 || limit == 0.0) return;  // the patch holds
+    if (above >= 0.0 || limit == 0.0) return;  // The patch does not slip.
     double low = 0.0, below = excess(i, limit, low);
     int last = 0;
-    for (int n = 0; n < kRootSteps; ++n) {  // regula falsi with the Illinois rule
+    for (int n = 0; n < kRootSteps; ++n) {  // This is regula falsi with the Illinois rule.
       const double between = (low * above - high * below) / (above - below);
       const double value = excess(i, limit, between);
       if (std::abs(value) <= kCloseToCone * between) return;

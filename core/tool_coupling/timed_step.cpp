@@ -51,7 +51,7 @@ struct End {
   double work = 0.0;                 // [J] done by the hand
   std::optional<State> middle = {};  // midpoint, where contact forces act
   FrictionSolution last = {};
-  Vec6 resisted = Vec6::Zero();  // [N], [N m] by friction and the dampers of contacts
+  Vec6 resisted = Vec6::Zero();  // [N], [N m] of friction and contact dampers
   bool slipping = false;
 };
 
@@ -63,7 +63,7 @@ struct TimeStep {
   const Pose& device;
   double elapsed;
   const BodyMemory& memory;
-  const ShellContact& met;  // at the beginning of the step
+  const ShellContact& met;  // contact at the beginning of the step
   BodyStep& result;
 
   Pull pull_at(const Pose& at_device) const { return pull(tool.coupling, at_device, memory.pose); }
@@ -170,7 +170,7 @@ struct TimeStep {
   /// Whether enough work is left for both steps, because an implicit step follows a failed midpoint
   /// step.
   bool has_room_for_midpoint() const {
-    constexpr std::uint64_t kTimes = 4;  // times the work of this step so far
+    constexpr std::uint64_t kTimes = 4;  // multiple of the work so far
     return tool.work == nullptr || tool.work->left() >= kTimes * tool.work->done();
   }
 

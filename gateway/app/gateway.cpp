@@ -125,7 +125,7 @@ struct Gateway::Parts {
   }
 
   void stop() {
-    web->stop();  // first, because the web server uses the scenes
+    web->stop();  // The web server uses the scenes, so it stops first.
     for (const auto& scene : scenes) scene->stop();
   }
 };

@@ -27,8 +27,8 @@ namespace {
 constexpr const char* kName = "feltwire-view";
 constexpr double kPeriod = 0.01;   // [s] period of samples and views
 constexpr int kBetweenLooks = 16;  // [ms] between checks for new views
-constexpr std::size_t kRoom = 64;  // capacity in views: half a second
-constexpr int kBetweenAsks = 500;  // [ms] between requests for data that is not in the views
+constexpr std::size_t kRoom = 64;  // capacity for half a second of views
+constexpr int kBetweenAsks = 500;  // [ms] between requests for other data
 
 /// Waits until the event is set or the time [ms] is over.
 void wait_for(const Event& event, int time) {
@@ -230,7 +230,7 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   const CurrentScene before = current_scene();
   std::optional<Scene> changed = with_materials(*before.scene, materials);
   const std::lock_guard lock(mutex_);
-  if (current_.version != before.version) return;  // the scene was reloaded; the next answer fits
+  if (current_.version != before.version) return;  // The scene was reloaded; the next answer fits.
   if (adopted_ && adopted_->first != told.version)
     spdlog::warn("scene {}: the server has reloaded it; send SIGHUP to read its file again",
                  visible(name_));
@@ -285,7 +285,7 @@ std::string RemoteScene::look_on() {
     task = std::make_shared<ObserverTask>(std::move(eye), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // an observer has no force to release
+    task->let_go_after = parameters.hold_time;  // An observer has no force to release.
     task->outputs.views = &task->views;
     thread.emplace(task);
   } catch (...) {

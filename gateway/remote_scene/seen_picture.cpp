@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallForce = 0.01;  // [N] a smaller force counts as none
+constexpr double kSmallForce = 0.01;  // [N] A smaller force counts as none.
 constexpr std::uint32_t kKnownStates = (1u << kHandStates) - 1u;
 
 PictureHand picture_of(const SeenHand& seen) {

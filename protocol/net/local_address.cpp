@@ -43,13 +43,13 @@ void make_room(msghdr& message, LocalAddressRoom& room) noexcept {
 LocalAddress local_address(const msghdr& message) noexcept {
   LocalAddress local;
   if (message.msg_controllen == 0) return local;
-  auto* own = const_cast<msghdr*>(&message);  // CMSG_NXTHDR only reads it
+  auto* own = const_cast<msghdr*>(&message);  // CMSG_NXTHDR only reads the message.
   for (cmsghdr* entry = CMSG_FIRSTHDR(own); entry != nullptr; entry = CMSG_NXTHDR(own, entry)) {
     if (entry->cmsg_level == IPPROTO_IP && entry->cmsg_type == IP_PKTINFO) {
       in_pktinfo info{};
       std::memcpy(&info, CMSG_DATA(entry), sizeof info);
       local.family = AF_INET;
-      local.four = info.ipi_spec_dst;  // for a broadcast datagram: the address of the interface
+      local.four = info.ipi_spec_dst;  // address of the interface, also for a broadcast
     } else if (entry->cmsg_level == IPPROTO_IPV6 && entry->cmsg_type == IPV6_PKTINFO) {
       in6_pktinfo info{};
       std::memcpy(&info, CMSG_DATA(entry), sizeof info);

@@ -12,9 +12,9 @@ namespace feltwire {
 namespace {
 
 constexpr double kLargestOperatorDamping = 100.0;  // [N s/m]
-constexpr double kLargestCutoff = 1e5;  // [Hz] at least half the rate of the shortest period
-constexpr double kLongestHold = 1.0;    // [s]
-constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
+constexpr double kLargestCutoff = 1e5;             // [Hz] at least half the highest servo rate
+constexpr double kLongestHold = 1.0;               // [s]
+constexpr double kLargestCouplingDamping = 1e6;    // [N s/m]
 constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
 std::string short_text(double number) {

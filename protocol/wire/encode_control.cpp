@@ -230,7 +230,8 @@ std::vector<std::uint8_t> encode(const Message& message) {
   std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
   put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
   std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
-  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());  // it may have contained a token
+  // The buffer may have contained a token.
+  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());
   return frame;
 }
 

@@ -12,10 +12,11 @@ static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
 static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 
-static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);  // minus its table entry and padding
+// kSeenRobotRoom includes 12 bytes for a table entry and padding.
+static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);
 
 constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
-constexpr int kSeat = 8, kSeats = 16;  // the first bit of each field
+constexpr int kSeat = 8, kSeats = 16;  // first bit of each field
 constexpr std::uint32_t kAllSeats = (1u << kMostSeats) - 1;
 constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
 
@@ -97,7 +98,7 @@ wire::SeenRobot wire_seen(const SeenRobot& r) {
 std::uint32_t place(const SeenHand& hand) { return hand.number; }
 std::uint32_t place(const SeenBody& body) { return body.object; }
 
-bool finite(const Pose& pose) {  // NaN fails
+bool finite(const Pose& pose) {  // A NaN is not finite.
   return pose.position.allFinite() &&
          std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
