@@ -85,8 +85,8 @@ const Node& walk(const Node& root, std::string_view& path) {
   return *node;
 }
 
-/// Replaces the escapes of a text by their characters. Precondition: the scanner has accepted the
-/// escapes. If one half of a surrogate pair is alone, returns this reason.
+/// Replaces the escapes of a text by their characters. Returns an error text if half of a surrogate
+/// pair is missing. Precondition: the scanner has accepted the escapes.
 std::optional<std::string_view> unescape(std::string_view written, std::string& text) {
   constexpr std::string_view kUnpairedHigh = "illegal Unicode sequence (unpaired high surrogate)";
   constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kPairs = 0x10000;

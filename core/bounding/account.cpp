@@ -15,8 +15,8 @@
 namespace feltwire {
 namespace {
 
-/// Returns the highest whole servo rate [Hz] at which the account can model a motor with this lag.
-/// Precondition: the lag is not zero.
+/// Returns the highest whole servo rate [Hz] at which this energy account can model a motor with
+/// this lag. Precondition: the lag is not zero.
 long highest_rate(const MotorLag& lag) {
   constexpr double kRounded = 1.0 + 1e-9;
   return static_cast<long>(std::floor(kRounded * LaggingForces::kMostSamples / lag.rest()));
@@ -53,8 +53,9 @@ const AccountConfig& checked(const AccountConfig& config) {
   return config;
 }
 
-/// Returns the largest share s in [0, 1] at which `balance` covers the sum of all needs. `Needs` is
-/// a span, preferably with a length known at compile time.
+/// Returns the largest share s in [0, 1] at which `balance` covers the sum of all needs (the
+/// energies that the forces may give to the hand). `Needs` is a span, preferably with a length
+/// known at compile time.
 template <class Needs>
 double affordable(const Needs& needs, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
@@ -180,10 +181,11 @@ double PortAccount::softened(const ForceAndTorque& wanted, double usual,
   return usual >= softer ? usual : std::max(usual, std::min(most, softer));
 }
 
-/// Returns the share of `wanted` that `left` [J] covers after the pending forces. `own` has the
-/// needs of `wanted` after these forces. A force that used all energy would leave none for the next
-/// force. So `left` must also cover L + 1 such forces in a row. Their needs are computed at the
-/// returned share. A larger force has differently distributed needs, and the share would oscillate.
+/// Returns the share of `wanted` that `left` [J] covers after the pending forces: the given forces
+/// that do not act yet. `own` has the needs of `wanted` after these forces. A force that used all
+/// energy would leave none for the next force. So `left` must also cover L + 1 such forces in a
+/// row. Their needs are computed at the returned share. A larger force has differently distributed
+/// needs, and the share would oscillate.
 double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;

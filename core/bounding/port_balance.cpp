@@ -1,4 +1,5 @@
-// A port of the account: the energy that a sample earns, and the energy that the next sample needs.
+// A port of the passivity account. It computes the energy that a sample earns, and the need of a
+// force: the largest energy that the force can give to the hand in the next sample.
 
 #include <Eigen/LU>
 #include <algorithm>

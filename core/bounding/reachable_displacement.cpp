@@ -103,7 +103,8 @@ double ReachableDisplacement::fastest(const Past& sample, std::size_t before, co
 
 /// Returns |v| times the largest speed along v after a sample of irregular duration. `simple` is
 /// the bound from that sample alone. The result is never below the bound after a regular period
-/// with the same speed. So irregular ticks do not change the reach of a handle at rest.
+/// with the same speed. So irregular ticks do not reduce the reachable displacement of a handle at
+/// rest.
 double ReachableDisplacement::irregular(const Vec3& v, double length,
                                         double simple) const noexcept {
   const Past& before = last();

@@ -51,8 +51,8 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
   return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
-/// Returns the least value over all directions. It is given as a number in one field or as a matrix
-/// in another.
+/// Returns the least value over all directions. The value is a number in one field or a matrix in
+/// another field.
 double least(const JsonDocument& document, const std::string& field, double number,
              const Numbers* values) {
   if (values == nullptr) return number;

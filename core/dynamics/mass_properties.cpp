@@ -65,7 +65,8 @@ MassProperties together(const MassProperties& a, const MassProperties& b) {
 bool is_convex(const TriangleMesh& mesh) {
   constexpr double kFlat = 1e-9;  // rounding of a flat face, as a share of the size
   if (!mesh.report().closed()) return false;
-  // Euler: a single ball has vertices - edges + triangles = 2, and 3/2 edges per triangle.
+  // Euler's formula: a surface without handles has vertices - edges + triangles = 2. A closed
+  // surface has 3/2 edges per triangle.
   if (2 * mesh.vertices().size() != mesh.triangles().size() + 4) return false;
   const double flat = kFlat * mesh.half_extents().maxCoeff();
   for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {

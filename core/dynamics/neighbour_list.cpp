@@ -10,7 +10,7 @@ namespace {
 
 /// Returns the margin [m] of the neighbour list: the median radius. A wider margin keeps a list
 /// valid for longer, but makes the list longer. If equal objects are side by side, this margin adds
-/// about ten of them.
+/// about ten objects to the list.
 double margin_of(std::vector<double> radii) {
   std::erase_if(radii, [](double r) { return !std::isfinite(r); });
   if (radii.empty()) return 0.0;

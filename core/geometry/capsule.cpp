@@ -72,7 +72,8 @@ SurfaceParts Capsule::parts(Side side, const Vec3& p, std::uint32_t entered) con
   add(all, unless_entered(near, side, entered), kOnlyFeature);
   if (!(h > 0.0)) return all;
   // From outside, beside the cylinder, the way to the junction's plane and the way to the surface
-  // are perpendicular (Pythagoras). From inside, only the longer of the two ways is a safe bound.
+  // are perpendicular, so Pythagoras gives the bound. From inside, only the longer of the two ways
+  // is a safe bound.
   const double in = std::max(0.0, root(p.x(), p.y()) - radius);
   const auto behind = [&](double way) {
     add(all, side == Side::outside ? root(way, in) : std::max(way, near), kOnlyFeature, false);

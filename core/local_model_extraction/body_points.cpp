@@ -12,8 +12,8 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Largest number of parts of the shell. The remaining places are for points of these parts that
-/// meet another side of the solid.
+/// Largest number of parts of the shell. The remaining places of the model are for points of these
+/// parts that meet another side of the solid.
 constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
@@ -149,8 +149,8 @@ class Cut {
     part.distance = at(part.object, part.center).distance;
   }
 
-  /// Adds a part that is within the reach. If there are too many parts, the farthest part is
-  /// dropped and limits the reach.
+  /// Adds a part within the reach (the distance within which the model is complete). If there are
+  /// too many parts, the farthest part is dropped and limits the reach.
   void offer(Part part) {
     measure(part);
     if (!(part.nearest() < reach_)) return;

@@ -126,7 +126,8 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
 }
 
 /// Marks the face that touches the ball. On an edge of a solid, the centre of the ball belongs to
-/// no face. Then this is the face with the normal nearest to the contact normal.
+/// no face. In this case, the marked face is the face with the normal nearest to the contact
+/// normal.
 void set_standing(LocalModel& model, const std::vector<Object>& objects,
                   const TouchMemory& memory) {
   const std::span patches{model.patches.data(), static_cast<std::size_t>(model.count)};

@@ -15,7 +15,7 @@ constexpr std::size_t kMostLooked = 256;  // triangles; more triangles halve the
 /// Placement of a triangle relative to a patch.
 struct TrianglePlacement {
   bool front = false, behind = false;  // of any corner; neither: on the patch
-  bool hidden = false;                 // The whole triangle is behind.
+  bool hidden = false;                 // The whole triangle is behind the patch.
 };
 
 /// Tests the corners of a triangle. Tests its middle too, because a patch may be curved.

@@ -208,7 +208,7 @@ class Choice {
     std::vector<std::pair<std::uint32_t, long>> own;  // face and vote
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // open: undecided faces; up: votes
+          up = 0;  // open: undecided faces; up: sum of the votes
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {

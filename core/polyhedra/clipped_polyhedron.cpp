@@ -103,8 +103,8 @@ bool ClippedPolyhedron::cut(const Vec3& normal, double offset, Tag tag) noexcept
     corners[i] = {x_[in] + part * (x_[v] - x_[in]), y_[in] + part * (y_[v] - y_[in]),
                   z_[in] + part * (z_[v] - z_[in]), end};
   }
-  // A new corner takes the place of a removed corner. There, the new face lies between the other
-  // two edges.
+  // A new corner takes the place of a removed corner. At the new corner, the new face lies between
+  // the other two edges.
   std::array<std::uint16_t, kCorners> made;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i < above.size() ? above[i] : count_++;

@@ -45,8 +45,8 @@ bool is_ours(const struct stat& file, const fs::path& mesh) {
   return ::stat(mesh.c_str(), &its) == 0 && its.st_uid == file.st_uid;
 }
 
-/// Returns the bytes of a file. Returns nothing if there is no file, or if a remark refuses the
-/// file.
+/// Returns the bytes of a file, or nothing if there is no file. If the file is refused, also adds a
+/// remark with the reason.
 std::optional<std::string> read(const fs::path& file, const fs::path& mesh,
                                 std::vector<std::string>& remarks) {
   struct stat status {};

@@ -125,7 +125,7 @@ std::vector<std::vector<Vec3>> read_tool_parts(const JsonDocument& document,
                                                const std::filesystem::path& folder,
                                                const ToolMesh& mesh, const MeshSurface& surface,
                                                const DecompositionOptions& options) {
-  // Inexact parts need no corners that are finer than their tolerance.
+  // The corners need not be finer than the tolerance of the parts.
   constexpr double kLeftOut = 0.25;
   begin_stage(mesh.path + ".convex_parts");
   std::vector<std::vector<Vec3>> parts;

@@ -164,7 +164,7 @@ void ContactEstimator::begin(const Sample& s) noexcept {
 /// the surface, so a force along it is friction.
 Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
-  constexpr double kSteep = 0.35;  // largest error of the normal, sine of 20 degrees
+  constexpr double kSteep = 0.35;  // largest error of the normal: sine of 20 degrees
   const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
   const Polar<double> way = polar(Vec3(here - last_));
   const bool usable = way.length > kShortest && way.length < kLongest &&

@@ -120,7 +120,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
   FrictionSolution next = next_slide();
   bool slips = next.slips;  // in any iteration of this step
   Vec6 way = step.allowed(state, next.motion);
-  // Follow slowly moving objects too.
+  // If objects move, follow even a slow movement.
   const double least = step.tool.surroundings_move ? 0.0 : kClose * radius;
   const auto enough = [&] {
     if (!has_mass) return kCloseEnough * radius;

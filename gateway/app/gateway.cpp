@@ -81,7 +81,7 @@ struct Gateway::Parts {
       : files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
-    // The scenes share this memory, because a server may report false sessions for each scene.
+    // The scenes share this memory, because a server may claim too many sessions for each scene.
     const LookOptions options_of_scene{
         .list_room =
             std::max(kRoomOfServer / std::max<std::size_t>(1, looks.size()), kLeastRoomOfScene)};
