@@ -184,8 +184,8 @@ double PortAccount::softened(const ForceAndTorque& wanted, double usual,
 /// Returns the share of `wanted` that `left` [J] covers after the pending forces: the given forces
 /// that do not act yet. `own` has the needs of `wanted` after these forces. A force that used all
 /// energy would leave none for the next force. So `left` must also cover L + 1 such forces in a
-/// row. Their needs are computed at the returned share. A larger force has differently distributed
-/// needs, and the share would oscillate.
+/// row. Their needs are computed at the returned share. The needs at a larger share are distributed
+/// differently, and the result would oscillate.
 double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;

@@ -12,8 +12,8 @@ void HoldTimeMargin::saw(double hold_time, bool felt) noexcept {
   const auto follow = [&](double reserved, double growth, double most) {
     return std::clamp(most, reserved - kShrinkage * period_, reserved + growth * period_);
   };
-  // The lateness of this tick counts from the next tick on. For this tick, the reachable
-  // displacement already includes it.
+  // The lateness of this tick counts from the next tick on. The reachable displacement already
+  // covers the lateness in this tick.
   reserved_ = follow(reserved_, kGrowth, std::max(over_, over_before_));
   over_ = std::max(over_, std::min(hold_time - period_, period_));
   window_ += hold_time;

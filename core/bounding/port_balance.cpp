@@ -22,11 +22,11 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-/// Computes the share of the balance to keep for a late tick. Let f be a force so small that its
-/// need is f d, where d is the reachable displacement. L + 1 such forces act in a row. After the
-/// late tick, each d is longer by delta. Then f' (d_L + delta) = f (d_L - L delta) + the kept part
-/// of f (d_0 + ... + d_L). Between an axis and a diagonal, the kept part grows nearly with the
-/// square of |u|_1.
+/// Computes the share of the balance to keep for a late tick. Forces act L samples late. Let f be a
+/// force so small that its need is f d, where d is the reachable displacement. L + 1 such forces
+/// act in a row. After the late tick, each d is longer by delta, and the next force is f'. Then f'
+/// (d_L + delta) = f (d_L - L delta) + the kept part of f (d_0 + ... + d_L). Between an axis and a
+/// diagonal, the kept part grows nearly with the square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
   if (late == 0 || !reach_.bounds()) return;  // In both cases, a first press gets its full force.
   constexpr double kLate = 0.5;               // lateness in periods T

@@ -23,8 +23,8 @@ SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
 }
 
 /// Computes the contact of a ball outside a solid. The ball rounds off the solid's edges. While the
-/// centre is outside the solid, this uses the signed distance. While the centre is inside, this
-/// uses the solid's own proxy.
+/// centre is outside the solid, the function uses the signed distance. While the centre is inside,
+/// the function uses the solid's own proxy.
 template <Primitive Solid>
 SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
   SurfacePoint centre = solid.surface_point(Side::outside, p, memory);

@@ -152,7 +152,8 @@ HullTriangles hull_triangles(std::span<const Vec3> points) {
         triangle[k] =
             static_cast<std::uint32_t>(std::ranges::lower_bound(corners, corner) - corners.begin());
       }
-      // All triangles have the same orientation. The largest triangle determines it most reliably.
+      // All triangles have the same orientation. The largest triangle determines the orientation
+      // most reliably.
       const Vec3 turn = (place[1] - place[0]).cross(place[2] - place[0]);
       if (turn.norm() > largest) {
         largest = turn.norm();

@@ -131,8 +131,8 @@ struct BadStep {
 constexpr std::array<BadStep, 3> kBadSteps = {
     {{mjWARN_BADQACC, "acceleration"}, {mjWARN_BADQVEL, "speed"}, {mjWARN_BADQPOS, "place"}}};
 
-/// Simulates the first steps and returns a failure. After a failed step, MuJoCo resets its state,
-/// so the world would reset at every step and nothing would move.
+/// Simulates the first steps. Returns a text if a step fails. After a failed step, MuJoCo resets
+/// its state. Then the world resets at every step, and nothing moves.
 template <class Name>
 std::optional<std::string> first_steps(Simulation& simulation, Name name) {
   constexpr int kSteps = 3;

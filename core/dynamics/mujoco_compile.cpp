@@ -31,7 +31,7 @@ constexpr double kContactTicks = 5.0;
 /// the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
-/// MuJoCo's loader compares each body with each other body. With so many bodies, it takes most of a
+/// MuJoCo's loader compares each body with each other body. Loading so many bodies takes most of a
 /// minute.
 constexpr std::size_t kMostBodies = 4000;
 

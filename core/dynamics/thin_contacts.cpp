@@ -77,8 +77,8 @@ double half_thickness(const mjModel& model, int geom) {
                    half_extent(model, geom, Vec3::UnitZ())});
 }
 
-/// Returns the depth [m] of one geom's surface below the middle of another; negative if it is not
-/// below.
+/// Returns the depth [m] of the surface of geom `surface_of` below the middle of geom `middle_of`,
+/// or a negative value if the surface is not below.
 double depth_below(const mjModel& model, const mjData& data, int middle_of, int surface_of,
                    const Vec3& down) {
   const std::array<mjtNum, 3> along = {down.x(), down.y(), down.z()};

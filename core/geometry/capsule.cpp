@@ -42,7 +42,8 @@ Vec3 Capsule::half_box() const noexcept { return {radius, radius, half_length + 
 
 double Capsule::reach() const noexcept { return radius + half_length; }
 
-/// Sums a cylinder and two half balls. The centre of a half ball is 3/8 r beyond its flat face.
+/// Sums a cylinder and two half balls. The centre of mass of a half ball is 3/8 r beyond its flat
+/// face.
 MassProperties Capsule::mass_properties() const {
   const double middle = 2.0 * std::numbers::pi * radius * radius * half_length;
   const double ends = 4.0 / 3.0 * std::numbers::pi * (radius * radius * radius);

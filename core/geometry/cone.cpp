@@ -275,7 +275,8 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   }
   const ConeClosest closest = closest_on(view, p);
   const double solid = std::isfinite(closest.distance) ? closest.distance : 0.0;
-  // These are lower bounds of the distance to a point beyond one face and within the other.
+  // These values are lower bounds of the distance to any point beyond one face and within the
+  // other.
   const double beyond_side = std::max(under, -view.above_base);
   const double beyond_base = std::max(over, -view.below_side);
   add_convex(all, beyond_side, solid, kConeSide, entered);

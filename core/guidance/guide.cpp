@@ -65,8 +65,8 @@ Command constant(const ConstantForce& field, double most) {
   return command;
 }
 
-/// Returns the tool relative to the guide's place, in the world frame. In Everywhere, every point
-/// is inside.
+/// Returns the tool relative to the guide's place, in the world frame. `Everywhere` contains every
+/// point.
 ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
   ClosestPoint at = closest_point(

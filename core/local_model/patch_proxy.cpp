@@ -125,7 +125,8 @@ const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const Feature
   return best;
 }
 
-/// Returns the patch through which the tool entered the solid behind all patches, or null.
+/// Returns the patch through which the tool entered the solid behind all patches. Returns null if
+/// the tool did not enter.
 const PatchView* entry(const SeenPatches& seen) {
   const PatchView* by = nullptr;
   double in = 0.0, out = 1.0;
@@ -160,7 +161,7 @@ bool holds(const SeenPatches& seen, const PatchView& by) {
 }
 
 /// Handles joined patches. The patch of entry holds the tool while the solid is between patch and
-/// tool (shapes.cpp). If the entry is unknown, the nearest patch holds the tool.
+/// tool. If the entry is unknown, the nearest patch holds the tool.
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
   const PatchView* highest = nullptr;

@@ -18,7 +18,7 @@ constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
 constexpr double kLooked = 2e-3;      // [m] A nearer part is examined point by point.
-constexpr double kLeastReach = 1e-2;  // [m] least reach after an omitted point
+constexpr double kLeastReach = 1e-2;  // [m] least reach of a model that omits points
 
 /// A part of the shell near one object. The part has the nodes or points [begin, end).
 struct Part {
@@ -84,7 +84,8 @@ class Cut {
         tool_(tool),
         turned_(tool.orientation.toRotationMatrix()) {}
 
-  /// Returns a lower bound [m] of the distance from a surface to any point outside the cut.
+  /// Returns a lower bound [m] of the distance from a surface to any point outside the chosen
+  /// parts.
   double reach() const { return reach_; }
   std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
 
@@ -121,7 +122,7 @@ class Cut {
   }
 
  private:
-  /// Whether a point of the shell may be within reach of an object. This test excludes most
+  /// Whether a point of the shell may be within the reach of an object. This test excludes most
   /// objects.
   bool may_be_near(std::size_t object) const {
     const ShellNode& whole = shell_.nodes.front();

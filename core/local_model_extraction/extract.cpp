@@ -217,7 +217,7 @@ LocalModel local_model(const World& world, const Vec3& position, const TouchMemo
   for (int i = 0; i < model.count; ++i) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(i)];
     patch.velocity = world.velocity_at(patch.object, patch.point);
-    // A body is softer after the server has put it back. The stiffness of a surface must stay above
+    // A body that the server has reset becomes softer. The stiffness of a surface must stay above
     // zero.
     const double trust = std::max(kLeastTrust, world.trust(patch.object));
     patch.material.stiffness *= trust;

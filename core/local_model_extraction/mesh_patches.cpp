@@ -141,7 +141,7 @@ bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, doubl
   return true;
 }
 
-/// Returns the height [m] of the pushing surface above the triangles.
+/// Returns the height [m] of the contact surface above the triangles of the mesh.
 double offset_of(const MeshOptions& options, double ball) {
   double offset = ball - options.grain.amplitude;
   if (options.height_map) offset -= options.height_map->mean();
@@ -266,7 +266,7 @@ FittedPatches mesh_mark(const MeshSurface& surface, Side felt_from, const Vec3& 
   const double ball = surface.options().radius + tool;
   const NearestSurface nearest = nearest_surface(surface, felt_from, goal, memory, ball);
   if (!(nearest.distance <= kMostFitted)) return mark;
-  // A tool behind a surface that is felt from one side gets a patch that faces this side.
+  // A tool behind a one-sided surface gets a patch that faces the felt side.
   const double side = nearest.side != 0.0 ? nearest.side : felt_from == Side::outside ? 1.0 : -1.0;
   FittedPatch& patch = mark.patches[0];
   patch.point = surface.mesh().origin() + nearest.point;

@@ -219,7 +219,8 @@ bool have_common_corner(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-/// Whether the path crosses a triangle that is not a neighbour of its triangles.
+/// Whether the path crosses another part of the mesh: a triangle that is no neighbour of the path's
+/// triangles.
 bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces,
                WorkLimit* work) {
   Bounds box;

@@ -10,7 +10,8 @@ namespace feltwire {
 namespace {
 
 /// The skin (collision margin) as a share of the surface's size. The value lies between the
-/// precision of 24-bit coordinates in a file and the smallest distance that a hand can feel.
+/// precision of single-precision coordinates in a file (24 bits) and the smallest distance that a
+/// hand can feel.
 constexpr double kSkin = 0x1p-22;
 
 constexpr std::uint64_t kCornerWork = 4;  // units of work per triangle at a corner

@@ -332,8 +332,8 @@ TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
 }
 
 double TriangleMesh::volume() const {
-  // Divergence theorem. The lengths are divided by the size, so that no product overflows or
-  // underflows.
+  // This is the divergence theorem. The lengths are divided by the size, so that no product
+  // overflows or underflows.
   const double size = half_extents_.maxCoeff();
   double sum = 0.0;
   for (const Triangle& t : triangles_)

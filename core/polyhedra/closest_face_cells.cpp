@@ -110,8 +110,9 @@ void ClosestFaceCells::make(EdgeEnd cut, Tag tag, const Numbers& height) noexcep
   links_[v].next[slot_of(cut)] = end_of(at, slot);  // join() follows this link.
 }
 
-/// Connects a new corner to other new corners. For each connection, it walks over removed corners
-/// along a two-dimensional face. `from` is the start of the walk. `first` is the first new corner.
+/// Connects a new corner to other new corners. For each connection, the function walks over removed
+/// corners along a two-dimensional face. `from` is the start of the walk. `first` is the first new
+/// corner.
 void ClosestFaceCells::join(std::size_t made, EdgeEnd from, std::size_t first) noexcept {
   Links& links = links_[made];
   const std::size_t own = slot_of(links_[corner_of(from)].next[slot_of(from)]);

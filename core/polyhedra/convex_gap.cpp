@@ -27,7 +27,7 @@ struct Simplex {
   std::size_t count = 0;
 
   /// Returns the point of the simplex nearest to the origin. Keeps only the corners of the face
-  /// with this point.
+  /// that contains this point.
   Vec3 reduce() {
     double best = std::numeric_limits<double>::infinity();
     Vec3 nearest = points[0];

@@ -3,8 +3,8 @@
 namespace feltwire {
 namespace {
 
-/// Tolerance of the cosine between a face's normal and `away`. Within it, the face is a side of the
-/// thickened solid.
+/// A face is a side of the thickened solid if the cosine between its normal and `away` is within
+/// this tolerance.
 constexpr double kSide = 1e-6;
 
 bool is_left_out(const SolidPart& part, std::size_t face, const Vec3& away) {

@@ -90,7 +90,7 @@ std::vector<Face> faces(const std::vector<Vec3>& vertices,
 }
 
 /// Returns the faces as Qhull merged them: connected triangles in one plane. Returns an empty list
-/// if a face is not a ring.
+/// if the rim of a face is not one ring.
 std::vector<Face> joined_faces(const HullTriangles& hull) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> triangle_of;
   for (std::size_t t = 0; t < hull.corners.size(); ++t)

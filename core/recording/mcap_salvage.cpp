@@ -33,7 +33,7 @@ bool is_known(std::uint8_t opcode) {
 }
 
 /// Whether a chunk must not contain such a record. After damage, the search stops only at these
-/// records. So it never takes a record out of a damaged chunk.
+/// records. So the search never takes a record out of a damaged chunk.
 bool is_outside_of_chunks(Opcode opcode) {
   return opcode == Opcode::chunk || opcode == Opcode::message_index ||
          opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;

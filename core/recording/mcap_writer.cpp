@@ -228,7 +228,7 @@ void Writer::finish() {
   const std::size_t before = out_.size();
   put_head(out_, Opcode::footer, kFooter);
   put(out_, summary_start);
-  put(out_, std::uint64_t{0});  // no offsets of the summary's groups
+  put(out_, std::uint64_t{0});  // The file has no summary offsets.
   put(out_, crc32(std::string_view(out_).substr(before), crc_));
   out_ += kMagic;
   size_ += out_.size() - before;

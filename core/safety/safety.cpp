@@ -96,8 +96,8 @@ void SafetyStage::begin_wait() noexcept {
   waiting_ = force_floor_ > 0.0 || torque_floor_ > 0.0;
 }
 
-/// Lowers each floor by `sinks` times the small limit. The wait depends on the command of the
-/// environment, and not on the given command.
+/// Lowers each floor by `sinks` times the small limit. The wait depends on the environment's
+/// command instead of the reduced command.
 void SafetyStage::wait(const SafetyStep& step, double force, double torque, double sinks) noexcept {
   const auto follow = [&](double& floor, double magnitude, double small) {
     if (!(floor > 0.0)) return true;

@@ -51,8 +51,7 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
   const Vec3 first = nearest(Vec3::Zero());
   if (!in_room(first)) return false;
   if (outside(first)) return true;
-  // A coarse search is enough, because the free space beside the bodies is either large or nearly
-  // none.
+  // The free space beside the bodies is either large or almost zero, so a coarse search is enough.
   Vec3 low, high;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Vec3 far = 2.0 * Workspace::kFarthest * Vec3::Unit(axis);

@@ -117,7 +117,8 @@ struct PartPairQuery {
     if (pair.overlaps) pair.shared = *found.shared;
     if (!(found.distance > 0.0)) return;
     if (pair.thickened && !(known_gap > 0.0)) {
-      // The pair is separated, but maybe not from the solid that is thickened along the direction.
+      // The two parts are separated. The tool's part may still overlap the solid that is thickened
+      // along the direction.
       DepthSums sums;
       placed.add(body, solid, pair, false, sums);
       if (sums.cells > 0) {

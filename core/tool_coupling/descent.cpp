@@ -101,7 +101,8 @@ void Step::damp(const State& state, bool slipping) {
 }
 
 FrictionSolution descend(Step& step, State& state, bool& slipping) {
-  // Shares of the radius. The search ends below kClose at first, and later below kCloseEnough.
+  // Shares of the radius. The search ends if the first movement is below kClose, or if a later
+  // movement is below kCloseEnough.
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
   // With mass, the limit is much smaller, because the velocity is the movement over the time. A
   // tool that friction holds counts as at rest.

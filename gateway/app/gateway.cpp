@@ -31,7 +31,7 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
-/// Opens the security of the page. A generated certificate has the page's address.
+/// Opens the page's certificate and tokens. A generated certificate has the page's address.
 Security open_page_security(const GatewayConfig& config) {
   SecurityOptions options = config;
   options.address = web_place(config.web).address;

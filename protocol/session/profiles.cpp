@@ -45,8 +45,8 @@ SessionParameters granted(const NetworkProfile& line, const SessionParameters& p
   constexpr double kSilences = 5.0;  // silent intervals that a command outlives
   SessionParameters whole = over(line, p);
   const double between = whole.packet_interval * whole.servo_period;
-  // By default, a client accepts no longer hold time. So keep the hold time if the profile permits
-  // it.
+  // By default, a client does not accept a longer hold time. So keep the hold time if the profile
+  // permits it.
   if (whole.hold_time <= p.hold_time || kSilences * between > p.hold_time) return whole;
   SessionParameters kept = whole;
   kept.hold_time = p.hold_time;
