@@ -21,7 +21,7 @@ namespace {
 constexpr int kBadUsage = 2, kCannotRun = 1;
 
 constexpr const char* kExamples = R"(
-Examples (with the credentials that the server's join: line names, and the token of an admin):
+Examples (with the credentials from the server's join: line, and the token of an admin):
   feltwire-client admin sessions --connect localhost:6720
   feltwire-client admin set --connect localhost:6720 --object table --stiffness 500
   feltwire-client admin set --connect localhost:6720 --gravity 0,0,-1.62
@@ -30,8 +30,8 @@ Examples (with the credentials that the server's join: line names, and the token
   feltwire-client admin set --connect localhost:6720 --session 1 --lead-share 0.5
   feltwire-client admin reload room --connect localhost:6720
   feltwire-client admin record --connect localhost:6720
-A change is felt at once and lasts until it is changed again or the scene is reloaded; the scene's
-file stays as it is (docs/admin.md).)";
+A change takes effect at once. It lasts until the next change or until a reload of the scene. The
+file of the scene does not change (docs/admin.md).)";
 
 struct AdminWords {
   std::string connect, scene, session;
@@ -176,54 +176,63 @@ void add_access(CLI::App& command, AdminWords& words, int argc, char** argv) {
 
 void add_material(CLI::App& command, MaterialChange& material) {
   const auto group = "Material of an object";
-  command.add_option("--object", material.object, "Its name")->group(group);
-  command.add_option("--stiffness", material.stiffness, "[N/m]")->group(group);
-  command.add_option("--damping", material.damping, "[N s/m]")->group(group);
+  command.add_option("--object", material.object, "Name of the object")->group(group);
+  command.add_option("--stiffness", material.stiffness, "[N/m] Stiffness")->group(group);
+  command.add_option("--damping", material.damping, "[N s/m] Damping")->group(group);
   command
       .add_option("--static-friction", material.static_friction,
-                  "Coefficient. Not less than the dynamic one")
+                  "Static friction coefficient, at least the dynamic coefficient")
       ->group(group);
-  command.add_option("--dynamic-friction", material.dynamic_friction, "Coefficient")->group(group);
-  command.add_option("--viscous-friction", material.viscous_friction, "[N s/m]")->group(group);
+  command
+      .add_option("--dynamic-friction", material.dynamic_friction, "Dynamic friction coefficient")
+      ->group(group);
+  command
+      .add_option("--viscous-friction", material.viscous_friction,
+                  "[N s/m] Viscous friction coefficient")
+      ->group(group);
 }
 
 void add_link(CLI::App& command, AdminWords& words) {
   const auto group = "Emulated link of a session (of a client with --link)";
-  command.add_option("--delay", words.delay, "[ms] Mean, one way. When not given: 0")->group(group);
-  command.add_option("--jitter", words.jitter, "[ms] Standard deviation. When not given: 0")
+  command.add_option("--delay", words.delay, "[ms] Mean delay in each direction. Default: 0")
       ->group(group);
-  command.add_option("--loss", words.loss, "[%] Lost share of the datagrams. When not given: 0")
+  command.add_option("--jitter", words.jitter, "[ms] Standard deviation of the delay. Default: 0")
       ->group(group);
+  command.add_option("--loss", words.loss, "[%] Share of lost datagrams. Default: 0")->group(group);
 }
 
 void add_parameters(CLI::App& command, AdminWords& words) {
-  const auto group =
-      "Bound of a session (if it runs at the client: only mode, projection and storage)";
+  const auto group = "Bound of a session. A bound at the client: only mode, projection and storage";
   BoundWords& w = words.parameters;
   command
       .add_option("--session", words.session, "Number or id of the session (see `admin sessions`)")
       ->group(group);
-  command.add_option("--mode", w.mode, bounding_method_choices())->group(group);
+  command.add_option("--mode", w.mode, "Bounding method: " + bounding_method_choices())
+      ->group(group);
   command
       .add_option("--projection", w.projection,
-                  "Of contact_frame: " + joined_names(kProjectionNames))
+                  "Projection of contact_frame: " + joined_names(kProjectionNames))
       ->group(group);
-  command.add_option("--storage", w.storage, "Of contact_frame: " + joined_names(kStorageNames))
+  command
+      .add_option("--storage", w.storage,
+                  "Energy storage of contact_frame: " + joined_names(kStorageNames))
       ->group(group);
   command
       .add_option("--reference", w.reference,
-                  "Of passivity_control*: " + joined_names(kPassivityReferenceNames))
+                  "Reference of passivity_control*: " + joined_names(kPassivityReferenceNames))
       ->group(group);
   command
       .add_option("--operator-damping", w.operator_damping,
-                  "[N s/m] Damping of the operator's hand that the bound adds to the device's")
+                  "[N s/m] Known least damping of the operator's hand. The bound adds it to the "
+                  "damping of the device")
       ->group(group);
   command
       .add_option("--velocity-cutoff", w.velocity_cutoff,
-                  "[Hz] Cutoff of the server's velocity estimate, for every session. 0: no filter")
+                  "[Hz] Cutoff frequency of the server's velocity estimate. 0: no filter. Allowed "
+                  "for every session")
       ->group(group);
-  command.add_option("--c1", w.c1, "[N/m] Constant of the paper's modes")->group(group);
-  command.add_option("--c2", w.c2, "[N/m] Constant of the paper's modes")->group(group);
+  command.add_option("--c1", w.c1, "[N/m] Constant c1 of the paper's methods")->group(group);
+  command.add_option("--c2", w.c2, "[N/m] Constant c2 of the paper's methods")->group(group);
   command
       .add_option("--coupling-stiffness", w.coupling_stiffness,
                   "[N/m] Stiffness of virtual_coupling")
@@ -231,15 +240,16 @@ void add_parameters(CLI::App& command, AdminWords& words) {
   command
       .add_option("--coupling-damping", w.coupling_damping, "[N s/m] Damping of virtual_coupling")
       ->group(group);
-  command.add_option("--tool-mass", w.tool_mass, "[kg] Mass of virtual_coupling's tool")
+  command
+      .add_option("--tool-mass", w.tool_mass, "[kg] Mass of the simulated tool of virtual_coupling")
       ->group(group);
 }
 
 void add_lead(CLI::App& command, AdminWords& words) {
   command
       .add_option("--lead-share", words.lead_share,
-                  "Share of a session in the lead of its scene's robot, together with others: "
-                  "0.01 to 100. 0: it leads alone")
+                  "Weight of this session among the sessions that lead the scene's robot together, "
+                  "0.01 to 100. 0: this session leads alone")
       ->group("Lead of a robot");
 }
 
@@ -257,19 +267,20 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int arg
   CLI::App* sessions = add_command("sessions", "List the sessions and their state");
   sessions->add_option("--scene", words.scene, "Show only this scene");
   sessions->add_flag("--json", words.json, "Print JSON");
-  CLI::App* reloading = add_command("reload", "Read a scene's file again");
-  reloading->add_option("SCENE", words.scene, "Its name")->required();
+  CLI::App* reloading = add_command("reload", "Reload a scene's file");
+  reloading->add_option("SCENE", words.scene, "Name of the scene")->required();
   CLI::App* evicting = add_command("evict", "End a session with a goodbye");
   evicting
       ->add_option("SESSION", words.session, "Number or id of the session (see `admin sessions`)")
       ->required();
-  evicting->add_option("--scene", words.scene,
-                       "The session's scene, if several scenes have a session with this number");
-  CLI::App* setting = add_command(
-      "set",
-      "Change the material of an object, gravity, or a session: its bound, its emulated link, or "
-      "its share in the lead of a robot");
-  setting->add_option("--scene", words.scene, "Not needed if the server has only one");
+  evicting->add_option(
+      "--scene", words.scene,
+      "Scene of the session. Needed if several scenes have a session with this number");
+  CLI::App* setting = add_command("set",
+                                  "Change the material of an object, the gravity, or the bound, "
+                                  "emulated link or lead share of a session");
+  setting->add_option("--scene", words.scene,
+                      "Name of the scene. Needed if the server has several scenes");
   add_material(*setting, words.material);
   setting->add_option("--gravity", words.gravity, "X,Y,Z [m/s^2] Gravity on moving objects")
       ->delimiter(',');
@@ -277,10 +288,9 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int arg
   add_link(*setting, words);
   add_lead(*setting, words);
   CLI::App* recording = add_command("record",
-                                    "Write the last ten seconds of a scene to a file of the server "
-                                    "(--flight-recorder), and print "
-                                    "its name");
-  recording->add_option("--scene", words.scene, "When not given: all scenes");
+                                    "Write the last ten seconds of a scene to a file at the server "
+                                    "(--flight-recorder), and print the file name");
+  recording->add_option("--scene", words.scene, "Name of the scene. Default: all scenes");
   CLI::App* counting = add_command("stats", "Show the server's counters");
   counting->add_flag("--json", words.json, "Print JSON");
   return {{sessions, &list_sessions}, {reloading, &reload},
@@ -296,7 +306,7 @@ int fail(const std::string& why, int status) {
 }  // namespace
 
 int admin_command(int argc, char** argv) {
-  CLI::App app("Shows the state of a running server, and changes it", "feltwire-client admin");
+  CLI::App app("Shows and changes the state of a running server", "feltwire-client admin");
   app.footer(kExamples);
   app.require_subcommand(1);
   AdminWords words;

@@ -62,21 +62,23 @@ int show_rate(const std::string& words, const std::string& firmware, double span
 }  // namespace
 
 int devices_command(int argc, char** argv) {
-  CLI::App app("Lists the connected haptic devices, and their problems with remedies",
+  CLI::App app("Lists the connected haptic devices, their problems and the remedies",
                "feltwire-client devices");
   Machine machine;
   std::string root = "/", rated, firmware;
   double span = 5.0, rate = 1000.0;
-  app.add_option("--root", root, "Folder with sys, dev and proc")->capture_default_str();
-  CLI::Option* asked = app.add_option("--rate", rated,
-                                      "KIND or KIND:NAME: opens that device instead, and measures "
-                                      "its rate and jitter without a force");
-  app.add_option("--firmware", firmware, "For --rate falcon: the file")->needs(asked);
-  app.add_option("--seconds", span, "[s] For --rate")
+  app.add_option("--root", root, "Folder that contains sys, dev and proc")->capture_default_str();
+  CLI::Option* asked = app.add_option(
+      "--rate", rated,
+      "KIND or KIND:NAME Open this device, and measure its rate and jitter without a force");
+  app.add_option("--firmware", firmware, "FILE with the maker's firmware, for --rate falcon")
+      ->needs(asked);
+  app.add_option("--seconds", span, "[s] Length of the measurement of --rate")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 3600.0))
       ->needs(asked);
-  app.add_option("--hz", rate, "[Hz] For --rate, of a device that sets no pace")
+  app.add_option("--hz", rate,
+                 "[Hz] Rate of the measurement of --rate, unless the device sets the rate")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 20000.0))
       ->needs(asked);

@@ -215,17 +215,19 @@ int identify_command(int argc, char** argv) {
   IdentifyWords words;
   app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())->required();
   app.add_option("--spec", words.spec,
-                 "The known specification of the device, a name or FILE.json. Its largest force "
-                 "and workspace limit the measurement");
-  app.add_option("--firmware", words.firmware,
-                 "FILE with the maker's firmware, which a Falcon forgets when its power is off");
+                 "Known specification of the device: a built-in name or FILE.json. Its largest "
+                 "force and workspace limit the measurement");
+  app.add_option(
+      "--firmware", words.firmware,
+      "FILE with the maker's firmware. A Falcon loses its firmware when its power is off");
   app.add_option("--out", words.out, "FILE.json for the measured specification")
       ->capture_default_str();
   app.add_option(
       "--force", words.force,
-      "[N] Largest force of the measurement. When not given: 15 % of the device's largest force");
-  app.add_flag("--yes", words.yes,
-               "Begin without a question. Nobody may hold the device, and its space must be clear");
+      "[N] Largest force of the measurement. Default: 15 % of the device's largest force");
+  app.add_flag(
+      "--yes", words.yes,
+      "Start without a question. Nobody may hold the device, and its workspace must be clear");
   try {
     app.parse(argc, argv);
     identify(words);

@@ -10,17 +10,17 @@ void add_credential_options(CLI::App& app, CredentialOptions& words,
     app.add_option("--" + name, value, text)->group(wording.group);
   };
   add("fingerprint", words.fingerprint,
-      "Fingerprint of the server's certificate: 64 hex digits, which feltwire-server prints");
+      "Fingerprint of the server's certificate: 64 hex digits. feltwire-server prints it");
   add("fingerprint-file", words.fingerprint_file,
       "FILE with the fingerprint, for example `fingerprint` in the server's state folder");
   add("ca", words.ca,
-      "FILE (PEM) of authorities. One of them must have signed the server's certificate, for the "
-      "host in --connect");
+      "FILE (PEM) of trusted authorities. One of them must have signed the server's certificate, "
+      "and the certificate must name the host of --connect");
   add("token-file", words.token_file,
       std::string("FILE with ") + wording.token + ". Or set FELTWIRE_TOKEN in the environment");
   add(wording.prefix + "certificate", words.certificate,
-      "FILE (PEM) of the client's certificate, for a server that asks for one");
-  add(wording.prefix + "key", words.key, "FILE (PEM) of that certificate's key");
+      "FILE (PEM) of the client's certificate, for a server that requires client certificates");
+  add(wording.prefix + "key", words.key, "FILE (PEM) of the key of the client's certificate");
 }
 
 Rivals credential_rivals() { return exclusive({"fingerprint", "fingerprint-file", "ca"}); }

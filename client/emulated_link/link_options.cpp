@@ -23,22 +23,23 @@ constexpr double kMilliseconds = 1e-3, kPercent = 1e-2, kMegabits = 1e6, kKiloby
 constexpr double kLongestDelay = kLongestLinkDelay / kMilliseconds;
 
 constexpr std::array kNumbers = {
-    Number{"delay", "ms", "mean, one way", 0, kLongestDelay, kMilliseconds, &LinkOptions::delay},
+    Number{"delay", "ms", "mean delay, one way", 0, kLongestDelay, kMilliseconds,
+           &LinkOptions::delay},
     Number{"jitter", "ms", "standard deviation of the delay", 0, kLongestDelay, kMilliseconds,
            &LinkOptions::jitter},
-    Number{"loss", "%", "lost datagrams", 0, 100, kPercent, &LinkOptions::loss},
-    Number{"burst", "datagrams", "mean run of losses. When not given: independent losses", 1, 1e6,
-           1, &LinkOptions::burst},
-    Number{"reorder", "%", "delayed datagrams that others overtake", 0, 100, kPercent,
-           &LinkOptions::reorder},
-    Number{"reorder_delay", "ms", "delay of these datagrams, default 5", 0, kLongestDelay,
-           kMilliseconds, &LinkOptions::reorder_delay},
-    Number{"duplicate", "%", "datagrams that arrive twice", 0, 100, kPercent,
+    Number{"loss", "%", "share of lost datagrams", 0, 100, kPercent, &LinkOptions::loss},
+    Number{"burst", "datagrams", "mean number of consecutive losses. Default: independent losses",
+           1, 1e6, 1, &LinkOptions::burst},
+    Number{"reorder", "%", "share of datagrams with the extra delay reorder_delay", 0, 100,
+           kPercent, &LinkOptions::reorder},
+    Number{"reorder_delay", "ms", "extra delay of the reordered datagrams. Default: 5", 0,
+           kLongestDelay, kMilliseconds, &LinkOptions::reorder_delay},
+    Number{"duplicate", "%", "share of datagrams that arrive twice", 0, 100, kPercent,
            &LinkOptions::duplicate},
-    Number{"rate", "Mbit/s", "rate of the slowest line. When not given: no limit", 1e-3, 1e5,
-           kMegabits, &LinkOptions::rate},
-    Number{"queue", "kB", "size of the queue before that line, default 64", 2, 1e6, kKilobytes,
-           &LinkOptions::queue},
+    Number{"rate", "Mbit/s", "rate of the slowest line. Default: no limit", 1e-3, 1e5, kMegabits,
+           &LinkOptions::rate},
+    Number{"queue", "kB", "size of the queue before the slowest line. Default: 64", 2, 1e6,
+           kKilobytes, &LinkOptions::queue},
 };
 
 /// The directions that an item applies to.
@@ -209,7 +210,8 @@ std::string link_help() {
   std::string text =
       "A link is a list of KEY=VALUE, profiles and trace:FILE.csv (columns t,delay,lost), "
       "separated "
-      "by commas;\nup. or down. before an item limits it to one direction. Later items override "
+      "by commas.\nup. or down. before an item limits the item to one direction. Later items "
+      "override "
       "earlier ones.\n";
   const auto line = [&](std::string_view key, std::string_view meaning) {
     constexpr std::size_t kColumn = 24;
@@ -222,8 +224,7 @@ std::string link_help() {
   line("distribution", "distribution of the jitter: normal, uniform or pareto");
   line("order", "keep: datagrams stay in order. free: jitter may reorder them");
   line("seed",
-       "seed of the random numbers; the same seed treats the same datagrams in the same way, "
-       "default 1");
+       "seed of the random numbers. The same seed gives the same losses and delays. Default: 1");
   text += "Profiles:\n";
   for (const LinkProfile& profile : kLinkProfiles) line(profile.name, profile.items);
   return text;

@@ -22,8 +22,8 @@ struct ShortHelp {
 };
 
 inline void add_helps(CLI::App& app) {
-  app.set_help_flag("-h,--help", "Print the options that most users need, and end");
-  app.set_help_all_flag("--help-all", "Print every option, and end");
+  app.set_help_flag("-h,--help", "Print the options that most users need, and exit");
+  app.set_help_all_flag("--help-all", "Print all options, and exit");
 }
 
 /// Prints as CLI11's exit() does, and returns its exit status. For --help only the options of

@@ -14,13 +14,13 @@ namespace feltwire {
 namespace {
 
 constexpr const char* kExamples = R"(
-Example, where the server's state folder and scenes are at hand:
+Example, with access to the server's state folder and scene files:
   feltwire-view --connect localhost:6720 --scene scenes/room.json --web 6761
       --fingerprint-file ~/.local/state/feltwire/fingerprint --token-file observer.token
-A line says where the page is:
+The program prints the address of the page:
   live page: http://127.0.0.1:6761/
-End it with Ctrl-C or SIGTERM. SIGHUP reads the scenes' files anew.
-Every option may come from the environment, --log-level from FELTWIRE_VIEW_LOG_LEVEL.)";
+Stop it with Ctrl-C or SIGTERM. SIGHUP reloads the scene files.
+Environment variables also set options: FELTWIRE_VIEW_LOG_LEVEL sets --log-level.)";
 
 void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) {
   const auto group = "The observed server (SECURITY.md)";
@@ -34,17 +34,17 @@ void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) 
 
 void add_page(CLI::App& app, GatewayConfig& config) {
   app.add_option("--scene", config.scenes,
-                 "Scene file (JSON) of a scene of the server, to draw it; it must have the "
-                 "scene's name. Repeat the option for several scenes")
+                 "Scene file (JSON) of a scene of the server. The names of file and scene must be "
+                 "equal. Repeat the option for several scenes")
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--web", config.web,
-                 "PORT of the page, for this machine alone. ADDRESS:PORT: for other machines too, "
-                 "by HTTPS. 0: a free port")
+                 "PORT or ADDRESS:PORT of the page. PORT alone serves this machine. ADDRESS:PORT "
+                 "also serves other machines, by HTTPS. 0: a free port")
       ->capture_default_str();
   app.add_option("--web-name", config.web_names,
-                 "Host name that browsers may use for the page, besides IP addresses and "
+                 "Host name that browsers may use for the page, in addition to IP addresses and "
                  "localhost. Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -52,28 +52,29 @@ void add_page(CLI::App& app, GatewayConfig& config) {
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
   const auto group = "Viewers of this page";
-  app.add_option(
-         "--state", config.state,
-         "Folder of the page's certificate, its key and the tokens. Missing ones are created. "
-         "When not given: `view` in feltwire's state folder")
+  app.add_option("--state", config.state,
+                 "Folder of the page's certificate, its key and the tokens. The program creates "
+                 "missing files. Default: `view` in feltwire's state folder")
       ->group(group);
   app.add_option("--certificate", config.certificate,
-                 "FILE (PEM) of the certificate, instead of the state folder's")
+                 "FILE (PEM) of the page's certificate. Default: from --state")
       ->group(group);
-  app.add_option("--key", config.key, "FILE (PEM) of the certificate's key")->group(group);
-  app.add_option("--tokens", config.tokens, "FILE of the tokens, instead of the state folder's")
+  app.add_option("--key", config.key, "FILE (PEM) of the key of --certificate")->group(group);
+  app.add_option("--tokens", config.tokens, "FILE of the tokens. Default: from --state")
       ->group(group);
 }
 
 }  // namespace
 
 GatewayConfig gateway_config(int argc, char** argv) {
-  CLI::App app("Serves the live page of a server on another machine, as its observer.",
-               "feltwire-view");
+  CLI::App app(
+      "feltwire-view: serves the live page of a server that runs on another machine. It joins as "
+      "an observer.",
+      "feltwire-view");
   app.footer(kExamples);
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-view"); },
-      "Print version, commit, compiler and kind of build");
+      "Print version, commit, compiler and build type, and exit");
   GatewayConfig config;
   std::string endpoint;
   CredentialOptions words;

@@ -26,36 +26,36 @@ Examples, typed in the root of the repository:
       one scene for clients on this machine: control on tcp )" +
          port + ", the scene on udp " + scene_port + R"(
   feltwire-server --scene scenes/room.json --scene scenes/workshop.json --address :: --port 9000
-      two scenes for every network this machine is in; open tcp 9000 and udp 9001 and 9002
+      two scenes on every network of this machine; needs tcp 9000, udp 9001 and udp 9002
   feltwire-server token add --client anna --scene room --role operator --expires 30d
-      a token for somebody else, see feltwire-server token --help
+      a token for another person; see feltwire-server token --help
   feltwire-server --config FILE --log-level debug
-      everything from a file (docs/server.md), one option from here
+      all options from a file (docs/server.md), except the log level
 
-Once every port is open three lines say so: whom clients trust, where they find it, how one joins:
+When all ports are open, the server prints its fingerprint, its ports, and a command to join:
   fingerprint: 3f0e...
   listening: control tcp )" +
          port + ", scene room udp " + scene_port + R"(
   join: feltwire-client --connect 127.0.0.1:)" +
          port + R"( --scene room --fingerprint 3f0e... --token-file ...
-End it with Ctrl-C or SIGTERM: clients are told, and a summary is printed.
-Every option that does not end the program may come from the environment, --log-level from
-FELTWIRE_SERVER_LOG_LEVEL.)";
+Stop the server with Ctrl-C or SIGTERM. It informs the clients and prints a summary.
+Environment variables also set options: FELTWIRE_SERVER_LOG_LEVEL sets --log-level. Options that
+end the program have no variable.)";
 }
 
 ShortHelp short_help() {
-  return {{{"config", "Configuration file (JSON), overridden by options (docs/server.md)"},
+  return {{{"config", "Configuration file (JSON). Options override it (docs/server.md)"},
            {"scene", "Scene file (JSON). Repeat the option for several scenes"},
-           {"port", "Control port (TCP); the scenes have the UDP ports after it. 0: free"},
-           {"address", "IP address to listen on. '::' for every network"},
-           {"web", "PORT or ADDRESS:PORT of the live page in a browser. 0: a free port"},
-           {"record", "FILE.mcap for a recording, for feltwire-lab replay"},
-           {"flight-recorder", "Folder for the last ten seconds before a fault"},
+           {"port", "Control port (TCP). The next UDP ports are for the scenes. 0: free"},
+           {"address", "IP address to listen on. '::': every network"},
+           {"web", "PORT or ADDRESS:PORT of the live page (browser). 0: a free port"},
+           {"record", "FILE.mcap for a recording that feltwire-lab replay can read"},
+           {"flight-recorder", "Folder for recordings of the last ten seconds before a fault"},
            {"log-level", "trace, debug, info, warning, error or off"},
-           {"explain", "Say what this scene file costs and why, and end"},
-           {"health", "Check the server that runs here. Exit status 0: it answers"},
-           {"state", "Folder of certificate, key and tokens"}},
-          examples() + "\nEvery other option: feltwire-server --help-all, docs/server.md."};
+           {"explain", "List the costs of this scene file with their causes, and exit"},
+           {"health", "Check the server on this machine. Exit status 0: it answers"},
+           {"state", "Folder of the certificate, its key and the tokens"}},
+          examples() + "\nAll options: feltwire-server --help-all, docs/server.md."};
 }
 
 /// The options on the command line, which override the file.
@@ -83,48 +83,49 @@ void add_serving(CLI::App& app, Overrides& overrides, ServerConfig& given) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add(app, overrides, given, &Config::port, "--port",
-      "Control port (TCP). The scenes have the UDP ports after it. 0: free ports")
+      "Control port (TCP). The next UDP ports are for the scenes. 0: free ports")
       ->capture_default_str();
   add(app, overrides, given, &Config::address, "--address",
-      "IP address to listen on. '::' for every network; 0.0.0.0 for every IPv4 network")
+      "IP address to listen on. '::': every network. 0.0.0.0: every IPv4 network")
       ->capture_default_str();
   add(app, overrides, given, &Config::silence_timeout, "--silence-timeout",
-      "[s] A session that sends nothing for this time ends")
+      "[s] The server ends a session that sends nothing for this time")
       ->capture_default_str();
   add(app, overrides, given, &Config::profile, "--profile",
-      "Kind of line that the sessions share, " + network_profile_names() +
-          ": a client that asks for more datagrams gets only the profile's rate");
+      "Network that the sessions share, " + network_profile_names() +
+          ". The profile limits the datagram rate of each client");
   add(app, overrides, given, &Config::busy_poll, "--busy-poll",
-      "[us] A scene's thread polls for datagrams for this time before it sleeps: faster answers "
-      "for more CPU time. inf: it never sleeps and takes a core")
+      "[us] Time for which a scene's thread polls for datagrams before it sleeps. Longer polling "
+      "gives faster answers and costs CPU time. inf: never sleep. This uses a whole core")
       ->capture_default_str();
   add(app, overrides, given, &Config::real_time, "--real-time",
-      "Schedule the scenes' threads before all others (SCHED_FIFO) and lock the memory: fewer late "
-      "answers. For machines that mainly serve scenes");
+      "Use real-time scheduling (SCHED_FIFO) for the scenes' threads, and lock the memory. This "
+      "gives fewer late answers. Use it on machines that mainly serve scenes");
   add(app, overrides, given, &Config::dscp, "--dscp",
       "DSCP mark of the replies: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();
   add(app, overrides, given, &Config::web, "--web",
-      "PORT of the live page, which shows the scenes in a browser on this machine. ADDRESS:PORT: "
-      "for other machines too, by HTTPS. 0: a free port. When not given: no page");
+      "PORT or ADDRESS:PORT of the live page, which shows the scenes in a browser. PORT alone "
+      "serves this machine. ADDRESS:PORT also serves other machines, by HTTPS. 0: a free port. "
+      "Default: no page");
   add(app, overrides, given, &Config::web_names, "--web-name",
-      "Host name that browsers may use for the live page, besides IP addresses and localhost. "
-      "Repeat the option for several names")
+      "Host name that browsers may use for the live page, in addition to IP addresses and "
+      "localhost. Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add(app, overrides, given, &Config::record, "--record",
-      "FILE.mcap for a recording of all inputs of the scene, for feltwire-lab replay, and of its "
-      "pictures. With several scenes: FILE-SCENE.mcap for each");
+      "FILE.mcap for a recording of all inputs and pictures of the scene. feltwire-lab replay can "
+      "read it. With several scenes, each has a FILE-SCENE.mcap");
   add(app, overrides, given, &Config::record_max_mib, "--record-max-mib",
-      "[MiB] Largest size of one recording file. Then the next file begins: FILE-0001.mcap, "
+      "[MiB] Largest size of one recording file. The next files are FILE-0001.mcap, "
       "FILE-0002.mcap");
   add(app, overrides, given, &Config::record_max_seconds, "--record-max-seconds",
       "[s] Longest time in one recording file. Then the next file begins");
   add(app, overrides, given, &Config::flight_recorder, "--flight-recorder",
-      "Folder for a recording of the last ten seconds of a scene. It is written when a session "
-      "ends that its client did not end, when an account is overdrawn, and at SIGUSR1");
+      "Folder for a recording of the last ten seconds of a scene. The server writes it after a "
+      "session that its client did not end, after an overdrawn energy account, and at SIGUSR1");
   add(app, overrides, given, &Config::web_hands, "--web-hands",
-      "Largest number of hands that viewers of the live page hold at the same time, by mouse or "
+      "Largest number of hands that viewers of the live page move at the same time, by mouse or "
       "touch. 0: none")
       ->capture_default_str();
   add(app, overrides, given, &Config::log_level, "--log-level",
@@ -136,55 +137,57 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
   using Config = ServerConfig;
   const auto group = "Access (SECURITY.md)";
   add(app, overrides, given, &Config::state, "--state",
-      "Folder of the certificate, its key and the tokens. Missing ones are created. When not "
-      "given: "
-      "$XDG_STATE_HOME/feltwire or ~/.local/state/feltwire")
+      "Folder of the certificate, its key and the tokens. The server creates missing files. "
+      "Default: $XDG_STATE_HOME/feltwire or ~/.local/state/feltwire")
       ->group(group);
   add(app, overrides, given, &Config::certificate, "--certificate",
-      "FILE (PEM) of the certificate, instead of the state folder's")
+      "FILE (PEM) of the server's certificate. Default: from --state")
       ->group(group);
-  add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the certificate's key")
+  add(app, overrides, given, &Config::key, "--key", "FILE (PEM) of the key of --certificate")
       ->group(group);
   add(app, overrides, given, &Config::client_ca, "--client-ca",
-      "FILE (PEM) of authorities. Clients then also need a certificate of one of them")
+      "FILE (PEM) of authorities. Every client then also needs a certificate from one of them")
       ->group(group);
   add(app, overrides, given, &Config::tokens, "--tokens",
-      "FILE of the tokens, instead of the state folder's")
+      "FILE of the tokens. Default: from --state")
       ->group(group);
   add(app, overrides, given, &Config::max_sessions_per_client, "--max-sessions-per-client",
-      "Largest number of sessions at the same time of all tokens with one client's name")
+      "Largest number of simultaneous sessions of one client name, over all its tokens")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::join_rate, "--join-rate",
-      "[1/s] Sustained limit of joins, parameter changes and reloads of one client, and of wrong "
-      "tokens from one network (IPv4 /24, IPv6 /64)")
+      "[1/s] Sustained rate limit. It counts joins, parameter changes and reloads of each client, "
+      "and wrong tokens from each network (IPv4 /24, IPv6 /64)")
       ->capture_default_str()
       ->group(group);
-  add(app, overrides, given, &Config::join_burst, "--join-burst", "Largest number of these at once")
+  add(app, overrides, given, &Config::join_burst, "--join-burst",
+      "Largest burst of the requests that --join-rate limits")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_timeout, "--handshake-timeout",
-      "[s] Longest time from the connection to a valid token")
+      "[s] Longest time from a connection to its valid token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::idle_timeout, "--idle-timeout",
-      "[s] A control connection without a request for this time ends")
+      "[s] The server closes a control connection that sends no request for this time")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections, "--max-connections",
-      "Largest number of control connections. Half of them are kept for clients with a valid token")
+      "Largest number of control connections. Half of them are reserved for clients with a valid "
+      "token")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::max_connections_per_network, "--max-connections-per-network",
-      "Largest number of connections in either half from one network")
+      "Largest number of connections from one network, in each half of --max-connections")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_rate, "--handshake-rate",
-      "[1/s] Sustained limit of control connections from one network; others wait up to 3 s")
+      "[1/s] Sustained rate limit of control connections from one network. Further connections "
+      "wait up to 3 s")
       ->capture_default_str()
       ->group(group);
   add(app, overrides, given, &Config::handshake_burst, "--handshake-burst",
-      "Largest number of these at once")
+      "Largest burst of the connections that --handshake-rate limits")
       ->capture_default_str()
       ->group(group);
 }
@@ -193,14 +196,14 @@ void add_security(CLI::App& app, Overrides& overrides, ServerConfig& given) {
 
 ServerTask server_task(int argc, char** argv) {
   CLI::App app(
-      "A networked haptic rendering server: it receives hand positions over UDP and returns "
+      "feltwire-server: renders haptic scenes. It receives hand positions over UDP and returns "
       "forces.",
       "feltwire-server");
   app.footer(examples());
   add_helps(app);
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-server"); },
-      "Print version, commit, compiler and kind of build");
+      "Print version, commit, compiler and build type, and exit");
   ServerTask asked;
   std::string file;
   app.add_option("--config", file,
@@ -209,12 +212,12 @@ ServerTask server_task(int argc, char** argv) {
   add_serving(app, overrides, asked.config);
   add_security(app, overrides, asked.config);
   app.add_option("--summary", asked.summary,
-                 "FILE.json for the counters, written at the end and at SIGUSR1");
+                 "FILE.json for the counters. The server writes it at the end and at SIGUSR1");
   app.add_option("--explain", asked.explain,
-                 "List the costs of this scene file and the objects that cause them, and end");
-  app.add_flag(
-      "--health", asked.health,
-      "Check the server that runs with these options on this machine. Exit status 0: it answers");
+                 "List the costs of this scene file and the objects that cause them, and exit");
+  app.add_flag("--health", asked.health,
+               "Check the server that runs with these options on this machine, and exit. Exit "
+               "status 0: the server answers");
   read_environment(app, argc, argv, {.program = "server", .ending = {"explain", "health"}});
   try {
     app.parse(argc, argv);

@@ -21,10 +21,10 @@ constexpr int kBadUsage = 2, kCannotRun = 1;
 constexpr const char* kTokenExamples = R"(
 Examples:
   feltwire-server token add --client anna --scene room --role operator --expires 30d
-      prints a token, which is shown this once; give it to its holder by a safe way
+      prints the token only once; send it to its holder over a secure channel
   feltwire-server token list
   feltwire-server token revoke 0123456789ab
-      a running server ends the sessions of that token within a second)";
+      a running server ends the sessions of this token within a second)";
 
 struct TokenArguments {
   std::string client, scene = "*", role, expires, id, out, seat;
@@ -84,17 +84,17 @@ void revoke(const ServerConfig& config, const TokenArguments& words) {
 
 /// Adds the options for the place of the tokens. The server has the same options.
 void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
-  command.add_option("--config", config, "The server's configuration file");
-  command.add_option("--state", given.state, "The server's state folder")
+  command.add_option("--config", config, "Configuration file of the server");
+  command.add_option("--state", given.state, "State folder of the server")
       ->envname("FELTWIRE_SERVER_STATE");
-  command.add_option("--tokens", given.tokens, "The server's token file")
+  command.add_option("--tokens", given.tokens, "Token file of the server")
       ->envname("FELTWIRE_SERVER_TOKENS");
 }
 
 }  // namespace
 
 int token_command(int argc, char** argv) {
-  CLI::App app("Tokens that let clients in", "feltwire-server token");
+  CLI::App app("Manages the tokens that give clients access", "feltwire-server token");
   app.footer(kTokenExamples);
   app.require_subcommand(1);
   ServerConfig given;
@@ -103,24 +103,30 @@ int token_command(int argc, char** argv) {
   CLI::App* adding = app.add_subcommand("add", "Make a token and print it");
   adding->add_option("--client", words.client, "Name of the client that gets the token")
       ->required();
-  adding->add_option("--scene", words.scene, "Scene that the token opens. '*': any scene")
+  adding
+      ->add_option("--scene", words.scene, "Scene that the token gives access to. '*': every scene")
       ->required();
   adding
-      ->add_option("--role", words.role, "observer, pointer, operator, admin or follower (a robot)")
+      ->add_option("--role", words.role,
+                   "Role of the holder: observer, pointer, operator, admin or follower (a robot)")
       ->required();
-  adding->add_option("--expires", words.expires, "30d, 12h, a day as 2026-12-31 (UTC), or never")
+  adding
+      ->add_option(
+          "--expires", words.expires,
+          "End of the token's validity: 30d, 12h, a date such as 2026-12-31 (UTC), or never")
       ->required();
   adding->add_option("--lead-share", words.lead_share,
-                     "For hands that lead one robot together: the share of this token's hands, "
-                     "0.01 to 100. When not given: each hand leads alone");
-  adding->add_option("--seat", words.seat,
-                     "For a robot: the only seat of the scene that it may take. When not given: "
-                     "any of them");
+                     "Weight of a hand with this token among hands that lead one robot together, "
+                     "0.01 to 100. Default: a hand leads alone");
+  adding->add_option(
+      "--seat", words.seat,
+      "Seat of the scene that a robot with this token may take. Default: every seat");
   adding->add_option("--out", words.out,
-                     "FILE for the token, readable for its owner alone, instead of stdout");
+                     "FILE for the token, in place of stdout. Only its owner can read the file");
   CLI::App* listing = app.add_subcommand("list", "Show all tokens");
   CLI::App* revoking = app.add_subcommand("revoke", "Revoke a token");
-  revoking->add_option("ID", words.id, "Id of the token, as list shows it")->required();
+  revoking->add_option("ID", words.id, "Id of the token, from feltwire-server token list")
+      ->required();
   for (CLI::App* command : {adding, listing, revoking}) add_place(*command, config_file, given);
   try {
     app.parse(argc, argv);

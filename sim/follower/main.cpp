@@ -79,31 +79,33 @@ int main(int argc, char** argv) {
   using namespace feltwire;
   FollowerOptionValues values;
   CLI::App app{
-      "A robot that follows a hand (docs/teleoperation.md): a simulated robot, whose\nsurroundings "
-      "the server does not know, or a robot whose driver is another program (docs/followers.md).\n"
-      "It is not a safety-rated system."};
+      "feltwire-follower: lets a robot follow a hand (docs/teleoperation.md). The robot is "
+      "simulated, or another\nprogram drives it (docs/followers.md). This is not a safety-rated "
+      "system."};
   app.set_version_flag("--version", [] { return build_info("feltwire-follower"); });
-  app.add_option("--connect", values.connect, "HOST:PORT of the server")->required();
-  app.add_option("--scene", values.run.scene, "Scene whose robot's seat it takes")->required();
+  app.add_option("--connect", values.connect,
+                 "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
+      ->required();
+  app.add_option("--scene", values.run.scene, "Name of the scene that has the robot's seat")
+      ->required();
   app.add_option("--seat", values.run.seat,
-                 "Name of the seat. When not given: the only seat of the scene");
-  app.add_option(
-      "--surroundings", values.robot.surroundings,
-      "FILE.json: the robot is a point with a mass and an impedance controller in that scene");
-  app.add_option(
-      "--arm", values.robot.arm,
-      "FILE.xml: the robot is the seven-axis arm of that MJCF, with the objects that it touches");
+                 "Name of the robot's seat. Default: the only seat of the scene");
+  app.add_option("--surroundings", values.robot.surroundings,
+                 "FILE.json of a scene. The robot is a simulated point mass with an impedance "
+                 "controller in this scene");
+  app.add_option("--arm", values.robot.arm,
+                 "FILE.xml (MJCF) of a seven-axis arm and the objects around it. The robot is this "
+                 "simulated arm");
   app.add_option(
       "--socket", values.robot.socket,
-      "PATH of a Unix socket, to which the robot's driver connects; it may be in any language");
+      "PATH of a Unix socket. The robot's driver, a program in any language, connects to it");
   app.add_option("--at", values.at,
-                 "X,Y,Z [m] Where a simulated robot begins. When not given: a point at 0,0,0, an "
-                 "arm at its home position")
+                 "X,Y,Z [m] Start position of a simulated robot. Default: 0,0,0 for a point, the "
+                 "home position for an arm")
       ->delimiter(',');
-  app.add_option(
-      "--prior", values.prior,
-      "FILE.json: a scene with the surfaces that the robot may touch, in its frame. They "
-      "are felt before it touches them, and corrected by what it touches");
+  app.add_option("--prior", values.prior,
+                 "FILE.json of a scene with known surfaces, in the robot's frame. The hand feels a "
+                 "surface before the robot touches it. Measured contacts correct the surfaces");
   app.add_option("--name", values.run.name, "Name of this robot in the server's log")
       ->capture_default_str();
   app.add_option("--speed", values.run.options.motion.speed, "[m/s] Speed limit of the target")
@@ -114,32 +116,34 @@ int main(int argc, char** argv) {
   app.add_option("--jerk", values.run.options.motion.jerk, "[m/s^3] Jerk limit of the target")
       ->capture_default_str();
   app.add_option("--leash", values.run.options.leash,
-                 "[N] Largest force with which the target pulls the robot")
+                 "[N] Largest force by which the target pulls the robot")
       ->capture_default_str();
   app.add_option("--workspace", values.workspace.box,
-                 "X0,Y0,Z0,X1,Y1,Z1 [m] Box that limits its target, in addition to the workspace "
-                 "of its seat")
+                 "X0,Y0,Z0,X1,Y1,Z1 [m] Box that limits the robot's target, in addition to the "
+                 "workspace of the seat")
       ->delimiter(',');
-  app.add_option("--keep-out", values.workspace.keep_out,
-                 "X,Y,Z,HX,HY,HZ,R [m] Body that its target stays out of, in addition to those of "
-                 "its seat: all places within R of a box with the middle X,Y,Z and the half "
-                 "extents HX,HY,HZ (0,0,0: a ball). Can be given 8 times")
+  app.add_option(
+         "--keep-out", values.workspace.keep_out,
+         "X,Y,Z,HX,HY,HZ,R [m] Body that the robot's target avoids, in addition to the bodies of "
+         "the seat. The body is a box with centre X,Y,Z and half extents HX,HY,HZ, enlarged by R. "
+         "0,0,0 as half extents: a ball. Repeat the option for up to 8 bodies")
       ->allow_extra_args(false);
   app.add_option("--lock", values.workspace.lock,
-                 "Axes that keep their value while a hand is engaged, in addition to those of its "
-                 "seat: some of "
-                 "x,y,z,rotation")
+                 "Axes that stay constant while a hand is engaged, in addition to the locked axes "
+                 "of the seat: any of x,y,z,rotation")
       ->delimiter(',');
-  app.add_option("--duration", values.run.duration, "[s] Length of the run. 0: until it is stopped")
+  app.add_option("--duration", values.run.duration,
+                 "[s] Length of the run. 0: run until it is stopped")
       ->capture_default_str();
   app.add_option("--reconnect", values.run.patience,
-                 "[s] How long to look for a lost session before it gives up")
+                 "[s] Try to reconnect for this time after a lost session")
       ->capture_default_str();
   app.add_option("--report", values.report,
-                 "FILE.json for the numbers of the run (docs/teleoperation.md)");
+                 "FILE.json for the results of the run (docs/teleoperation.md)");
   app.add_option("--record", values.record,
                  "FILE.csv for a recording of every sample (docs/teleoperation.md)");
-  app.add_option("--link", values.link, "Emulated link, as of feltwire-client --link");
+  app.add_option("--link", values.link,
+                 "Emulated network, in the syntax of feltwire-client --link");
   add_credential_options(app, values.credentials);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
   rivals.push_back({"socket", "at"});  // the driver knows the place of its robot

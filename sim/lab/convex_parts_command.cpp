@@ -54,25 +54,25 @@ void add_convex_parts(CLI::App& app) {
       "convex-parts",
       "Cut a closed mesh into the convex parts that bodies collide with, and measure them");
   command->footer(
-      "Prints the number of parts, how far they reach out of the mesh, the time of the cut, and "
-      "the time of a tick of a\nbody with these parts. The first row is one hull of the whole "
-      "mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  feltwire-lab convex-parts "
-      "scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
-  command->add_option("mesh", o->mesh, "The file: OBJ, STL or PLY")->required();
+      "Prints the number of parts, their largest distance outside the mesh, the time of the "
+      "decomposition, and the time of a\ntick of a body with these parts. The first row is one "
+      "hull of the whole mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  "
+      "feltwire-lab convex-parts scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
+  command->add_option("mesh", o->mesh, "Mesh file: OBJ, STL or PLY")->required();
   command->add_option("--scale", o->scale, "[m] Length of one unit of the file")
       ->check(CLI::Range(1e-6, kMostScale))
       ->capture_default_str();
   command
       ->add_option("--tolerance", o->tolerances,
-                   "[m] How far a part may reach out, one row for each value. When not given: 2 % "
-                   "of the longest side")
+                   "[m] Largest distance by which a part may exceed the mesh. Each value gives a "
+                   "row. Default: 2 % of the longest side")
       ->delimiter(',');
-  command->add_option("--most", o->most, "Parts at most")
+  command->add_option("--most", o->most, "Largest number of parts")
       ->check(CLI::Range(std::size_t{1}, kMostParts))
       ->capture_default_str();
   command
       ->add_option("--refine", o->refine,
-                   "How many times each triangle is cut into four, curved by the normals")
+                   "Number of times to split each triangle into four, curved by the normals")
       ->check(CLI::Range(0, kMostRefined))
       ->capture_default_str();
   command->callback([o] { run_convex_parts(*o); });

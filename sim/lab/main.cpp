@@ -91,7 +91,7 @@ void add_bound(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "bound", "Filter: run a bounding method over rows of movement and command");
+      "bound", "Filter: apply a bounding method to rows of movement and command");
   command->footer(
       "stdin   CSV with a header; columns in any order, others are ignored:\n"
       "          dx,dy,dz  displacement since the last row [m]\n"
@@ -104,52 +104,56 @@ void add_bound(CLI::App& app) {
       "stdin   also ax,ay,az  rotation vector since the last row [rad]\n"
       "             tx,ty,tz  torque command [N m, on the hand]\n"
       "stdout  also rtx,rty,rtz  rendered torque [N m, on the hand], before energy\n"
-      "Also read, where it is there:\n"
+      "Optional columns of stdin:\n"
       "        hold   time since the last row [s], else --period\n"
-      "        local  1 if the command was computed at the device's present place, else 0\n"
-      "        n1x,n1y,n1z to n3x,n3y,n3z  normals of the walls that are touched, 0,0,0 for none\n"
-      "With --account the force is that of the account after the method, and balance [J] is last.\n"
-      "A row with nan or inf renders zero. Example:\n"
+      "        local  1 if the command belongs to the device's current position, else 0\n"
+      "        n1x,n1y,n1z to n3x,n3y,n3z  normals of the touched walls, 0,0,0 for none\n"
+      "With --account the energy account limits the force after the method. The last column is "
+      "balance [J].\n"
+      "A row with nan or inf renders zero force. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
       "--period 0.001 --damping 0.5\n"
       "Methods:\n" +
       bounding_method_summaries());
-  command->add_option("--mode", o->mode, "The method, see below")->capture_default_str();
-  command->add_option("--period", o->config.period, "T: time that one force is held [s]")
+  command->add_option("--mode", o->mode, "Bounding method, see below")->capture_default_str();
+  command->add_option("--period", o->config.period, "[s] Time T for which a force is held")
       ->required();
   command
-      ->add_option(
-          "--damping", o->damping,
-          "The device's own damping [N s/m]: b, or bx,by,bz along the axes, or a symmetric "
-          "positive definite matrix xx,yy,zz,xy,xz,yz. When not given: that of --spec")
+      ->add_option("--damping", o->damping,
+                   "[N s/m] Damping of the device: b, or bx,by,bz along the axes, or a symmetric "
+                   "positive definite matrix xx,yy,zz,xy,xz,yz. Default: from --spec")
       ->delimiter(',');
   CLI::Option* spec = command->add_option(
       "--spec", o->spec,
-      "The device, a built-in name or FILE.json: its damping, encoder quantum, largest force, lag "
-      "and, if it gives torque, rotation");
+      "Specification of the device: a built-in name or FILE.json. It sets damping, encoder "
+      "quantum, largest force, lag and, for a device with torque, rotation");
   command
       ->add_flag("--account", o->account,
-                 "The energy account of that device stands after the method, as in a session")
+                 "Apply the device's energy account after the method, as a session does")
       ->needs(spec);
   CLI::Option* turns = command
                            ->add_option("--rotational-damping", o->rotational_damping,
-                                        "The same about the axes [N m s/rad]; torque is bounded")
+                                        "[N m s/rad] Rotational damping of the device, in the same "
+                                        "forms. The torque is bounded too")
                            ->delimiter(',');
   command
       ->add_option("--max-torque", o->config.max_torque,
-                   "Saturation of the torque after the bound [N m]; default none")
+                   "[N m] Torque limit after the bound. Default: none")
       ->needs(turns);
   CLI::Option* c1 =
-      command->add_option("--c1", o->c1, "The paper's c1 [N/m]; default b/T (paper's modes only)");
+      command->add_option("--c1", o->c1, "[N/m] Constant c1 of the paper's methods. Default: b/T");
   CLI::Option* c2 = command->add_option(
-      "--c2", o->c2, "The paper's c2 [N/m]; at most c1, default c1 (paper's modes only)");
+      "--c2", o->c2, "[N/m] Constant c2 of the paper's methods, at most c1. Default: c1");
   command->add_option("--max-force", o->config.max_force,
-                      "Saturation after the bound [N]; default none");
-  command->add_option("--projection", o->projection, "joint or cone (contact_frame only)")
+                      "[N] Force limit after the bound. Default: none");
+  command->add_option("--projection", o->projection, "Projection of contact_frame: joint or cone")
       ->capture_default_str();
-  command->add_option("--storage", o->storage, "minimal or elastic (contact_frame only)")
+  command
+      ->add_option("--storage", o->storage, "Energy storage of contact_frame: minimal or elastic")
       ->capture_default_str();
-  command->add_option("--reference", o->reference, "zero or following (passivity_control* only)")
+  command
+      ->add_option("--reference", o->reference,
+                   "Reference of passivity_control*: zero or following")
       ->capture_default_str();
   command->callback([o, c1, c2] {
     const std::optional<DeviceSpec> device =
@@ -177,21 +181,20 @@ void add_bound(CLI::App& app) {
 void add_touch(CLI::App& app) {
   auto scene = std::make_shared<std::string>();
   auto tool = std::make_shared<std::string>();
-  CLI::App* command =
-      app.add_subcommand("touch", "Filter: the force of a scene at each position of a movement");
+  CLI::App* command = app.add_subcommand(
+      "touch", "Filter: compute the force of a scene at each position of a movement");
   command->footer(
       "stdin   CSV with a header; columns in any order, others are ignored: t [s], x,y,z [m];\n"
       "        for a tool with a body also qw,qx,qy,qz, its orientation\n"
       "stdout  CSV: ex,ey,ez elastic and fx,fy,fz frictional force [N, on the hand];\n"
       "        for a tool with a body also tx,ty,tz [N m]\n"
       "stderr  warnings about the scene\n"
-      "The rows are one movement: friction and velocity depend on earlier rows. "
+      "The rows are one movement. Friction and velocity depend on earlier rows. "
       "Example:\n"
       "  printf 't,x,y,z\\n0,0,0,0.001\\n0.001,0,0,-0.001\\n' | feltwire-lab touch --scene "
       "scenes/plane.json");
   command->add_option("--scene", *scene, "Scene file (docs/scenes.md)")->required();
-  command->add_option("--tool", *tool,
-                      "The tool's name, if the scene has several; default its first");
+  command->add_option("--tool", *tool, "Name of the tool. Default: the scene's first tool");
   command->callback([scene, tool] {
     const Scene touched = load_scene(*scene);
     for (const std::string& warning : touched.warnings())
@@ -203,7 +206,7 @@ void add_touch(CLI::App& app) {
 void add_summary(CLI::App& app) {
   auto files = std::make_shared<std::vector<std::filesystem::path>>();
   CLI::App* command = app.add_subcommand("summary", "Show the reports of clients side by side");
-  command->add_option("REPORT", *files, "JSON reports that feltwire-client wrote")->required();
+  command->add_option("REPORT", *files, "JSON reports from feltwire-client")->required();
   command->callback([files] { std::cout << report_table(*files); });
 }
 
@@ -215,25 +218,24 @@ void add_export(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("export", "Turn MCAP recordings into CSV files or arrays of numpy");
+      app.add_subcommand("export", "Convert MCAP recordings to CSV files or NumPy arrays");
   command->footer(
-      "The files of one recording, in their order, give tables: of a client's ticks, or of each "
-      "hand "
-      "of a server. docs/recording.md has the columns. Examples:\n"
+      "Give all files of one recording, in their order. A client's recording gives a table of its "
+      "ticks, a server's one table per hand. docs/recording.md lists the columns. Examples:\n"
       "  feltwire-lab export hand.mcap --csv hand\n"
       "  feltwire-lab export room.mcap --replies --csv room\n"
       "  feltwire-lab export hand-0001.mcap hand-0002.mcap --npz hand.npz");
-  command->add_option("FILE", o->files, "MCAP files that --record or --flight-recorder wrote")
+  command->add_option("FILE", o->files, "MCAP files from --record or --flight-recorder")
       ->required();
-  CLI::Option* csv =
-      command->add_option("--csv", o->csv, "Folder for one CSV file a table; created when missing");
-  command->add_option("--npz", o->npz, "FILE.npz for one array a column")->excludes(csv);
+  CLI::Option* csv = command->add_option(
+      "--csv", o->csv, "Folder for one CSV file per table. It is created if it is missing");
+  command->add_option("--npz", o->npz, "FILE.npz for one array per column")->excludes(csv);
   CLI::Option* replies =
       command->add_flag("--replies", o->replies,
-                        "Compute the replies of a server's recording again, and export them, too");
+                        "Compute the replies of a server's recording again, and export them too");
   command
       ->add_flag("--skip-damaged", o->skip_damaged,
-                 "Export the whole chunks of damaged files, and list what is missing")
+                 "Export the undamaged chunks of damaged files, and list the missing parts")
       ->excludes(replies);
   command->callback([o] {
     if (o->csv.empty() && o->npz.empty())
@@ -288,8 +290,8 @@ void add_link(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   o->relay.port = kDefaultRelayPort;
-  CLI::App* command =
-      app.add_subcommand("link", "Relay between clients and a server, over an emulated link");
+  CLI::App* command = app.add_subcommand(
+      "link", "Relay datagrams between clients and a server over an emulated link");
   command->footer(link_help() +
                   "Example, in two terminals, with a server on this machine:\n"
                   "  feltwire-lab link wifi,loss=5,seed=3 --to localhost:" +
@@ -297,16 +299,18 @@ void add_link(CLI::App& app) {
                   "\n"
                   "  feltwire-client --connect localhost:" +
                   std::to_string(kDefaultRelayPort) + " --scene room --duration 10");
-  command->add_option("LINK", o->link, "The emulated link, see below")->required();
+  command->add_option("LINK", o->link, "Emulated link, see below")->required();
   command
-      ->add_option("--listen", o->relay.port,
-                   "Port for clients (tcp); the scenes' ports (udp) follow it; 0: free ports")
+      ->add_option(
+          "--listen", o->relay.port,
+          "Control port for clients (TCP). The next UDP ports are for the scenes. 0: free ports")
       ->capture_default_str();
   command->add_option("--scenes", o->relay.scenes, "Number of scenes of the server to relay")
       ->capture_default_str();
   command->add_option("--address", o->relay.address, "Address to listen on")->capture_default_str();
   command->add_option("--to", o->to, "HOST:PORT of the server's control port")->required();
-  command->add_option("--report", o->report, "FILE.json for the counters at the end");
+  command->add_option("--report", o->report,
+                      "FILE.json for the counters. It is written at the end");
   command->callback([o] {
     o->relay.link = parse_link(o->link);
     o->relay.server = parse_endpoint(o->to);
@@ -319,10 +323,10 @@ void add_link(CLI::App& app) {
 int main(int argc, char** argv) {
   std::ios::sync_with_stdio(false);
   std::cin.tie(nullptr);
-  CLI::App app{"feltwire-lab: experiments on the energy bound, and filters", "feltwire-lab"};
+  CLI::App app{"feltwire-lab: runs experiments with the energy bound, and filters", "feltwire-lab"};
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-lab"); },
-      "Print version, commit, compiler and kind of build");
+      "Print version, commit, compiler and build type, and exit");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-lab: " + visible(error.what() + lab_advice(error, *failed)) + "; see --help\n";

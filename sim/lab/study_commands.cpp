@@ -33,7 +33,7 @@ std::string placed(const std::string& what, const std::string& out) {
 }
 
 void add_out(CLI::App& command, std::string& out) {
-  command.add_option("--out", out, "Folder to write to; created when missing")
+  command.add_option("--out", out, "Folder for the results. It is created if it is missing")
       ->capture_default_str();
 }
 
@@ -54,13 +54,11 @@ namespace {
 void add_figures(CLI::App& app) {
   add_study(
       app, "figures", "figures",
-      "Reproduce the paper's Figures 2, 3, 5 and 6, and 5 and 6 of torque",
-      "Writes figures.json, one CSV a run (t [s], x,y,z [m], ex..ez and fx..fz commanded elastic "
-      "and frictional,\n"
-      "rx..rz rendered [N on the hand], energy_x..z flow-in [J]) and PNG pictures with the gnuplot "
-      "scripts that drew\n"
-      "them; and the same of torque (docs/lab/torque.md). In process and deterministic: the same "
-      "build writes the same\nnumbers.",
+      "Reproduce the paper's Figures 2, 3, 5 and 6, and Figures 5 and 6 with torque",
+      "Writes figures.json, one CSV per run, and PNG pictures with their gnuplot scripts. A CSV "
+      "has t [s], x,y,z [m], the\ncommanded elastic force ex..ez and frictional force fx..fz [N on "
+      "the hand], the rendered force rx..rz [N on the hand]\nand the energy flow-in energy_x..z "
+      "[J]. Writes the same for torque (docs/lab/torque.md). The numbers are deterministic.",
       "Pictures, data, figures.json and torque_figures.json", [](const std::string& out) {
         const std::string forces = figures_table(write_figures(out));
         return forces + torque_figures_table(write_torque_figures(out));
@@ -68,16 +66,18 @@ void add_figures(CLI::App& app) {
 }
 
 void add_contact_frame_options(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "contact-frame-options", "Compare the options of the contact frame: projection, storage");
-  command->footer("Joint or cone, minimal or elastic: the tables of docs/bounding.md.");
+  CLI::App* command =
+      app.add_subcommand("contact-frame-options",
+                         "Compare the options of the method contact_frame: projection and storage");
+  command->footer(
+      "Prints the tables of docs/bounding.md: projection joint or cone, storage minimal or "
+      "elastic.");
   command->callback([] { std::cout << contact_frame_options_tables(); });
 }
 
 void add_plant(CLI::App& command, std::string& plant) {
   command.add_option("--plant", plant,
-                     "FILE.json with the lag of the motors, their transmission and more "
-                     "(docs/devices.md)");
+                     "FILE.json with the motor lag, the transmission and more (docs/devices.md)");
 }
 
 void add_zwidth(CLI::App& app) {
@@ -86,14 +86,13 @@ void add_zwidth(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "zwidth", "Map the stiffest wall without oscillation, by method, device and loop");
+      "zwidth", "Map the stiffest wall without oscillation, by method, device and control loop");
   command->footer(
-      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
-      "Writes zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a picture a "
-      "damping (zwidth_bB.png).\nSome minutes on two cores; deterministic. docs/lab/laboratory.md "
-      "says how to read it.\n"
-      "With --plant: zwidth_hands.csv alone, of the eight hands without delay on devices with this "
-      "plant.");
+      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x "
+      "delay.\nWrites zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a "
+      "picture per damping (zwidth_bB.png).\nThe results are deterministic and take some minutes "
+      "on two cores. docs/lab/laboratory.md explains them.\nWith --plant: writes only "
+      "zwidth_hands.csv, for eight hands without delay on devices with this plant.");
   add_out(*command, o->out);
   add_plant(*command, o->plant);
   command->callback([o] {
@@ -122,19 +121,19 @@ void add_frontier(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "frontier",
-      "Map the stiffness that each law displays on real devices, by what is known of the hand");
+      "Map the stiffness that each law displays on real devices, by the knowledge about the hand");
   command->footer(
-      "Eight hands at walls, a corner, an edge, a sphere, a torus, friction and taps, by law x "
-      "device damping x wall x delay;\nand laws of other papers at some of them. Writes "
-      "frontier.json, frontier.csv and three pictures. Some minutes\non two cores; all but the "
-      "cost is deterministic. docs/lab/frontier.md says how to read it.\n"
-      "With --plant: first presses and taps of the same hands on devices with this plant, without "
-      "pictures; shaped runs as\na whole session.");
+      "Eight hands touch walls, a corner, an edge, a sphere, a torus and friction, and tap, by law "
+      "x device damping x wall x\ndelay. Laws of other papers run on some of these cases. Writes "
+      "frontier.json, frontier.csv and three pictures. All\nresults but the cost are deterministic "
+      "and take some minutes on two cores. docs/lab/frontier.md explains them.\nWith --plant: runs "
+      "first presses and taps of the same hands on devices with this plant, without pictures. The "
+      "method\nshaped runs as a whole session.");
   add_out(*command, o->out);
   add_plant(*command, o->plant);
   command->add_flag("--told", o->told,
-                    "With --plant: the laws and accounts are told the lag of its motors, as by "
-                    "actuation_lag of a device file");
+                    "With --plant: give the motor lag to the laws and energy accounts, as "
+                    "actuation_lag of a device file does");
   command->callback([o] {
     if (!o->plant.empty()) {
       const auto rows = run_frontier(plant_cases(load_plant(o->plant), o->told));
@@ -159,46 +158,45 @@ void add_compare(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "compare", "Every method on walls, edges, bumps, friction and a tap, or over your own scene");
+      "compare",
+      "Compare all methods on walls, edges, bumps, friction and a tap, or in your own scene");
   command->footer(
       "Without --scene: writes compare.json, compare.csv, compare.png, compare_hands.csv (eight "
-      "hands) and, measured on\nthis machine, compare_cost.csv. All but the cost is deterministic. "
-      "docs/lab/laboratory.md says how to "
-      "read "
-      "it.\n"
-      "With --scene: whole sessions over the link, in virtual time; writes methods_over_link.csv "
-      "and "
-      ".json,\n"
-      "the same bytes every time. Example:\n"
-      "  feltwire-lab compare --scene scenes/bunny.json --link delay=15,loss=2 --device simulated");
+      "hands), and the times on this\nmachine to compare_cost.csv. All results but the cost are "
+      "deterministic. docs/lab/laboratory.md explains them.\nWith --scene: runs whole sessions "
+      "over the link in virtual time. Writes methods_over_link.csv and .json, which "
+      "are\ndeterministic. Example:\n  feltwire-lab compare --scene scenes/bunny.json --link "
+      "delay=15,loss=2 --device simulated");
   add_out(*command, o->out);
-  CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file to feel");
-  command->add_option("--link", o->link, "Network between hand and scene; docs/link.md")
+  CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file that the hand touches");
+  command->add_option("--link", o->link, "Emulated network between hand and scene (docs/link.md)")
       ->needs(scene);
-  command->add_option("--device", o->device, "A built-in device, or FILE.json (docs/devices.md)")
+  command
+      ->add_option("--device", o->device,
+                   "Specification of the device: a built-in name or FILE.json (docs/devices.md)")
       ->needs(scene)
       ->capture_default_str();
   command
       ->add_option("--plant", o->plant,
-                   "FILE.json with the lag of its motors, their transmission and more, which the "
-                   "methods are not told (docs/devices.md)")
+                   "FILE.json with the motor lag, the transmission and more (docs/devices.md). The "
+                   "methods do not get these values")
       ->needs(scene);
   command
       ->add_option("--path", o->path, "Movement of the hand: press|slide|orbit|figure-eight|taps")
       ->needs(scene)
       ->capture_default_str();
-  command->add_option("--press", o->press, "Force with which the hand presses [N]")
+  command->add_option("--press", o->press, "[N] Force by which the hand presses")
       ->needs(scene)
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
-  command->add_option("--duration", o->duration, "[s] of each session")
+  command->add_option("--duration", o->duration, "[s] Length of each session")
       ->needs(scene)
       ->capture_default_str();
-  command->add_option("--damping", o->loop.damping, "b: the device's own damping [N s/m]")
+  command->add_option("--damping", o->loop.damping, "[N s/m] Damping b of the device")
       ->capture_default_str()
       ->excludes(scene);
-  command->add_option("--rate", o->loop.rate, "Servo rate [Hz]")->capture_default_str();
-  command->add_option("--delay", o->delay_ms, "Round trip [ms], rounded up to whole samples")
+  command->add_option("--rate", o->loop.rate, "[Hz] Servo rate")->capture_default_str();
+  command->add_option("--delay", o->delay_ms, "[ms] Round-trip delay, rounded up to whole samples")
       ->capture_default_str()
       ->excludes(scene);
   command->callback([o] {
@@ -231,19 +229,20 @@ void add_extremes(CLI::App& app, int& status) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "extremes", "Every method at the limits of the number range, in double and float");
+      "extremes", "Run all methods at the limits of the number range, in double and float");
   command->footer(
-      "Writes extremes.csv, extremes.json and extremes.png; deterministic. Exit status 1 when any "
-      "row rendered\nNaN, Inf or more than the limit, or broke the energy promise of its method. "
-      "docs/lab/precision.md says how to read it.");
+      "Writes extremes.csv, extremes.json and extremes.png. The results are deterministic. Exit "
+      "status 1: a row rendered\nNaN, Inf or more than the limit, or violated the energy guarantee "
+      "of its method. docs/lab/precision.md explains them.");
   add_out(*command, o->out);
   command
-      ->add_option(
-          "--assumed-damping", o->assumed_damping,
-          "The damping that the bounds assume, over the real damping. Above 1, such as 1.05, the "
-          "rows must fail")
+      ->add_option("--assumed-damping", o->assumed_damping,
+                   "Damping that the bounds assume, divided by the real damping. Above 1, for "
+                   "example 1.05, the rows must fail")
       ->capture_default_str();
-  command->add_option("--hands", o->hands, "Hands for each stress, five kinds in turn")
+  command
+      ->add_option("--hands", o->hands,
+                   "Number of hands for each stress case. Five kinds of hands take turns")
       ->capture_default_str();
   command->callback([o, &status] {
     const auto rows = run_extremes(o->assumed_damping, o->hands);
@@ -254,20 +253,20 @@ void add_extremes(CLI::App& app, int& status) {
 }
 
 void add_rate(CLI::App& app) {
-  add_study(
-      app, "rate", "rate", "Speed against accuracy, by servo rate and by arithmetic",
-      "Writes rate.csv, rate.json, rate.png and rate_hands.csv (eight hands), the same bytes every "
-      "time; and what this\nmachine took for it, rate_cost.csv and rate_cost.png. "
-      "docs/lab/trade.md is its page.",
-      "Tables and pictures", [](const std::string& out) {
-        const RateGrid grid;
-        const auto cells = run_rate(grid);
-        const auto costs = measure_rate_cost();
-        write_rate(out, grid, cells, costs);
-        const auto by_hands = run_rate(hands_rate_grid());
-        write_rate_hands(out, by_hands);
-        return rate_table(cells) + '\n' + rate_cost_table(grid, costs) + rate_hands_table(by_hands);
-      });
+  add_study(app, "rate", "rate", "Compare speed and accuracy, by servo rate and number type",
+            "Writes rate.csv, rate.json, rate.png and rate_hands.csv (eight hands), which are "
+            "deterministic. Writes the times on this\nmachine to rate_cost.csv and rate_cost.png. "
+            "docs/lab/trade.md explains the results.",
+            "Tables and pictures", [](const std::string& out) {
+              const RateGrid grid;
+              const auto cells = run_rate(grid);
+              const auto costs = measure_rate_cost();
+              write_rate(out, grid, cells, costs);
+              const auto by_hands = run_rate(hands_rate_grid());
+              write_rate_hands(out, by_hands);
+              return rate_table(cells) + '\n' + rate_cost_table(grid, costs) +
+                     rate_hands_table(by_hands);
+            });
 }
 
 void add_where_to_bound(CLI::App& app, int& status) {
@@ -277,17 +276,18 @@ void add_where_to_bound(CLI::App& app, int& status) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "where-to-bound", "Compare bounds at server, client or both: over delay, jitter and loss");
+      "where-to-bound",
+      "Compare bounds at the server, the client or both, over delay, jitter and loss");
   command->footer(
-      "Whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and sides_hands.csv "
-      "(eight hands), the\nsame bytes every time; a minute of CPU. Exit status 1 when a port that "
-      "is bounded delivered more "
-      "energy than the device burned.\ndocs/network.md says how to read it.");
+      "Runs whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and "
+      "sides_hands.csv (eight hands). The\nresults are deterministic and take a minute of CPU "
+      "time. Exit status 1: a bounded port delivered more energy than the\ndevice dissipated. "
+      "docs/network.md explains the results.");
   add_out(*command, o->out);
   command
-      ->add_option(
-          "--assumed-damping", o->grid.assumed_damping,
-          "The damping that the bounds assume, over the real damping. Above 1 it must fail")
+      ->add_option("--assumed-damping", o->grid.assumed_damping,
+                   "Damping that the bounds assume, divided by the real damping. Above 1 the study "
+                   "must fail")
       ->capture_default_str();
   command->callback([o, &status] {
     const auto cells = run_where_to_bound(o->grid);
@@ -310,23 +310,28 @@ void add_deadband(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "deadband", "Datagrams that a perceptual deadband saves, and its force error");
+      "deadband", "Measure the datagrams that a perceptual deadband saves, and its force error");
   command->footer(
-      "Simulated hands by deadband and fraction, in whole sessions in virtual time. Writes "
-      "deadband.csv,\ndeadband.json and deadband.png, the same bytes every time. docs/network.md "
-      "says how to read it.");
+      "Runs simulated hands in whole sessions in virtual time, by deadband and fraction. Writes "
+      "deadband.csv,\ndeadband.json and deadband.png, which are deterministic. docs/network.md "
+      "explains the results.");
   add_out(*command, o->out);
   command->add_option("--recording", o->recording,
-                      "FILE.csv (t,x,y,z) that is also replayed over a plane at z = 0");
-  command->add_option("--bounding", o->side, "Where the bound runs: server, client or both")
-      ->capture_default_str();
-  command->add_option("--link", o->link, "Network between them (docs/link.md)")
-      ->capture_default_str();
-  command->add_option("--keep-alive", o->grid.parameters.keep_alive, "[s] longest silence")
+                      "FILE.csv (t,x,y,z) of a movement to replay over a plane at z = 0, in "
+                      "addition to the simulated hands");
+  command->add_option("--bounding", o->side, "Place of the bound: server, client or both")
       ->capture_default_str();
   command
-      ->add_option("--hold-time", o->grid.parameters.hold_time,
-                   "[s] a command older than half of it fades")
+      ->add_option("--link", o->link, "Emulated network between client and server (docs/link.md)")
+      ->capture_default_str();
+  command
+      ->add_option("--keep-alive", o->grid.parameters.keep_alive,
+                   "[s] Longest time without a datagram")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--hold-time", o->grid.parameters.hold_time,
+          "[s] Age at which the force of a reply is zero. The force fades from half this age on")
       ->capture_default_str();
   command->callback([o] {
     DeadbandGrid& grid = o->grid;
@@ -343,9 +348,9 @@ void add_deadband(CLI::App& app) {
 void add_local_model(CLI::App& app) {
   add_study(
       app, "local-model", "local_model",
-      "A local contact model against forces alone, over round trips and rates",
-      "Writes local_model.csv, local_model.json and local_model.png, the same bytes every time.\n"
-      "docs/network.md says how to read it.",
+      "Compare a local contact model with replies of forces alone, by round-trip time and rate",
+      "Writes local_model.csv, local_model.json and local_model.png, which are "
+      "deterministic.\ndocs/network.md explains the results.",
       "Table and picture", [](const std::string& out) {
         const auto cells = run_local_model();
         write_local_model(out, cells);
@@ -360,14 +365,15 @@ void add_teleop(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "teleop", "Every law of bilateral teleoperation on one bench, over delay, jitter and loss");
+      "teleop",
+      "Compare laws of bilateral teleoperation on one bench, over delay, jitter and loss");
   command->footer(
-      "A hand, a robot and its environment, in one degree of freedom and virtual time; and our own "
-      "law with a simulated arm\nin three. Writes teleop.json, teleop.csv, teleop.png and "
-      "arm.json, "
-      "the same bytes every time.\ndocs/teleoperation.md says how to read it.");
+      "A hand moves a robot in its environment, in one degree of freedom and virtual time. "
+      "Feltwire's own law also runs with a\nsimulated arm in three. Writes teleop.json, "
+      "teleop.csv, teleop.png and arm.json, which are deterministic.\ndocs/teleoperation.md "
+      "explains the results.");
   add_out(*command, o->out);
-  command->add_flag("--quick", o->quick, "Two round trips and two links only");
+  command->add_flag("--quick", o->quick, "Run only two round-trip times and two links");
   command->callback([o] {
     const auto rows = teleop::run_teleop(teleop::teleop_cases(o->quick));
     teleop::write_teleop(o->out, rows);

@@ -14,15 +14,14 @@ namespace feltwire {
 void add_torque(CLI::App& app, int& status) {
   auto out = std::make_shared<std::string>("torque");
   CLI::App* command = app.add_subcommand(
-      "torque", "Torque that each law renders, and energy of the port of six degrees of freedom");
+      "torque", "Compare the torque and the port energy of each law in six degrees of freedom");
   command->footer(
-      "Eight rotating hands: against the stops of a joint and with bodies in the hand, by law x "
-      "delay,\nforce and torque accounted as one port and as two; and whole "
-      "sessions over two links. Writes torque.json,\ntorque.csv and torque_sessions.csv, the "
-      "same "
-      "bytes every time; some minutes of CPU. Exit status 1 when a\nport that is bounded made "
-      "energy. docs/lab/torque.md says how to read it.");
-  command->add_option("--out", *out, "Folder to write to; created when missing")
+      "Eight rotating hands turn against joint stops and hold bodies, by law x delay, with force "
+      "and torque as one\nport and as two ports. Whole sessions over two links follow. Writes "
+      "torque.json, torque.csv and\ntorque_sessions.csv. The results are deterministic and take "
+      "some minutes of CPU time. Exit status 1: a bounded port\ngenerated energy. "
+      "docs/lab/torque.md explains the results.");
+  command->add_option("--out", *out, "Folder for the results. It is created if it is missing")
       ->capture_default_str();
   command->callback([out, &status] {
     const auto rows = run_torque(torque_cases());

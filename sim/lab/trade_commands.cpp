@@ -58,43 +58,46 @@ std::string trade_sixdof(const SixDofGrid& grid, const std::string& out) {
 }  // namespace
 
 void add_trade(CLI::App& app) {
-  CLI::App* trade = app.add_subcommand("trade", "Measure the costs of each setting");
+  CLI::App* trade = app.add_subcommand("trade", "Measure the cost of each setting");
   trade->require_subcommand(1);
   const auto add = [&](const std::string& name, const std::string& question,
                        const std::string& footer, const auto& run,
                        const char* files = "Tables and pictures") {
     return add_study(*trade, name, "trade-" + name, question,
-                     footer + " docs/lab/trade.md is its page.", files, run);
+                     footer + " docs/lab/trade.md explains the results.", files, run);
   };
   add("geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
-      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, the same bytes every "
-      "time, and what\nthis machine took for it, trade_geometry_cost.csv and "
-      "trade_geometry_cost.png. A minute of CPU time.\n",
+      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, which are "
+      "deterministic. Writes the times on this\nmachine to trade_geometry_cost.csv and "
+      "trade_geometry_cost.png. Takes a minute of CPU time.\n",
       trade_geometry);
-  add("tools", "Number of points on a tool's body: force and torque error against time",
-      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, the same bytes every time, "
-      "and what this machine\ntook for it, trade_tools_cost.csv and trade_tools_cost.png. A minute "
-      "of CPU time.",
+  add("tools", "Number of points on a tool's body: force error and torque error against time",
+      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, which are deterministic. "
+      "Writes the times on this machine\nto trade_tools_cost.csv and trade_tools_cost.png. Takes a "
+      "minute of CPU time.",
       trade_tools);
-  add("mass", "A tool with mass: accuracy, stability and time by integration",
-      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, the same bytes every "
-      "time, and what this\nmachine took for it, trade_mass_cost.csv. Some minutes of CPU time.",
+  add("mass", "Integration methods for a tool with mass: accuracy, stability and time",
+      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, which are "
+      "deterministic. Writes the times on this\nmachine to trade_mass_cost.csv. Takes some minutes "
+      "of CPU time.",
       trade_mass);
   const auto sixdof = std::make_shared<SixDofGrid>();
   add(
-      "sixdof", "A body by points or by polygons, without and with mass: error, jumps, time",
-      "Writes trade_sixdof.csv and trade_sixdof.json, the same bytes every time, and what this "
-      "machine took for it,\ntrade_sixdof_cost.csv. Some minutes on two cores.",
+      "sixdof",
+      "A tool's body as points or as polygons, with and without mass: error, jumps and time",
+      "Writes trade_sixdof.csv and trade_sixdof.json, which are deterministic. Writes the times on "
+      "this machine to\ntrade_sixdof_cost.csv. Takes some minutes on two cores.",
       [sixdof](const std::string& out) { return trade_sixdof(*sixdof, out); }, "Tables")
-      ->add_option("--task", sixdof->tasks, "Only this task; may be given several times")
+      ->add_option("--task", sixdof->tasks,
+                   "Run only this task. Repeat the option for several tasks")
       ->check(CLI::IsMember(sixdof_task_names()));
-  add("scene", "Time of each property of a scene for one sample, alone",
-      "Writes trade_scene.csv, trade_scene_bare.csv and trade_scene.png, what this machine took. "
-      "Half a minute of CPU\ntime.",
+  add("scene", "Time that each property of a scene takes for one sample",
+      "Writes the times on this machine to trade_scene.csv, trade_scene_bare.csv and "
+      "trade_scene.png. Takes half a minute of\nCPU time.",
       trade_scene);
   add("network", "Bandwidth against force error, direction error and delay, over three links",
-      "Writes trade_network.csv, trade_network.json and trade_network.png, the same bytes every "
-      "time.\nSome minutes of CPU time.",
+      "Writes trade_network.csv, trade_network.json and trade_network.png, which are "
+      "deterministic.\nTakes some minutes of CPU time.",
       trade_network);
 }
 

@@ -19,17 +19,15 @@ void add_replay(CLI::App& app, std::ostream& out, int& status) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "replay", "Compute a server's recording again and compare all replies, bit by bit");
+      "replay", "Compute the replies of a server's recording again, and compare them bit by bit");
   command->footer(
-      "The files of one scene's recording, in their order from the first. The exit status is 0 "
-      "where "
-      "all is equal, else 1. Examples:\n"
-      "  feltwire-lab replay room.mcap\n"
-      "  feltwire-lab replay room-0001.mcap room-0002.mcap --json");
+      "Give all files of one scene's recording, in their order. Exit status 0: all replies are "
+      "equal. Exit status 1: some differ. Examples:\n  feltwire-lab replay room.mcap\n  "
+      "feltwire-lab replay room-0001.mcap room-0002.mcap --json");
   command->add_option("FILE", o->files, "MCAP files that feltwire-server --record wrote")
       ->required();
   command->add_option("--scene", o->scene,
-                      "Scene file instead of the one in the recording, also for reloads");
+                      "Scene file that replaces the scene of the recording, also at reloads");
   command->add_flag("--json", o->json, "Print the result as JSON");
   command->callback([o, &out, &status] {
     const auto begin = monotonic_now();

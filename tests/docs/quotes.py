@@ -10,7 +10,7 @@
   0.1 s <!-- default: feltwire-client --hold-time 0.1 -->
       The program's --help has this default, and the page has it in the line, before the mark.
   <!-- defaults: feltwire-server -->
-      Before a table: where its first column names one option, and --help has a default of it ("Usually 1.5", too), the column `default`
+      Before a table: where its first column names one option, and --help has a default of it ("Default: 1.5", too), the column `default`
       or `usual value` has the same.
   <!-- defaults: core/scene_file/scene.fbs ToolBody coupling=ToolCoupling -->
       Before a table: the first column names fields of a table of a schema, and the column `default` has their defaults.
@@ -106,7 +106,7 @@ class Marks:
         command = shlex.split(program)
         text = self.programs.help(*command) if self.programs.there(command[0]) else None
         line = re.search(rf"(?m)^\s+{re.escape(option)}(?![\w-])([^\n]*)((?:\n {{20,}}[^\n]*)*)", text or "")
-        value = re.search(r"^ [A-Z\[\],:]+=(\S+)", line.group(1)) or re.search(r"Usually ([\d.]+)", line.group(0)) if line else None
+        value = re.search(r"^ [A-Z\[\],:]+=(\S+)", line.group(1)) or re.search(r"Default: ([\d.]+)", line.group(0)) if line else None
         return value.group(1).rstrip(".,") if value else None
 
     def same(self, said, value):
