@@ -16,21 +16,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // of one
+constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // per unit
 
 double rate(const SessionParameters& parameters) { return 1.0 / parameters.servo_period; }
 
-/// The share of the samples sent so far that was lost; nothing if none was sent.
+/// Returns the lost share of the samples sent so far, or nothing before the first sample.
 std::optional<double> loss(const control::SessionDescription& session) {
   const double sent = static_cast<double>(session.samples) + static_cast<double>(session.missed);
   if (!(sent > 0.0)) return std::nullopt;
   return static_cast<double>(session.missed) / sent;
 }
 
-/// "12.5", or "-" if it is not known.
+/// Returns a number such as "12.5", or "-" for an unknown value.
 std::string cell(std::optional<double> value, int decimals) {
   if (!value) return "-";
-  constexpr std::size_t kLongest = 400;  // of any double
+  constexpr std::size_t kLongest = 400;  // longer than any double
   std::string text(kLongest, '\0');
   text.resize(
       static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.*f", decimals, *value)));
@@ -47,7 +47,8 @@ Json json_of(const SeenSession& seen) {
   const auto& [scene, s] = seen;
   return {{"scene", visible(scene)},
           {"number", s.number},
-          {"session", std::to_string(s.session)},  // longer than JSON's usual numbers
+          // The number exceeds the exact range of JSON numbers, so it is text.
+          {"session", std::to_string(s.session)},
           {"client", visible(s.client)},
           {"device", visible(s.device)},
           {"tool", visible(s.tool)},
@@ -71,7 +72,7 @@ Json json_of(const SeenSession& seen) {
           {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}};
 }
 
-/// Columns as wide as their longest cell.
+/// Aligns columns to their widest cells.
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows)
@@ -142,7 +143,7 @@ const SeenSession& session_named(const SeenSessions& sessions, const std::string
 std::vector<SeenCounters> counters_of(const ServerAccess& server) {
   std::vector<SeenCounters> seen;
   std::vector<std::string> scenes = scene_names(server);
-  scenes.emplace_back();  // the control port
+  scenes.emplace_back();  // an empty name: the control port
   seen.reserve(scenes.size());
   ListRoom room(kRoomOfCounters);
   for (const std::string& scene : scenes) {
@@ -179,7 +180,7 @@ void write_session_json(const SeenSessions& sessions,
   constexpr std::string_view kOpen = "[\n", kClose = "\n]";
   std::string_view before = kOpen;
   for (const SeenSession& seen : sessions) {
-    // Write session by session: a document of all would take ten times their memory.
+    // Write each session separately. A document of all sessions would need ten times their memory.
     const std::string one = Json::array({json_of(seen)}).dump(2);
     write(before);
     write(std::string_view(one).substr(kOpen.size(), one.size() - kOpen.size() - kClose.size()));

@@ -314,7 +314,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
     if (method->admits_reduction) reducible.push_back(method->name);
   const std::string safety = "Safety (--slew, --ramp-up, --velocity-limit: for the modes " +
                              joined_names(reducible, ", ") + ")";
-  // The usual values depend on the mode, so the help names them in words.
+  // The defaults depend on the mode, so the help describes them in words.
   const SafetyLimits usual = protect_hand({}).safety;
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;

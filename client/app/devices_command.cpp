@@ -16,8 +16,8 @@
 namespace feltwire {
 namespace {
 
-/// Prints for each driver that needs a maker's library or service what it found. True: something is
-/// missing although a device that needs it is plugged in.
+/// Prints the search result for each maker's library or service. Returns true if a connected device
+/// lacks its library.
 bool show_libraries(const std::vector<ConnectedDevice>& devices) {
   bool missed = false;
   for (const Driver& driver : drivers()) {

@@ -30,7 +30,8 @@ namespace feltwire {
 namespace {
 
 constexpr int kWrongWords = 2, kGaveUp = 1;
-constexpr Nanoseconds kPreparing = std::chrono::minutes(2);  // for a person
+// Time for a person to prepare the device.
+constexpr Nanoseconds kPreparing = std::chrono::minutes(2);
 
 struct IdentifyWords {
   std::string device, spec, firmware, out = "device.json";
@@ -38,7 +39,7 @@ struct IdentifyWords {
   bool yes = false;
 };
 
-MeasureStatus status_of_run;  // of the only measurement; a signal handler sets `stop`
+MeasureStatus status_of_run;  // status of the only measurement; a signal handler sets `stop`
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void stop_run(int) { status_of_run.stop.store(true); }
@@ -52,7 +53,8 @@ std::string today() {
   return text.data();
 }
 
-/// The specification that the device has. The sources are those of its kind, if it is of that kind.
+/// Returns the specification of the device. Its sources apply only if the device is of the usual
+/// kind.
 SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const DeviceSpec& spec) {
   SourcedSpec usual = requested_spec(request.spec, driver.spec);
   if (usual.spec.name != spec.name) usual.sources.clear();
@@ -86,7 +88,7 @@ void tell_no_force(std::string_view why) {
   std::fprintf(stderr, "feltwire-client identify: no force yet: %s\n", visible(why).c_str());
 }
 
-/// Shows the progress until the end. On a terminal the line is rewritten.
+/// Shows the progress until the end. On a terminal, the progress stays in one line.
 void show_progress(const MeasureStatus& status) {
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   int shown = -1;
@@ -107,7 +109,7 @@ void show_progress(const MeasureStatus& status) {
   if (terminal) std::fprintf(stderr, "\r                    \r");
 }
 
-/// Prints the lag. The table of the specification has the bound of the lag, if there is one.
+/// Prints the lag. The table of the specification shows the upper bound of the lag.
 void tell_lag(const DeviceEstimate& found) {
   if (!found.lag_bound)
     std::printf("  lag of the loop       not found: the readings do not tell it\n");
@@ -116,7 +118,7 @@ void tell_lag(const DeviceEstimate& found) {
                 1e3 * *found.lag_bound);
 }
 
-/// Measures, and releases the device at the end in every case.
+/// Measures, then releases the device in every case.
 void run(Device& device, Identification& identification) {
   MeasureStatus& status = status_of_run;
   const CrashRelease crash_release(device);
@@ -166,7 +168,7 @@ void identify(const IdentifyWords& words) {
   const SourcedSpec known = known_spec(request, *choice.driver, device.spec());
   const IdentifyLimits limits = identify_limits(known.spec, words.force);
   const double longest = std::chrono::duration<double>(device.longest_tick()).count();
-  // A device that sets the pace may tick faster than it guarantees, up to 4 kHz.
+  // A device that sets the pace may tick up to 4 kHz, faster than it guarantees.
   Identification identification(known.spec, limits, longest > 0.0 ? 0.25e-3 : kMeasurePeriod);
   tell(limits, identification);
   await_consent(words.yes);

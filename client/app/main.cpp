@@ -21,7 +21,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams on their way: 0.8 s at 10 kHz
+constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams in transit: 0.8 s at 10 kHz
 
 std::unique_ptr<Device> open_device(ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
@@ -34,7 +34,7 @@ std::unique_ptr<Device> open_device(ClientOptions& options) {
   return std::make_unique<MappedDevice>(std::move(device), options.mapping);
 }
 
-/// A UDP port, behind an emulated link if the user asked for one.
+/// Opens a UDP port, with an emulated link on request.
 std::unique_ptr<DatagramPort> open_port(const ClientOptions& options, const Address& scene) {
   auto line = open_udp_port(scene, options.dscp);
   if (!options.link) return line;
@@ -49,14 +49,14 @@ int list(const ServerAccess& server) {
   return 0;
 }
 
-/// The scene of a client that names none.
+/// Returns the server's first scene, the default.
 std::string first_scene(const ServerAccess& server) {
   const auto scenes = list_scenes(server, kControlTimeout);
   if (scenes.empty()) throw std::runtime_error("the server has no scene that this token opens");
   return scenes.front().name;
 }
 
-/// Makes a run that is judged. The exit code is 0 if nothing fails.
+/// Runs a session and judges it. The exit code is 0 if no check fails.
 int check(ClientOptions& options) {
   if (options.scene.empty()) options.scene = first_scene(options.server);
   std::vector<CheckResult> results;

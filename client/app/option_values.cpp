@@ -21,7 +21,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestDuration = 1e7;  // [s] some four months
+constexpr double kLongestDuration = 1e7;  // [s] about four months
 
 Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -29,8 +29,8 @@ void require(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Sets the safety limits that the command line does not give to values that protect the hand, as
-/// far as the bounding mode allows.
+/// Fills in the missing safety limits. The values protect the hand as far as the bounding mode
+/// allows.
 void choose_safety(const OptionValues& values, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
@@ -40,8 +40,8 @@ void choose_safety(const OptionValues& values, ClientOptions& options) {
   given.ramp_up = values.ramp_up.value_or(usual.ramp_up);
 }
 
-/// A person's hand must not get a law that relies on more than the law that its owner chose. Throws
-/// std::invalid_argument.
+/// Returns the changes that an admin may make. A law for a person must not assume more than the law
+/// that the user chose. Throws std::invalid_argument.
 ChangesTaken changes(const OptionValues& values, const ClientOptions& options) {
   const auto laws = enum_from_name<LawsTaken>("--changes", values.changes, kLawsTakenNames);
   require(!values.fixed || laws == LawsTaken::none,
@@ -59,25 +59,25 @@ double period_of(const OptionValues& values) {
   return period;
 }
 
-/// The roles of this program. An admin and a robot have their own programs.
+/// Returns a role of this program. Admins and robots have their own programs.
 Role role_of_hand(const std::string& word) {
   for (const Role one : {Role::operator_, Role::pointer, Role::observer})
     if (name(one) == word) return one;
   throw std::invalid_argument("--role must be operator, pointer or observer, is '" + word + "'");
 }
 
-/// [Hz] of datagrams to the server, if not one for each tick. An observer uses the rate of pictures
-/// by default.
+/// Returns the datagram rate [Hz], or nothing for one datagram per tick. An observer uses the
+/// picture rate by default.
 std::optional<double> packet_rate(const OptionValues& values, Role role) {
   constexpr double kPictures = 100.0;
   const bool usual = !values.packet_rate && values.profile.empty();
   return usual && role == Role::observer ? std::min(kPictures, values.rate) : values.packet_rate;
 }
 
-/// How long a force may stay without a tick, and how long a hold the server may grant. Throws
-/// std::invalid_argument.
+/// Sets the longest time of a force without a tick, and the longest hold time that the server may
+/// grant. Throws std::invalid_argument.
 void choose_holds(const OptionValues& values, ClientOptions& options) {
-  constexpr double kLongest = 1.0;  // [s] of a hold time
+  constexpr double kLongest = 1.0;  // [s] longest hold time
   if (values.let_go_after) {
     require(*values.let_go_after > 0.0 && *values.let_go_after <= kLongest,
             "--let-go-after must be above 0 and at most 1 s; leave it out for the usual time");
@@ -95,7 +95,7 @@ void choose_holds(const OptionValues& values, ClientOptions& options) {
   }
 }
 
-/// Chooses the rates and deadbands of messages. Throws std::invalid_argument.
+/// Sets the datagram rate and the deadbands. Throws std::invalid_argument.
 void choose_traffic(const OptionValues& values, std::optional<double> rate,
                     SessionParameters& parameters) {
   parameters.position_deadband = values.position_deadband_percent / kPercent;
@@ -104,15 +104,16 @@ void choose_traffic(const OptionValues& values, std::optional<double> rate,
   if (!rate) return;
   require(*rate > 0.0 && *rate <= values.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
-  // Never send more often than asked. A rounded rate still gives whole ticks: 1000 / 333.4 is 3.
+  // Round the interval up, so that the rate is never too high. The tolerance accepts rounded rates:
+  // 1000 / 333.4 gives 3.
   constexpr double kRounded = 1e-3;
   const double ticks = std::ceil(values.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
-/// Chooses the method, its side and the local model. Given options decide the others: a method that
-/// shapes stands at the client and uses the local model. Throws std::invalid_argument.
+/// Chooses the method, its place and the local model. Given options determine the others: a shaping
+/// method runs at the client and uses the local model. Throws std::invalid_argument.
 void choose_bound(const OptionValues& values, SessionParameters& parameters) {
   if (!values.side.empty()) parameters.side = bounding_side(values.side);
   const bool here = parameters.side == BoundingSide::client;
@@ -127,7 +128,7 @@ void choose_bound(const OptionValues& values, SessionParameters& parameters) {
   parameters.local_model = values.local_model.value_or(by_profile || method.shapes);
 }
 
-/// Drops files that no option names.
+/// Removes files without a path.
 std::vector<NamedFile> named(std::vector<NamedFile> files) {
   std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
   return files;
@@ -152,7 +153,7 @@ std::vector<NamedFile> read_files(const OptionValues& values) {
                 {"--token-file", c.token_file}});
 }
 
-/// By default a flight recorder runs, so that a failed session leaves data behind.
+/// Enables the flight recorder by default, so that a failed session leaves data.
 void choose_flight_recorder(const std::string& folder, RunOptions& options) {
   if (folder == "off") return;
   options.flight_recorder_required = !folder.empty();
@@ -160,7 +161,7 @@ void choose_flight_recorder(const std::string& folder, RunOptions& options) {
       folder.empty() ? state_flight_folder() : std::optional<std::filesystem::path>(folder);
 }
 
-/// Throws std::invalid_argument.
+/// Checks the options of the recording. Throws std::invalid_argument.
 void choose_recording(const OptionValues& values, ClientOptions& options) {
   const RecordingLimits& limits = values.record_limits;
   options.record_limits = limits;
@@ -178,7 +179,8 @@ Damping damping(const std::vector<double>& numbers) {
                              : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
 }
 
-/// Chooses the driver and its request. `task`: of the simulated hand. Throws std::invalid_argument.
+/// Chooses the driver and its request. `task`: movement of the simulated hand. Throws
+/// std::invalid_argument.
 void choose_device(const OptionValues& values, HandTask task, ClientOptions& options) {
   DriverChoice chosen = chosen_driver(values.device);
   task.path = options.check ? HandPath::press : hand_path(values.path);
@@ -206,11 +208,11 @@ void choose_device(const OptionValues& values, HandTask task, ClientOptions& opt
           "--press-button is a time of 0 or more [s], for --device simulated");
   validate(options.device.steering);
   if (values.damping) options.device.spec.damping = damping(*values.damping);
-  // Checks the spec before the device is opened, so that its error comes first.
+  // Check the specification before opening the device. Its error must come first.
   requested_spec(options.device.spec, chosen.driver->spec);
 }
 
-/// [N] of "0.05kg" or "0.5N". Throws std::invalid_argument.
+/// Parses "0.05kg" or "0.5N" into a weight [N]. Throws std::invalid_argument.
 double weight(const std::string& values) {
   constexpr double kGravity = 9.80665;  // [m/s^2]
   const bool mass = values.ends_with("kg"), force = values.ends_with("N");
@@ -224,7 +226,7 @@ double weight(const std::string& values) {
   return mass ? kGravity * number : number;
 }
 
-/// 0: none.
+/// Throws std::invalid_argument unless the device has this button. Zero means no button.
 void require_button(const char* option, int button, const Driver& driver, const char* remedy) {
   if (button >= 0 && button <= driver.buttons) return;
   throw std::invalid_argument(
@@ -233,8 +235,8 @@ void require_button(const char* option, int button, const Driver& driver, const 
                           : std::string(" no button is read; ") + remedy));
 }
 
-/// Sets the buttons of the enabling switch and of the clutch. Throws std::invalid_argument if the
-/// device does not have them, or if a button would have two meanings.
+/// Sets the buttons of the enabling switch and the clutch. Throws std::invalid_argument if the
+/// device lacks a button, or if a button has two functions.
 void choose_buttons(const OptionValues& values, int robot_button, const Driver& driver,
                     ProtectionOptions& options) {
   options.deadman_button = values.deadman_button;
@@ -258,7 +260,7 @@ void choose_buttons(const OptionValues& values, int robot_button, const Driver& 
         "--deadman-button and --clutch-button, each its own, or 0 for none");
 }
 
-/// Throws std::invalid_argument.
+/// Returns the protection options of a device. Throws std::invalid_argument.
 ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
   constexpr double kUsualStill = 0.25;  // [s]
   ProtectionOptions options;
@@ -272,7 +274,7 @@ ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
   return options;
 }
 
-/// The place of the device's workspace in the scene. Throws std::invalid_argument.
+/// Returns the pose and scale of the device's workspace in the scene. Throws std::invalid_argument.
 WorkspaceMapping mapping(const OptionValues& values) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr std::string_view kAxes = "xyz";
@@ -287,7 +289,8 @@ WorkspaceMapping mapping(const OptionValues& values) {
   return mapping;
 }
 
-/// Throws std::invalid_argument if the server would refuse the name without saying which one.
+/// Throws std::invalid_argument for a long name. The refusal of the server would not say which name
+/// is too long.
 void check_name(const char* option, const std::string& name) {
   if (name.size() <= control::kMaxName) return;
   throw std::invalid_argument(std::string(option) + ": the name has " +
@@ -295,9 +298,10 @@ void check_name(const char* option, const std::string& name) {
                               std::to_string(control::kMaxName) + " can be sent");
 }
 
-/// Believes a robot's energy only as far as the user allows.
+/// Returns the robot energy that the client accepts. The user sets the limits.
 RemoteTrust trust(const OptionValues& values) {
-  constexpr double kMostPerContact = 1.0, kMostPower = 50.0;  // [J], [W] that no hand should get
+  // [J], [W] Limits for the safety of the hand.
+  constexpr double kMostPerContact = 1.0, kMostPower = 50.0;
   if (!values.trust) return {.per_contact = 0.0, .power = 0.0};
   const auto [per_contact, power] = *values.trust;
   require(
@@ -313,7 +317,7 @@ void choose_lead(const OptionValues& values, ClientOptions& options) {
           "--robot-button is for a hand with --lead; add --lead");
   if (!values.lead) return;
   check_name("--robot", options.robot);
-  constexpr double kShownReleased = 0.2;  // [s] the server wants to see the switch released first
+  constexpr double kShownReleased = 0.2;  // [s] the server must first see a released switch
   require(*values.lead >= kShownReleased && *values.lead <= kLongestDuration,
           "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
   require(options.role != Role::observer, "--lead is not for observers; leave out --role");
@@ -371,7 +375,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
     constexpr double kUsual = 10.0;  // [s]
     require(values.device == "simulated", "--check uses the simulated hand; leave out --device");
     if (options.duration == 0.0) options.duration = kUsual;
-    task.depth = -task.clearance;  // it touches nothing
+    task.depth = -task.clearance;  // keeps the hand above the surface
   }
   choose_device(values, task, options);
   options.mapping = mapping(values);
@@ -389,7 +393,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.rehearses = values.rehearses;
   if (!values.link.empty()) options.link = parse_link(values.link);
   options.takes = changes(values, options);
-  // A thread that stops for some milliseconds hurts nobody here, so it must not end the session.
+  // A short stall of the thread is harmless without a person, so it must not end the session.
   if (!values.let_go_after && !options.driver->held_by_person)
     options.let_go_after = options.parameters.hold_time;
 }

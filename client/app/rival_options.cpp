@@ -17,7 +17,7 @@ namespace {
 
 using Value = std::string_view;
 
-/// As CLI11 reads the value of a flag.
+/// True for a flag value that CLI11 reads as false.
 bool says_no(Value value) {
   constexpr std::array<Value, 5> kNo = {"false", "off", "no", "disable", "0"};
   return std::find(kNo.begin(), kNo.end(), value) != kNo.end();
@@ -31,7 +31,7 @@ auto is_not(const char* wanted) {
   return [wanted](Value value) { return value != wanted; };
 }
 
-/// Null for a word that names no driver: the command line is refused elsewhere.
+/// Returns null for an unknown driver. The parser of the option reports the error.
 const Driver* driver_of(Value device) {
   const Value kind = device.substr(0, device.find(':'));
   for (const Driver& driver : drivers())
@@ -39,7 +39,7 @@ const Driver* driver_of(Value device) {
   return nullptr;
 }
 
-/// Null for a word that names no method: the command line is refused elsewhere.
+/// Returns null for an unknown method. The parser of the option reports the error.
 const BoundingMethod* method_of(Value mode) {
   for (const BoundingMethod* method : bounding_methods())
     if (method->name == mode) return method;
@@ -57,7 +57,7 @@ bool for_client(Value mode) { return for_side(mode, BoundingSide::client); }
 bool for_server(Value mode) { return for_side(mode, BoundingSide::server); }
 bool for_both(Value mode) { return for_side(mode, BoundingSide::both); }
 
-/// False for "inf", and for 0: there is no limit.
+/// False for "inf" and 0, because they mean no limit.
 bool limits(Value number) {
   const double value = std::strtod(std::string(number).c_str(), nullptr);
   return std::isfinite(value) && value > 0.0;
@@ -68,13 +68,13 @@ bool admits_limits(Value mode) {
   return method == nullptr || method->admits_reduction;
 }
 
-/// Rules for the kind of device, and for options that only some devices have.
+/// Rules for the kind of device, and for options that only some devices support.
 Rivals of_devices() {
   Rivals rivals = {
       {"device", "firmware", [](Value d) { return driver_of(d) && !driver_of(d)->takes_firmware; }},
       {"device", "press-button", [](Value d) { return driver_of(d) && d != "simulated"; }},
       {"device", "tool-weight", [](Value d) { return driver_of(d) && !driver_of(d)->gives_force; }},
-      // A check uses the simulated hand, which touches nothing.
+      // A check uses its own simulated hand.
       {"check", "device"},
       {"check", "firmware"},
       {"check", "tool-weight"},
@@ -84,7 +84,7 @@ Rivals of_devices() {
   return rivals;
 }
 
-/// Rules for the side of the bound, its method, and options that need one of them.
+/// Rules for the place and method of the bound, and for options that depend on them.
 Rivals of_bounds() {
   const auto paper = [](Value mode) { return for_client(mode) && for_server(mode); };
   Rivals rivals = {{"bounding", "mode", is("client"), for_client},
@@ -101,7 +101,7 @@ Rivals of_bounds() {
                    {"no-account", "bounding", {}, is_not("server")},
                    {"no-account", "operator-damping"},
                    {"operator-damping", "no-account", {}, says_no},
-                   // Some methods do not allow these limits behind them.
+                   // Some methods do not allow these limits after the bound.
                    {"slew", "mode", limits, admits_limits},
                    {"ramp-up", "mode", limits, admits_limits},
                    {"velocity-limit", "mode", limits, admits_limits}};
@@ -115,7 +115,7 @@ Rivals of_roles() {
                    {"lead", "bounding", {}, is_not("server")},
                    {"lead", "local-model", {}, says_yes},
                    {"role", "view", is_not("observer")}};
-  // A hand that does not lead has no robot.
+  // These options need a hand that leads a robot.
   for (const char* option : {"lead", "robot", "trust-robot", "robot-button"}) {
     rivals.push_back({"role", option, is("observer")});
     rivals.push_back({"local-model", option, says_no});
@@ -125,7 +125,7 @@ Rivals of_roles() {
   return rivals;
 }
 
-/// Rules for limits of files that only one kind of recording has.
+/// Rules for file limits, which only MCAP recordings support.
 Rivals of_recordings() {
   const auto one_file = [](Value file) { return !is_mcap(std::string(file)); };
   Rivals rivals = {{"record", "record-max-mib", one_file},
