@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kUnit = 0x1p-53;  // of the upper 53 bits of a draw
+constexpr double kUnit = 0x1p-53;  // maps the upper 53 bits of a draw to [0, 1)
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void Amplifier::write(double time, const Vec3& written) noexcept {
   double arrives = time + plant_.delay;
   if (plant_.jitter > 0.0)
     arrives += plant_.jitter * kUnit * static_cast<double>(splitmix::draw(seed_, writes_++) >> 11U);
-  // A force that would arrive after a newer one is never applied.
+  // A newer force replaces every older force that would arrive later.
   while (count_ > 0 && waiting(count_ - 1).arrives >= arrives) --count_;
   if (count_ == kRoom) {
     target_ = waiting(0).vector;

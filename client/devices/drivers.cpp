@@ -26,7 +26,7 @@ using Name = Driver::Name;
 
 std::string whole_name(std::string_view name) { return std::string(name); }
 
-/// The plant of a device that nobody holds has no hand.
+/// Reads the plant from its file. The plant of a device that nobody holds has no hand.
 Plant requested_plant(const DeviceRequest& request) {
   if (request.name.empty()) return {};
   Plant plant = load_plant(plant_file_of(request.name));
@@ -168,7 +168,7 @@ constexpr std::array kDrivers = {
            .clutch_button = 2},
 };
 
-/// "KIND", "KIND:NAME" or "KIND[:NAME]".
+/// Returns "KIND", "KIND:NAME" or "KIND[:NAME]".
 std::string spelling(const Driver& driver) {
   std::string kind(driver.kind);
   const std::string named = ":" + std::string(driver.name);
@@ -183,7 +183,7 @@ std::string spelling(const Driver& driver) {
   return kind + named;
 }
 
-/// Small letters and digits only: "Omega 7" is as good as "omega.7".
+/// Returns only small letters and digits, so "Omega 7" matches "omega.7".
 std::string bare(std::string_view name) {
   std::string out;
   for (const char c : name) {
@@ -193,9 +193,10 @@ std::string bare(std::string_view name) {
   return out;
 }
 
-/// The specification meant by a user who names a device instead of its driver; empty: none.
+/// Returns the specification that matches a device name, if a user gives this name in place of a
+/// driver. Empty: no match.
 std::string meant_spec(std::string_view words) {
-  constexpr std::size_t kFewest = 4;  // letters that name a family
+  constexpr std::size_t kFewest = 4;  // least number of letters that name a family
   const std::string given = bare(words);
   if (given.empty()) return {};
   const std::vector<std::string> specs = device_spec_names();
@@ -207,7 +208,7 @@ std::string meant_spec(std::string_view words) {
   return {};
 }
 
-/// The driver for devices whose specifications' names begin with `device`.
+/// The driver of all devices whose specification name begins with `device`.
 struct Family {
   std::string_view device, kind;
 };
@@ -223,7 +224,7 @@ constexpr std::array kFamilies = {
     Family{"hapi", "hapi"},
 };
 
-/// The option for the device with this specification.
+/// Returns the option that selects the device of this specification.
 std::string option_for(std::string_view spec) {
   for (const Family& family : kFamilies)
     if (spec.starts_with(family.device))
@@ -264,7 +265,7 @@ DriverChoice chosen_driver(std::string_view words) {
     throw std::invalid_argument("--device " + std::string(words) + ": write it as " +
                                 spelling(*driver));
   DriverChoice choice{driver, named ? std::string(words.substr(colon + 1)) : std::string()};
-  if (named && driver->file != nullptr) driver->file(choice.name);  // or it throws
+  if (named && driver->file != nullptr) driver->file(choice.name);  // throws for an invalid name
   return choice;
 }
 

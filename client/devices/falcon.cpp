@@ -27,15 +27,15 @@ using std::chrono::milliseconds;
 
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xCB48;
 constexpr int kMostDevices = 16;
-constexpr std::size_t kMostFirmware = 1 << 16;  // images have 7 to 8 kB
-constexpr int kLoads = 5;                       // others report that a load works only sometimes
-constexpr int kAsks = 10;                       // requests to a firmware that may be present
+constexpr std::size_t kMostFirmware = 1 << 16;  // firmware images have 7 to 8 kB
+constexpr int kLoads = 5;                       // other users report that a load often fails
+constexpr int kAsks = 10;                       // number of requests to find a running firmware
 constexpr Nanoseconds kAnswers = milliseconds(300);
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
 
-/// From the maker's axes (x right, y up, z towards the user) to x towards the user, y right, z up,
-/// from the middle of the workspace.
+/// The maker's axes are x right, y up and z towards the user. Feltwire's axes are x towards the
+/// user, y right and z up, with the origin in the centre of the workspace.
 Vec3 turned_to_ours(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
 
@@ -57,7 +57,7 @@ std::unique_ptr<UsbLine> opened(int number) {
   }
 }
 
-/// Whether a firmware answers a request for no force.
+/// True if a firmware answers a request with zero force.
 bool answers(UsbLine& line) {
   if (!talk_to_firmware(line)) return false;
   const Packet asked = request({}, Light::red, false);
@@ -66,7 +66,7 @@ bool answers(UsbLine& line) {
     const AnswerStatus heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
     if (heard == AnswerStatus::gone || heard == AnswerStatus::unsent) return false;
     if (heard == AnswerStatus::whole && parse_reply(answer.packet())) return true;
-    if (!talk_to_firmware(line)) return false;  // this also discards the rest
+    if (!talk_to_firmware(line)) return false;  // this call also discards the remaining bytes
   }
   return false;
 }
@@ -127,7 +127,7 @@ class FalconDevice final : public LockStepDevice {
     return request(motors, homed_ ? Light::green : Light::red, !homed_);
   }
 
-  /// Sends a request and waits for its answer, before the servo runs.
+  /// Sends a request and waits for its answer. Only for use before the servo runs.
   std::optional<BoardReply> asked(const Counts& motors, Nanoseconds patience) noexcept {
     line_->forget();
     line_->post(packet_of(motors));
@@ -194,7 +194,7 @@ class FalconDevice final : public LockStepDevice {
   std::vector<std::string> notes_;
   bool homed_ = false;
 
-  // Members of the servo's thread.
+  // Only the servo thread uses these members.
   TrackedTool tool_;
   std::unique_ptr<FalconLine> line_;
 };

@@ -9,12 +9,13 @@ namespace feltwire::falcon {
 namespace {
 
 constexpr std::uint8_t kFirst = '<', kLast = '>', kZero = 'A';
-constexpr std::size_t kExtra = 13;  // lights or buttons
+constexpr std::size_t kExtra = 13;  // bytes for lights or buttons
 constexpr std::uint8_t kHoming = 0x01;
 constexpr unsigned kNibble = 0xF;
 
-// [m] as others have measured them: arm, shin, addition of the joints to the shin, place of the
-// joint at the tool (c along the leg, f across), place of the arm at the base (r, s).
+// [m] Dimensions that other users have measured. A leg has an arm and a shin, and the shin contains
+// two joints. The other values are offsets of the joints at the tool and at the base, along the leg
+// and across it.
 constexpr double kArm = 0.060, kShin = 0.1025, kJoints = 2.0 * 0.01125;
 constexpr double kToolAlong = 0.01443, kToolAcross = -0.025, kBaseAlong = 0.0400,
                  kBaseAcross = -0.02309;
@@ -22,15 +23,15 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kLegs = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
 constexpr double kAtZero = 35.0 * kDegree;
 constexpr double kScale = -10000.0;  // motor counts per N m at the arm
-constexpr double kFastest = 60.0;    // [rad/s] of an arm: 3.6 m/s at the tool
+constexpr double kFastest = 60.0;    // [rad/s] of an arm, 3.6 m/s at the tool
 
-/// The wrist of a leg in the plane in which its arm turns, and the shin's length there.
+/// The wrist of a leg in the plane of its arm, and the length of the shin in this plane.
 struct Leg {
   double u, w, shin;
-  Vec3 of_u, of_shin;  // slopes by the tool's position; that of w is z
+  Vec3 of_u, of_shin;  // gradients with respect to the tool position; the gradient of w is z
 };
 
-/// None if the shin is turned farther out of the plane than its length.
+/// Returns nothing if the shin would leave the plane by more than its length.
 std::optional<Leg> leg(std::size_t i, const Vec3& p) noexcept {
   const double c = std::cos(kLegs[i]), s = std::sin(kLegs[i]);
   const double v = -s * p.x() + c * p.y() - kBaseAcross + kToolAcross;
@@ -98,7 +99,8 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto l = leg(i, position);
     if (!l) return std::nullopt;
-    // |(u, w) - arm (cos, sin)| = shin: the angle of the wrist, and of the triangle at the base.
+    // The wrist at (u, w) has the distance `shin` from the end of the arm. The law of cosines gives
+    // the angle of the arm.
     const double reach = std::hypot(l->u, l->w);
     const double cosine = (reach * reach + kArm * kArm - l->shin * l->shin) / (2.0 * kArm * reach);
     if (!(std::abs(cosine) < 1.0)) return std::nullopt;
@@ -110,17 +112,17 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
 std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexcept {
   constexpr int kSteps = 12;
   constexpr double kExact = 1e-12;  // [m]
-  constexpr double kStep = 0.1;     // [m] a longer step leads to another solution
+  constexpr double kStep = 0.1;     // [m] a longer step may find another solution
   constexpr double kSame = 1e-9;
-  constexpr double kStretched = 1e-4;  // smallest determinant, in units of the arm
-  // All places in the maker's cube of 100 mm are within these limits.
-  constexpr double kFarthest = 0.1;     // [m] from the middle
-  constexpr double kMostForce = 500.0;  // [N] of 1 N m at an arm: a motor's count is 50 mN
-  constexpr double kMostWay = 0.75;     // [m/rad]: an encoder's count is 0.5 mm
+  constexpr double kStretched = 1e-4;  // smallest determinant, scaled by the arm length
+  // All positions in the maker's cube of 100 mm satisfy these limits.
+  constexpr double kFarthest = 0.1;     // [m] from the centre of the workspace
+  constexpr double kMostForce = 500.0;  // [N] for 1 N m at an arm; a motor count is then 50 mN
+  constexpr double kMostWay = 0.75;     // [m/rad] an encoder count is then 0.5 mm
   ToolPoint tool{.position = near, .jacobian = Mat3::Zero()};
   for (int n = 0; n < kSteps; ++n) {
-    Vec3 gap, turn;  // of g_i = |wrist - knee|^2 - shin^2; its slopes by the angles
-    Mat3 slope;      // and by the position
+    Vec3 gap, turn;  // gap: g_i = |wrist - knee|^2 - shin^2; turn: its derivative by the angle
+    Mat3 slope;      // gradient of g_i by the position
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto l = leg(static_cast<std::size_t>(i), tool.position);
       if (!l) return std::nullopt;
@@ -142,7 +144,7 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
     if (!((tool.position - kMiddle).norm() < kFarthest && forces.maxCoeff() < kMostForce &&
           tool.jacobian.cwiseAbs().maxCoeff() < kMostWay))
       return std::nullopt;
-    // The equations also have solutions where a leg bends the other way.
+    // Refuse a solution in which a leg bends the other way.
     const auto back = arm_angles(tool.position);
     if (!back || !back->isApprox(angles, kSame)) return std::nullopt;
     return tool;

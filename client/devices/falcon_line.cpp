@@ -11,7 +11,8 @@
 namespace feltwire::falcon {
 namespace {
 
-// The timeout of a transfer. A later answer counts as none (LockStepDevice then begins anew).
+// Timeout of a transfer. A later answer counts as missing, and LockStepDevice restarts the
+// exchange.
 constexpr Nanoseconds kTransfer = std::chrono::milliseconds(20);
 
 const Packet& no_force() noexcept {

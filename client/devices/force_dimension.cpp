@@ -16,17 +16,17 @@ namespace feltwire {
 namespace drd {
 namespace {
 
-// Return values other than 0 and -1: the reading is old, the force was cut.
+// Return values besides 0 and -1: old reading, limited force.
 constexpr int kOld = 1, kSaturated = 2;
-// Indices in dhdGetStatus(). SDKs differ in how many they fill.
+// Indices in dhdGetStatus(). The number of valid entries depends on the SDK.
 constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kOffCause = 14, kStatuses = 32;
-constexpr int kByWatchdog = 3;           // why the force is off
-constexpr int kNoDevice = 5;             // dhdErrorGetLast()
-constexpr unsigned char kWatchdog = 80;  // of 125 us: forces end 10 ms after the last call
-constexpr int kOldest = 3;               // version of the SDK
+constexpr int kByWatchdog = 3;           // the watchdog switched the force off
+constexpr int kNoDevice = 5;             // value of dhdErrorGetLast()
+constexpr unsigned char kWatchdog = 80;  // [125 us] the force ends 10 ms after the last call
+constexpr int kOldest = 3;               // oldest supported SDK version
 
-/// Adds torque for a model whose wrist motors only the device itself reports. Its inertia is not
-/// counted on.
+/// Adds torque to the specification of a device that reports wrist motors. The inertia stays
+/// unknown.
 void add_torque(SourcedSpec& described) {
   const SourcedSpec sigma = sourced_spec("sigma.7");
   DeviceSpec& spec = described.spec;
@@ -39,11 +39,11 @@ void add_torque(SourcedSpec& described) {
     described.sources[field] = "assumption: as the sigma.7";
 }
 
-/// The specification by the name of the model. `torque`: the wrist has motors.
+/// Returns the specification for the name of the model. `torque`: the wrist has motors.
 SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   constexpr std::pair<const char*, const char*> kFiles[] = {
       {"omega", "omega.7"},   {"delta", "delta.3"},
-      {"lambda", "lambda.7"}, {"sigma", "lambda.7"},  // without motors at its wrist
+      {"lambda", "lambda.7"}, {"sigma", "lambda.7"},  // a sigma without wrist motors
       {"Falcon", "falcon"},   {"falcon", "falcon"}};
   const char* file = nullptr;
   for (const auto& [part, one] : kFiles)
@@ -52,7 +52,7 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   SourcedSpec described = sourced_spec(file != nullptr ? file : "lambda.7");
   DeviceSpec& spec = described.spec;
   spec.name = name;
-  spec.late_ticks = 0;  // the Falcon's own driver is late by one; the maker's calls are not
+  spec.late_ticks = 0;  // only the driver in falcon.cpp is late by a tick
   described.sources.erase("late_ticks");
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";
@@ -64,7 +64,8 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   return described;
 }
 
-/// A Falcon has full-speed USB. The others are at USB, or at a card that is not slower.
+/// Returns the connection. A Falcon uses full-speed USB. The others use high-speed USB or a card
+/// that is at least as fast.
 const Connection& connection_of(const std::string& model) {
   const bool falcon = model.find("alcon") != std::string::npos;
   return falcon ? kFullSpeedUsbConnection : kUsbConnection;
@@ -81,7 +82,7 @@ char device_number(const std::string& name) {
   return static_cast<char>(number);
 }
 
-/// The cause that switched the force off, with the remedy.
+/// Returns the cause that switched the force off, and its remedy.
 const char* force_is_off(int cause) noexcept {
   switch (cause) {
     case 1:
@@ -122,7 +123,7 @@ class ForceDimensionDevice final : public Device {
   }
   ~ForceDimensionDevice() override {
     constexpr int kTries = 10;
-    let_go_.reset();  // its thread calls the library, too
+    let_go_.reset();  // its thread also calls the library
     give({});
     for (int n = 0; n < kTries && call_.stop(id_) < 0; ++n) continue;
     call_.close(id_);
@@ -146,12 +147,12 @@ class ForceDimensionDevice final : public Device {
   DeviceReading read(Nanoseconds) noexcept override {
     DeviceReading reading;
     double x = 0.0, y = 0.0, z = 0.0;
-    double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // columns: the tool's axes
+    double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  // columns are the tool's axes
     const int answer =
         wrist_ ? call_.frame(&x, &y, &z, axes, id_) : call_.position(&x, &y, &z, id_);
     reading.ok = answer >= 0 && !lost_;
     if (answer == kOld && reading.ok) {
-      // Give a force even now: the firmware's watchdog also waits for one.
+      // Write a force even now, because each write restarts the firmware's watchdog.
       lost_ = give(on_hand_) < 0;
       reading.ok = !lost_;
       reading.fresh = false;
@@ -178,20 +179,22 @@ class ForceDimensionDevice final : public Device {
     if (let_go_->asked()) return {};
     const bool nothing = on_hand.force().isZero(0.0) && on_hand.torque.isZero(0.0);
     const int answer = give(on_hand);
-    // After a failed call the force on the hand is unknown. Account no movement until a zero force
-    // has gone through.
+    // A failed call leaves the force on the hand unknown. Report no movement until a zero force has
+    // succeeded.
     lost_ = answer < 0 || (lost_ && !nothing);
     if (lost_) return {};
     Status status{};
     if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
-    // The handle's weight appears or disappears: its work over a closed path is then not zero.
+    // Gravity compensation was switched on or off. The work of the handle's weight over a closed
+    // path is not zero then.
     if (!lost_ && (status[kGravity] != 0) != compensates_) {
       compensates_ = !compensates_;
       lost_ = true;
     }
     if (lost_) return {};
-    if (status[kForce] == 0) {  // switched off: by the button, the speed guard
-      // The watchdog acted in a pause of this program, now over. No force before amplifiers are on.
+    if (status[kForce] == 0) {  // the force button or the speed limit switched the force off
+      // The watchdog acted during a pause of this program. Write zero force first, then switch the
+      // amplifiers on.
       if (status[kOffCause] == kByWatchdog && give({}) >= 0) call_.enable_force(1, id_);
       return {};
     }
@@ -202,8 +205,8 @@ class ForceDimensionDevice final : public Device {
       lost_ = true;
       return {};
     }
-    // A motor at its limit keeps the direction of the force. Other forces that the device reports
-    // (gravity) are not commanded here.
+    // A saturated motor keeps the direction of the force. Use only the share along the command,
+    // because the device may report other forces too.
     const Vec3 asked = on_hand.force();
     return held_command(on_hand, held_share(force, asked) * asked,
                         held_share(torque, on_hand.torque) * on_hand.torque);
@@ -214,15 +217,15 @@ class ForceDimensionDevice final : public Device {
  private:
   using Status = std::array<int, kStatuses>;
 
-  /// Puts the command on the hand; a gripper with a motor opens and closes freely. Returns what the
-  /// library's call returns.
+  /// Writes the command to the device. A gripper motor gets no force. Returns the result of the
+  /// library call.
   int give(const Command& command) const noexcept {
     const Vec3 f = command.force(), &t = command.torque;
     return torque_ ? call_.set_wrench(f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), 0.0, id_)
                    : call_.set_force(f.x(), f.y(), f.z(), id_);
   }
 
-  /// Reads what the motors give, [N] and [N m]. False: it is unknown.
+  /// Reads the force and torque of the motors [N, N m]. Returns false if the values are unknown.
   bool given(Vec3& force, Vec3& torque) const noexcept {
     double grip = 0.0;
     const int answer = torque_ ? call_.get_wrench(&force.x(), &force.y(), &force.z(), &torque.x(),
@@ -272,7 +275,7 @@ class ForceDimensionDevice final : public Device {
           "the device is not calibrated; run the maker's HapticInit first (the arm moves by "
           "itself, hands off)");
     begin_watchdog();
-    // Give no force before the amplifiers are on, so that the start does not kick.
+    // Write zero force before the amplifiers are on, so that the start causes no kick.
     const bool ready = call_.max_force(spec.max_force, id_) >= 0 &&
                        (!torque_ || call_.max_torque(spec.max_torque, id_) >= 0) &&
                        call_.brakes(0, id_) >= 0 && give({}) >= 0 &&
@@ -293,7 +296,7 @@ class ForceDimensionDevice final : public Device {
     let_go_ = std::make_unique<AsyncSignalRelease>([this] { give({}); });
   }
 
-  /// Ends the force when this program cannot: crashed, killed, machine stopped.
+  /// Starts the watchdog. It ends the force if the program crashes or the machine stops.
   void begin_watchdog() {
     unsigned char set = 0;
     const bool there = call_.expert_on != nullptr && call_.expert_off != nullptr &&
@@ -312,10 +315,10 @@ class ForceDimensionDevice final : public Device {
   Calls call_;
   char id_ = 0;
   bool wrist_ = false;
-  bool torque_ = false;  // the wrist has motors, and they are used
+  bool torque_ = false;  // the session uses wrist motors
   bool gripper_ = false;
-  bool compensates_ = false;  // the library holds the handle's weight
-  bool lost_ = false;         // the force on the hand is unknown after a failed call
+  bool compensates_ = false;  // gravity compensation is on
+  bool lost_ = false;         // a failed call left the force on the hand unknown
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Command on_hand_;
@@ -332,7 +335,7 @@ OpenedDevice open_force_dimension(const DeviceRequest& request) {
 }
 
 std::string force_dimension_library() {
-  const SharedLibrary library = drd::load();  // with all needed functions
+  const SharedLibrary library = drd::load();  // load() throws if a function is missing
   int major = 0, minor = 0, release = 0, revision = 0;
   library.get<void(int*, int*, int*, int*)>("dhdGetSDKVersion")(&major, &minor, &release,
                                                                 &revision);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The paths at which the SDK is searched, libdrd first: it contains all of libdhd.
+/// Returns the search paths of the SDK. libdrd comes first because it contains all of libdhd.
 std::vector<fs::path> libraries() {
   std::vector<fs::path> folders;
   utsname machine{};
@@ -33,10 +33,11 @@ std::vector<fs::path> libraries() {
       for (const std::string& other : names_in(folder))
         if (other.starts_with(name)) found.push_back(folder / other);
       std::sort(found.rbegin(), found.rend());
-      if (found.empty()) found.push_back(folder / name);  // so that the loader names it
+      // The error message of the loader shows this path.
+      if (found.empty()) found.push_back(folder / name);
       files.insert(files.end(), found.begin(), found.end());
     }
-    files.emplace_back(name);  // as the system's loader finds it
+    files.emplace_back(name);  // searched by the dynamic loader
     files.emplace_back(name + ".3");
   }
   return files;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kLongestStep = 20e-6;  // [s]
 
-/// The velocity after friction that changes it by at most `most`, axis by axis.
+/// Applies dry friction to a velocity, axis by axis. Friction changes a velocity by at most `most`.
 void rub(Vec3& velocity, double most) noexcept {
   for (double& v : velocity) v = std::abs(v) > most ? v - std::copysign(most, v) : 0.0;
 }
 
-/// A step of the velocity under implicit damping. `scale` and `solve` are (1 + h/m B)^-1, as a
-/// number if the damping is isotropic.
+/// A velocity step with implicit damping: (1 + h/m B)^-1. `scale` is a number for isotropic
+/// damping, `solve` a matrix for all others.
 struct ImplicitDamping {
   ImplicitDamping(Damping device, double hand, double step_over_mass) {
     device += hand;
@@ -31,7 +31,7 @@ struct ImplicitDamping {
   Mat3 solve;
 };
 
-/// Scales `v` down to a length of `most`; returns by how much.
+/// Returns the factor that reduces the length of `v` to at most `most`.
 double share_within(const Vec3& v, double most) noexcept {
   const double length = v.norm();
   return most > 0.0 && length > most ? most / length : 1.0;
@@ -65,7 +65,7 @@ HandDevice::HandDevice(const DeviceSpec& spec, const Hand& given, const Plant& p
   if (plant.ideal()) return;
   plant_.emplace(plant, spec_, hand_);
   Plant::Amplifier of_torque = plant.amplifier;
-  of_torque.resolution = 0.0;  // the resolution is for a force
+  of_torque.resolution = 0.0;  // this resolution applies to forces only
   torque_amplifier_.emplace(of_torque, plant.seed);
 }
 
@@ -84,7 +84,7 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading;
   const double quantum = spec_.position_resolution;
   Vec3 measured = plant_ ? plant_->measured() : position_;
-  if (spec_.translation_dof == 2) measured.z() = position_.z();  // it has no encoder there
+  if (spec_.translation_dof == 2) measured.z() = position_.z();  // this axis has no encoder
   for (int i = 0; i < 3; ++i)
     reading.pose.position[i] =
         quantum > 0.0 ? std::round(measured[i] / quantum) * quantum : measured[i];
@@ -92,8 +92,7 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-/// Turns about two axes do not commute: after a long turn, further rounds remove what the first one
-/// left.
+/// Rotations about two axes do not commute. Further rounds remove the error of the first round.
 Quaternion HandDevice::measured_orientation() noexcept {
   const double quantum = spec_.rotational_resolution;
   if (!(quantum > 0.0)) return orientation_;
@@ -109,7 +108,7 @@ Quaternion HandDevice::measured_orientation() noexcept {
 Command HandDevice::write(const Command& on_hand) noexcept {
   Command held = actuated(spec_, on_hand);
   if (released_.load() || !held.finite())
-    held = {};  // an amplifier that gets nonsense gives nothing
+    held = {};  // an amplifier gives no force for an invalid command
   const double share = share_within(held.force(), spec_.max_force);
   if (share < 1.0) {
     held.elastic *= share;
@@ -157,7 +156,8 @@ TrueEnergy HandDevice::true_energy() const noexcept {
   return energy;
 }
 
-/// Within a reading the intended motion counts as straight: it has nothing above some 12 Hz.
+/// Integrates the translation. The intended motion has no content above 12 Hz, so linear
+/// interpolation suffices.
 void HandDevice::move(double until, double span, int steps) noexcept {
   const double h = span / steps;
   Vec3 target = intended(until);
@@ -167,7 +167,8 @@ void HandDevice::move(double until, double span, int steps) noexcept {
 
   const double mass = spec_.apparent_mass + hand_.mass;
   const ImplicitDamping damped(spec_.damping, hand_.damping, h / mass);
-  const double friction_impulse = spec_.coulomb_friction * h / mass;  // [m/s] most in a step
+  // [m/s] Largest change per step.
+  const double friction_impulse = spec_.coulomb_friction * h / mass;
   for (int i = 0; i < steps; ++i) {
     intended_ += h * intended_velocity;
     const Vec3 pull =
@@ -204,7 +205,8 @@ void HandDevice::turn(double until, double span, int steps) noexcept {
 
   const double inertia = spec_.apparent_inertia + hand_.inertia;
   const ImplicitDamping damped(spec_.rotational_damping, hand_.rotational_damping, h / inertia);
-  const double friction_impulse = spec_.rotational_friction * h / inertia;  // [rad/s] in a step
+  // [rad/s] Largest change per step.
+  const double friction_impulse = spec_.rotational_friction * h / inertia;
   for (int i = 0; i < steps; ++i) {
     intended_orientation_ = turned(intended_orientation_, h * intended_velocity);
     const Vec3 torque = torque_amplifier_ ? torque_amplifier_->mean(time_ + i * h, h) : torque_;

@@ -38,7 +38,7 @@ void go_round(HandTask& task, double radius) {
 
 void set_normal(HandTask& task, const Vec3& normal) {
   task.normal = normal;
-  // Along x if the surface contains it, else along y.
+  // Use the x axis unless the normal is parallel to it, else the y axis.
   task.along = std::abs(normal.x()) > 0.9 * normal.norm() ? Vec3::UnitY() : Vec3::UnitX();
 }
 
@@ -63,7 +63,7 @@ IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
     for (auto& tone : axis) tone = {8.0 + 4.0 * uniform(state), kTurn * uniform(state)};
 }
 
-/// Before the approach, the hand moves out and back once a second.
+/// Returns the intended position. Before the approach, the hand moves out and back once per second.
 Vec3 IntendedMotion::position(double t) const noexcept {
   if (t >= task_.air) return with_tremor(on_path(t - task_.air), t);
   constexpr double kOut = 0.06;  // [m]
@@ -73,7 +73,7 @@ Vec3 IntendedMotion::position(double t) const noexcept {
   return with_tremor(on_path(0.0) + out * outward, t);
 }
 
-/// Three equal tones of amplitude a have RMS a sqrt(3/2).
+/// Adds the tremor. Three tones of amplitude a have an RMS amplitude of a sqrt(3/2).
 Vec3 IntendedMotion::with_tremor(Vec3 p, double t) const noexcept {
   if (!(task_.tremor > 0.0)) return p;
   const double amplitude = task_.tremor * std::sqrt(2.0 / kTones);
@@ -97,8 +97,8 @@ Vec3 IntendedMotion::on_path(double t) const noexcept {
            task_.radius * std::sin(angle) * task_.along;
       break;
     case HandPath::orbit: {
-      // On a flat surface the hand approaches along the normal; about a ball (depth 0) from outside
-      // the circle.
+      // The hand approaches a flat surface along the normal. It approaches a ball (depth 0) from
+      // outside the circle.
       const double radius = task_.radius + (task_.depth == 0.0 ? outside : 0.0);
       const double height = task_.depth == 0.0 ? 0.0 : outside - in * task_.depth;
       p += radius * (std::cos(angle) * task_.along + std::sin(angle) * across_) +
@@ -115,7 +115,7 @@ Vec3 IntendedMotion::on_path(double t) const noexcept {
       break;
     }
     case HandPath::strike: {
-      const double s = std::min(1.0, t / task_.lead_in);  // smoothstep, integrated
+      const double s = std::min(1.0, t / task_.lead_in);  // integral of a smoothstep
       const double way = task_.speed * (task_.lead_in * (s * s * s - 0.5 * s * s * s * s) +
                                         std::max(0.0, t - task_.lead_in));
       const double start = task_.clearance + 0.5 * task_.speed * task_.lead_in;

@@ -26,12 +26,12 @@ constexpr Nanoseconds kWakesUp = milliseconds(3000);
 constexpr Nanoseconds kAsksAgain = milliseconds(300);
 constexpr int kTrials = 50;
 constexpr double kFastest = 400.0;   // [rad/s] of an arm
-constexpr double kMostTorque = 1.0;  // of the board's own unit: about 0.5 N m
+constexpr double kMostTorque = 1.0;  // in the board's unit, about 0.5 N m
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("hapi: " + why); }
 
-/// From the maker's axes (x along the shafts, y from them towards the user) to x towards the user
-/// and y right, from the middle of the workspace.
+/// The maker's axes are x along the shafts and y towards the user. Feltwire's axes are x towards
+/// the user and y right, with the origin in the centre of the workspace.
 constexpr double kAhead = 0.08, kBeside = 0.01;  // [m]
 Vec3 ours(const Vec2& theirs) { return {theirs.y() - kAhead, theirs.x() - kBeside, 0.0}; }
 Vec2 theirs(const Vec3& ours) { return {ours.y(), ours.x()}; }
@@ -61,13 +61,13 @@ class HapiDevice final : public LockStepDevice {
   std::vector<std::string> notes() const { return notes_; }
 
  private:
-  /// Makes one or two system calls.
+  /// Writes zero torques. Makes one or two system calls.
   void let_go() noexcept override {
     static constexpr std::array<std::uint8_t, kTorqueBytes> kZeros{};
     if (const std::size_t torn = torn_.load(); torn > 0) {
       const std::size_t filled = port_.write(std::span(kZeros).first(torn)).value_or(0);
       torn_.store(torn - filled);
-      if (filled != torn) return;  // the board would take the zeros for the rest of that frame
+      if (filled != torn) return;  // the board would read further zeros as the rest of this frame
     }
     const auto frame = torque_frame(Vec2::Zero());
     port_.write(frame);
@@ -83,7 +83,8 @@ class HapiDevice final : public LockStepDevice {
     return held_command(command, share * force, Vec3::Zero());
   }
 
-  /// Before the next frame, fills a torn frame up with zeros, which make its numbers small.
+  /// Completes a partly written frame with zeros before the next frame. Zero bytes make the torques
+  /// of this frame small.
   bool post(std::span<const std::uint8_t> frame) noexcept {
     static constexpr std::array<std::uint8_t, kSetupBytes> kZeros{};
     reply_.clear();
@@ -97,7 +98,7 @@ class HapiDevice final : public LockStepDevice {
     return written == frame.size();
   }
 
-  /// Reads the board's answer: the bytes that are there, and those that come by `latest`.
+  /// Reads the answer of the board until `latest`.
   Answer collect(std::size_t expected, Nanoseconds latest) noexcept {
     std::array<std::uint8_t, 64> room{};
     while (true) {
@@ -121,7 +122,7 @@ class HapiDevice final : public LockStepDevice {
     return got;
   }
 
-  /// False: no arm can move like this.
+  /// Returns false for a movement that no arm can make.
   bool take_angles(const Vec2& angles) noexcept {
     const Nanoseconds now = monotonic_now();
     const double most = kFastest * seconds(now - taken_at_);
@@ -156,7 +157,8 @@ class HapiDevice final : public LockStepDevice {
       const Answer got = collect(kSetupReplyBytes, monotonic_now() + kAsksAgain);
       if (got == Answer::whole) return;
       answered |= got == Answer::garbled;
-      if (got == Answer::garbled) rest(monotonic_now() + kQuiet);  // let it finish
+      // Wait for the end of the garbled answer.
+      if (got == Answer::garbled) rest(monotonic_now() + kQuiet);
     }
     refuse(answered
                ? "the device at the port is not a board with hAPI firmware, or its firmware is of "
@@ -165,7 +167,7 @@ class HapiDevice final : public LockStepDevice {
                  "its firmware is the hAPI's (frames that begin with 0x03 and 0x13)");
   }
 
-  /// Measures the board's usual answer time, without a force.
+  /// Measures the usual answer time of the board at zero force.
   void see_to_answers() {
     const Nanoseconds usual = measure_answers([this] {
       const Nanoseconds latest = monotonic_now() + kAsksAgain;
@@ -185,9 +187,9 @@ class HapiDevice final : public LockStepDevice {
 
   SerialPort port_;
   std::vector<std::string> notes_;
-  std::atomic<std::size_t> torn_{0};  // bytes that the newest frame still lacks
+  std::atomic<std::size_t> torn_{0};  // bytes that are missing from the newest frame
 
-  // Only the servo's thread reads and writes these.
+  // Only the servo thread uses these members.
   Reply reply_;
   Nanoseconds taken_at_{0};
   Vec2 angles_ = Vec2::Zero();  // [rad]

@@ -25,19 +25,19 @@ using std::chrono::milliseconds;
 
 constexpr std::uint16_t kUsualPort = 10001;
 constexpr std::size_t kLongestMessage = 65536;
-constexpr Nanoseconds kPatience = milliseconds(3000);  // of the start
-constexpr int kAnswers = 50;          // at the start, until one describes the device
-constexpr double kFarthest = 1.0;     // [m] that a tool can be away
-constexpr double kSmallForce = 0.02;  // [N] smaller differences do not count
+constexpr Nanoseconds kPatience = milliseconds(3000);  // longest wait at the start
+constexpr int kAnswers = 50;          // largest number of start messages without a device
+constexpr double kFarthest = 1.0;     // [m] largest distance of a valid position
+constexpr double kSmallForce = 0.02;  // [N] tolerance for equal forces
 constexpr double kDigits = 1e6;       // steps per newton in a command
 
 [[noreturn]] void refuse_service(const std::string& why) {
   throw std::runtime_error("haply: " + why);
 }
 
-/// From x right, y away from the user, z up, to x towards the user, y right, z up, from the middle
-/// of the workspace.
-constexpr double kAway = -0.12, kUp = 0.15;  // [m] of that middle
+/// The maker's axes are x right, y away from the user and z up. Feltwire's axes are x towards the
+/// user, y right and z up, with the origin in the centre of the workspace.
+constexpr double kAway = -0.12, kUp = 0.15;  // [m] centre of the workspace in the maker's frame
 Vec3 turned_to_ours(const Vec3& v) { return {-v.y(), v.x(), v.z()}; }
 Vec3 turned_to_theirs(const Vec3& v) { return {v.y(), -v.x(), v.z()}; }
 Quaternion turned_to_ours(const Quaternion& q) { return {q.w(), -q.y(), q.x(), q.z()}; }
@@ -87,7 +87,8 @@ class HaplyDevice final : public LockStepDevice {
   void let_go() noexcept override { socket_.post(zero_); }
 
   std::optional<Command> send(const Command& command) noexcept override {
-    // An unexpected message: each later answer would be counted for the command before.
+    // Refuse the command after an unexpected message. Otherwise each later answer would match the
+    // wrong command.
     if (owed_ == 0 && socket_.receive(Nanoseconds(0)) != ServiceSocket::ReceiveResult::none) {
       say(Vec3::Zero(), false);
       return std::nullopt;
@@ -105,7 +106,7 @@ class HaplyDevice final : public LockStepDevice {
     return socket_.send({text.data(), size});
   }
 
-  /// Receives the last of the owed answers.
+  /// Receives all outstanding answers. The buffer keeps the last answer.
   Answer hear(Nanoseconds latest) noexcept {
     while (owed_ > 0) {
       switch (socket_.receive(latest)) {
@@ -128,7 +129,7 @@ class HaplyDevice final : public LockStepDevice {
     const auto message = read_message(socket_.message(), id_);
     if (!message) return Answer::garbled;
     const HaplyState& told = message->told;
-    // A profile that was changed meanwhile is noticed only if the service reports it.
+    // The driver detects a changed profile only if the service reports it.
     if (!told.position || told.calibrated == false || told.ready == false || !told.neutral() ||
         told.position->norm() > kFarthest)
       return Answer::garbled;
@@ -143,8 +144,9 @@ class HaplyDevice final : public LockStepDevice {
     return take_force(on_hand, told.force) ? Answer::whole : Answer::garbled;
   }
 
-  /// Takes the force that the service says it applies: the newest command, a part of it, or still
-  /// the command before. False: it is another force, so another program commands the device, too.
+  /// Takes the force that the service reports: the newest command, a part of it, or the command
+  /// before. Returns false for another force, because another program then also controls the
+  /// device.
   bool take_force(const Command& on_hand, const std::optional<Vec3>& told) noexcept {
     cut_.reset();
     if (!told) return true;
@@ -261,11 +263,11 @@ class HaplyDevice final : public LockStepDevice {
   ServiceSocket::Frame zero_;
   bool turns_ = false;  // a grip reports its orientation
 
-  // Only the servo's thread reads and writes these.
-  int owed_ = 0;                                     // answers
-  Quaternion orientation_ = Quaternion::Identity();  // the newest received
-  Vec3 asked_for_ = Vec3::Zero();                    // [N] by the newest command
-  std::optional<Vec3> cut_;                          // [N] the part of it that is held, if less
+  // Only the servo thread uses these members.
+  int owed_ = 0;                                     // number of outstanding answers
+  Quaternion orientation_ = Quaternion::Identity();  // newest received orientation
+  Vec3 asked_for_ = Vec3::Zero();                    // [N] force of the newest command
+  std::optional<Vec3> cut_;  // [N] reduced force, if the service reduced the newest command
 };
 
 }  // namespace
@@ -273,7 +275,7 @@ class HaplyDevice final : public LockStepDevice {
 
 namespace {
 
-/// Calls `ask`. If there is no service, the error names the remedy.
+/// Calls `ask`. If the service is not reachable, the error names the remedy.
 template <class Ask>
 auto asked_of_service(Ask ask) {
   try {

@@ -1,4 +1,4 @@
-// Replaces haply.cpp in a build that lacks the library for WebSockets.
+// Replaces haply.cpp in a build without the WebSocket library.
 
 #include <stdexcept>
 

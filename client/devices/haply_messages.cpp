@@ -11,23 +11,23 @@ namespace feltwire::haply {
 namespace {
 
 constexpr int kDeepest = 32;
-constexpr double kLargest = 1e6;  // largest number; a larger one is a mistake
+constexpr double kLargest = 1e6;  // a larger number is invalid
 constexpr std::string_view kBlanks = " \t\r\n";
 
-/// Walks through JSON from left to right. After an error it reads nothing more.
+/// Parses JSON from left to right. Reads nothing after an error.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) noexcept : rest_(text) {}
 
   bool good() const noexcept { return good_; }
   bool at_end() noexcept { return peek() == '\0' && rest_.empty(); }
-  /// The next character that is no blank; zero at the end.
+  /// Returns the next character after blanks, or zero at the end.
   char peek() noexcept {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
     return rest_.empty() ? '\0' : rest_.front();
   }
 
-  /// Calls take(key) at each value of an object; it must read the value.
+  /// Calls take(key) at each value of an object. take() must read the value.
   template <class Take>
   void object(Take take) noexcept {
     list('{', '}', [&] {
@@ -120,7 +120,7 @@ class Scanner {
   bool good_ = true;
 };
 
-/// {"x": 1, "y": 2, "z": 3}; a missing member keeps its value.
+/// Reads {"x": 1, "y": 2, "z": 3}. A missing member keeps its value.
 Vec3 vector(Scanner& scan, Vec3 value) noexcept {
   scan.object([&](std::string_view key) {
     const std::size_t axis = key.size() == 1 ? std::string_view("xyz").find(key) : 3;
@@ -132,9 +132,9 @@ Vec3 vector(Scanner& scan, Vec3 value) noexcept {
   return value;
 }
 
-/// {"w": 1, "x": 0, "y": 0, "z": 0}; empty unless its length is 1.
+/// Reads {"w": 1, "x": 0, "y": 0, "z": 0}. Returns nothing unless the length is 1.
 std::optional<Quaternion> orientation(Scanner& scan) noexcept {
-  constexpr double kRounding = 1e-2;  // of the length
+  constexpr double kRounding = 1e-2;  // tolerance of the length
   Eigen::Vector4d value = Eigen::Vector4d::Zero();
   scan.object([&](std::string_view key) {
     const std::size_t at = key.size() == 1 ? std::string_view("xyzw").find(key) : 4;
@@ -144,11 +144,11 @@ std::optional<Quaternion> orientation(Scanner& scan) noexcept {
       scan.skip();
   });
   const double length = value.norm();
-  if (!(std::abs(length - 1.0) < kRounding)) return std::nullopt;  // NaN is none, too
+  if (!(std::abs(length - 1.0) < kRounding)) return std::nullopt;  // also refuses NaN
   return Quaternion(Eigen::Vector4d(value / length));
 }
 
-/// Whether a quaternion differs from no turn by more than 1e-6.
+/// True if a component x, y or z exceeds 1e-6.
 bool turns(Scanner& scan) noexcept {
   bool turned = false;
   scan.object([&](std::string_view key) {
@@ -169,7 +169,7 @@ void read_state(Scanner& scan, HaplyState& told) noexcept {
     else
       scan.skip();
   });
-  // Take all components or none.
+  // Accept a vector only if all components are valid.
   if (told.position && !told.position->allFinite()) told.position.reset();
   if (told.force && !told.force->allFinite()) told.force.reset();
 }
@@ -270,7 +270,7 @@ struct Grip {
   std::optional<Quaternion> orientation;
 };
 
-/// "buttons": {"a": true, ...} or "button": true, and "orientation", in its state.
+/// Reads a grip: "buttons": {"a": true, ...} or "button": true, and "orientation", in "state".
 Grip read_grip(Scanner& scan) noexcept {
   Grip grip;
   std::optional<std::array<bool, 3>>& buttons = grip.buttons;
@@ -298,7 +298,7 @@ Grip read_grip(Scanner& scan) noexcept {
   return grip;
 }
 
-/// Writes into the rest of the room, front to back.
+/// Appends text to a fixed buffer.
 struct Writer {
   std::span<char> room;
   std::size_t size = 0;
@@ -319,7 +319,7 @@ struct Writer {
 }  // namespace
 
 bool HaplyState::neutral() const noexcept {
-  constexpr double kNeutral = 1e-6;  // [m], [N s/m], and of a scale
+  constexpr double kNeutral = 1e-6;  // [m], [N s/m]; also the tolerance of a scale factor
   return permutation == "XYZ" && mount.isZero(kNeutral) && scale.isOnes(kNeutral) && !turned &&
          std::abs(damping) <= kNeutral;
 }

@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr int kTrials = 50;           // answers whose time is measured
-constexpr double kLongerTick = 1.25;  // longest tick over the usual one
+constexpr int kTrials = 50;           // number of measured answers
+constexpr double kLongerTick = 1.25;  // longest tick divided by the usual tick
 
 }  // namespace
 
@@ -53,8 +53,7 @@ void LockStepDevice::give(const Command& command) noexcept {
   const auto taken = send(command);
   lost_ |= !taken;
   next_ = taken.value_or(Command{});
-  // A command that could not be sent changes nothing on the device. Zero is then sent again until
-  // it goes out.
+  // A command that was not sent changes nothing on the device. A failed zero is sent again.
   pulls_ = taken ? next_ != Command{} : pulls_ || command != Command{};
 }
 
@@ -92,7 +91,7 @@ Command LockStepDevice::write(const Command& on_hand) noexcept {
   on_hand_ = next_;
   give(on_hand);
   if (!released_.load()) return on_hand_;
-  let_go();  // release() came while it was sent
+  let_go();  // release() ran during the write
   return {};
 }
 

@@ -14,13 +14,13 @@ namespace {
 
 constexpr double kSmallestScale = 0.01, kLargestScale = 100.0;
 constexpr double kFarthest = 100.0;  // [m]
-constexpr double kRounded = 1e-14;   // error of a matrix element that should be whole
+constexpr double kRounded = 1e-14;   // rounding error of a matrix element that should be an integer
 
 void require_of_mapping(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// M B M' / s^2, of the same kind if possible.
+/// Returns M B M' / s^2, as an isotropic or diagonal damping if possible.
 Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   const double square = scale * scale;
   if (damping.isotropic()) return {damping.matrix()(0, 0) / square};
@@ -30,7 +30,7 @@ Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   return {symmetric};
 }
 
-/// The factor by which a box along the device's axes is wider along an axis of the scene.
+/// Returns the factor by which a box along the device's axes widens along an axis of the scene.
 double widening(const Mat3& axes) { return axes.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 }  // namespace
@@ -98,7 +98,7 @@ void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
                  axes_.transpose() * normal);
 }
 
-/// Maps `hand_` exactly to `tool_`. The mapped turn of (w, v) is (w, det(M) M v).
+/// Maps a pose. Maps `hand_` exactly to `tool_`. A rotation (w, v) maps to (w, det(M) M v).
 Pose MappedDevice::in_scene(const Pose& pose) const noexcept {
   Pose mapped = tool_;
   mapped.position += scale_ * (axes_ * (pose.position - hand_.position));
@@ -121,7 +121,8 @@ Command MappedDevice::to_device(const Command& c) const noexcept {
           .torque = turning_ * (axes_.transpose() * c.torque)};
 }
 
-/// `holds`: the device held a force since the last reading, or will hold one without a new write.
+/// Updates the clutch. `holds`: the device held a force since the last reading, or a written force
+/// has not yet arrived.
 void MappedDevice::clutch(DeviceReading& reading, bool holds) noexcept {
   const Pose hand = reading.pose;
   switch (state_) {
@@ -160,7 +161,7 @@ Command MappedDevice::write(const Command& on_hand) noexcept {
   const Command given = actuated(device_->spec(), asked);
   const Command held = device_->write(given);
   command_delay_.written(given, held);
-  // A force that was held in full is returned without rounding.
+  // Return a fully held force without a rounding error.
   return held == asked && state_ == Tool::led ? on_hand : to_scene(held);
 }
 

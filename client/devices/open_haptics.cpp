@@ -20,27 +20,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Numbers of the HD API in use here, from facts that its users have published.
+// Constants of the HD API. Users of the API have published these values.
 constexpr unsigned kNoHandle = 0xFFFFFFFFu;
 constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
-constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // hdEnable
+constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // argument of hdEnable
 constexpr unsigned kButtons = 0x2000, kInkwell = 0x2002, kTransform = 0x2052, kModel = 0x2501,
                    kOutputDof = 0x2554, kUpdateRate = 0x2600, kNominalMaxForce = 0x2603;
 constexpr unsigned kCurrentForce = 0x2700, kCurrentTorque = 0x2701;
-constexpr int kForceAndTorque = 6;  // kOutputDof of a device with motors at the wrist
-constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // hdCheckCalibration
-constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // styles of calibration
-// From here on an error says that the force is not as requested: warm motors, force, speed,
-// device faults, a late scheduler, a frame that did not end.
+constexpr int kForceAndTorque = 6;  // kOutputDof of a device with wrist motors
+constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // results of hdCheckCalibration
+constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // calibration styles
+// Errors from this code on mean that the force differs from the command: warm motors, force or
+// speed limits, device faults, a late scheduler, an unfinished frame.
 constexpr unsigned kFirstFault = 0x200;
 
 constexpr Nanoseconds kPatience =
-    std::chrono::microseconds(300);  // for the servo, in the call back
-constexpr int kMostRepeated = 25;    // ticks for which a force may be repeated
-constexpr int kRampTicks = 1000;     // at the start and after an error the maker ramps the force up
+    std::chrono::microseconds(300);  // longest wait for the servo in the callback
+constexpr int kMostRepeated = 25;    // largest number of ticks that repeat a force
+constexpr int kRampTicks = 1000;  // the library ramps the force up at the start and after an error
 constexpr double kMillimetre = 1e-3;
-constexpr double kMilli = 1e3;  // torque goes out in mN m
+constexpr double kMilli = 1e3;  // the API takes torque in mN m
 
 struct ErrorInfo {
   unsigned code;
@@ -88,7 +88,7 @@ struct Calls {
   void (*disable)(unsigned);
   void (*get_doubles)(unsigned, double*);
   void (*get_integers)(unsigned, int*);
-  void (*get_booleans)(unsigned, unsigned char*);  // null if absent
+  void (*get_booleans)(unsigned, unsigned char*);  // null if the library lacks it
   const char* (*get_string)(unsigned);
   void (*set_doubles)(unsigned, const double*);
   unsigned (*calibration)();
@@ -118,7 +118,8 @@ SharedLibrary load() {
   }
 }
 
-/// From x right, y up, z towards the user, to x towards the user, y right, z up.
+/// Returns the rotation from the maker's axes (x right, y up, z towards the user) to feltwire's
+/// axes (x towards the user, y right, z up).
 Mat3 turned() {
   Mat3 turn;
   turn << 0, 0, 1, 1, 0, 0, 0, 1, 0;
@@ -160,12 +161,12 @@ class OpenHapticsDevice final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override { return mailbox_.await(latest); }
   DeviceReading read(Nanoseconds) noexcept override { return mailbox_.newest(); }
   Command write(const Command& on_hand) noexcept override { return mailbox_.write(on_hand); }
-  /// The callback acts on it at its next tick.
+  /// The callback releases the device at its next tick.
   void release() noexcept override { mailbox_.release(); }
 
  private:
   unsigned opened(const std::string& name) const {
-    while (call_.error().code != 0) continue;  // drop errors of others
+    while (call_.error().code != 0) continue;  // discard old errors
     std::vector<const char*> names = {nullptr, "Default Device", "Default PHANToM"};
     if (!name.empty()) names = {name.c_str()};
     std::string why = "no reason";
@@ -204,7 +205,7 @@ class OpenHapticsDevice final : public Device {
     }
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
-    // No call reports the connection. A Premium has a card or a parallel port; a Touch has USB or
+    // No call reports the connection. A Premium uses a card or a parallel port, a Touch uses USB or
     // Ethernet.
     const bool touch = model.find("Touch") != std::string::npos;
     assume_lag(described_, premium ? kMappedConnection
@@ -232,7 +233,7 @@ class OpenHapticsDevice final : public Device {
     int rate = 0;
     call_.get_integers(kUpdateRate, &rate);
     constexpr int kUsualRate = 1000;
-    constexpr double kSlack = 1.25;  // of the period: its scheduler's own jitter
+    constexpr double kSlack = 1.25;  // allowance for the scheduler's jitter, relative to the period
     longest_tick_ = from_seconds(kSlack / (rate > 0 ? rate : kUsualRate));
     calibrate();
     has_inkwell_ = call_.get_booleans != nullptr && (call_.calibration_style() & kByInkwell) != 0;
@@ -267,20 +268,20 @@ class OpenHapticsDevice final : public Device {
     return in != 0;
   }
 
-  /// Called in the thread of the maker's scheduler.
+  /// The thread of the maker's scheduler calls this function.
   static unsigned called_back(void* self) {
     static_cast<OpenHapticsDevice*>(self)->frame();
     return kContinue;
   }
 
-  /// Called within a frame of the maker's library.
+  /// Reads the device. Only valid within a frame of the maker's library.
   DeviceReading sensed(bool in_inkwell) const noexcept {
-    std::array<double, 16> transform{};  // 4 x 4, the translation [mm] in the last column
+    std::array<double, 16> transform{};  // 4 x 4 matrix; the last column is the translation [mm]
     call_.get_doubles(kTransform, transform.data());
     DeviceReading reading;
     reading.pose.position =
         kMillimetre * (turn_ * Vec3(transform[12], transform[13], transform[14]));
-    const Eigen::Map<const Eigen::Matrix4d> placed(transform.data());  // column by column
+    const Eigen::Map<const Eigen::Matrix4d> placed(transform.data());  // column-major
     const Mat3 axes = placed.topLeftCorner<3, 3>();
     reading.pose.orientation = Quaternion(Mat3(turn_ * axes * turn_.transpose()));
     reading.ok = !failed_;
@@ -314,8 +315,8 @@ class OpenHapticsDevice final : public Device {
     look_for_errors();
   }
 
-  /// While the maker ramps, an unknown part of the command is on the hand. So nothing is commanded
-  /// then.
+  /// Reads the errors. During a ramp the force on the hand is unknown, so the driver commands no
+  /// force.
   void look_for_errors() noexcept {
     constexpr int kMost = 32;
     ramping_ = std::max(0, ramping_ - 1);
@@ -338,11 +339,11 @@ class OpenHapticsDevice final : public Device {
   std::vector<std::string> notes_;
   Nanoseconds longest_tick_{0};
   bool has_inkwell_ = false;
-  bool torque_ = false;  // the wrist has motors, and they are used
+  bool torque_ = false;  // the session uses wrist motors
   std::atomic<bool> let_go_{false}, in_inkwell_{false};
-  // Only the scheduler's thread reads and writes it.
+  // Only the scheduler's thread uses these members.
   int ramping_ = kRampTicks;
-  bool failed_ = false;  // in the frame before: the force on the hand is unknown
+  bool failed_ = false;  // the last frame failed, so the force on the hand is unknown
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-// Ceilings that no device and no hand reaches; a larger number has the wrong unit.
+// No device and no hand exceeds these limits. A larger number probably has the wrong unit.
 constexpr double kMostLag = 0.05;           // [s]
 constexpr double kMostPlantForce = 100.0;   // [N]
 constexpr double kMostStiffness = 1e9;      // [N/m]
@@ -17,7 +17,7 @@ constexpr double kMostWidth = 0.01;         // [m]
 constexpr double kMostVelocity = 10.0;      // [m/s]
 constexpr double kMostReflexDelay = 0.2;    // [s]
 constexpr double kLeastReflexDelay = 1e-3;  // [s]
-constexpr double kMostGrip = 10.0;          // of a grip
+constexpr double kMostGrip = 10.0;          // largest grip factor
 constexpr double kMostGripTime = 1e7;       // [s]
 
 std::string short_number(double value) {
@@ -85,7 +85,7 @@ void check_hand(const Plant::HeldHand& hand) {
   if (hand.stiffness) check_plant_range("hand.stiffness", *hand.stiffness, kMostStiffness, "N/m");
   check_plant_range("hand.pad_damping", hand.pad_damping, kMostPlantDamping, "N s/m");
   if (hand.has_pad()) check_stiffness("hand.pad_stiffness", hand.pad_stiffness);
-  if (!hand.has_pad() && !(hand.pad_stiffness > 0.0))  // not a number
+  if (!hand.has_pad() && !(hand.pad_stiffness > 0.0))  // also refuses NaN
     throw PlantError("hand.pad_stiffness", "is no number; leave it out for a hand without a pad");
   if (!hand.has_pad() && hand.pad_damping > 0.0)
     throw PlantError("hand.pad_stiffness",

@@ -12,33 +12,34 @@ namespace {
 
 constexpr double kPlantStep = 10e-6;           // [s]
 constexpr double kShortestPlantStep = 0.2e-6;  // [s]
-constexpr double kPhase = 0.1;                 // [rad] of the fastest spring, most in a step
-constexpr double kDecay = 0.05;                // of the fastest damper's movement, most in a step
-constexpr int kMostRounds = 30;                // most rounds for a step's equation
-constexpr double kSolved = 1e-14;              // relative velocity change that ends the rounds
-constexpr double kStill = 1e-15;               // [m/s] added to that change
-constexpr std::size_t kMemoryMargin = 5;       // remembered errors beyond the delay
+constexpr double kPhase = 0.1;                 // [rad] largest phase of the fastest spring per step
+constexpr double kDecay = 0.05;    // largest relative decay of a velocity by damping per step
+constexpr int kMostRounds = 30;    // largest number of iterations per step
+constexpr double kSolved = 1e-14;  // relative velocity change that ends the iteration
+constexpr double kStill = 1e-15;   // [m/s] absolute velocity change that ends the iteration
+constexpr std::size_t kMemoryMargin = 5;  // stored errors beyond the delay
 constexpr std::uint64_t kNoiseSeed = 0x6e6f697365;
 
-/// The strain of a spring with a backlash of `width`.
+/// Returns the strain of a spring whose backlash has the given width.
 double beyond(double way, double width) noexcept {
   const double out = std::abs(way) - 0.5 * width;
   return out > 0.0 ? std::copysign(out, way) : 0.0;
 }
 
-/// Uniform in (0, 1].
+/// Returns a uniform random number in (0, 1].
 double even(std::uint64_t seed, std::uint64_t i) noexcept {
   return 0x1p-53 * (static_cast<double>(splitmix::draw(seed, i) >> 11U) + 1.0);
 }
 
 double largest(const Vec3& v) noexcept { return v.cwiseAbs().maxCoeff(); }
 
-/// Everything that pulls a body: the sums of its springs and dampers.
+/// The sums of the springs and dampers at a body.
 struct Pull {
   double stiffness = 0.0, damping = 0.0, mass = 0.0;
 };
 
-/// [s] the longest step for a body. The other ends of its springs move too: at most twice as stiff.
+/// Returns the longest accurate step for a body [s]. The factor 2 covers the motion of the
+/// neighbour bodies.
 double step_for(const Pull& body) {
   const double fastest = std::sqrt(2.0 * body.stiffness / body.mass);
   double step = kPlantStep;
@@ -54,7 +55,7 @@ PlantMotion::PlantMotion(const Plant& plant, const DeviceSpec& spec, const Hand&
       damping_(spec.damping),
       dry_(spec.coulomb_friction),
       arm_(hand),
-      // A hand without mass (a thread) has no finger pad.
+      // A massless hand has no finger pad.
       pad_(plant.hand.has_pad() && hand.mass > 0.0),
       handle_(plant.transmission.rigid() ? kMotor : kMotor + 1),
       hand_body_(pad_ ? handle_ + 1 : handle_),
@@ -120,7 +121,8 @@ double PlantMotion::grip(double time) const noexcept {
   return grips.back().share;
 }
 
-/// The muscles act on the error of `reflex_delay` ago, interpolated between two remembered errors.
+/// Returns the reflex force. It follows the position error of `reflex_delay` ago, interpolated
+/// between two stored errors.
 Vec3 PlantMotion::reflex(double time) noexcept {
   const double at = (time - plant_.hand.reflex_delay) / kMemoryStep;
   if (!(at >= 0.0)) return Vec3::Zero();
@@ -138,8 +140,8 @@ void PlantMotion::remember(double time, const Vec3& error, const Vec3& rate) noe
     memory_[remembered_++ % memory_.size()] = {error, rate};
 }
 
-/// The spring's force is its change of energy over its change of length, so that no step adds or
-/// removes energy at the ends of the backlash.
+/// Computes the transmission force. The spring force is the change of energy divided by the change
+/// of length. So a step at the edge of the backlash keeps the energy.
 void PlantMotion::strain_transmission(const Bodies& moved, double span,
                                       Forces& forces) const noexcept {
   const Plant::Transmission& t = plant_.transmission;
@@ -150,13 +152,14 @@ void PlantMotion::strain_transmission(const Bodies& moved, double span,
     const double d1 = beyond(before[axis] + change[axis], t.backlash);
     double spring = 0.5 * t.stiffness * (d0 + d1), damper = t.damping * change[axis] / span;
     if (t.backlash > 0.0) {
-      // 1 if it is strained all the way, 0 in the gap.
+      // Share of the step in which the spring is strained.
       double share = d0 * d1 > 0.0 ? 1.0 : 0.0;
       if (share == 0.0 && change[axis] != 0.0)
         share = std::clamp((d1 - d0) / change[axis], 0.0, 1.0);
       spring *= share;
       damper *= share;
-      if (spring * (spring + damper) <= 0.0) damper = -spring;  // it does not pull at the gap's end
+      // The transmission cannot pull at the edge of the backlash.
+      if (spring * (spring + damper) <= 0.0) damper = -spring;
     }
     forces.transmission_spring[axis] = spring;
     forces.transmission[axis] = spring + damper;
@@ -178,8 +181,8 @@ PlantMotion::Forces PlantMotion::forces(const Bodies& moved, const Drive& drive)
   return forces;
 }
 
-/// The velocities after the step under these forces. Sets the dry friction: as much as stops the
-/// motor, but at most `most_dry`.
+/// Returns the velocities after the step. Sets the dry friction that stops the motor, limited to
+/// `most_dry`.
 PlantMotion::Bodies PlantMotion::accelerated(Forces& forces, const Bodies& moved,
                                              const Drive& drive,
                                              const Vec3& most_dry) const noexcept {
@@ -236,13 +239,13 @@ double PlantMotion::stored() const noexcept {
   return energy;
 }
 
-/// Counts the work of a step's forces over the ways `moved`.
+/// Adds the work of the forces over the displacements `moved`.
 void PlantMotion::count(const Forces& forces, const Bodies& moved, const Bodies& velocity,
                         const Drive& drive) noexcept {
   const Vec3& hand = moved[hand_body_];
   flow_.given += drive.motor.dot(moved[kMotor]);
   flow_.burned += damping_.quadratic(moved[kMotor]) / drive.step - forces.dry.dot(moved[kMotor]);
-  // Without a pad, the force held is the force on the hand's mass.
+  // Without a finger pad, the contact force is the force on the hand's mass.
   const Vec3 held =
       pad_ ? forces.pad
            : Vec3(arm_.mass / drive.step * (velocity[hand_body_] - velocity_[hand_body_]) -
@@ -295,7 +298,7 @@ void PlantMotion::step(double begin, double span, const Vec3& intended,
   }
   arm_error_ = drive.error + drive.intended_way - moved[hand_body_];
   share_ = drive.grip_after;
-  // A tightening grip strains the springs as they are.
+  // The arm supplies the energy if a tighter grip stiffens strained springs.
   if (grips)
     flow_.by_arm += spring_energy(share_, arm_error_) - loose -
                     (spring_energy(drive.grip(), arm_error_) - mean_loose);
@@ -304,7 +307,7 @@ void PlantMotion::step(double begin, double span, const Vec3& intended,
 Vec3 PlantMotion::measured() noexcept {
   Vec3 at = plant_.encoder.side == EncoderSide::motor ? motor_position() : handle_position();
   if (!(plant_.encoder.noise > 0.0)) return at;
-  for (double& axis : at) {  // Box and Muller
+  for (double& axis : at) {  // Box-Muller transform
     const double radius = std::sqrt(-2.0 * std::log(even(plant_.seed ^ kNoiseSeed, noises_++)));
     const double angle = 2.0 * std::numbers::pi * even(plant_.seed ^ kNoiseSeed, noises_++);
     axis += plant_.encoder.noise * radius * std::cos(angle);

@@ -37,7 +37,7 @@ SharedLibrary load(const fs::path& file) {
   }
 }
 
-/// Returns the plugin's functions. Refuses a plugin that lacks some.
+/// Returns the function table of the plugin. Throws if a function is missing.
 const feltwire_device_v1& functions(const SharedLibrary& library) {
   const fs::path& file = library.file();
   auto* entry = library.find<const feltwire_device_v1*()>(kEntry);
@@ -108,7 +108,7 @@ SpecSources sources_of(const feltwire_spec_v1& given) {
   return sources;
 }
 
-/// Takes the lag of the motors from the plugin, if it knows one.
+/// Takes the motor lag from the plugin, if the plugin reports it.
 void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* device,
               SourcedSpec& described, const std::string& source) {
   if (table.size < sizeof(feltwire_device_v1) || table.actuation_lag == nullptr) return;

@@ -29,7 +29,7 @@ DeviceReading PointerDevice::read(Nanoseconds now) noexcept {
   while (messages_.pop(told)) {
     heard_ = now;
     if (told.kind == PointerMessage::Kind::let_go) ended_ = true;
-    // Ignore a target that is not finite: the hand stays at the last one.
+    // Ignore an invalid target. The hand stays at the last target.
     if (told.kind == PointerMessage::Kind::to && told.target.allFinite()) target_ = told.target;
   }
   if (!ended_ && now - heard_ > from_seconds(options_.patience) &&

@@ -80,8 +80,8 @@ Command SampleMailbox::exchange(DeviceReading reading, Nanoseconds patience) noe
   return applied_;
 }
 
-/// Takes the offers since the last call. Averages the held forces of skipped readings, weighted by
-/// time. A fault of one reading is a fault of all. Returns whether there is news.
+/// Takes the offers since the last call. Averages the held forces of skipped readings over time. A
+/// single fault marks the result as faulty. Returns true if an offer arrived.
 bool SampleMailbox::take() noexcept {
   Offer offer;
   while (offers_.pop(offer)) {
@@ -120,7 +120,7 @@ Command SampleMailbox::write(const Command& on_hand) noexcept {
   std::uint64_t standing = taken_;
   const std::uint64_t answer = taken_ + 1;
   taken_ = 0;
-  command_ = on_hand;  // nobody reads it unless the next line succeeds
+  command_ = on_hand;  // the reader ignores it unless the next line succeeds
   if (!state_.compare_exchange_strong(standing, answer, std::memory_order_acq_rel))
     return expected_;
   device_wake_.set();

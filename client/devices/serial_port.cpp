@@ -29,13 +29,13 @@ namespace {
                            std::generic_category().message(error) + "; " + remedy);
 }
 
-/// Keeps other programs away. The lock also stops a program of root, which TIOCEXCL does not, but
-/// only if that program asks for the lock.
+/// Locks the port against other programs. TIOCEXCL does not stop root. flock() stops root only if
+/// its program also locks.
 bool keep(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::ioctl(descriptor, TIOCEXCL) == 0;
 }
 
-/// 8 bits, no parity, one stop bit, no flow control. Over USB the rate does not matter.
+/// Sets 8 bits, no parity, one stop bit, no flow control. USB ignores the bit rate.
 bool make_raw(int descriptor) {
   termios settings{};
   if (::tcgetattr(descriptor, &settings) != 0) return false;
@@ -62,7 +62,7 @@ SerialPort::SerialPort(const std::filesystem::path& port)
 }
 
 SerialPort::~SerialPort() {
-  ::ioctl(descriptor_, TIOCNXCL);  // it would last as long as somebody has the port open
+  ::ioctl(descriptor_, TIOCNXCL);  // TIOCEXCL would last until every user of the port closes it
   ::close(descriptor_);
 }
 
@@ -80,7 +80,7 @@ std::optional<std::size_t> SerialPort::read(std::span<std::uint8_t> room) const 
     const ssize_t count = ::read(descriptor_, room.data(), room.size());
     if (count > 0) return static_cast<std::size_t>(count);
     if (count < 0 && would_wait()) return 0;
-    return std::nullopt;  // readable, but empty: it was unplugged
+    return std::nullopt;  // ready but empty: the port was unplugged
   }
   if (state.revents != 0) return std::nullopt;
   return 0;

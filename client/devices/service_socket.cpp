@@ -49,7 +49,7 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-/// The answer that a server must give to a key.
+/// Returns the answer to `key` that the handshake requires.
 std::string accepted(const std::string& key) {
   const std::string text = key + std::string(kMagic);
   std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
@@ -58,7 +58,8 @@ std::string accepted(const std::string& key) {
   return base64(std::span(hash).first(size));
 }
 
-/// Connects the socket and asks for a WebSocket. Returns the bytes after the service's answer.
+/// Connects the socket and makes the WebSocket handshake. Returns the bytes after the service's
+/// answer.
 std::string shake_hands(int descriptor, std::uint16_t port) {
   const Nanoseconds latest = monotonic_now() + kHandshake;
   sockaddr_in address{};
@@ -230,7 +231,8 @@ ServiceSocket::ReceiveResult ServiceSocket::receive(Nanoseconds latest) noexcept
   }
 }
 
-/// Takes frames, or parts of them, until a message ends or `latest`; at least one part.
+/// Receives frames or parts of frames until the end of a message or `latest`. Receives at least one
+/// part.
 ServiceSocket::ReceiveResult ServiceSocket::take_frames(Nanoseconds latest) noexcept {
   while (!ended_) {
     wslay_frame_iocb part{};
@@ -241,10 +243,10 @@ ServiceSocket::ReceiveResult ServiceSocket::take_frames(Nanoseconds latest) noex
     const bool control = part.opcode == WSLAY_PING || part.opcode == WSLAY_PONG ||
                          part.opcode == WSLAY_CONNECTION_CLOSE;
     const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
-    // A message that begins twice, or continues without a beginning.
+    // True for a message that starts twice, or continues without a start.
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
-    const bool masked = part.mask != 0;   // only a client's frames may be (RFC 6455, 5.1)
-    const bool extended = part.rsv != 0;  // no extension was agreed on (5.2)
+    const bool masked = part.mask != 0;   // only frames of a client are masked (RFC 6455, 5.1)
+    const bool extended = part.rsv != 0;  // the handshake agreed on no extension (5.2)
     if (text && of_frame_ == 0) announced_ += part.payload_length;
     const bool endless = announced_ > std::max<std::uint64_t>(message_.size(), kMostSkipped);
     if ((!control && !text) || odd || masked || extended || endless)

@@ -15,8 +15,8 @@ using std::chrono::milliseconds;
 
 constexpr Nanoseconds kRelativeSilence = milliseconds(100);  // 3D mice report every 8 to 16 ms
 constexpr Nanoseconds kSilence = milliseconds(2000);
-constexpr double kRelativeReach = 350.0;  // of 3Dconnexion's, in counts of their reports
-constexpr double kGripper = 0.08;         // [m] open
+constexpr double kRelativeReach = 350.0;  // [counts] range of a 3Dconnexion axis
+constexpr double kGripper = 0.08;         // [m] open gripper
 constexpr double kLargestRest = 0.9;
 
 void require_of_steering(bool good, const char* message) {
@@ -58,7 +58,8 @@ InputState::Axis InputState::absolute(const EventNode& node, unsigned code, doub
           std::clamp(info->flat / reach, dead_zone, kLargestRest)};
 }
 
-/// From the kernel's axes (right, towards the person, down, and turns about these) to ours.
+/// Assigns the axes. The kernel's axes are right, towards the person, down, and rotations about
+/// them.
 void InputState::lay_out(const EventNode& node, std::string_view kind, double dead_zone) {
   const InputAxes has = node.axes();
   if (kind == "spacemouse") {
@@ -69,7 +70,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
     constexpr std::array<std::pair<unsigned, double>, kSix> kAxes = {
         {{ABS_Y, 1.0}, {ABS_X, 1.0}, {ABS_Z, -1.0}, {ABS_RY, 1.0}, {ABS_RX, 1.0}, {ABS_RZ, -1.0}}};
     for (std::size_t i = 0; i < kSix; ++i) {
-      const auto [code, sign] = kAxes[i];  // those of EV_REL have the same numbers
+      const auto [code, sign] = kAxes[i];  // EV_REL uses the same numbers
       layout_[i] = relative_ ? Axis{code, sign, 0.0, kRelativeReach, dead_zone}
                              : absolute(node, code, sign, dead_zone);
     }
@@ -78,7 +79,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   enable_ = BTN_TR;
   clutch_ = BTN_TL;
   others_ = kPadButtons;
-  const bool usual = has[ABS_RX] && has[ABS_RY];  // else like pads without their own driver
+  const bool usual = has[ABS_RX] && has[ABS_RY];  // false for pads without a driver of their own
   const auto put = [&](std::size_t place, unsigned code, double sign) {
     if (has[code]) layout_[place] = absolute(node, code, sign, dead_zone);
   };
@@ -91,7 +92,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   lay_out_gripper(node, has, usual);
 }
 
-/// Finds the right trigger, which pads report by different codes.
+/// Finds the right trigger. Its code depends on the pad.
 void InputState::lay_out_gripper(const EventNode& node, const InputAxes& has, bool usual) {
   if (has[ABS_HAT2X]) trigger_ = ABS_HAT2X;
   if (has[ABS_GAS]) trigger_ = ABS_GAS;
@@ -142,7 +143,7 @@ bool InputState::take(const input_event& event, Nanoseconds now, const EventNode
     coming_.axes[event.code] = event.value;
   if (event.type == EV_REL && event.code <= REL_RZ && relative_) {
     const std::size_t group = event.code < REL_RX ? 0 : 1;
-    // A packet reports all three axes; the kernel leaves out zeros.
+    // A packet contains all three axes, but the kernel omits zeros.
     if (!moved_[group]) std::fill_n(coming_.axes.begin() + (group == 0 ? REL_X : REL_RX), 3, 0);
     moved_[group] = true;
     coming_.axes[event.code] = event.value;
@@ -157,7 +158,8 @@ void InputState::end_packet(Nanoseconds now) noexcept {
   moved_ = {};
 }
 
-/// -1 to 1, and zero at rest. Squared, so that small deflections give slow movements.
+/// Returns the deflection, -1 to 1, and zero at rest. The square makes the tool slow at small
+/// deflections.
 double InputState::deflection(const Axis& axis, Nanoseconds now) const noexcept {
   if (axis.sign == 0.0) return 0.0;
   if (relative_ && now - moved_at_[axis.code < REL_RX ? 0 : 1] > kRelativeSilence) return 0.0;

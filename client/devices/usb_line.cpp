@@ -11,9 +11,9 @@
 namespace feltwire {
 namespace {
 
-// From the documentation of libusb-1.0 (its API is stable since 2008).
+// Constants from the documentation of libusb-1.0. Its API is stable since 2008.
 constexpr int kAccess = -3, kNoDevice = -4, kBusy = -6, kTimeout = -7;
-constexpr std::uint8_t kToDevice = 0x40;  // a vendor's request
+constexpr std::uint8_t kToDevice = 0x40;  // vendor request
 constexpr unsigned char kBulkOut = 0x02, kBulkIn = 0x81;
 constexpr int kInterface = 0;
 constexpr std::size_t kPacketBytes = 64, kModemBytes = 2;
@@ -33,7 +33,7 @@ struct Version {
   const char *rc, *description;
 };
 
-/// At least 1 ms, because libusb takes 0 as forever.
+/// Returns at least 1 ms, because libusb waits forever for 0.
 unsigned milliseconds_of(Nanoseconds patience) {
   return static_cast<unsigned>(std::max<std::int64_t>(
       1, std::chrono::duration_cast<std::chrono::milliseconds>(patience).count()));
@@ -72,12 +72,12 @@ struct UsbLine::Calls {
   void (*close)(void*);
   int (*claim)(void*, int);
   int (*release)(void*, int);
-  int (*detach)(void*, int);  // null if absent
+  int (*detach)(void*, int);  // null if the library lacks it
   int (*control)(void*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t, unsigned char*,
                  std::uint16_t, unsigned);
   int (*bulk)(void*, unsigned char, unsigned char*, int, int*, unsigned);
   const char* (*error_name)(int);
-  const Version* (*version)();  // null if absent
+  const Version* (*version)();  // null if the library lacks it
 };
 
 std::unique_ptr<UsbLine::Calls> UsbLine::load() {
@@ -153,7 +153,7 @@ bool UsbLine::control(Request request, std::uint16_t value) {
 std::optional<std::size_t> UsbLine::write(std::span<const std::uint8_t> bytes,
                                           Nanoseconds patience) {
   int sent = 0;
-  // libusb does not change what it sends.
+  // libusb does not modify sent data.
   auto* const data = const_cast<unsigned char*>(bytes.data());
   const int error = call_->bulk(device_, kBulkOut, data, static_cast<int>(bytes.size()), &sent,
                                 milliseconds_of(patience));

@@ -17,10 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Known {
-  std::string_view vendor, product;  // product empty: any
+  std::string_view vendor, product;  // an empty product matches any product
   std::string_view what, kind;
 };
-// Identifiers as others have reported them.
+// Identifiers that other users have reported.
 constexpr std::array kKnown = {
     Known{"1451", "", "Force Dimension", "forcedimension"},
     Known{"0403", "cb48", "Novint Falcon", "falcon"},
@@ -30,7 +30,8 @@ constexpr std::array kKnown = {
     Known{"2fe3", "0100", "Haply VerseGrip's receiver", "haply"},
 };
 
-/// "4" -> "004", as the folders of /dev/bus/usb are called. Empty: it is no number.
+/// Converts "4" to "004", as in the folder names of /dev/bus/usb. Returns an empty text if `number`
+/// is invalid.
 std::string three_digits(const std::string& number) {
   const auto digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   if (number.empty() || number.size() > 3 || !std::all_of(number.begin(), number.end(), digit))
@@ -38,7 +39,7 @@ std::string three_digits(const std::string& number) {
   return std::string(3 - number.size(), '0') + number;
 }
 
-/// The device's own node, and those of its serial ports and HID interfaces.
+/// Returns the node of the device, and the nodes of its serial ports and HID interfaces.
 std::vector<fs::path> nodes_of(const fs::path& device) {
   std::vector<fs::path> nodes;
   const std::string bus = three_digits(line_of(device / "busnum"));
@@ -55,7 +56,7 @@ std::vector<fs::path> nodes_of(const fs::path& device) {
   return nodes;
 }
 
-/// "ModemManager (process 812)" for each process with the node open, except this one.
+/// Returns "ModemManager (process 812)" for each other process that has the node open.
 std::string holders(const fs::path& root, const fs::path& node) {
   std::string list;
   for (const fs::path& process : entries(root / "proc")) {
@@ -73,7 +74,7 @@ std::string holders(const fs::path& root, const fs::path& node) {
   return list;
 }
 
-/// Complains if the node does not exist, or may not be opened with these rights.
+/// Adds a complaint if the node is missing, or if this program lacks the rights.
 void check_node(const Machine& machine, const fs::path& node, int rights, const std::string& rule,
                 ConnectedDevice& device) {
   const fs::path file = machine.root / node.relative_path();
@@ -109,7 +110,8 @@ void examine(const Machine& machine, const Known& known, const std::string& prod
          "write a plugin (docs/devices.md#as-a-plugin-in-c---device-pluginfilesoarguments)"});
 }
 
-/// Many programs may listen to an event node at once, unless one has grabbed it.
+/// Examines an input device. Other readers are no problem, because many programs may read an event
+/// node.
 ConnectedDevice examined(const Machine& machine, const InputNode& node) {
   ConnectedDevice device{node.vendor + ":" + node.product,
                          (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +
