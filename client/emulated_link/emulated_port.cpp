@@ -13,7 +13,7 @@ void EmulatedPort::send_due() noexcept {
   while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
 }
 
-/// It reads only members that never change while the link is in use.
+/// Thread-safe: reads only members that never change during the use of the link.
 std::optional<std::string> EmulatedPort::refuses_link(const LinkQuality& link) const {
   for (const OneWayLink* way : {&link_.up, &link_.down})
     if (auto no = way->refuses(link)) return no;

@@ -11,22 +11,23 @@
 namespace feltwire {
 namespace {
 
-// The uses of a datagram's random numbers. Each use has its own number, so that one setting does
-// not change the effects of the others.
+// Each use of a datagram's random numbers has its own number. So a setting does not change the
+// effects of the other settings.
 enum Draw : std::uint64_t { kLoss, kDelay, kDelay2, kReorder, kDuplicate, kCopy, kCopy2, kDraws };
 
 constexpr double kNanoseconds = 1e9;
 
-/// Zero mean, unit variance, from u and v uniform on (0, 1). A transformation gives equal numbers
-/// everywhere.
+/// Returns a value with zero mean and unit variance, from u and v uniform on (0, 1). A fixed
+/// formula gives equal numbers on all platforms.
 double scatter(Jitter distribution, double u, double v) noexcept {
   switch (distribution) {
-    case Jitter::normal:  // Box and Muller 1958
+    case Jitter::normal:  // Box-Muller transform, 1958
       return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
     case Jitter::uniform:
       return std::numbers::sqrt3 * (2.0 * u - 1.0);
     case Jitter::pareto: {
-      // Shape 3 and scale 1, as netem's table: u^(-1/3) has mean 3/2 and variance 3/4.
+      // Pareto distribution of shape 3 and scale 1, as in netem. u^(-1/3) has mean 3/2 and variance
+      // 3/4.
       constexpr double kMean = 1.5, kDeviation = 0.5 * std::numbers::sqrt3;
       return (1.0 / std::cbrt(u) - kMean) / kDeviation;
     }
@@ -42,8 +43,9 @@ LinkModel::LinkModel(LinkOptions options, std::uint64_t key)
 }
 
 void LinkModel::set_chain() noexcept {
-  // Runs of losses are geometric with mean 1 / recover. In balance loss * recover =
-  // (1 - loss) * fall_ill. For independent losses the chain falls ill as often as it stays ill.
+  // Two-state chain (Gilbert). Runs of losses have the mean length 1 / recover_. In equilibrium
+  // loss * recover_ = (1 - loss) * fall_ill_. For independent losses the next loss does not depend
+  // on the state.
   const double loss = options_.loss;
   recover_ = options_.burst > 0.0 ? 1.0 / options_.burst : 1.0 - loss;
   fall_ill_ = loss < 1.0 ? loss * recover_ / (1.0 - loss) : 1.0;
@@ -72,7 +74,7 @@ void LinkModel::set(const LinkQuality& link) noexcept {
   set_chain();
 }
 
-/// On (0, 1), both ends excluded.
+/// Returns a uniform number on (0, 1), without both ends.
 double LinkModel::uniform(std::uint64_t draw) const noexcept {
   const std::uint64_t bits = splitmix::draw(key_, ordinal_ * kDraws + draw);
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1.0p-53;
@@ -90,7 +92,7 @@ bool LinkModel::next_is_lost() noexcept {
 bool LinkModel::leaves_queue(std::size_t size, Nanoseconds now, Nanoseconds& leaves) noexcept {
   leaves = now;
   if (options_.rate <= 0.0) return true;
-  constexpr double kBits = 8.0;  // of a byte
+  constexpr double kBits = 8.0;  // per byte
   const auto bytes = static_cast<double>(size + kHeadersOnTheWire);
   const Nanoseconds starts = std::max(now, line_free_);
   const double waiting =
@@ -107,7 +109,7 @@ Nanoseconds LinkModel::delay(std::uint64_t draw) const noexcept {
   return from_seconds(std::clamp(seconds, 0.0, 2.0 * kLongestLinkDelay));
 }
 
-/// Keeps the order, if wanted: a line is first in, first out.
+/// Delays an arrival to keep the order, if the options require it.
 Nanoseconds LinkModel::in_order(Nanoseconds arrival) noexcept {
   if (!options_.keep_order) return arrival;
   return newest_arrival_ = std::max(newest_arrival_, arrival);
@@ -130,7 +132,7 @@ LinkFate LinkModel::next(std::size_t size, Nanoseconds now) noexcept {
     };
     fate.copies = 1;
     if (uniform(kReorder) < options_.reorder) {
-      // It comes after the line, and the line does not wait for it.
+      // Let later datagrams overtake this one: its extra delay does not affect them.
       const Nanoseconds latest = options_.keep_order ? newest_arrival_ : Nanoseconds(0);
       fate.arrivals[0] = std::max(latest, arrival(kDelay)) + from_seconds(options_.reorder_delay);
     } else {

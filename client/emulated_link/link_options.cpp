@@ -14,8 +14,8 @@ namespace {
 
 struct Number {
   std::string_view key, unit, meaning;
-  double least, most;  // in that unit
-  double scale;        // of the unit, to the member's
+  double least, most;  // range, in `unit`
+  double scale;        // factor from `unit` to the unit of `member`
   double LinkOptions::*member;
 };
 
@@ -56,7 +56,7 @@ std::string keys() {
 }
 std::string profile_names() { return joined_names(kLinkProfiles, ", ", &LinkProfile::name); }
 
-/// Prints without trailing zeros.
+/// Prints a number without trailing zeros.
 std::string plain(double value) {
   std::array<char, 32> text;
   const auto end =
@@ -190,7 +190,7 @@ void validate(const LinkOptions& options) {
     fail("trace:" + options.trace->file +
          " already says delay and loss; leave delay, jitter and loss out, or give them for the "
          "other direction only (up., down.)");
-  // The chain of link_model.cpp would need a probability above 1.
+  // A larger loss would need a probability above 1 in the chain of link_model.cpp.
   if (options.burst > 0.0 && options.loss > options.burst / (options.burst + 1.0))
     fail("loss=" + plain(options.loss / kPercent) +
          " is too large for runs of burst=" + plain(options.burst) +

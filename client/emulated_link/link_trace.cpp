@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestTrace = 1e7;  // [s] some four months
+constexpr double kLongestTrace = 1e7;  // [s] about four months
 
 }  // namespace
 
