@@ -12,9 +12,9 @@ namespace feltwire::follower_lines {
 namespace {
 
 constexpr std::string_view kFinite = "is no finite number; write one like 0.25";
-constexpr double kMost = 1e6;  // largest number; a larger one is a mistake
+constexpr double kMost = 1e6;  // a larger number is invalid
 
-/// The text up to the next blank; `rest` is what follows it.
+/// Returns the text before the next blank. `rest` keeps the text after it.
 std::string_view word(std::string_view& rest) noexcept {
   const std::size_t end = std::min(rest.find(' '), rest.size());
   const std::string_view text = rest.substr(0, end);
@@ -53,7 +53,7 @@ std::string_view read_positive(std::string_view text, double& value, bool zero) 
   return {};
 }
 
-/// Calls take(name, value) for each field. take() returns the fault, if any.
+/// Calls take(name, value) for each field. take() returns the fault, or an empty text.
 template <class Take>
 std::optional<Fault> each_field(std::string_view rest, Take take) {
   while (!rest.empty()) {
@@ -67,8 +67,8 @@ std::optional<Fault> each_field(std::string_view rest, Take take) {
   return std::nullopt;
 }
 
-/// Fields have one bit each, in the order of their lines below: 1, 2, 4, ...
-/// Marks a field as seen; false: it was seen before.
+/// Marks a field as seen. Returns false if the line already has this field. Each field has a bit,
+/// in the order of the lines below: 1, 2, 4, ...
 bool first_time(unsigned& seen, unsigned bit) noexcept {
   if ((seen & bit) != 0) return false;
   seen |= bit;
@@ -110,8 +110,8 @@ class Writer {
   bool fits_ = true;
 };
 
-/// Finds a field among those that a line may have. Each call uses the next bit of `seen`, so the
-/// order of the calls must be the same for each field of the line.
+/// Matches a field with the allowed fields of a line. Each call uses the next bit of `seen`, so the
+/// calls must have the same order for each field.
 class KnownFields {
  public:
   KnownFields(std::string_view name, unsigned& seen) : name_(name), seen_(seen) {}
@@ -121,7 +121,7 @@ class KnownFields {
     if (name_ == known) wrong_ = first_time(seen_, bit_) ? read_it() : kTwice;
     bit_ *= 2;
   }
-  /// The error of the field; empty: there is none.
+  /// Returns the error of the field, or an empty text.
   std::string_view wrong() const { return wrong_; }
 
  private:
@@ -238,7 +238,7 @@ std::optional<Lines::Line> Lines::next() noexcept {
     const std::size_t end = rest.find('\n');
     if (end == std::string_view::npos) {
       if (rest.size() < kLongestLine) return std::nullopt;
-      const bool more = skipping_;  // it was reported already
+      const bool more = skipping_;  // the line was already reported
       skipping_ = true;
       begin_ = filled_;
       if (more) return std::nullopt;

@@ -18,7 +18,8 @@ constexpr Nanoseconds kBetweenJoins = std::chrono::seconds(1);
 constexpr double kBrakes = 0.25;  // [s] enough for any real speed and acceleration
 constexpr int kGoodbyes = 3;
 
-/// A join request describes a device. A robot has none, so only the name counts.
+/// Builds a join request. It must describe a device, but a robot has no device, so only the name is
+/// used.
 control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec) {
   DeviceSpec device = builtin_device("simulated");
   device.name = spec.name;
@@ -65,7 +66,7 @@ class FollowerLoop {
     if (run_.on_join) run_.on_join();
   }
 
-  /// Serves until the session or the run is over; true: the run is over.
+  /// Serves until the session or the run ends. Returns true if the run ended.
   bool serve() {
     start();
     heard_ = monotonic_now();
@@ -98,7 +99,7 @@ class FollowerLoop {
     return run_.duration > 0.0 && seconds(now - begun_) >= run_.duration;
   }
 
-  /// Waits until something may have come or a sample is due. Returns the present time.
+  /// Waits for a datagram or the next sample. Returns the present time.
   Nanoseconds wait() {
     Nanoseconds wake = next_;
     if (const auto due = port_->next_due()) wake = std::min(wake, *due);
@@ -112,7 +113,7 @@ class FollowerLoop {
     return now;
   }
 
-  /// Takes the datagrams that have arrived. False: the server ended the session.
+  /// Handles the received datagrams. Returns false if the server ended the session.
   bool take(Nanoseconds now) {
     for (int i = 0; i < DatagramPort::kBurst; ++i) {
       const std::optional<Bytes> datagram = port_->receive();
@@ -140,7 +141,7 @@ class FollowerLoop {
     next_ += passed * period_;
   }
 
-  /// Ticks without a server: the robot brakes, and holds.
+  /// Ticks without a server. The robot brakes and then holds its position.
   void tick_on(double time) {
     servo_.reconnected();
     start();

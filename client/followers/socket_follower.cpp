@@ -22,12 +22,12 @@ using follower_lines::Fault;
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// Writes "error LINE: FIELD: WHAT\n" into `text`; returns its length.
+/// Writes "error LINE: FIELD: WHAT\n" into `text`. Returns the length.
 std::size_t write_error(std::uint64_t line, const Fault& fault, std::span<char> text) noexcept {
   std::size_t size = 0;
   const auto put = [&](std::string_view part) {
     const std::size_t count = std::min(part.size(), text.size() - 1 - size);
-    // The text of the driver is returned with printable characters only.
+    // Replace unprintable characters in the driver's text.
     std::transform(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count),
                    text.begin() + static_cast<std::ptrdiff_t>(size),
                    [](char c) { return c >= ' ' && c <= '~' ? c : '?'; });
@@ -66,7 +66,7 @@ OwnDescriptor listen_at(const std::filesystem::path& path) {
   }
   OwnDescriptor made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (made.get() < 0) throw std::runtime_error(name + ": cannot make a socket: " + reason());
-  // Nobody can connect before listen(), so nobody but this user ever can.
+  // Nobody can connect before listen(). So the permissions exclude all other users from the start.
   constexpr mode_t kOwner = S_IRUSR | S_IWUSR;
   if (::bind(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::chmod(name.c_str(), kOwner) != 0 || ::listen(made.get(), 1) != 0)
@@ -140,7 +140,7 @@ bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
 }
 
 FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
-  if (!heard_) return target;  // the robot's place is unknown, so send no target
+  if (!heard_) return target;  // the robot's position is unknown, so send no target
   const bool follows = fresh_ && reading_.ok && !reading_.stopped && !hold_.load();
   if (!follows)
     held_ = {reading_.commanded, reading_.gripper};
@@ -154,13 +154,13 @@ FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
 
 void SocketFollower::hold() noexcept {
   hold_.store(true);
-  // Send at once, whatever read() and write() do. The first line feed ends a half-sent line.
+  // Send at once, independent of read() and write(). The first line feed ends a partly sent line.
   constexpr std::string_view kNow = "\nhold\n";
   [[maybe_unused]] const ssize_t sent =
       ::send(socket_.get(), kNow.data(), kNow.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// Sends the rest of a partly sent line. Returns whether nothing is left of it.
+/// Sends the rest of a partly sent line. Returns true if nothing remains.
 bool SocketFollower::flush() noexcept {
   if (pending_size_ == 0) return true;
   const ssize_t count =
@@ -171,7 +171,8 @@ bool SocketFollower::flush() noexcept {
   return pending_size_ == 0;
 }
 
-/// Drops a line that finds no room, and returns false: the next target is newer.
+/// Sends a line. Drops the line and returns false if the buffer is full, because the next target is
+/// newer.
 bool SocketFollower::send(const char* text, std::size_t size) noexcept {
   if (size == 0 || !connected_ || !flush()) return false;
   const ssize_t count = ::send(socket_.get(), text, size, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -208,7 +209,7 @@ std::unique_ptr<SocketFollower> FollowerListener::wait(Nanoseconds longest) {
   OwnDescriptor driver(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (driver.get() < 0)
     throw std::runtime_error(path_.string() + ": the driver is gone: " + reason());
-  // The kernel's smallest buffer: old targets must not wait there for a slow driver.
+  // Request the smallest send buffer of the kernel. Old targets must not wait for a slow driver.
   const int least = 1;
   ::setsockopt(driver.get(), SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
   follower_lines::Lines lines;
