@@ -9,15 +9,15 @@
 namespace feltwire {
 namespace {
 
-constexpr std::array kPushes = {0.4, 0.7, 1.0};       // of the top speed
+constexpr std::array kPushes = {0.4, 0.7, 1.0};       // push speed divided by top speed
 constexpr std::array kPlaces = {-0.45, -0.4, -0.35};  // [amplitudes]
-constexpr double kNoForce = 1e-3;                     // [N] that a device may hold instead of none
-constexpr double kMargin = 3e-3;                      // [s] that a force may last beyond the delay
-constexpr double kSlowestCoast = 0.25;                // of the push: below it stiction may act
-constexpr std::size_t kShortest = 10;                 // [ticks]
+constexpr double kNoForce = 1e-3;       // [N] a device may hold this force in place of zero
+constexpr double kMargin = 3e-3;        // [s] a force may outlast the delay by this time
+constexpr double kSlowestCoast = 0.25;  // relative to the push; stiction may act at lower speeds
+constexpr std::size_t kShortest = 10;   // [ticks]
 constexpr int kLeastFreedom = 4;
 
-/// [m] the mean place about tick k, over the window of velocity_at().
+/// Returns the mean position around tick k [m], over the window of velocity_at().
 double place_at(const CoastDownRecord& run, std::size_t k) {
   double sum = 0.0;
   for (std::size_t n = k - kHalfWindow + 1; n < k + kHalfWindow; ++n)
@@ -31,13 +31,13 @@ double speed_at(const CoastDownRecord& run, std::size_t k) {
   return run.coast.along.dot(velocity_at(run.ticks, k, kHalfWindow));
 }
 
-/// The deceleration of the handle, and the mean speed at which it was measured.
+/// The deceleration of the handle, and the mean speed of its measurement.
 struct Slowing {
   double deceleration, speed;  // [m/s^2], [m/s]
 };
 
-/// Uses the part without a force. The integral of dv/dt = -(b v + f_c) / m between two ticks has
-/// only the errors of its two ends.
+/// Evaluates the coast without a force. The speed difference of two ticks is the integral of dv/dt
+/// = -(b v + f_c) / m. This difference has only the errors of its two ends.
 std::optional<Slowing> slowing(const CoastDownRecord& run, double delay) {
   std::size_t free = run.ticks.size();
   while (free > 0 && std::abs(run.coast.along.dot(run.ticks[free - 1].force)) < kNoForce) --free;

@@ -6,7 +6,7 @@
 namespace feltwire {
 namespace {
 
-/// The velocity at a time that lies between ticks, `shift` [ticks] after tick k.
+/// Interpolates the velocity at `shift` [ticks] after tick k.
 class VelocityBetween {
  public:
   VelocityBetween(std::span<const SweepTick> ticks, double shift)
@@ -42,7 +42,8 @@ std::vector<DissipationCycle> dissipation_per_cycle(const SweepRecord& run, doub
   if (ticks.size() < 4 * kHalfWindow || run.turns.size() < 2) return cycles;
   const double period =
       (ticks.back().time - ticks.front().time) / static_cast<double>(ticks.size() - 1);
-  // A force is held from one tick to the next, so its middle is half a tick later.
+  // The device holds a force from one tick to the next. The mean time of the force is half a tick
+  // later.
   const VelocityBetween velocity(ticks, 0.5 + delay / period);
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
     const std::size_t first = run.turns[n], end = run.turns[n + 1];
@@ -59,7 +60,8 @@ std::vector<DissipationCycle> dissipation_per_cycle(const SweepRecord& run, doub
       mean_force += ticks[k].force / static_cast<double>(end - first);
     }
     if (!(way > 0.0)) continue;
-    // Subtract the energy left at the ends: of a small speed, and of a step against the mean force.
+    // Subtract the kinetic energy difference, and the work of the mean force over the remaining
+    // displacement.
     const double kinetic = velocity(end).squaredNorm() - velocity(first).squaredNorm();
     work -= 0.5 * mass * kinetic + mean_force.dot(moved);
     cycles.push_back({work / way, squares / way, slow / way});
@@ -109,9 +111,10 @@ FittedLine fitted_line(std::span<const DissipationCycle> cycles) {
 }
 
 double student(int freedom) {
-  // Cornish and Fisher's expansion about the normal quantile; below four degrees it falls short.
+  // Quantile by the Cornish-Fisher expansion about the normal quantile. The expansion is too small
+  // below four degrees of freedom.
   constexpr double z = 3.0902;
-  if (freedom < 4) return 22.3;  // of two degrees
+  if (freedom < 4) return 22.3;  // value for two degrees of freedom
   const double n = freedom;
   return z + (z * z * z + z) / (4.0 * n) +
          (5.0 * std::pow(z, 5) + 16.0 * z * z * z + 3.0 * z) / (96.0 * n * n) +

@@ -13,17 +13,19 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShare = 0.8;           // share of a bound that is reported
-constexpr double kDelayMargin = 0.5e-3;  // [s] error of the delay, in both directions
-constexpr double kLeastForce = 2e-3;     // [N] smaller forces cannot be told from zero
-constexpr double kSticks = 2.0;          // stiction at the turns, over the largest resistance found
-constexpr double kSpeedError = 0.02;     // error of the mean speed, from windows and ripple
-constexpr double kLagShare = 0.02, kLeastLag = 40e-6;  // [s] that is added to the lag's bound
-constexpr double kOpenLag = 0.5e-3;                    // [s] largest error of a usable lag
-constexpr double kHeld = 25.0;         // [N/m] a hand's stiffness; a free handle has none
-constexpr double kDisagreement = 0.3;  // of the damping, beyond the errors that the fits report
+constexpr double kShare = 0.8;           // reported share of a bound
+constexpr double kDelayMargin = 0.5e-3;  // [s] error of the delay in both directions
+constexpr double kLeastForce = 2e-3;     // [N] noise hides smaller forces
+constexpr double kSticks = 2.0;          // stiction at the turns divided by the largest resistance
+constexpr double kSpeedError = 0.02;  // relative error of the mean speed, from windows and ripple
+// Share and least value [s] to add to the lag.
+constexpr double kLagShare = 0.02, kLeastLag = 40e-6;
+constexpr double kOpenLag = 0.5e-3;  // [s] largest error of a usable lag
+constexpr double kHeld = 25.0;       // [N/m] stiffness of a hand; a free handle has no stiffness
+// Relative difference of the dampings, in addition to the fit errors.
+constexpr double kDisagreement = 0.3;
 
-/// u' A u along a line, and how far below it the truth may be.
+/// The value u' A u along a line u. The true value may be smaller by `uncertainty`.
 struct AlongLine {
   Vec3 along = Vec3::Zero();
   double value = 0.0, uncertainty = 0.0;
@@ -36,13 +38,13 @@ const AlongLine* find_line(std::span<const AlongLine> lines, const Vec3& along) 
   return found == lines.end() ? nullptr : &*found;
 }
 
-/// A symmetric matrix, and the possible error of each of its numbers.
+/// A symmetric matrix, and the largest error of each element.
 struct Measured {
   Mat3 value = Mat3::Zero(), uncertainty = Mat3::Zero();
 };
 
-/// Finds the matrix from its values along the axes and the diagonals of each pair of axes.
-/// Precondition: all of sweep_plan()'s lines are there.
+/// Computes the matrix from its values along the axes and along the diagonals of each pair of axes.
+/// Precondition: `lines` contains all lines of sweep_plan().
 Measured measured(std::span<const AlongLine> lines, int dof) {
   Measured found;
   for (int i = 0; i < dof; ++i) {
@@ -60,8 +62,8 @@ Measured measured(std::span<const AlongLine> lines, int dof) {
   return found;
 }
 
-/// A diagonal matrix D that is surely below A: A - D is diagonally dominant (Gershgorin). If the
-/// axes are coupled too much for that, D is the least eigenvalue of A in every direction.
+/// Returns a diagonal matrix D below A: A - D is diagonally dominant (Gershgorin). If the axes are
+/// strongly coupled, D is the smallest eigenvalue of A for all axes.
 Vec3 diagonal_below(const Measured& a, int dof) {
   Vec3 below = Vec3::Zero();
   for (int i = 0; i < dof; ++i) {
@@ -78,11 +80,11 @@ Vec3 diagonal_below(const Measured& a, int dof) {
   return same;
 }
 
-/// The runs along one line, which are adjacent in the plan.
+/// The runs along a line. They are adjacent in the plan.
 struct Line {
   Vec3 along = Vec3::Zero();
   std::vector<const SweepRecord*> runs;
-  ImpulseFit impulse;  // of the fastest
+  ImpulseFit impulse;  // fit of the fastest run
 };
 
 std::vector<Line> lines_of(std::span<const SweepRecord> runs) {
@@ -101,8 +103,8 @@ std::vector<Line> lines_of(std::span<const SweepRecord> runs) {
   return lines;
 }
 
-/// A lower bound of the friction along one line: the smaller of two estimates. One uses all cycles,
-/// the other only the faster half, where stiction is over.
+/// Returns a lower bound of the friction along a line: the smaller of two estimates. The first uses
+/// all cycles. The second uses only the fast cycles, where stiction has no effect.
 double friction_below(const std::vector<DissipationCycle>& cycles) {
   const FittedLine all = fitted_line(cycles);
   double fastest = 0.0, most = 0.0, slow_share = 0.0;
@@ -139,9 +141,9 @@ std::string line_name(const Vec3& along) {
   return text;
 }
 
-/// Empty unless the other measurement finds clearly less damping than the energy does. It may find
-/// more if stiction bends the line or each axis has its own friction; then the smaller value is the
-/// safe one. `open`: the uncertainty of both.
+/// Returns a warning if the other method finds clearly less damping than the energy method, else an
+/// empty text. More damping needs no warning: stiction or friction per axis can cause it, and the
+/// smaller value is safe. `open`: combined uncertainty.
 std::string disagreement(const Vec3& along, const FittedLine& energy, const char* other,
                          double damping, double open) {
   if (energy.slope - damping <= kDisagreement * std::abs(energy.slope) + open) return {};
@@ -152,7 +154,7 @@ std::string disagreement(const Vec3& along, const FittedLine& energy, const char
   return text.str();
 }
 
-/// Takes the decay along an axis, which can only lower the damping.
+/// Compares with the decay of a coast along an axis. The decay can only lower the damping.
 void cross_check(std::span<const CoastDownRecord> coasts, std::size_t axis, const Line& line,
                  const FittedLine& energy, const AlongLine& damping, DeviceEstimate& found) {
   const ImpulseFit& impulse = line.impulse;
@@ -187,7 +189,8 @@ void read_lag(std::span<const SweepRecord> shaken, DeviceEstimate& found) {
   const LagFit fit = lag_fit(shaken);
   if (!fit.valid) return;
   const double open = student(fit.freedom) * fit.error;
-  if (!(open < kOpenLag && fit.lag + open + kLeastLag > 0.0)) return;  // no motor is early
+  // A motor cannot act before its command.
+  if (!(open < kOpenLag && fit.lag + open + kLeastLag > 0.0)) return;
   found.lag = fit.lag;
   found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
 }
@@ -226,8 +229,8 @@ DeviceEstimate estimate(std::span<const SweepRecord> all_runs,
     dampings.push_back({line.along, energy.slope, t * energy.slope_error});
     masses.push_back({line.along, impulse.mass, student(30) * impulse.mass_error});
     found.friction = std::min(found.friction, energy.offset);
-    // A delay that is compensated too little takes from the fast sweeps, and so adds to the
-    // friction. A delay that is compensated too much takes from the friction.
+    // A delay compensation that is too small lowers the damping and raises the friction. A
+    // compensation that is too large lowers the friction. So take the smaller estimate.
     found.friction_bound = std::min({found.friction_bound, friction_below(cycles),
                                      friction_below(cycles_of(line, most_delay + kDelayMargin))});
     if (pull_back(*line.runs.front()) > kHeld)

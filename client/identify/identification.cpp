@@ -11,23 +11,23 @@
 namespace feltwire {
 namespace {
 
-// A soft spring and damper towards the place to which the handle is led, like a light hand.
+// The controller is a soft spring and damper towards the target position, similar to a light hand.
 constexpr double kStiffness = 200.0, kDamping = 2.0;  // [N/m], [N s/m]
-constexpr double kBrake = 5.0;  // [N s/m] more, on the speed beyond the sweep's by half
+constexpr double kBrake = 5.0;  // [N s/m] extra damping above kExcess times the planned speed
 constexpr double kExcess = 1.5;
-constexpr double kFilter = 3e-3;  // [s] of the velocity that the damper sees
+constexpr double kFilter = 3e-3;  // [s] filter of the damper's velocity
 constexpr double kSlew = 100.0;   // [N/s]
 constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;  // [s]
-constexpr double kBeyond = 0.03;   // [s] after the last cycle, for the windows
-constexpr double kRoom = 1.5;      // room for ticks, over the expected ones
-constexpr double kSharpest = 5.0;  // [m/s^2] at a turn
-// A coast: its longest time and way, and the speeds [of the push] at which it ends. An unbalanced
-// handle falls.
+constexpr double kBeyond = 0.03;   // [s] after the last cycle, for the averaging windows
+constexpr double kRoom = 1.5;      // reserved ticks divided by expected ticks
+constexpr double kSharpest = 5.0;  // [m/s^2] largest acceleration at a turn
+// Limits of a coast: longest time, longest distance, and its final speeds relative to the push. The
+// speed of an unbalanced handle may rise.
 constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
 constexpr double kCoasted = 0.15, kFallen = 1.3;
 constexpr double kLeastBrake = 1.0;  // [m/s^2]
-// The force that shakes: its first and its largest amplitude [of the largest force], the speed that
-// it causes [of the sweep's], and the times [s] in which it grows e-fold, or shrinks.
+// The vibration force: first and largest amplitude [of the largest force], vibration speed [of the
+// sweep speed], and time constants [s] of growth and decay.
 constexpr double kFirstShake = 0.02, kMostShake = 0.5;
 constexpr double kLeastSwing = 0.5, kMostSwing = 0.7;
 constexpr double kShakeGrows = 0.12, kShakeShrinks = 0.03, kSwingFades = 0.1;
@@ -46,7 +46,8 @@ IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> for
   limits.amplitude =
       room > 0.0 ? std::min(kOfWorkspace * room, kLargestAmplitude) : kUsualAmplitude;
   limits.travel = kTravelOverAmplitude * limits.amplitude;
-  // A turn takes a fifth of the way's time, so its acceleration is 2 v^2 / amplitude.
+  // A turn takes a fifth of the time of a stroke (half a cycle). Its acceleration is then 2 v^2 /
+  // amplitude.
   limits.top_speed = std::min(kTopSpeed, std::sqrt(0.5 * kSharpest * limits.amplitude));
   limits.speed = 2.0 * limits.top_speed;
   limits.force = force.value_or(kOfForce * spec.max_force);
@@ -127,7 +128,7 @@ void Identification::held(const Vec3& force) noexcept {
   if (recorded_ != nullptr) recorded_->back().force = force;
 }
 
-/// Gives up if a free handle, led softly, cannot give such a reading.
+/// Stops the measurement if a free handle cannot cause this reading.
 bool Identification::odd(double time, const Vec3& position) noexcept {
   if (!position.allFinite()) return give_up("the device gave a position that is no number"), true;
   const double span = time - last_;
@@ -145,7 +146,7 @@ bool Identification::odd(double time, const Vec3& position) noexcept {
   return false;
 }
 
-/// Leads the handle to its place at this time. Returns the force towards it.
+/// Moves the target position of this phase. Returns the force towards it.
 Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   const double in_phase = time - phase_began_;
   double strength = 1.0, meant = limits_.top_speed;  // [m/s]
@@ -192,7 +193,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
         begin(Phase::brake, time);
       break;
     }
-    case Phase::brake: {  // from its present speed to rest, as at a sweep's turn
+    case Phase::brake: {  // decelerates from the present speed to rest, as at the turn of a sweep
       const CoastDown& coast = coasts_[coast_].coast;
       meant = coast.speed;
       const double speed = std::max(coasted_, 0.0);
@@ -210,7 +211,8 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   }
   Vec3 wanted = kStiffness * (start_ + led_ - position) - kDamping * velocity_;
   const double speed = velocity_.norm(), excess = speed - kExcess * meant;
-  if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;  // a heavy handle swings
+  // This damper limits the overshoot of a heavy handle.
+  if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
   wanted = strength * clamp_length(wanted, limits_.force);
@@ -220,8 +222,9 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
                       limits_.force);
 }
 
-/// [N] The force along a shaken sweep. In the cycle before the measured ones its amplitude grows
-/// until the handle swings by half of the sweep's speed: then dry friction keeps its direction.
+/// Returns the vibration force along a sweep [N]. Its amplitude grows in the cycle before the
+/// measured cycles. It stops growing when the vibration speed is half the sweep speed, so the dry
+/// friction keeps its direction.
 double Identification::shaken(const Sweep& sweep, double in_phase, double span) noexcept {
   const double cycle = cycle_time(sweep, limits_.amplitude);
   if (in_phase < span + 1e-9 || shake_level_ == 0.0) {
@@ -252,7 +255,7 @@ const Vec3& Identification::line_along() const noexcept {
   return sweeps() ? runs_[run_].sweep.along : coasts_[coast_].coast.along;
 }
 
-/// Begins the next sweep or coast, or ends.
+/// Starts the next sweep or coast, or ends the measurement.
 void Identification::next(double time) noexcept {
   const bool last = !sweeps() && coast_ + 1 == coasts_.size();
   if (sweeps())
@@ -262,7 +265,7 @@ void Identification::next(double time) noexcept {
   begin(last ? Phase::fade : Phase::approach, time);
 }
 
-/// Marks a turn if the next recorded tick begins a cycle, or ends the last one.
+/// Marks a turn if the next recorded tick starts a cycle or ends the last cycle.
 void Identification::look_for_turn(double in_phase) noexcept {
   SweepRecord& run = runs_[run_];
   const double next = static_cast<double>(run.turns.size()) + 1.0;

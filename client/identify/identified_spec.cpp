@@ -27,8 +27,8 @@ nlohmann::ordered_json numbers(const Damping& damping) {
   return all;
 }
 
-/// A motor that is late by up to a servo period may have a delay, a first-order lag or both. The
-/// account cannot handle a longer first-order lag, so a longer lag is described as a delay.
+/// Describes a lag of up to a servo period as a mix of delay and first-order lag. A longer lag
+/// counts as a delay, because the energy account cannot handle a longer first-order lag.
 std::pair<LagKind, double> told_lag(double bound) {
   constexpr double kLongestMixed = 1e-3, kTail = 0.5e-3;  // [s]
   if (bound <= kLongestMixed) return {LagKind::mixed, bound};
@@ -42,13 +42,13 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   DeviceSpec& spec = known.spec;
   const int dof = spec.translation_dof;
   Vec3 damping = found.damping_bound;
-  if (dof == 2) damping.z() = damping.head<2>().minCoeff();  // no axis, and no force there
+  if (dof == 2) damping.z() = damping.head<2>().minCoeff();  // this axis has no force
   spec.damping = damping;
   spec.apparent_mass = found.mass.head(dof).mean();
   spec.least_mass = std::min(found.mass_bound, spec.apparent_mass);
   spec.coulomb_friction = std::max(found.friction, 0.0);
   spec.least_friction = std::min(found.friction_bound, spec.coulomb_friction);
-  // Treat noise like a quantum of sqrt(12) times its RMS.
+  // Treat the noise like a quantum of sqrt(12) times its RMS value.
   spec.position_resolution = std::max(found.quantum, std::sqrt(12.0) * found.noise);
 
   const std::string by = "identify, " + date;

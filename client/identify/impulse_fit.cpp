@@ -10,9 +10,10 @@ namespace feltwire {
 namespace {
 
 constexpr double kDelayStep = 0.25e-3, kLongestDelay = 8e-3;  // [s]
-constexpr double kSlowest = 0.2;  // of the sweep's speed: slower ticks show stiction, not friction
+constexpr double kSlowest = 0.2;  // relative to the sweep speed; stiction dominates at lower speeds
 
-/// Means over one window of ticks, along the sweep: noise and delay affect all of them alike.
+/// Means over a window of ticks along the sweep. The window is the same for all means, so noise and
+/// delay affect them equally.
 struct Means {
   double force, velocity, acceleration;
 };
@@ -22,7 +23,7 @@ std::vector<Means> means(const SweepRecord& run) {
   std::vector<Means> list;
   if (run.ticks.size() < 6 * h) return list;
   list.reserve(run.ticks.size());
-  double sum = 0.0;  // of the forces of ticks k-h .. k+h-1
+  double sum = 0.0;  // sum of the forces of ticks k-h .. k+h-1
   for (std::size_t k = h; k < 3 * h; ++k) sum += run.sweep.along.dot(run.ticks[k].force);
   for (std::size_t k = 2 * h; k + 2 * h < run.ticks.size(); ++k) {
     const double span = run.ticks[k + h].time - run.ticks[k - h].time;
@@ -41,7 +42,7 @@ struct Fit {
   bool valid = false;
 };
 
-/// `shift` [ticks]: delay of the movement after the force.
+/// Fits mass, damping, friction and offset. `shift` [ticks]: delay of the movement after the force.
 Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   const auto whole = static_cast<std::size_t>(shift);
   const double part = shift - std::floor(shift);
@@ -64,7 +65,8 @@ Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   if (count < 100) return found;
   const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
   found.x = solver.solve(right);
-  // Neighbours share their windows: so many ticks give one independent value.
+  // The windows of neighbours overlap. So only one of 4 kHalfWindow ticks gives an independent
+  // value.
   const double independent = count / (4.0 * kHalfWindow);
   found.variance = std::max(0.0, square - found.x.dot(right)) / count;
   const Eigen::Matrix4d inverse = solver.solve(Eigen::Matrix4d::Identity());

@@ -15,15 +15,17 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSettled = 0.05;    // of a way's time between its turn and the test function
-constexpr int kRounds = 6;           // of Newton's rule
-constexpr double kClose = 1e-8;      // [s]
-constexpr double kMostLag = 4e-3;    // [s] beyond it a lag of first order turns less than w L
-constexpr double kMassChange = 0.3;  // change of the apparent mass near a resonance
+constexpr double kSettled = 0.05;  // settling time after a turn, relative to the time of a stroke
+constexpr int kRounds = 6;         // iterations of Newton's method
+constexpr double kClose = 1e-8;    // [s]
+// [s] Above this lag L, the phase of a first-order lag is clearly below w L.
+constexpr double kMostLag = 4e-3;
+constexpr double kMassChange = 0.3;  // relative change of the apparent mass near a resonance
 constexpr int kLeastFrequencies = 3;
-constexpr int kSurplus = 4;  // more equations than unknowns
+constexpr int kSurplus = 4;  // least number of equations minus unknowns
 
-/// sin^4 over one way, times exp(-j w t), with its derivatives; `t` [s].
+/// The test function sin^4 over a stroke, times exp(-j w t), with its derivatives; `t` [s]. A
+/// stroke is the movement in one direction, half a cycle.
 class TestFunction {
  public:
   TestFunction(double begins, double ends, double frequency)
@@ -31,7 +33,7 @@ class TestFunction {
 
   double ends() const { return ends_; }
   double turn() const { return turn_; }  // w [rad/s]
-  /// Its derivative of that order; order 0 is the function itself.
+  /// Returns the derivative of this order. Order 0 is the function.
   Complex derived(int order, double t) const {
     if (!(t > begins_ && t < ends_)) return 0.0;
     // sin^4 is a sum of five exponentials.
@@ -52,23 +54,25 @@ class TestFunction {
   double begins_, ends_, turn_;
 };
 
-/// The integrals over one way of a run, with its cycles turned back to one phase.
+/// The integrals over a stroke of a run. The cycles are rotated to a common phase.
 struct ShakenWay {
   const SweepRecord* run;
   TestFunction test;
-  Complex accelerated = 0.0;  // of x p''
-  Complex moved = 0.0;        // of -x p'
+  Complex accelerated = 0.0;  // integral of x p''
+  Complex moved = 0.0;        // integral of -x p'
 
-  /// The integral of f(t - lag) p. A force is held to the next tick: Simpson's rule in between.
+  /// Returns the integral of f(t - lag) p. The device holds a force until the next tick, and
+  /// Simpson's rule integrates between the ticks.
   Complex forced(double lag) const;
 };
 
-/// Calls visit(turn back by the phase, ticks from the cycle's begin on, time of that begin).
+/// Calls visit(rotation, ticks, time) for each cycle. `rotation`: to the common phase. `ticks`:
+/// from the start of the cycle on. `time`: start of the cycle.
 template <class Visit>
 void for_each_cycle(const SweepRecord& run, Visit visit) {
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
     const std::size_t first = run.turns[n];
-    const double phase = shake_phase(static_cast<int>(n) + 1);  // one cycle came before
+    const double phase = shake_phase(static_cast<int>(n) + 1);  // an unmeasured cycle came before
     visit(std::polar(1.0, -phase), std::span(run.ticks).subspan(first), run.ticks[first].time);
   }
 }
@@ -94,7 +98,7 @@ ShakenWay way_of(const SweepRecord& run, const TestFunction& test) {
     for (std::size_t k = 1; k + 1 < ticks.size(); ++k) {
       const double at = ticks[k].time - origin;
       if (at > test.ends()) break;
-      // Trapezoids are exact enough, because the function is zero at the ends.
+      // The trapezoidal rule suffices, because the function is zero at both ends.
       const double span = 0.5 * (ticks[k + 1].time - ticks[k - 1].time);
       const double x = run.sweep.along.dot(ticks[k].position - ticks[0].position);
       way.accelerated += turned * span * x * test.derived(2, at);
@@ -104,7 +108,7 @@ ShakenWay way_of(const SweepRecord& run, const TestFunction& test) {
   return way;
 }
 
-/// Both ways of each run.
+/// Returns both strokes of each run.
 std::vector<ShakenWay> ways_of(std::span<const SweepRecord> runs) {
   std::vector<ShakenWay> ways;
   for (const SweepRecord& run : runs) {
@@ -124,16 +128,16 @@ Eigen::Index line_of(std::span<const Vec3> lines, const ShakenWay& way) {
   return std::find(lines.begin(), lines.end(), way.run->sweep.along) - lines.begin();
 }
 
-/// Drops the frequencies of a line from which on the apparent mass differs from that at the lowest
-/// one: there a transmission or a spring resonates, and its loss has another form. Empty if a line
-/// keeps too few. Precondition: the frequencies of each line rise.
+/// Drops the frequencies of a line near a resonance, where the loss has another form. A changed
+/// apparent mass marks the resonance. Returns nothing if a line keeps too few frequencies.
+/// Precondition: the frequencies of each line increase.
 std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
                                        std::span<const Vec3> lines) {
   std::vector<ShakenWay> kept;
   for (const Vec3& line : lines) {
-    int count = 0;                                          // of the frequencies
+    int count = 0;                                          // number of frequencies
     double first = 0.0;                                     // [kg]
-    for (std::size_t i = 0; i + 1 < ways.size(); i += 2) {  // both ways of a run
+    for (std::size_t i = 0; i + 1 < ways.size(); i += 2) {  // both strokes of a run
       if (ways[i].run->sweep.along != line) continue;
       const std::span run = ways.subspan(i, 2);
       double mass = 0.0;
@@ -148,7 +152,7 @@ std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
   return kept;
 }
 
-/// Least squares with only some of the columns.
+/// Least squares that use only the kept columns.
 struct Solution {
   Eigen::VectorXd x;
   double variance = 0.0, first_error = 0.0;
@@ -183,7 +187,8 @@ LagFit lag_fit(std::span<const SweepRecord> runs) {
   const std::vector<ShakenWay> ways = below_resonance(shaken, lines);
   double top = 0.0;  // [rad/s]
   for (const ShakenWay& way : ways) top = std::max(top, way.test.turn());
-  // The unknowns: the lag, the damping of each line, and its other loss at the top frequency.
+  // Unknowns: the lag, the damping of each line, and the additional loss of each line at the top
+  // frequency.
   const auto count = static_cast<Eigen::Index>(lines.size());
   const auto equations = static_cast<Eigen::Index>(ways.size());
   if (equations < 1 + 2 * count + kSurplus) return fit;

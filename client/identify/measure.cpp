@@ -15,13 +15,15 @@ namespace {
 constexpr Nanoseconds kPatience = std::chrono::milliseconds(50);
 constexpr Nanoseconds kHung = std::chrono::milliseconds(100);
 constexpr Nanoseconds kGivenUp = std::chrono::seconds(1);
-constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);  // two requests to a person
-// Before it begins: the longest fault, a person's longest time, and how long it must be usable.
+// Pause between two checks of the device.
+constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);
+// Before the start: longest fault, longest wait for a person, and the time for which the device
+// must be usable.
 constexpr Nanoseconds kLongestFault = std::chrono::seconds(5);
 constexpr Nanoseconds kLongestWithheld = std::chrono::seconds(60);
 constexpr Nanoseconds kUsable = std::chrono::milliseconds(200);
 
-/// The text for a person: why the device takes no forces, and the remedy. Empty: it takes them.
+/// Returns why the device gives no force, and the remedy. Returns an empty text if it gives force.
 const char* remedy(const DeviceReading* reading) noexcept {
   if (reading == nullptr || !reading->ok || reading->ended)
     return "the device has a fault; see its cable, power and calibration";
@@ -40,7 +42,7 @@ const char* remedy(const DeviceReading* reading) noexcept {
   return "";
 }
 
-/// The time for which `so` has been true. `since` is empty while it is false.
+/// Returns how long `so` has been true. `since` is empty while `so` is false.
 Nanoseconds lasted(bool so, Nanoseconds now, std::optional<Nanoseconds>& since) noexcept {
   if (!so) since.reset();
   if (so && !since) since = now;
@@ -60,7 +62,7 @@ void await_prepared(Device& device, Nanoseconds patience,
   });
 }
 
-/// `reading`: null if none came.
+/// Waits for a usable device. `reading`: null without a reading.
 bool Measurement::ready(const DeviceReading* reading, Nanoseconds now) noexcept {
   const bool faulty = reading == nullptr || !reading->ok || reading->ended;
   const bool withheld = !faulty && reading->withheld != Withheld::nothing;
@@ -79,13 +81,13 @@ void Measurement::tick(Nanoseconds now, bool came) noexcept {
   if (!came && began_) identification_.give_up("the device does not tick");
   DeviceReading reading;
   if (came) reading = device_.read(now);
-  if (came && reading.ok && !reading.fresh) return;  // the force goes on being held
+  if (came && reading.ok && !reading.fresh) return;  // the device continues to hold the force
   if (!began_ && !ready(came ? &reading : nullptr, now)) {
     if (came) device_.write({});
     return;
   }
   if (const char* why = came ? remedy(&reading) : ""; *why != '\0') identification_.give_up(why);
-  // The device knows better than write() did what it held since the last reading.
+  // The reading reports the held force more exactly than write().
   if (reading.held) identification_.held(reading.held->force());
   const Vec3 force = identification_.step(seconds(now), reading.pose.position);
   const Command held = device_.write({.elastic = force});
