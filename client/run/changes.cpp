@@ -15,7 +15,7 @@ Changes::Changes(const Client& client)
       port_(client.port),
       takes_(client.takes) {}
 
-/// Takes the whole change, or nothing.
+/// Prepares the whole change or refuses it.
 Changes::Done Changes::judged(const ClientChange& change) {
   Done done;
   done.prepared.number = change.number;
@@ -42,13 +42,14 @@ Changes::Done Changes::judged(const ClientChange& change) {
     SessionParameters next = with_law(now_, *change.law);
     done.prepared.law.emplace(spec_, next, options_);
     now_ = std::move(next);
-  } catch (const std::invalid_argument& error) {  // this device cannot have it
+  } catch (const std::invalid_argument& error) {  // the device does not support this law
     refuse(error.what());
   }
   return done;
 }
 
-/// A refusal that is not kept. It takes no memory: `why` fits into a string's own buffer.
+/// Returns a refusal that the list does not store. It allocates no memory: `why` fits into the
+/// string's own buffer.
 Changes::Done& Changes::refused(const char* why) noexcept {
   Done& done = not_kept_[next_not_kept_];
   next_not_kept_ = (next_not_kept_ + 1) % not_kept_.size();

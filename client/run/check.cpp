@@ -25,7 +25,7 @@ CheckResult session(const RunFigures& run) {
 }
 
 CheckResult rate(const RunFigures& run) {
-  constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // share of the ticks
   const double wanted = 1.0 / run.servo_period;
   const auto due = static_cast<double>(run.samples + run.missed_deadlines);
   const double missing = due > 0.0 ? static_cast<double>(run.missed_deadlines) / due : 1.0;
@@ -36,7 +36,7 @@ CheckResult rate(const RunFigures& run) {
 }
 
 CheckResult wakeups(const RunFigures& run) {
-  constexpr double kPasses = 0.1, kWorks = 0.5;  // of a servo period
+  constexpr double kPasses = 0.1, kWorks = 0.5;  // share of a servo period
   const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
   return check_result("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
                       "99 % of ticks within " + figure(kMicro * late, 0) + " us, the worst " +
@@ -44,7 +44,7 @@ CheckResult wakeups(const RunFigures& run) {
                       kQuietMachine);
 }
 
-/// Deep sleep matters only if ticks are late.
+/// Warns of deep sleep states only if ticks are late.
 CheckResult processors(const RunFigures& run, const MachineFacts& machine) {
   constexpr int kShort = 50;  // [us]
   const bool late = wakeups(run).verdict != Verdict::pass;
@@ -85,7 +85,8 @@ const char* const kLongLine =
     "older commands count";
 
 CheckResult round_trip(const RunFigures& run) {
-  constexpr double kPasses = 0.25, kWorks = 0.5;  // of the hold time; then commands fade
+  // Share of the hold time; above half of it commands fade.
+  constexpr double kPasses = 0.25, kWorks = 0.5;
   const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
   const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
   return check_result("round trip", rising(p99 / run.hold_time, kPasses, kWorks),
@@ -95,7 +96,7 @@ CheckResult round_trip(const RunFigures& run) {
 }
 
 CheckResult jitter(const RunFigures& run) {
-  constexpr double kWorks = 0.125;  // of the hold time
+  constexpr double kWorks = 0.125;  // share of the hold time
   const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
   return check_result(
       "jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
@@ -113,7 +114,7 @@ CheckResult loss(const RunFigures& run) {
 }
 
 CheckResult datagram_size(const RunFigures& run, const MachineFacts& machine) {
-  constexpr int kUdp = 8, kIpv4 = 20, kIpv6 = 40;  // [bytes] of headers
+  constexpr int kUdp = 8, kIpv4 = 20, kIpv6 = 40;  // [bytes] header sizes
   const int needed = static_cast<int>(kMaxDatagram) + kUdp + (machine.ipv6 ? kIpv6 : kIpv4);
   const bool small = !machine.path_mtu || *machine.path_mtu < needed;
   return check_result(

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
 constexpr std::array kIgnored = {SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
-/// No program can react to the first two; the others end no program.
+/// Nothing can handle the first two signals. The others do not end a program.
 constexpr std::array kHarmless = {SIGKILL, SIGSTOP, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
-/// [ns] for a driver's thread to do what release() asked for (AsyncSignalRelease).
+/// Time [ns] in which a driver's thread executes a release() (AsyncSignalRelease).
 constexpr timespec kTimeToLetGo{.tv_sec = 0, .tv_nsec = 20'000'000};
 
 std::atomic<Device*> device_to_release{nullptr};
@@ -35,13 +35,13 @@ void release_and_die(int signal) {
     timespec left = kTimeToLetGo;
     while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
   }
-  // As without a handler: SA_RESETHAND has restored the default.
+  // SA_RESETHAND has restored the default action. raise() now ends the program.
   ::raise(signal);
 }
 
-/// The C library reserves the signals between the usual and the real-time ones, and lets no program
-/// handle them. It handles one when it needs it. Until then such a signal of another program would
-/// end this one. So the kernel's own call ignores them: the C library's call refuses.
+/// The C library reserves the signals below SIGRTMIN, and its sigaction() refuses them. Until the
+/// library installs its handlers, such a signal from another program would end this program. So the
+/// system call makes the kernel ignore them.
 class OwnSignals {
  public:
   static constexpr int kFirst = 32;
@@ -57,7 +57,7 @@ class OwnSignals {
   }
 
  private:
-  /// The kernel's struct sigaction of x86-64 and of 64-bit ARM.
+  /// The kernel's struct sigaction on x86-64 and 64-bit ARM.
   struct Action {
     void (*handler)(int) = SIG_DFL;
     unsigned long flags = 0;

@@ -54,7 +54,7 @@ std::string milliseconds(double nanoseconds) {
 }
 
 CheckResult rate(const DeviceTicks& t) {
-  constexpr double kPasses = 0.0, kWorks = 0.01;  // of the ticks
+  constexpr double kPasses = 0.0, kWorks = 0.01;  // share of the ticks
   return check_result("rate", rising(share(t.missed, t.ticks + t.missed), kPasses, kWorks),
                       figure(t.span > 0.0 ? static_cast<double>(t.ticks) / t.span : 0.0, 1) +
                           " ticks a second, " + std::to_string(t.missed) + " missed",
@@ -62,7 +62,7 @@ CheckResult rate(const DeviceTicks& t) {
 }
 
 CheckResult jitter(const DeviceTicks& t) {
-  constexpr double kPasses = 0.2, kWorks = 1.0;  // of the usual interval
+  constexpr double kPasses = 0.2, kWorks = 1.0;  // relative to the usual interval
   const double half = t.interval.quantile(0.5), most = t.interval.quantile(0.99);
   const double spread = half > 0.0 ? (most - half) / half : kWorks + 1.0;
   return check_result("jitter", rising(spread, kPasses, kWorks),
@@ -72,7 +72,7 @@ CheckResult jitter(const DeviceTicks& t) {
 }
 
 CheckResult longest(const DeviceTicks& t) {
-  constexpr double kPasses = 0.001, kWorks = 0.05;  // of the ticks
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // share of the ticks
   return check_result("longest tick", rising(share(t.overlong, t.ticks), kPasses, kWorks),
                       std::to_string(t.overlong) + " of " + std::to_string(t.ticks) +
                           " ticks longer than the " + milliseconds(kPerSecond * t.longest_tick) +
@@ -81,7 +81,7 @@ CheckResult longest(const DeviceTicks& t) {
 }
 
 CheckResult readings(const DeviceTicks& t) {
-  constexpr double kPasses = 0.01, kWorks = 0.5;  // of the ticks
+  constexpr double kPasses = 0.01, kWorks = 0.5;  // share of the ticks
   const std::uint64_t fresh = t.ticks - std::min(t.repeated, t.ticks);
   const double fresh_rate = t.span > 0.0 ? static_cast<double>(fresh) / t.span : 0.0;
   return check_result(

@@ -11,7 +11,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kSecondsInNanosecond = 1e-9;
-constexpr std::size_t kLongestWords = 512;  // characters
+constexpr std::size_t kLongestWords = 512;  // [characters]
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostTicks = 1e5;  // 10 s at 10 kHz
 
-/// In the order of FlightRecord::causes_.
+/// Same order as FlightRecord::causes_.
 constexpr std::array kCauseTexts = {"the account was overdrawn", "a lost session goes on",
                                     "the device had a fault"};
 
@@ -33,7 +33,7 @@ void FlightRecord::add(const TickRecord& row) noexcept {
                                          row.no_force == ZeroForceReason::device_fault};
   for (std::size_t i = 0; i < kCauses; ++i) {
     Cause& cause = causes_[i];
-    // A cause that comes and goes counts once: all of it is in the file, or in the next.
+    // A repeated cause counts once. The present file or the next contains its whole time.
     const bool again = cause.began && row.time - *cause.began < kKept;
     if (now[i] && !cause.stands && !again) {
       cause.due = true;

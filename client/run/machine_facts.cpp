@@ -29,8 +29,8 @@ double resolution() {
          kNanosecond * static_cast<double>(resolution.tv_nsec);
 }
 
-/// Documentation/power/pm_qos_interface.rst of the kernel: a signed 32 bit number of microseconds.
-/// Opening the file requests no latency until something is written.
+/// Reads a signed 32-bit number of microseconds (the kernel's pm_qos_interface.rst). Only a write
+/// would request a latency.
 std::optional<int> wake_latency() {
   const int file = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;

@@ -12,11 +12,11 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMemory = 1 << 18;  // [bytes] a report is some ten thousand
+constexpr std::size_t kMemory = 1 << 18;  // [bytes] a report needs some ten thousand
 
 std::atomic<void*> put_by{nullptr};
 
-/// The handler of operator new, which tries again when this returns.
+/// Handles a failed operator new. The operator tries again after the return.
 void give_memory_back() {
   void* memory = put_by.exchange(nullptr);
   if (memory == nullptr) throw std::bad_alloc();

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two equal places are the same file: its inode, or the folder's inode and the name it will have.
+/// The identity of a file: its inode, or the inode of its folder and its future name.
 struct Place {
   dev_t device = 0;
   ino_t inode = 0;
@@ -25,7 +25,7 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-/// Nothing for a pipe or a device, to which several may write.
+/// Returns nothing for a pipe or a device, because several writers may share it.
 std::optional<Place> place_of(const fs::path& file) {
   const fs::path target = followed(file);
   struct stat status {};
@@ -67,13 +67,13 @@ void require_different(const std::vector<NamedFile>& written, const std::vector<
 }
 
 fs::path followed(const fs::path& file) {
-  constexpr int kMostLinks = 40;  // as the system's own limit
+  constexpr int kMostLinks = 40;  // same as the system's limit
   std::error_code error;
   fs::path target = file;
   for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i) {
     const fs::path next = fs::read_symlink(target, error);
     if (error) break;
-    target = target.parent_path() / next;  // an absolute `next` stands for itself
+    target = target.parent_path() / next;  // an absolute `next` replaces the path
   }
   fs::path whole = fs::weakly_canonical(target, error);
   return error ? target : whole;
@@ -81,7 +81,7 @@ fs::path followed(const fs::path& file) {
 
 void check_writable(const fs::path& file) {
   if (is_special(file)) {
-    ::close(open_for_writing(file, O_NONBLOCK));  // does not wait for a reader
+    ::close(open_for_writing(file, O_NONBLOCK));  // O_NONBLOCK avoids the wait for a reader
   } else {
     const PendingFile probe(followed(file), {}, kPrivate);
   }

@@ -40,7 +40,7 @@ void Records::open_flight(const Files& files) {
   }
 }
 
-/// A hand may hold a force meanwhile, so missing memory for a good message must not end the run.
+/// Prints an error. Missing memory must not end the run, because the hand may hold a force.
 void Records::tell(const char* what) const noexcept {
   try {
     std::fprintf(errors_, "feltwire-client: %s\n", visible(what).c_str());
@@ -85,7 +85,7 @@ void Records::write_due_flight_record() noexcept {
   try {
     cause = flight_->cause();
   } catch (const std::bad_alloc&) {
-    return;  // it stays due, and the next look may have the memory
+    return;  // the record stays due until memory is free
   }
   if (!cause.empty()) tell_of_flight_record(cause);
 }
@@ -100,7 +100,7 @@ void Records::note(const std::map<std::string, std::string>& values) noexcept {
   if (recording_) attempt(recording_failed_, [&] { recording_->note(values); });
   if (flight_) try {
       flight_->note(values);
-    } catch (const std::bad_alloc&) {  // no memory for it: the file is without it
+    } catch (const std::bad_alloc&) {  // without memory the file lacks this entry
     }
 }
 

@@ -22,15 +22,15 @@ namespace feltwire {
 namespace {
 
 constexpr double kCalm = 10e-6;        // [m] as in docs/lab/frontier.md
-constexpr double kWhole = 0.9;         // smallest felt share of a wall that counts as whole
+constexpr double kWhole = 0.9;         // smallest rendered share of a wall that counts as whole
 constexpr double kUsualWall = 1000.0;  // [N/m]
 constexpr double kAssumedMass = 0.1;   // [kg]
 constexpr double kMostForce = 3.0;     // [N]
-constexpr double kAnyTime = 1.0;       // [s] when a press begins
-constexpr double kLate = 0.1;          // of a period: the largest delay of a tick
-constexpr int kBetweenLooks = 100;     // [ticks] between checks for a stop
-constexpr int kPause = 4;              // length of a pause, in times of the piece before it
-constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] of a press
+constexpr double kAnyTime = 1.0;       // [s] start of a press
+constexpr double kLate = 0.1;          // largest delay of a tick, in periods
+constexpr int kBetweenLooks = 100;     // [ticks] between stop checks
+constexpr int kPause = 4;              // pause divided by the time of the previous piece
+constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] times within a press
 constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};  // [N/m]
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
                                Hand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0}};
@@ -39,8 +39,8 @@ double press_force(const DeviceSpec& spec) {
   return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
 }
 
-/// The handle's place over a time: its mean, and its RMS about a straight line, because drift is no
-/// oscillation.
+/// Statistics of the handle position: mean, and RMS about a straight line. The line removes drift,
+/// which is no oscillation.
 class HandleAtRest {
  public:
   void add(double t, double y, double force) {
@@ -58,7 +58,7 @@ class HandleAtRest {
   double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
 };
 
-/// A wall below y = 0, because each device has a force along y.
+/// Returns the reply of a wall below y = 0. Every device has a force along y.
 Reply wall_reply(const Sample& sample, double stiffness) {
   Reply reply;
   reply.sample_index = sample.index;
@@ -88,13 +88,13 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   return SimulatedDevice(options);
 }
 
-/// Empty if it was stopped.
+/// Simulates a press. Returns nothing if it was stopped.
 std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters& parameters,
                                 const ServoOptions& options, double wall, const Hand& hand,
                                 const std::function<bool()>& goes_on) {
   SimulatedDevice device = pressed(spec, parameters.servo_period, wall, hand);
   Servo servo(spec, parameters, options);
-  std::minstd_rand random;  // the same numbers in each press
+  std::minstd_rand random;  // each press uses the same numbers
   std::uniform_real_distribution<double> late(0.0, kLate * parameters.servo_period);
   const auto ticks = static_cast<std::int64_t>(kEnd / parameters.servo_period);
   HandleAtRest handle;
@@ -127,7 +127,7 @@ std::optional<FirstPress> worst(const DeviceSpec& spec, const SessionParameters&
   return found;
 }
 
-/// Computes in pieces with pauses, until it is stopped.
+/// Divides a computation into pieces with pauses until a stop request.
 class Pieces {
  public:
   explicit Pieces(const std::stop_token& stop) : stop_(stop) {}
@@ -143,7 +143,7 @@ class Pieces {
   const std::stop_token& stop_;
   Clock::time_point begun_ = Clock::now();
   std::mutex mutex_;
-  std::condition_variable_any never_;  // only a stop ends a pause early
+  std::condition_variable_any never_;  // never notified; only a stop ends a pause early
 };
 
 }  // namespace
@@ -216,7 +216,7 @@ RehearsalThread::RehearsalThread(const DeviceSpec& spec, const SessionParameters
                          visible(error.what()).c_str());
           }
         });
-  } catch (const std::exception&) {  // the run continues without it
+  } catch (const std::exception&) {  // the run continues without the rehearsal
   }
 }
 

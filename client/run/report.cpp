@@ -29,7 +29,7 @@ Json micrometres(const std::optional<double>& metres) {
   return metres ? number(kMicro * *metres) : Json(nullptr);
 }
 
-/// Null if nothing was recorded: a zero would claim a measurement.
+/// Returns null without data, because zero would look like a measurement.
 Json quantile(const Histogram& h, double q, double scale) {
   return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
 }
@@ -55,7 +55,7 @@ Json energy(const ChannelEnergy& e) {
           {"torque", number(e.torque)}};
 }
 
-/// A number, or the matrix by rows.
+/// Returns a number, or the matrix by rows.
 Json damping(const Damping& b) {
   if (b.isotropic()) return number(b.least());
   Json rows = Json::array();
@@ -122,7 +122,7 @@ Json dropped(const TransportStatistics& transport, const ServoStatistics& servo)
   Json reasons = Json::object();
   for (std::size_t i = 1; i < kDropReasons; ++i) {
     const auto reason = static_cast<DropReason>(i);
-    // Only the servo can tell that a reply brings nothing new.
+    // Only the servo detects stale replies.
     const std::uint64_t more = reason == DropReason::stale ? servo.replies_stale : 0;
     reasons[name(reason)] = transport.dropped[i] + more;
   }
@@ -142,7 +142,7 @@ Json server(const Servo& servo) {
           {"recovering", reply.recovering}};
 }
 
-/// Null if nothing was fetched, or nothing limits it.
+/// Returns null if the client fetched nothing or has no limit.
 Json allowed_work(const Servo& servo) {
   const FetchedScene* fetched = servo.fetched();
   if (fetched == nullptr || fetched->most_work == WorkLimit::kUnlimited) return nullptr;
@@ -168,7 +168,7 @@ Json local_model(const Servo& servo, const std::string& contact_refused) {
       {"allowed_contact_work", allowed_work(servo)}};
 }
 
-/// When the watch of the servo thread lets the device go, and where the thread was if it did.
+/// Reports when the watch releases the device, and where the servo thread stalled.
 Json let_go(const LoopResult& loop) {
   return {
       {"after_s", loop.let_go_after > 0.0 ? number(loop.let_go_after) : Json(nullptr)},
@@ -176,7 +176,7 @@ Json let_go(const LoopResult& loop) {
       {"in", loop.stood_still ? Json(enum_name(kDeviceCallNames, loop.still_in)) : Json(nullptr)}};
 }
 
-/// The account's balance and its counts; null without an account.
+/// Returns the balance and the counts of the energy account, or null without an account.
 Json account(const Servo& servo) {
   if (!servo.account()) return nullptr;
   const AccountStatistics& s = servo.account()->statistics();
@@ -187,7 +187,7 @@ Json account(const Servo& servo) {
           {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
-/// Null: only a simulated device knows it.
+/// Returns null for a real device, because its energy is unknown.
 Json true_energy(const std::optional<TrueEnergy>& energy) {
   if (!energy) return nullptr;
   return {{"given_j", number(energy->given)},
@@ -196,7 +196,7 @@ Json true_energy(const std::optional<TrueEnergy>& energy) {
           {"to_hand_j", number(energy->to_hand)}};
 }
 
-/// Null: the wall was not felt, or is not there.
+/// Returns null if the wall was not felt or does not exist.
 Json felt(const FirstPress& felt) {
   if (!(felt.wall > 0.0)) return nullptr;
   return {{"wall_n_per_m", number(felt.wall)},
@@ -212,7 +212,7 @@ Json rehearsal(const std::optional<Rehearsal>& rehearsal) {
           {"swings", rehearsal->swings}};
 }
 
-/// The debt that ended the force; null: none did.
+/// Returns the debt that ended the force, or null.
 Json debt_fault(const std::optional<Overdraft>& overdraft) {
   if (!overdraft) return nullptr;
   return {{"debt_j", number(overdraft->debt)},
@@ -220,7 +220,7 @@ Json debt_fault(const std::optional<Overdraft>& overdraft) {
           {"strong_hand", overdraft->strong_hand}};
 }
 
-/// The values that the method adapts to the hand; null for a method that adapts none.
+/// Returns the values that the method adapts to the hand, or null for other methods.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
   return {{"damping_n_s_per_m", number(credit->damping)},
@@ -230,7 +230,8 @@ Json hand_credit(const std::optional<HandCredit>& credit) {
           {"untold_lag_s", number(credit->untold_lag)}};
 }
 
-/// Ticks by the reason why the hand got no force, and the reason of a run that gave none at all.
+/// Returns the number of ticks by zero-force reason, and the main reason of a run without any
+/// force.
 Json no_force(const ServoStatistics& s) {
   Json samples = Json::object();
   for (std::size_t i = 1; i < kZeroForceReasons; ++i)
@@ -261,7 +262,7 @@ Json flight_records(const std::vector<WrittenFlight>* written) {
   return list;
 }
 
-/// The changes that admins made or wanted, in their order.
+/// Returns the changes that admins requested, in order.
 Json changes(const std::deque<Changes::Done>* done) {
   Json list = Json::array();
   if (done == nullptr) return list;
@@ -279,7 +280,7 @@ Json states(const std::vector<LinkState>& robots) {
   return list;
 }
 
-/// Null if the hand leads no robot.
+/// Returns null if the hand leads no robot.
 Json robot(const Servo& servo) {
   if (!servo.remote()) return nullptr;
   return link_states_json(servo.link_states());
@@ -293,7 +294,7 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
           {"robots", states(seen->robots)}, {"left_out", seen->left_out}};
 }
 
-/// A port may be the user's own: text that is no JSON must not cost the rest of the report.
+/// A port may be user code. Invalid JSON from it must not prevent the report.
 Json port_json(const std::string& text) {
   if (text.empty()) return nullptr;
   Json parsed = Json::parse(text, nullptr, false);
@@ -401,7 +402,7 @@ std::string report_json(const RunDescription& run, const Servo& servo,
   };
   if (loop.end == EndReason::server_goodbye)
     report["goodbye_reason"] = enum_name(kGoodbyeReasonNames, loop.goodbye);
-  // A name may contain any bytes; the report must stay JSON.
+  // A name may contain any bytes, but the report must be valid JSON.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

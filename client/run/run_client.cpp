@@ -51,7 +51,7 @@ std::string goodbye_error(GoodbyeReason reason) {
   }
 }
 
-/// "no tick came for 5.2 ms while ..., and the device was let go".
+/// Returns a text such as "no tick came for 5.2 ms, and the device was let go: ...".
 std::string stood_still_text(const LoopResult& result) {
   std::array<char, 64> time{};
   std::snprintf(time.data(), time.size(), "no tick came for %.1f ms", kMilli * result.still_for);
@@ -63,9 +63,8 @@ std::string stood_still_text(const LoopResult& result) {
          " (--let-go-after, docs/devices.md)";
 }
 
-/// The error that ended the run too early; empty if none did. `refusal` is the server's reason if
-/// it refused a new session for good. A run that lasted as long as it should has failed if its
-/// device did.
+/// Returns the error that ended the run too early, or an empty text. `refusal`: the server's reason
+/// to refuse a new session permanently. A complete run fails if its device failed.
 std::string error_of(const LoopResult& result, const std::string& refusal, const Servo& servo) {
   switch (result.end) {
     case EndReason::server_goodbye:
@@ -82,7 +81,7 @@ std::string error_of(const LoopResult& result, const std::string& refusal, const
   }
 }
 
-/// Prints the last lines of a run and returns the exit code. `error`: what ended it too early.
+/// Prints the last lines of a run and returns the exit code. `error`: reason for an early end.
 int conclude(const RunOptions& options, const Servo& servo, const LoopResult& result,
              const std::string& error, bool reported) {
   const ServoStatistics& s = servo.statistics();
@@ -107,13 +106,13 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
   return 1;
 }
 
-/// Warns once if the servo thread did not get what it asked for.
+/// Warns once if the servo thread lacks real-time scheduling.
 void warn_of_missing(const RealTime& granted, int priority) noexcept {
   try {
     if (const std::string less = missing(granted, priority); !less.empty())
       std::fprintf(stderr, "feltwire-client: warning: the servo may be late now and then: %s\n",
                    less.c_str());
-  } catch (const std::exception&) {  // no memory to say so
+  } catch (const std::exception&) {  // no memory for the warning
   }
 }
 
@@ -122,13 +121,13 @@ struct Run : ServoTask {
   using ServoTask::ServoTask;
   static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
   std::unique_ptr<Records> records;
-  std::optional<Changes> changes;  // that an admin wants
+  std::optional<Changes> changes;  // changes that an admin requests
   Ring<SessionAddress> sessions{kSessionRoom};
   Ring<LiveStatus> statuses{kStatusRoom};
   Ring<const FetchedScene*> fetched{kSessionRoom};
 };
 
-/// The metadata of MCAP files.
+/// Returns the metadata of MCAP files.
 std::map<std::string, std::string> about(const RunOptions& options) {
   return {{"client", options.name},
           {"device", options.device_kind},
@@ -149,12 +148,12 @@ std::optional<FlightTarget> flight_target(const RunOptions& options) {
   return FlightTarget{*options.flight_recorder, about(options), options.flight_recorder_required};
 }
 
-/// A name for the device among those of this process.
+/// Returns the device's key within this process.
 std::string key_of(const RunOptions& options, const DeviceSpec& spec) {
   return options.device_kind + ' ' + spec.name;
 }
 
-/// The number of the robot's seat. Throws SessionError that names the existing ones.
+/// Returns the number of the robot's seat. Throws SessionError with the names of all seats.
 std::uint8_t seat_of(const std::string& robot, const std::vector<std::string>& seats) {
   if (robot.empty()) return 0;
   const auto found = std::ranges::find(seats, robot);
@@ -175,7 +174,8 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
     servo.seats = accepted.seats;
     servo.seat = seat_of(options.robot, accepted.seats);
   }
-  // A robot may touch stiffer or softer things than the scene's: their stiffness is unknown.
+  // The stiffness of the objects around a robot is unknown. It may differ from the stiffness of the
+  // scene.
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run =
       std::make_shared<Run>(std::move(device), std::move(transport), accepted.parameters, servo);
@@ -201,14 +201,15 @@ std::shared_ptr<Run> make_run(const RunOptions& options, const control::JoinAcce
   return run;
 }
 
-/// The session for which to fetch the scene in full; 0: it is not wanted, or of no use.
+/// Returns the session whose whole geometry the client fetches. Returns 0 if the client does not
+/// need it.
 std::uint64_t fetching_session(const control::JoinAccepted& accepted, const RunOptions& options) {
   const bool fetches = options.whole_surfaces && accepted.lists_surfaces &&
                        accepted.parameters.local_model && feels(options.role);
   return fetches ? accepted.session : 0;
 }
 
-/// Precondition: the run's servo thread has ended.
+/// Collects the figures of a run. Precondition: its servo thread has ended.
 RunFigures figures_of(const Run& run, const RealTime& real_time, const Address& server) {
   const ServoStatistics& s = run.servo.statistics();
   RunFigures figures{.end = run.result.end,
@@ -230,7 +231,7 @@ RunFigures figures_of(const Run& run, const RealTime& real_time, const Address& 
   return figures;
 }
 
-/// A port is the user's own code: if it fails here, the report says so and the rest is written.
+/// A port may be user code. If it throws, the report contains the error and all other data.
 std::string port_report(const DatagramPort& port) {
   try {
     return port.report();
@@ -245,7 +246,7 @@ void write_report(const std::filesystem::path& file, const RunDescription& descr
                                 port_report(run.transport->port())));
 }
 
-/// Tries a second time if the first fails: the system may now give what it refused.
+/// Writes the report. Tries twice, because the cause of a failure may pass.
 void write_report_surely(const std::filesystem::path& file, const RunDescription& described,
                          const Run& run) {
   try {
@@ -255,8 +256,8 @@ void write_report_surely(const std::filesystem::path& file, const RunDescription
   }
 }
 
-/// Ends the program at once, for the case that a thread could not be waited for: it may still use
-/// objects that a normal exit destroys.
+/// Ends the program at once after a thread could not be joined. The thread may still use objects
+/// that a normal exit destroys.
 [[noreturn]] void end_at_once(int code) {
   std::fflush(stdout);
   std::fflush(stderr);
@@ -268,9 +269,9 @@ void write_report_surely(const std::filesystem::path& file, const RunDescription
 int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   forbid_core_dumps();
   end_without_random_numbers();
-  std::signal(SIGPIPE, SIG_IGN);  // a closed terminal does not end a hand's session halfway
-  std::signal(SIGXFSZ, SIG_IGN);  // nor does a file at its size limit: it is told as a full disk is
-  // Check all files on this side before the server is asked.
+  std::signal(SIGPIPE, SIG_IGN);  // a closed terminal must not end the session suddenly
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit must fail like a full disk
+  // Check all files before the request to the server.
   if (options.report) check_writable(*options.report);
   if (const auto target = recording_target(options)) check_writable(numbered(*target, 1));
   if (options.view) check_writable(*options.view);
@@ -294,8 +295,8 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
       joined.accepted.parameters, device->spec().rotation_sensed > 0,
       options.open_port ? options.open_port(joined.datagrams) : open_udp_port(joined.datagrams),
       PositionScale{device->spec().position_resolution, joined.accepted.stiffness});
-  joined.keys = {};  // the transport has the parts that are still needed
-  // From here on the server has a session for this client: it is told of every failure.
+  joined.keys = {};  // the transport has copies of the required keys
+  // The server has a session for this client from here on. Report every failure to the server.
   std::shared_ptr<Run> all;
   std::optional<Reconnector> reconnector;
   std::optional<SceneFetch> fetch;
@@ -323,7 +324,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
     transport->goodbye();
     throw;
   }
-  // From here on the hand may hold a force: nothing is thrown until the thread has ended.
+  // The hand may hold a force from here on. Throw nothing until the thread has ended.
   RealTime real_time = thread->real_time();
   warn_of_missing(real_time, all->priority);
   {

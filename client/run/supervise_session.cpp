@@ -24,23 +24,22 @@ const std::string kLost = "the session was lost";
 
 constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
-std::atomic<pthread_t> taker{};  // the thread that takes the signals
+std::atomic<pthread_t> taker{};  // thread that waits for the signals
 static_assert(std::atomic<pthread_t>::is_always_lock_free);
 
-/// Runs in a thread that began before the signals were blocked, as those of a device's driver and
-/// of its maker's library do. Without it the signal would end the program there, and leave the last
-/// force on the hand.
+/// Forwards a signal. The threads of a driver or a maker's library do not block signals. Without
+/// this handler the signal would end the program and leave the last force on the hand.
 void pass_on(int signal) { ::pthread_kill(taker.load(), signal); }
 
 void handle(int signal, void (*handler)(int)) noexcept {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;  // a maker's library may expect no interrupted call
+  action.sa_flags = SA_RESTART;  // a maker's library may not handle an interrupted call
   sigemptyset(&action.sa_mask);
   ::sigaction(signal, &action, nullptr);
 }
 
-/// Also pauses if the system cannot wait, so that checks do not follow each other without end.
+/// Waits for an event. Also pauses after a failed poll(), so that the loop does not spin.
 void wait(std::array<pollfd, 3>& waiting) noexcept {
   if (::poll(waiting.data(), waiting.size(), kHousekeeping) < 0 && errno != EINTR) {
     const timespec pause{.tv_sec = 0, .tv_nsec = kHousekeeping * 1'000'000L};
@@ -55,17 +54,17 @@ void show(StatusLine& line, const LiveStatus& status, const Records& records,
     std::string more = sight ? text(*sight) : std::string();
     if (!fetch.refusal().empty()) more += "  contact not computed here";
     line.show(status, more);
-  } catch (const std::exception&) {  // no memory for it: the next may have
+  } catch (const std::exception&) {  // no memory for this message
   }
 }
 
-/// Reports what an admin has changed, or what was refused, and records it.
+/// Reports and records the applied and refused changes of an admin.
 void tell_of(Changes& changes, StatusLine& line, Records& records,
              Reconnector& reconnector) noexcept {
   while (const Changes::Done* done = changes.next(reconnector.sessions())) try {
       const bool taken = done->refusal.empty();
-      // First, because a session that is joined with another law than the hand's is worse than a
-      // missing line.
+      // Update the law of the reconnector first. A new session with the wrong law is worse than a
+      // missing message.
       if (taken && done->prepared.law) reconnector.put_law(changes.law());
       line.end();
       std::fprintf(stderr, "feltwire-client: an admin changes this session: %s%s%s\n",
@@ -78,7 +77,7 @@ void tell_of(Changes& changes, StatusLine& line, Records& records,
     }
 }
 
-/// Says once why fetched data is not used.
+/// Reports once why the client does not use the fetched data.
 void tell_of(const SceneFetch& fetch, std::string& told, StatusLine& line) noexcept {
   if (fetch.refusal() == told) return;
   try {
@@ -134,7 +133,7 @@ void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveSta
                        Records& records, Changes& changes, Reconnector& reconnector,
                        SceneFetch& fetch, std::uint64_t session, EmergencyKey& keys) noexcept {
   StatusLine line;
-  std::string told;  // about the fetched data
+  std::string told;  // last message about fetched data
   bool connected = true;
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
                                  {thread.over_descriptor(), POLLIN, 0},
