@@ -6,17 +6,18 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSecond = 1e-9;           // of nanoseconds
+constexpr double kSecond = 1e-9;           // [s] per nanosecond
 constexpr double kLongestExchange = 60.0;  // [s]
-constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: no usable clock is worse
-constexpr double kUsualDrift = 20e-6;      // [s/s] of a crystal: assumed until it is measured
-// The uncertainty of even the fastest exchange, from the scheduling of two machines.
+constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: a clock with more drift is unusable
+// [s/s] Usual drift of a crystal, assumed before the first measurement.
+constexpr double kUsualDrift = 20e-6;
+// The scheduling of the two machines makes even the fastest exchange uncertain.
 constexpr double kLeastUncertainty = 5e-6;  // [s]
-// Drift shows above the noise of single exchanges only over some seconds.
+// Least time span of a drift fit. Noise of single exchanges hides the drift over shorter spans.
 constexpr double kDriftTime = 3.0;          // [s]
 constexpr double kJitterGain = 1.0 / 16.0;  // RFC 3550
 
-/// b - a of clocks with any origin, possibly hostile. The difference wraps around, never overflows.
+/// Returns b - a. Hostile values wrap around and do not overflow.
 std::int64_t difference(Nanoseconds a, Nanoseconds b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(b.count()) -
                                    static_cast<std::uint64_t>(a.count()));
@@ -53,8 +54,8 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
   double down = beyond_base(exchange.arrived, exchange.answered);
   double offset = 0.5 * (up + down);
   double time = in_seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
-  // An offset may be wrong by half the round trip, and an old line by its drift. A larger
-  // difference means a new clock.
+  // An offset error is at most half the round trip, and the drift adds a bounded error. A larger
+  // difference shows that the server has another clock.
   const double horizon = in_seconds((kBuckets * kBucketTime).count());
   if (known() && std::abs(offset - residual_offset(time)) >
                      0.5 * round_trip + error_bound() + kLargestDrift * horizon) {
@@ -68,7 +69,7 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
 
   const auto number = static_cast<std::int64_t>(time / in_seconds(kBucketTime.count()));
   Fastest& bucket = buckets_[static_cast<std::size_t>(number) % kBuckets];
-  if (number < 0 || bucket.bucket > number) return;  // so late that its place is taken
+  if (number < 0 || bucket.bucket > number) return;  // a newer bucket uses this entry
   if (bucket.bucket != number || round_trip < bucket.round_trip) {
     bucket = {number, time, offset, round_trip};
     fit();
@@ -104,11 +105,12 @@ void ClockEstimate::fit() noexcept {
     latest = buckets_used_ == 0 ? b.time : std::max(latest, b.time);
     ++buckets_used_;
   }
-  double slower = 0.0;  // [s] than the fastest, on average
+  double slower = 0.0;  // [s] mean excess over the fastest round trip
   for (const Fastest& b : buckets_)
     if (counts(b)) slower += (b.round_trip - least_round_trip_) / buckets_used_;
-  // The excess over the fastest round trip is the delay of a queue on one way: half of it is error.
-  // The differences between buckets bound how far the fastest itself is from an empty way.
+  // A queue on one path causes the excess over the fastest round trip. Half of this excess is
+  // offset error. Even the fastest round trip may contain queueing delay: the mean excess estimates
+  // it.
   const auto weight = [&](const Fastest& b) {
     const double excess = b.round_trip - least_round_trip_;
     const double uncertainty = kLeastUncertainty + 0.5 * (excess + slower);

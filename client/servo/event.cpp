@@ -18,7 +18,7 @@ void Event::set() noexcept {
   set_.store(true, std::memory_order_release);
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written =
-      ::write(descriptor_, &one, sizeof one);  // fails only when set already
+      ::write(descriptor_, &one, sizeof one);  // fails only if the event is already set
 }
 
 }  // namespace feltwire

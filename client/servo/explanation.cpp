@@ -9,14 +9,14 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallestForce = 1e-6;  // [N] below it a force has no direction worth measuring
+constexpr double kSmallestForce = 1e-6;  // [N] the direction of a smaller force is noise
 
-/// The device has no fault, although its reading was not used.
+/// True if the device has no fault, although the servo did not use its reading.
 bool without_fault(const ForceTrail& trail) {
   return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
 }
 
-/// A shaped force is never exactly the requested one: tell only of what is felt.
+/// True if the reduction can be felt. Shaping always changes the force a little.
 bool takes_off(const Command& before, const Command& after) {
   constexpr double kMuchLess = 0.95;
   const double was = length(before.force());
@@ -26,7 +26,7 @@ bool takes_off(const Command& before, const Command& after) {
 void observe_direction(const Vec3& wanted, const Vec3& given, ServoStatistics& statistics) {
   if (!(length(given) > kSmallestForce) || !(length(wanted) > kSmallestForce)) return;
   const Vec3 u = direction(given), v = direction(wanted);
-  // Accurate for every angle; the arc cosine loses half the digits near zero.
+  // This formula is accurate for every angle. The arc cosine loses half the digits near zero.
   const double angle = 2.0 * std::atan2((u - v).norm(), (u + v).norm());
   constexpr double kMicrodegrees = 1e6 * 180.0 / std::numbers::pi;
   statistics.direction_error.record(std::llround(kMicrodegrees * angle));
@@ -53,7 +53,8 @@ void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
     measures_.lose();
 }
 
-/// The account scales force and torque alike, so either one shows the cut.
+/// Returns the share that the energy account removes. The account scales force and torque alike, so
+/// either shows this share.
 double Explanation::account_cut() const noexcept {
   const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
   if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);

@@ -20,7 +20,7 @@ void FeelMetrics::take(const Vec3& displacement, const Vec3& elastic, const Vec3
   if (touches) normal_ = direction(elastic);
   if (!in_contact_) {
     in_contact_ = true;
-    way_ = Vec3::Zero();  // this tick is the first place of the contact
+    way_ = Vec3::Zero();  // the contact starts at this tick
   } else {
     way_ += displacement;
     depth_ -= displacement.dot(normal_);
@@ -54,7 +54,7 @@ void FeelMetrics::press(const Vec3& displacement, const Vec3& held) noexcept {
   const bool deeper = depth_ > deepest_;
   deepest_ = std::max(deepest_, depth_);
   if (!deeper || force < kFeltForce || 2.0 * inwards * inwards < displacement.squaredNorm()) return;
-  // Welford's method within this contact. Its additions to the centred sums count for all contacts.
+  // Welford's method computes the means of this contact. The centred sums cover all contacts.
   ticks_ += 1.0;
   const double from_mean = depth_ - mean_depth_;
   mean_depth_ += from_mean / ticks_;

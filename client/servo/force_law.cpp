@@ -10,7 +10,7 @@ namespace {
 
 bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
 
-/// Whether the hand stands still with a force: it would feel a sudden fall or rise.
+/// True if the hand rests under a force. Such a hand would feel a sudden change of the force.
 bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Command& held) {
   constexpr double kSmall = 10.0 * kFeltForce, kSmallTorque = 10.0 * kFeltTorque;
   if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
@@ -72,7 +72,7 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   Bounded bounded = law_.bounding.step(step);
   if (law_.scene_change_gate)
     law_.scene_change_gate->given(bounded.rendered.elastic, step.command.elastic);
-  // The paper's laws would keep a part of the last force; zero is passive too.
+  // The paper's laws would keep a part of the last force. Zero force is passive too.
   if (!(asked.share > 0.0)) bounded.rendered = {};
   statistics.bound_active += bounded.active ? 1 : 0;
   statistics.saturated += bounded.saturated ? 1 : 0;
@@ -85,7 +85,7 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   return trail.paid;
 }
 
-/// Lets in the part of a changed scene that the hand has paid for.
+/// Endows the bound with the energy that the hand has spent on the changed scene.
 void ForceLaw::admit_change(const BoundingStep& step) noexcept {
   const double energy =
       law_.scene_change_gate->energy({.held = held_,
@@ -94,7 +94,7 @@ void ForceLaw::admit_change(const BoundingStep& step) noexcept {
                                       .command = step.command,
                                       .margin = port_.margin()},
                                      *law_.account);
-  // Elastic storage already has the pressed energy: do not add it twice.
+  // Elastic storage already contains the pressed energy.
   if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
 }
 
@@ -121,12 +121,12 @@ Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, co
   return safe.rendered;
 }
 
-/// Returns the part of the command that the account has energy for.
+/// Returns the part of the command that the energy account can cover.
 Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movement_known,
                            ForceTrail& trail, ServoStatistics& statistics) noexcept {
   if (!law_.account) return command;
   PortAccount& account = *law_.account;
-  constexpr double kInstant = 1e-9;  // [s] if the clock stood still
+  constexpr double kInstant = 1e-9;  // [s] replaces a hold time of zero
   step.command = command;
   step.hold_time = std::max(step.hold_time, kInstant);
   if (!movement_known) step.displacement.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -158,12 +158,14 @@ void ForceLaw::exchange() noexcept {
     law_.account->go_on_from(*before);
   else if (law_.account)
     law_.account->begin_in_debt(owed_);
-  // Count at least what the account counts.
+  // Count at least the friction that the account counts.
   if (law_.counts_on_mass) port_.count_friction(spec_.least_friction);
   next_ = nullptr;
-  if (scene_was_changed_) law_.bounding.scene_changed();  // it was made with the join's data
+  // The new law was made with the scene data of the join.
+  if (scene_was_changed_) law_.bounding.scene_changed();
   forget_contact();
-  // The account may pay for a whole force at once. That must not throw a hand that has sunk in.
+  // The account may allow the whole force at once. A sudden force would throw the hand out of the
+  // object.
   begin_anew();
 }
 

@@ -9,7 +9,7 @@ void GuardedDevice::leave() noexcept {
   calls_.fetch_add(1, std::memory_order_release);
   Where expected = Where::in_device;
   if (where_.compare_exchange_strong(expected, Where::outside)) return;
-  while (true) ::pause();  // abandoned: other threads read its data now
+  while (true) ::pause();  // the thread stays blocked: other threads use its data now
 }
 
 bool GuardedDevice::abandon() noexcept {
@@ -18,7 +18,7 @@ bool GuardedDevice::abandon() noexcept {
 }
 
 bool GuardedDevice::await_tick(Nanoseconds latest) noexcept {
-  if (released()) return true;  // read() says that it has ended
+  if (released()) return true;  // read() reports the end of the device
   enter(DeviceCall::await_tick);
   const bool came = device_.await_tick(latest);
   leave();
@@ -42,8 +42,9 @@ Command GuardedDevice::write(const Command& on_hand) noexcept {
     const bool pulls = !on_hand.force().isZero(0.0) || !on_hand.torque.isZero(0.0);
     if (pulls) pulls_.store(true);
     held = device_.write(on_hand);
-    if (!pulls) pulls_.store(false);  // not before: until then the last force is held
-    // Another thread may have released the device before this write; then the write is undone.
+    if (!pulls) pulls_.store(false);  // the device held the last force until this write
+    // Another thread may have released the device before this write. The second release undoes the
+    // write.
     if (released()) {
       device_.release();
       held = {};

@@ -51,7 +51,7 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
                         .meets = remote_.meets_surfaces},
                        tied ? remote_.others : OtherSurfaces{});
   walls_.step(hand, walls, surface_offset_, elapsed);
-  // A surface that another hand meets may be in front of this one: its force rises slowly.
+  // A surface that another hand touches may lie in front of this hand. Its force rises slowly.
   if (tied && surface_offset_.known_surface() > known && !remote_.meets_surfaces) weight_ = 0.0;
   const double rise = remote_.meets_surfaces ? 1.0 : elapsed / fade_;
   weight_ = tied ? std::min(1.0, weight_ + rise) : std::max(0.0, weight_ - elapsed / fade_);
@@ -62,7 +62,7 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   return energy_.step(elapsed);
 }
 
-/// The surfaces lie where the hand should meet them, and follow the hand's offset.
+/// Builds the local model. Its surfaces move with the offset between hand and robot.
 void RemoteHand::show(const Vec3& hand) noexcept {
   constexpr double kReach = 1.0;  // [m]
   LocalModel model;

@@ -9,11 +9,11 @@ namespace {
 
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 
-// Samples remembered for their reply: 8 s at 1 kHz, 0.8 s at 10 kHz. A later reply still counts as
-// answered and late.
+// The client remembers this many samples until their replies arrive: 8 s at 1 kHz, 0.8 s at 10 kHz.
+// Later replies still count as answered and late.
 constexpr std::size_t kRemembered = 8192;
 
-/// Finite, and small enough for the bound.
+/// True for a finite command that the bound can process.
 bool believable(const Command& c) {
   const auto small = [](const Vec3& v) {
     return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestForce;
@@ -28,7 +28,7 @@ ReplyIntake::ReplyIntake(double period, bool point)
 
 ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, const State& servo,
                                      double hold_time, ServoStatistics& statistics) noexcept {
-  // An answer to a sample that was never sent would lock out all true answers after it.
+  // Refuse a reply to a future sample. It would make all true replies stale.
   if (reply.sample_index == 0 || reply.sample_index > servo.newest_sample ||
       !believable(reply.command)) {
     ++statistics.replies_refused;
@@ -50,7 +50,7 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   const Sent& sent = sent_[reply.sample_index % sent_.size()];
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) datagram_ = sent.datagram;
-  // A server may claim any number: never count more than were sent.
+  // The server may report any number. At most the sent datagrams count.
   statistics.withheld = withheld_before_ + std::min(reply.withheld, statistics.datagrams);
   if (servo.fades) {
     newest_.command = command;
@@ -62,8 +62,8 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   arrival_ = out_of_date ? arrival - from_seconds(hold_time)
                          : std::min(arrival, servo.last_tick + 2 * from_seconds(period_));
   sampled_ = remembered ? sent.time : arrival;
-  // A command that the server's bound has changed does not tell how deep the hand is: at the first
-  // sample the bound lets nothing through, even inside an object.
+  // The server's bound may have changed the command. Such a command does not show the depth of the
+  // hand: at the first sample the bound gives no force, even inside an object.
   original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   return taken;
@@ -73,7 +73,7 @@ void ReplyIntake::count_answer(const Reply& reply, Nanoseconds arrival,
                                ServoStatistics& statistics) noexcept {
   const std::uint64_t index = reply.sample_index;
   Sent& sent = sent_[index % sent_.size()];
-  if (sent.index != index) {  // so old that its place is taken
+  if (sent.index != index) {  // a newer sample uses this entry
     ++statistics.answered;
     ++statistics.late;
     return;

@@ -11,7 +11,7 @@ double rise(const LocalModel& model, double way, double elapsed) noexcept {
   for (const SurfacePatch& patch : model.view()) {
     const Material& m = patch.material;
     const double over = way + length(patch.velocity) * elapsed;
-    // The normal's spring and the stick spring, each with its damper.
+    // Add the spring along the normal and the friction spring, each with its damper.
     allowed += 2.0 * m.stiffness * over;
     if (elapsed > 0.0) allowed += (m.damping + m.viscous_friction) * over / elapsed;
   }
@@ -32,13 +32,13 @@ Command RiseLimit::apply(const Command& command, const BodyModel& model, double 
   double fastest = 0.0;  // [m/s]
   for (const BodyPatch& patch : model.surfaces())
     fastest = std::max(fastest, length(patch.velocity));
-  way += fastest * elapsed;  // a surface that moves takes the tool with it
-  // Twice the force that the spring adds if the tool stays: the tool may come towards the device. A
-  // way also presses a point up to a radius beside the tool's origin, and a turn moves that point.
+  way += fastest * elapsed;  // a moving surface moves the tool
+  // The factor 2 covers a tool that moves towards the device. A translation can also press a
+  // contact point at the tool's radius, and a rotation moves this point.
   double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
   double torque = last_torque_ + torque_slew_ * elapsed +
                   2.0 * (c.rotational_stiffness * turn + c.stiffness * model.radius * way);
-  if (inertia != nullptr && elapsed > 0.0) {  // the damper beside the spring
+  if (inertia != nullptr && elapsed > 0.0) {  // add the damper in parallel to the spring
     force += inertia->damping * way / elapsed;
     torque += inertia->rotational_damping * turn / elapsed;
   }

@@ -4,7 +4,8 @@
 
 namespace feltwire {
 
-/// The hand leaves a robot only while it does not move it and feels nothing of it.
+/// Reads the enabling switch and the seat button. The hand may select another robot only while it
+/// neither moves the present robot nor feels its force.
 void RobotLead::take(const DeviceReading& reading, bool free,
                      const ServoOptions& options) noexcept {
   deadman_ = reading.ok && reading.deadman && free;

@@ -8,7 +8,7 @@ namespace feltwire {
 
 double SceneChangeGate::energy(const Tick& tick, const PortAccount& account) noexcept {
   const double wanted = length(tick.command.elastic);
-  if (!(wanted > 0.0)) {  // the contact is lost, and so is the energy pressed into it
+  if (!(wanted > 0.0)) {  // the contact ended, and its pressed energy is lost
     forget();
     return 0.0;
   }

@@ -92,12 +92,13 @@ const Sample* Servo::hold(const Command& held) noexcept {
   return &sample_;
 }
 
-/// [s]; the period at the first tick, or if the clock was set back.
+/// Returns the time since the last tick [s]. Returns the period at the first tick, and after the
+/// clock was set back.
 double Servo::time_since_last_tick(Nanoseconds now) noexcept {
   const double period = parameters().servo_period;
   if (!ticked_) return period;
   const Nanoseconds elapsed = now - last_tick_;
-  if (elapsed.count() < 0) {  // set back: remembered times move with it, and age by a tick
+  if (elapsed.count() < 0) {  // the clock was set back: shift the remembered times
     replies_.move_times(elapsed - from_seconds(period));
     fade_.move_times(elapsed - from_seconds(period));
     return period;
@@ -124,7 +125,8 @@ void Servo::begin_trail(const DeviceReading& reading, const DeviceMovement& move
                           .server_bound = reply.active || reply.saturated || reply.refused};
 }
 
-/// Sets the scene's command for the bound, as far as fades leave it, and returns what it came from.
+/// Sets the step's command from the scene's command and the fade. Returns the scene's command and
+/// its properties.
 ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
                            Nanoseconds now) noexcept {
   ForceLaw::Asked asked{.original = replies_.original(), .movement_known = movement.known};
@@ -135,13 +137,14 @@ ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
   const BoundingConfig& bound = law_.law().bounding.config();
   const Command scene = environment_.command(step, law_.law().bounding, sample_.pose, replies_,
                                              parameters(), now, statistics_);
-  // Only what the device can give goes into the bound, so that the bound accounts what it gives.
+  // The bound must account the force that the device can give.
   asked.wanted = actuated(spec_, scene);
   asked.share = fade_.step(now, command_age_, step.hold_time, parameters().hold_time);
-  // The force faded to zero because answers were missing. The hand has moved on and meets a scene
-  // that asks for more: it begins as after a lost session.
+  // Missing answers let the force fade to zero, and the hand has moved since. Start as after a lost
+  // session.
   if (fade_.silent()) begin_anew(sample_.index);
-  // The safety limits may begin with such a command: the hand feels it as the scene means it.
+  // A command without fade shows the true force of the scene. The safety limits may start with this
+  // command.
   asked.original = asked.share > 0.0 && (replies_.original() || near());
   if (asked.share < 1.0) ++statistics_.faded;
   step.command = faded(asked.wanted, asked.share, bound.max_force, bound.max_torque);
@@ -177,7 +180,8 @@ void Servo::adopt(ServoLaw& next) noexcept {
     exchange_law();
 }
 
-/// The hand may be anywhere: earlier answers do not tell where it is now.
+/// Restarts law and environment for a hand at an unknown place. Earlier answers do not show the
+/// hand's present depth.
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   law_.begin_anew();
   law_.forget_contact();
@@ -185,7 +189,7 @@ void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   replies_.begin_anew(last_sample_before);
 }
 
-/// The force has come to zero, whatever the bound keeps.
+/// Ends a fade whose force is zero, and drops the force that the bound keeps.
 void Servo::end_fade() noexcept {
   fade_.end();
   replies_.forget_command();
@@ -202,8 +206,8 @@ void Servo::exchange_law() noexcept {
   replies_.forget_command();
 }
 
-/// Whether this tick shows how the scene feels: only the bound, the account and the limits of the
-/// device stand between its command and the hand.
+/// True if this tick renders the scene without fades and start limits. Only the bound, the energy
+/// account and the device limits may change the command.
 bool Servo::feels_scene() const noexcept {
   const ForceTrail& trail = explanation_.trail();
   return tick_.known && !released_ && !fade_.ending() && fade_.share() >= 1.0 &&

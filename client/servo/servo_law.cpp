@@ -11,22 +11,22 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   validate(parameters);
   BoundingConfig config = bounding_config(parameters, spec);
   if (scene_stiffness > 0.0) config.stiffness = scene_stiffness;
-  // The server bounds. Only the safety clamps remain here, which every mode has.
+  // The server runs the bound. The client keeps only the safety limits of every mode.
   if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
   return config;
 }
 
-/// Whether the account counts on the device's mass and dry friction, and on the hand's largest
-/// force: it does with a method that shapes, or that was told of the operator's damping.
+/// True if the energy account uses the device's mass, its dry friction and the hand's largest
+/// force. This applies to shaping methods and to a known operator damping.
 bool counts_on_mass(const SessionParameters& p) {
   return p.side != BoundingSide::server && needs_account(p) != nullptr;
 }
 
-/// With a method that only shapes, or that counts on the operator's damping, only the account makes
-/// the port passive. A bound at the server also has an account, because that bound ignores delay,
-/// loss and late ticks. So has every bound at this side: it counts on holds of T, and some of the
-/// papers' bounds are not passive by themselves. There is no account if nothing bounds, or if
-/// nothing of the device is known.
+/// Returns the energy account of a session. Shaping methods and methods with operator damping need
+/// it for passivity. A bound at the server needs it, because the server ignores delay, loss and
+/// late ticks. Every bound at the client needs it, because the bound assumes holds of one period,
+/// and some bounds of the paper are not passive. There is no account without a bound, or for an
+/// unknown device.
 std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const ServoOptions& options) {
   if (counts_on_mass(p)) {
@@ -39,7 +39,7 @@ std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSp
   return PortAccount(any_hand_account(spec, p.servo_period));
 }
 
-/// Only a scene change gate withholds a changed scene's force, and makes sure that the hand pays
+/// Returns the gate that withholds the force of a changed scene until the hand has spent the energy
 /// for it.
 std::optional<SceneChangeGate> scene_change_gate_of(const SessionParameters& p,
                                                     const DeviceSpec& spec,
@@ -62,8 +62,8 @@ const char* needs_account(const SessionParameters& p) {
   return bounding_method(p.mode).shapes ? "" : nullptr;
 }
 
-/// The observer counts what the device itself burns, whatever the bound may credit. It counts dry
-/// friction if the account does.
+/// Returns the energy observer. It counts the dissipation of the device alone, and dry friction if
+/// the account counts it.
 PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
   return {spec.damping,
           spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(),

@@ -16,14 +16,14 @@
 namespace feltwire {
 namespace {
 
-// Between two looks for another way to a silent server: time for an answer by the last way.
+// Period of the search for another route to a silent server. It leaves time for an answer over the
+// last route.
 constexpr Nanoseconds kReroutePeriod = std::chrono::seconds(1);
 constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
-constexpr Nanoseconds kFarewell =
-    std::chrono::milliseconds(100);                         // for replies that are on their way
-constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // for lowering a tool
-// After so many datagrams the deadline is checked again. Dropped datagrams count too, so that no
-// sender makes a tick late.
+constexpr Nanoseconds kFarewell = std::chrono::milliseconds(100);  // for replies in transit
+constexpr Nanoseconds kLowering = std::chrono::seconds(2);         // to lower the weight of a tool
+// Check the deadline after this number of datagrams. Dropped datagrams count too, so a sender
+// cannot delay a tick.
 constexpr int kDatagramsAtOnce = 64;
 
 timespec to_timespec(Nanoseconds time) noexcept {
@@ -71,9 +71,9 @@ class Loop {
   }
 
  private:
-  /// Waits until one of the first `count` descriptors is ready, a deadline has come or a datagram
-  /// must leave the emulated link. It sleeps while neither a reply nor a deadline is near. It sets
-  /// no other timer: that interrupt would come just when there is something to do.
+  /// Waits for a descriptor among the first `count`, a deadline or a due datagram of the emulated
+  /// link. Sleeps if neither a reply nor a deadline is near. Uses no other timer, because its
+  /// interrupt would delay the tick.
   int wait(std::size_t count) noexcept {
     if (paced_) return await_device(count);
     const auto due = port_.next_due();
@@ -93,8 +93,8 @@ class Loop {
       if (woken != 0 || due == wake) return woken;
     }
   }
-  /// Waits for the device's tick. A tick that is overdue by a quarter of the hold time counts as
-  /// missed. A device that returns without a tick is asked again after a servo period.
+  /// Waits for the tick of the device. A tick counts as missed if it is late by a quarter of the
+  /// hold time. If the device returns without a tick, the loop asks again after a servo period.
   int await_device(std::size_t count) noexcept {
     constexpr double kPatience = 0.25;
     overdue_at_ = last_tick_ + from_seconds(kPatience * servo_.parameters().hold_time);
@@ -111,14 +111,14 @@ class Loop {
     return reply_near || deadlines_.next() - now <= std::max(options_.busy_poll, deadlines_.lead());
   }
 
-  /// Handles one wake-up. False when the loop is over.
+  /// Handles a wake-up. Returns false at the end of the loop.
   bool step(Nanoseconds now) noexcept {
     if (waiting_[0].revents != 0 || delayed_) take_replies(now);
     if (server_left_ && !lose(now, EndReason::server_goodbye)) return false;
     if (stop_.is_set()) return end(EndReason::requested);
     if (!is_due(now)) return true;
 
-    // Before the tick: a hand whose session is back must not feel the force that waited for it.
+    // Restore the session before the tick. The hand must not feel a force from before the loss.
     if (options_.rejoined != nullptr) regain(now);
     if (options_.changes != nullptr) change(now);
     if (options_.fetched != nullptr) take_fetched();
@@ -132,7 +132,7 @@ class Loop {
     return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
   }
 
-  /// Whether the device has ticked, or should have by now. The time beyond T counts as late.
+  /// True if the device has ticked or its tick is overdue. Time beyond one period counts as late.
   bool device_is_due(Nanoseconds now) noexcept {
     if (!device_ticked_ && now < overdue_at_) return false;
     const Nanoseconds interval = now - last_tick_;
@@ -145,7 +145,7 @@ class Loop {
     return true;
   }
 
-  /// Whether a deadline has passed.
+  /// True if a deadline has passed.
   bool is_due(Nanoseconds now) noexcept {
     if (paced_) return device_is_due(now);
     const std::uint64_t passed = deadlines_.passed(now);
@@ -163,7 +163,7 @@ class Loop {
     count(wakeups_, hand_time_limits::kWakeups, late);
   }
 
-  /// The session is lost, by a goodbye or by silence. False if that is the end.
+  /// Handles the loss of the session by a goodbye or by silence. Returns false if the loop ends.
   bool lose(Nanoseconds now, EndReason reason) noexcept {
     if (options_.rejoined == nullptr || options_.patience.count() <= 0) return end(reason);
     if (lost_) return true;
@@ -175,7 +175,7 @@ class Loop {
     return true;
   }
 
-  /// Takes a new session, or the old one if it answers again.
+  /// Continues with a new session, or with the old one if the server answers again.
   void regain(Nanoseconds now) noexcept {
     SessionAddress to;
     bool fresh = false;
@@ -187,12 +187,12 @@ class Loop {
       next_reroute_ = now + kReroutePeriod;
       if (!server_left_) port_.reroute();
     }
-    // Take even a late session: otherwise the server would keep it without a client.
+    // Accept a late session too. The server would otherwise keep a session without a client.
     if (fresh) last_heard_ = now;
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
     server_left_ = false;
-    if (fresh) heard_ = dealt_with_ = 0;  // another session counts from 1
+    if (fresh) heard_ = dealt_with_ = 0;  // a new session counts from 1
     servo_.reconnected(fresh);
     next_status_ = now;
     if (!lost_) return;
@@ -201,17 +201,17 @@ class Loop {
     result_.disconnected += seconds(now - lost_at_);
   }
 
-  /// Makes the change that an admin wants and that was prepared.
+  /// Applies the prepared changes that an admin requested.
   void change(Nanoseconds now) noexcept {
     PreparedChange* next = nullptr;
     while (options_.changes->pop(next)) {
       if (!next->refused && next->link) port_.set_link(*next->link);
       if (!next->refused && next->law) servo_.adopt(*next->law);
       next->taken = ticked_ ? seconds(now - first_tick_) : 0.0;
-      if (next->session != session_) continue;  // its number means nothing to the present server
+      if (next->session != session_) continue;  // the present server does not know this change
       dealt_with_ = next->number;
       refused_ = next->refused;
-      reported_ = Nanoseconds{0};  // the server is told with the next sample
+      reported_ = Nanoseconds{0};  // the next sample reports the change to the server
     }
   }
 
@@ -220,7 +220,7 @@ class Loop {
     while (options_.fetched->pop(fetched)) servo_.use(fetched);
   }
 
-  /// Replies repeat a change until the server has received its answer.
+  /// Queues a requested change once. Replies repeat the request until the server has the answer.
   void hear(const std::optional<ClientChange>& wanted) noexcept {
     if (!wanted || wanted->number == heard_) return;
     if (outputs_.wanted->push({*wanted, session_})) heard_ = wanted->number;
@@ -245,7 +245,7 @@ class Loop {
     if (now >= next_status_) report_status(now);
   }
 
-  /// Sends the sample, now and then with a report for observers.
+  /// Sends the sample, and periodically a report for observers.
   void send(const Sample& sample) noexcept {
     std::optional<HandReport> report;
     if (seconds(sample.client_time - reported_) >= kBetweenReports && !servo_.options().observes)
@@ -274,7 +274,7 @@ class Loop {
         server_left_ = true;
         return;
       }
-      // A reply that answers no newer sample does not show that the server is alive.
+      // Only a reply to a newer sample shows that the server is alive.
       if (!servo_.take(reply_, now)) continue;
       last_heard_ = now;
       if (outputs_.wanted != nullptr) hear(reply_.change);
@@ -296,10 +296,10 @@ class Loop {
     if (delayed_) port_.pass(now);
     tick(now);
     constexpr std::size_t kWithoutStop = 1;
-    // Do not wait for a device that keeps holding a force against all commands.
+    // Stop waiting if the device holds a force against all commands.
     const Nanoseconds latest = now + from_seconds(servo_.parameters().hold_time);
     while (!servo_.let_go() && now < latest) {
-      if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // it cannot wait
+      if (wait(kWithoutStop) < 0 && errno != EINTR) return tick(latest);  // waiting failed
       now = monotonic_now();
       if (delayed_) port_.pass(now);
       take_replies(now);
@@ -308,7 +308,7 @@ class Loop {
     lower_tool();
   }
 
-  /// Ticks until the device has handed the weight of its tool to the hand.
+  /// Ticks until the hand carries the weight of the tool.
   void lower_tool() noexcept {
     constexpr std::size_t kWithoutStop = 1;
     const Nanoseconds latest = monotonic_now() + kLowering;
@@ -325,11 +325,11 @@ class Loop {
     }
   }
 
-  /// Counts the replies that are still on their way, then tells the server.
+  /// Counts the replies in transit, then sends the goodbye.
   void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
     while (!server_left_ && servo_.awaits_answer() && now < latest) {
-      // A datagram that leaves the port now may still be answered.
+      // The server may still answer a datagram that leaves the port now.
       const auto due = port_.next_due();
       if (due) latest = std::max(latest, *due + kFarewell);
       const Nanoseconds wake = due ? std::min(latest, *due) : latest;
@@ -369,19 +369,20 @@ class Loop {
   bool delayed_;
   Nanoseconds start_;
   Nanoseconds period_;
-  bool paced_;  // by the device; else by the deadlines
+  bool paced_;  // the device sets the pace, else the deadlines
   Deadlines deadlines_;
   bool device_ticked_ = false;
   Nanoseconds overdue_at_{0};
-  std::array<pollfd, 2> waiting_;  // replies, stop
+  std::array<pollfd, 2> waiting_;  // descriptors for replies and stop
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
   bool lost_ = false;
   Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  std::uint8_t heard_ = 0, dealt_with_ = 0;  // changes that an admin wants, by their numbers
-  bool refused_ = false;                     // the newest of those dealt with
-  std::uint32_t session_ = 0;                // WantedChange::session
+  // Numbers of the received and the answered change of an admin.
+  std::uint8_t heard_ = 0, dealt_with_ = 0;
+  bool refused_ = false;       // the newest answered change was refused
+  std::uint32_t session_ = 0;  // as WantedChange::session
   Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0}, times_told_{0};
   HandTimes::Counts wakeups_{};
 };

@@ -38,12 +38,12 @@ void validate(const ServoOptions& options, const SessionParameters& parameters) 
 
 ServoOptions protect_hand(const SessionParameters& parameters) {
   ServoOptions options;
-  options.safety.force.small = 0.05;   // [N] below what a resting hand feels
-  options.safety.torque.small = 2e-3;  // [N m] the same at an arm of 40 mm
+  options.safety.force.small = 0.05;   // [N] less than a resting hand can feel
+  options.safety.torque.small = 2e-3;  // [N m] the same force at an arm of 40 mm
   if (!admits_reduction(parameters)) return options;
   options.safety.force.speed = 1.5;  // [m/s]
-  // A bound also lets nothing through at first. Force that a ramp withholds behind it comes back
-  // only as the hand presses deeper (measured).
+  // A bound starts from zero force itself. Measured: a force that a ramp withholds after the bound
+  // returns only as the hand presses deeper.
   const bool client_bounds =
       parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
   if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]

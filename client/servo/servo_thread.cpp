@@ -15,14 +15,15 @@ struct ServoThread::Shared {
         hold_time(task->servo.parameters().hold_time) {}
 
   std::shared_ptr<ServoTask> task;
-  const double servo_period, hold_time;  // [s]; the servo's own may change with its law
+  // [s] Initial values; a new law may change them in the servo.
+  const double servo_period, hold_time;
   Event stop, over_event;
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
   RealTime real_time;
-  bool started = false, ended = false, given_up = false;  // with the mutex
+  bool started = false, ended = false, given_up = false;  // guarded by the mutex
   std::atomic<bool> stood_still{false};
-  // Written before stood_still: where, and for how long.
+  // The thread writes these before stood_still.
   std::atomic<double> still_for{0.0};
   std::atomic<DeviceCall> still_in{DeviceCall::none};
   std::atomic<double> let_go_after{0.0};
@@ -72,7 +73,8 @@ void ServoThread::run_loop(Shared& shared) noexcept {
 
 void ServoThread::watch(Shared& shared) noexcept {
   ServoTask& task = *shared.task;
-  // Above the servo thread: a servo that never sleeps would otherwise block its watch.
+  // The watch needs a higher priority than the servo. A servo that never sleeps would block it
+  // otherwise.
   if (task.priority > 0) request_real_time(task.priority + 1);
   std::unique_lock lock(shared.mutex);
   shared.changed.wait(lock, [&] { return shared.started || shared.ended; });
@@ -80,10 +82,10 @@ void ServoThread::watch(Shared& shared) noexcept {
                                   shared.real_time.scheduler);
   shared.let_go_after.store(late);
   StallDetector watch(from_seconds(late), from_seconds(shared.hold_time));
-  watch.look(monotonic_now(), {});  // it counts from here
+  watch.look(monotonic_now(), {});  // the count starts here
   while (!shared.ended) {
     if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
-    // Its own loop has released the device, and now only waits for answers.
+    // The servo loop has released the device and waits only for answers.
     if (task.guard.released() && !shared.stood_still.load()) continue;
     const DeviceCall call = task.guard.call();
     switch (watch.look(monotonic_now(), {.calls = task.guard.calls(),
@@ -106,7 +108,7 @@ void ServoThread::watch(Shared& shared) noexcept {
           shared.still_in.store(call);
         }
         shared.stood_still.store(true);
-        task.guard.release();  // again and again: a write may have been on its way
+        task.guard.release();  // repeated, because a write may have been in progress
         break;
     }
   }

@@ -10,7 +10,7 @@ double let_go_time(double servo_period, double hold_time, double asked, bool rea
 }
 
 Nanoseconds StallDetector::pause() const noexcept {
-  constexpr int kShortest = 8;  // part of late_
+  constexpr int kShortest = 8;  // a pause is at least late_ / kShortest
   if (stands_still_) return late_;
   return std::clamp(limit_ - pulling_, late_ / kShortest, late_);
 }
@@ -27,8 +27,7 @@ StallDetector::Verdict StallDetector::look(Nanoseconds now, const SignsOfLife& l
   calls_ = life.calls;
   limit_ = life.awaits ? hold_ : late_;
   if (lives) {
-    // It ticked since the last look. If the whole program was stopped after that, that time counts
-    // as none.
+    // The servo ticked since the last look. A later stop of the whole program does not count.
     still_ = stopped ? Nanoseconds(0) : std::clamp(now - life.tick, Nanoseconds(0), slept);
     pulling_ = life.pulls ? still_ : Nanoseconds(0);
     forgiven_ = stopped;

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-/// The robot's contact is rendered like the local model.
+/// Creates the robot's contact. The client renders it like a local model.
 std::optional<RobotLead> robot_of(const ServoOptions& options, const SessionParameters& p) {
   if (!options.leads) return std::nullopt;
   if (!p.local_model)
@@ -51,8 +51,8 @@ void VirtualEnvironment::take(const ReplyIntake& replies, std::uint64_t samples,
   ++statistics.models;
   statistics.whole_models += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
   statistics.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
-  // Moving objects have moved since the server looked. The clocks give the time of the way back,
-  // which is believed up to the hold time of a command.
+  // Moving objects have moved since the server computed the reply. The clock estimate gives the
+  // delay of the reply, limited to the hold time of a command.
   const double since = std::clamp(replies.server_clock().delay_down(), 0.0, hold_time);
   model_time_ = replies.arrival() - from_seconds(since);
   if (robot_) robot_->take(reply, model_time_, replies.arrival(), hold_time);
@@ -81,8 +81,9 @@ Command VirtualEnvironment::command(BoundingStep& step, const Bounding& bounding
   return command;
 }
 
-/// Asks the local model at the place that the method wants. `command` is the reply's at first; the
-/// model replaces it as far as the model is valid. Returns the weight of the model, 0 to 1.
+/// Evaluates the local model at the position that the method requests. `command` first has the
+/// force of the reply. The function blends it with the force of the model. Returns the weight of
+/// the model, 0 to 1.
 double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& probe,
                                         const Pose& pose, Nanoseconds now, Command& command,
                                         ServoStatistics& statistics) noexcept {
@@ -102,7 +103,7 @@ double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& p
   return w;
 }
 
-/// follow_point() for a tool with a body.
+/// Does the same as follow_point() for a tool with a body.
 double VirtualEnvironment::follow_body(const BoundingStep& step, const Probe& probe,
                                        const Pose& pose, Nanoseconds now, Command& command,
                                        ServoStatistics& statistics) noexcept {
@@ -118,8 +119,8 @@ double VirtualEnvironment::follow_body(const BoundingStep& step, const Probe& pr
   return w;
 }
 
-/// Limits the work of a tick's contact, so that no server makes a tick late. Above the limit the
-/// model has no weight, and the reply's command is used.
+/// Limits the contact work of a tick, so a large model cannot make the tick late. Above the limit
+/// the weight of the model is zero, and the reply's command applies.
 WorkLimit VirtualEnvironment::contact_work() const noexcept {
   const bool whole = local_.has_whole() || local_body_.has_whole();
   return WorkLimit(whole && fetched_ != nullptr ? fetched_->most_work : plane_work(period_));

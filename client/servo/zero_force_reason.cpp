@@ -59,7 +59,7 @@ ZeroForceReason reason_of(Withheld withheld) {
   }
   return ZeroForceReason::device_fault;
 }
-/// Whether the wait for a small force leaves less than a tenth of the possible force.
+/// True if the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
   constexpr double kShare = 0.1;
   return t.stage_waits && is_felt(t.actuated) &&
@@ -100,7 +100,8 @@ ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
     return any(t.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
   }
   if (!is_felt(t.actuated)) return ZeroForceReason::not_actuated;
-  // Before the bound: while nothing is held it may let nothing through, but that is not the reason.
+  // Test the wait before the bound. The bound may also give no force at first, but the wait is then
+  // the cause.
   if (t.stage_waits) return ZeroForceReason::waiting;
   if (!is_felt(t.faded)) return ZeroForceReason::silent;
   if (!is_felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
@@ -114,7 +115,7 @@ ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
 }
 
 ZeroForceReason prevailing(const std::array<std::uint64_t, kZeroForceReasons>& ticks) noexcept {
-  // There was no force to be given, or the hand was on its way in or out.
+  // These reasons are normal: the scene gave no force, or the session started or ended.
   constexpr std::array kNothingToGive = {
       ZeroForceReason::felt,     ZeroForceReason::ending,          ZeroForceReason::device_ended,
       ZeroForceReason::no_reply, ZeroForceReason::touches_nothing, ZeroForceReason::too_little,
