@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-/// The shortest of some runs: interruptions by the system are no cost of the contact.
+/// The fastest of several runs. Interruptions by the system slow the other runs down.
 struct Timed {
   double time = 0.0;  // [s]
   std::uint64_t work = 0;
@@ -32,7 +32,7 @@ Timed timed(const TrialTick& tick, std::uint64_t most, const ComputingClock& clo
   return best;
 }
 
-/// [s] that reading the clock takes by itself.
+/// Returns the duration of a clock reading [s].
 double reading_time(const ComputingClock& clock) {
   constexpr int kReadings = 8;
   Nanoseconds before = clock(), least = Nanoseconds::max();
@@ -60,12 +60,12 @@ Nanoseconds computing_time() noexcept {
 
 namespace {
 
-/// [s] the longest time of a unit of work, measured in ticks within the usual limit.
+/// Returns the longest time per unit of work [s], measured in ticks within the usual limit.
 double measured_unit(const FetchedScene& scene, double servo_period, const ComputingClock& clock,
                      double reading) {
-  // A tick with less work mostly shows overhead, not the time of a unit.
+  // The overhead dominates a tick with less work.
   constexpr std::uint64_t kManyUnits = 1024;
-  constexpr double kSlowest = 4.0 * kUsualUnit;  // if only such ticks were seen
+  constexpr double kSlowest = 4.0 * kUsualUnit;  // limit if all ticks have less work
   const std::uint64_t most = units_within(contact_budget(servo_period));
   double time = 0.0, work = 0.0, of_long_ticks = 0.0;
   try_contact(scene, servo_period, [&](const TrialTick& tick) {

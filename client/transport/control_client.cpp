@@ -26,8 +26,8 @@ bool longer_hold(const SessionParameters& asked, const SessionParameters& grante
   return granted.hold_time > asked.hold_time;
 }
 
-/// Compares the session that a server offers with the requested one. Returns one line that names
-/// the wrong field, or nothing. No answer of a server may take the bound off a hand.
+/// Compares the granted session with the requested session. Returns a line that names the wrong
+/// field, or nothing. A server must not be able to remove the bound.
 std::optional<std::string> broken_offer(const control::JoinAccepted& offered,
                                         const control::JoinRequest& wanted,
                                         const GrantLimits& limits) {

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// Whether the same request would be refused again (PROTOCOL.md).
+/// True if the server would refuse the same request again (PROTOCOL.md).
 bool lasting(control::RefusalCode code) {
   using control::RefusalCode;
   return code != RefusalCode::full && code != RefusalCode::too_many &&

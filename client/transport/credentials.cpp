@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kTokenVariable = "FELTWIRE_TOKEN";
 
 std::string read_file(const std::string& name, const char* option) {
-  constexpr std::size_t kLargest = std::size_t{4} << 20;  // [bytes] a system's authorities: 0.3 MB
+  // [bytes] A system's list of authorities has 0.3 MB.
+  constexpr std::size_t kLargest = std::size_t{4} << 20;
   std::string text;
   try {
     text = read_regular_file(name, kLargest, "check the path and your right to read it");
@@ -67,13 +68,13 @@ std::variant<Fingerprint, Authorities> trust(const CredentialOptions& words) {
 
 Secret token(const CredentialOptions& words) {
   if (!words.token_file.empty()) {
-    // Only warn: unlike a key a token can be revoked, and containers are given such files.
+    // Only warn: a token can be revoked, and containers often provide readable files.
     if (const auto open = exposure(words.token_file))
       std::fprintf(stderr, "%s: warning: --token-file: %s\n", program_invocation_short_name,
                    visible(*open).c_str());
     return read_secret(words.token_file, "--token-file", true);
   }
-  // Not as an option: every user of a machine can read all command lines.
+  // The token is no command line option, because every user of a machine can read command lines.
   if (const char* text = std::getenv(kTokenVariable); text != nullptr && *text != '\0')
     return Secret(text);
   throw std::invalid_argument(

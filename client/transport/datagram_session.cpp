@@ -14,8 +14,8 @@ DatagramSession::DatagramSession(std::uint64_t session, const SessionKeys& keys,
       packer_(parameters, rotation, scale),
       sealer_(keys.suite, keys.up),
       opener_(keys.suite, keys.down) {
-  // The encoder allocates at the first and largest datagram of each kind. Do it now, not in the
-  // loop.
+  // The encoder allocates memory for the largest datagram of each kind. Encode these datagrams
+  // here, before the loop.
   SampleBatch largest;
   largest.rotation = rotation;
   largest.count = parameters.batch + parameters.redundancy;

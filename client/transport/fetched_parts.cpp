@@ -17,7 +17,7 @@ bool plausible(const Pose& pose) {
   return near(pose.position) && std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
 
-/// Whether a surface can have these numbers. NaN fails.
+/// True if the numbers of a surface are valid. False for NaN.
 bool plausible(const SurfaceData& s) {
   return plausible(s.pose) && near(s.origin) && s.radius >= 0.0 && s.radius <= kMaxPosition &&
          s.grain >= 0.0 && s.grain <= kMaxPosition && s.grain_wavelength > 0.0 &&
@@ -28,7 +28,7 @@ bool plausible(const SolidData& s) { return plausible(s.pose); }
 
 std::string object_text(std::uint16_t object) { return "object " + std::to_string(object); }
 
-/// Objects are listed by rising number, each once. `next`: the lowest allowed number.
+/// Requires increasing object numbers. `next`: lowest allowed number.
 void require_rising(const ControlDialogue& dialogue, std::uint16_t object, std::uint32_t& next) {
   if (object < next)
     dialogue.refuse("listed " + object_text(object) + " of the scene twice, or not in order");
@@ -40,8 +40,8 @@ void require_near(const ControlDialogue& dialogue, const std::vector<Vec3>& plac
     dialogue.refuse("sent a point of the scene that is no number, or is beyond 1000 m");
 }
 
-/// A list with the announced number of entries, which comes in parts. `entries`: their name, for
-/// people.
+/// Collects a list that arrives in parts, and checks its announced size. `entries`: name of the
+/// entries in messages.
 template <class Entry>
 class Parts {
  public:
@@ -92,8 +92,8 @@ void give_mesh(SurfaceData& surface, TriangleSoup mesh) {
 
 void give_mesh(SolidData& solid, TriangleSoup mesh) { solid.mesh = std::move(mesh); }
 
-/// The items of a list for which there is room, in its order, each with its mesh. `thing`: the
-/// member of an entry to keep. `take`: asks for room.
+/// Fetches the items of a list in order, each with its mesh, until the limit of `take`. `thing`:
+/// member of an entry to keep.
 template <class Thing, class Entry>
 std::vector<Thing> fetched_things(ControlDialogue& dialogue, std::uint64_t session,
                                   std::uint32_t version, const std::vector<Entry>& list,

@@ -20,7 +20,7 @@ std::string of_scene(const std::string& scene) { return " of scene '" + scene + 
 std::deque<control::SessionDescription> described_sessions(ControlDialogue& dialogue,
                                                            const std::string& scene,
                                                            ListRoom& room) {
-  std::deque<control::SessionDescription> sessions;  // a deque never takes twice its room to grow
+  std::deque<control::SessionDescription> sessions;  // a deque needs no second buffer to grow
   std::uint32_t after = 0;
   for (bool more = true; more;) {
     auto list =

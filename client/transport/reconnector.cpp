@@ -17,7 +17,7 @@ Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
       return {std::nullopt, to_string(server.endpoint) +
                                 " now has other seats for robots than those of the session before; "
                                 "start anew"};
-    // The servo loop keeps its parameters, so a new session must have the same ones.
+    // The servo loop keeps its parameters. A new session must have equal parameters.
     const auto changed = difference(request.parameters, joined.accepted.parameters);
     if (!changed)
       return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
@@ -26,12 +26,12 @@ Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
                               *changed + "); start anew"};
   } catch (const LastingError& error) {
     return {std::nullopt, error.what()};
-  } catch (const std::exception&) {  // also no descriptor, no memory: the next may have them
+  } catch (const std::exception&) {  // the next attempt may have the resources
     return {};
   }
 }
 
-/// The result of an attempt. An attempt that could not end properly has failed.
+/// Returns the result of an attempt. An exception counts as a failed attempt.
 Reconnector::Attempt Reconnector::outcome() noexcept {
   try {
     return attempt_.get();
@@ -53,9 +53,10 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
     if (std::exchange(outdated_, false)) done = {};
-    // If the old session answers again, it continues in spite of a refusal.
+    // The old session continues if it answers again, in spite of a refusal.
     if (!connected) refusal_ = std::move(done.refusal);
-    // Even if the old session answers again: otherwise the server would have two.
+    // Use the new session even if the old one answers again. Otherwise the server would keep two
+    // sessions.
     handed_over_ = done.session && out_.push(*done.session);
     if (handed_over_) {
       ++sessions_;
@@ -71,12 +72,12 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     return;
   }
   if (now < next_ || !refusal_.empty()) return;
-  // The new session may be lost before it answered once. Wait before the next attempt.
+  // The new session may fail before its first answer. Wait before the next attempt.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
   try {
     begin();
-  } catch (const std::exception&) {  // no memory or no thread: an attempt that failed
+  } catch (const std::exception&) {  // missing memory or thread counts as a failed attempt
     attempt_ = {};
     put_off(now);
   }

@@ -64,11 +64,11 @@ bool SamplePacker::due(const Sample& sample) const noexcept {
   return !(parameters_.position_deadband > 0.0) || !known(sample);
 }
 
-/// Whether the server can do without this sample.
+/// True if the deadband allows the client to omit this sample.
 bool SamplePacker::known(const Sample& sample) const noexcept {
   const Sample& last = travelled_[0];
   const double silence = seconds(sample.client_time - last.client_time);
-  // The next tick would be too late. Half a tick allows for the servo's jitter.
+  // The next tick would exceed the limit. Half a period allows for jitter.
   if (!(silence + 0.5 * parameters_.servo_period < parameters_.keep_alive) || silence < 0.0)
     return false;
   if (acts(sample.held) != acts(last.held)) return false;
@@ -78,7 +78,7 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
   const double force = length(sample.held.force());
   const double scale = force > 0.0 && scale_.stiffness > 0.0 ? force / scale_.stiffness
                                                              : kFreeAge * velocity_.norm();
-  // The difference of two rounded values may be one quantum too large or too small.
+  // Rounding may change the difference of two values by a quantum.
   constexpr double kRounding = 1.0 + 1e-6;
   const double allowed = std::max(kRounding * scale_.quantum, k * scale);
   const Vec3 expected =
@@ -91,7 +91,7 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
                           std::max(kUnfeltAngle, k * kFreeAge * angular_velocity_.norm()));
 }
 
-/// Makes the datagram from the newest `fresh` samples and some that were sent before.
+/// Builds a datagram from the newest `fresh` samples and some repeated samples.
 void SamplePacker::make(std::uint64_t fresh) noexcept {
   const std::uint64_t count =
       std::min({static_cast<std::uint64_t>(std::min(parameters_.batch, most_)), fresh,
@@ -104,7 +104,7 @@ void SamplePacker::make(std::uint64_t fresh) noexcept {
   batch_.previous =
       again < travelled_count_ ? travelled_[static_cast<std::size_t>(again)].index : 0;
 
-  // The next datagram repeats k samples, and names the one before these.
+  // The next datagram repeats k samples, and names the sample before them.
   const int kept = parameters_.redundancy + 1;
   const int fresh_kept = std::min(made, kept);
   const int old_kept = std::min(travelled_count_, kept - fresh_kept);

@@ -21,17 +21,17 @@ constexpr std::chrono::milliseconds kFirstWait{1000}, kLongestWait{30'000};
 
 using Fetched = std::shared_ptr<const FetchedScene>;
 
-/// A scene as the servo gets it, or why it does not get it.
+/// A fetched scene for the servo, or the reason for its refusal.
 struct Judged {
   Fetched scene;
   std::string refusal;
 };
 
-/// The server's lists of what a client may fetch. Version 0: there is nothing to fetch.
+/// The lists of geometry that the server offers. Version 0 means no geometry.
 struct Offer {
   std::uint32_t version = 0;
   control::SurfaceList surfaces;  // for a point or a ball
-  control::SolidList solids;      // for a body
+  control::SolidList solids;      // for a tool with a body
 };
 
 Offer offered(ControlDialogue& dialogue, std::uint64_t session) {
@@ -54,7 +54,7 @@ std::uint32_t version_of(const Fetched& have) {
 
 std::string refusal_of(const std::string& why) { return "nothing of the scene is fetched: " + why; }
 
-/// Null: nothing of it is useful.
+/// Fetches the offered geometry. Returns null if there is none.
 std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t session,
                                     const Offer& offer) {
   auto all = std::make_shared<FetchedScene>();
@@ -72,7 +72,7 @@ std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t ses
   return all;
 }
 
-/// Sets the work that a tick may spend on the scene, from the time of a unit on this machine.
+/// Measures the time per unit of work on this machine, and sets the scene's work limit per tick.
 Judged judged(std::shared_ptr<FetchedScene> scene, const SceneFetchOptions& options) {
   if (scene == nullptr) return {};
   const ContactCost cost = contact_cost(*scene, options.servo_period, options.clock);
@@ -89,7 +89,7 @@ SceneFetch::SceneFetch(ServerAccess server, Ring<const FetchedScene*>& out,
     : server_(std::move(server)), out_(out), options_(std::move(options)), wait_(kFirstWait) {}
 
 SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
-  // Sampling a mesh takes all processors for seconds. The servo needs them more.
+  // Sampling a mesh uses all processors for seconds. The servo must have priority.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
   try {
     ControlDialogue dialogue(question.server, question.options.timeout);
@@ -106,13 +106,13 @@ SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
     return {.known = take.objects.size()};
   } catch (const FalseAnswer& error) {
     return {.failed = true, .refusal = refusal_of(error.what())};
-  } catch (const LastingError&) {  // the server or the scene does not support it
+  } catch (const LastingError&) {  // server or scene does not support the fetch
     return {};
   } catch (const std::invalid_argument& error) {
     return {.failed = true,
             .refusal = refusal_of(to_string(question.server.endpoint) +
                                   " sent a scene that cannot be: " + error.what())};
-  } catch (const std::exception&) {  // also no memory: the next may have it
+  } catch (const std::exception&) {  // the next attempt may have enough memory
     return {.failed = true};
   }
 }
@@ -132,7 +132,7 @@ void SceneFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
     if (done.failed) {
       put_off(now);
       if (!done.refusal.empty()) {
-        settled_ = asked_for_;  // the same would come again
+        settled_ = asked_for_;  // another attempt would give the same refusal
         refusal_ = std::move(done.refusal);
       }
     } else if (done.fetched == nullptr) {
@@ -142,7 +142,7 @@ void SceneFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
       unsettled_ = false;
       wait_ = kFirstWait;
     } else {
-      // Without this pause, a server that always has another scene would be asked without end.
+      // Pause, because the scene may change at every fetch.
       if (std::exchange(unsettled_, true)) put_off(now);
       hand_over(std::move(done.fetched));
     }
@@ -151,7 +151,7 @@ void SceneFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
   if (place.session == 0 || place == settled_ || now < next_) return;
   try {
     begin(place);
-  } catch (const std::exception&) {  // no memory or no thread
+  } catch (const std::exception&) {  // missing memory or thread
     attempt_ = {};
     next_ = now + wait_;
   }
@@ -178,7 +178,7 @@ void SceneFetch::in_use(const FetchedScene* fetched) noexcept {
 }
 
 void SceneFetch::begin(const ScenePlace& place) {
-  // Another session may be at another server, which may give other scenes the same numbers.
+  // Another session may use another server. Equal version numbers may then mean different scenes.
   const auto have = of_session_ == place.session ? kept_.back() : nullptr;
   attempt_ =
       run_detached([question = Question{server_, place.session, have, kept_.size() >= kMostKept,

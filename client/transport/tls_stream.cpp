@@ -15,21 +15,21 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// Replaces OpenSSL's own check of a certificate: it must be the pinned one.
+/// Replaces OpenSSL's check of the certificate with a comparison with the pinned fingerprint.
 int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   auto& pin = *static_cast<TlsStream::Pin*>(pin_of_stream);
   const X509* certificate = X509_STORE_CTX_get0_cert(judged);
   try {
     if (certificate != nullptr) pin.seen = fingerprint(*certificate);
-  } catch (...) {  // no fingerprint is no match; an exception may not pass through OpenSSL
+  } catch (...) {  // no fingerprint means no match; an exception must not pass through OpenSSL
   }
   if (pin.seen && pin.seen == pin.wanted) return 1;
   X509_STORE_CTX_set_error(judged, X509_V_ERR_CERT_REJECTED);
   return 0;
 }
 
-/// A failure here is no LastingError: while reconnecting the same call has worked before, so only
-/// memory can be missing.
+/// Creates the TLS context. Its failure is no LastingError: at a reconnection only memory can be
+/// missing, because the first call succeeded.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
@@ -54,7 +54,7 @@ asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin
   return tls;
 }
 
-/// Throws if the server said that it does not accept this client's certificate.
+/// Throws if the server refused this client's certificate.
 void fail_for_own_certificate(const std::string& server, int reason) {
   switch (reason) {
     case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
@@ -80,7 +80,7 @@ void expect_host(SSL* connection, const std::string& host) {
   X509_VERIFY_PARAM_set_hostflags(parameters, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
   Error no_address;
   asio::ip::make_address(host, no_address);
-  // No certificate has a zone, which is local to this machine.
+  // Remove the zone of an IPv6 address. It is local to this machine and in no certificate.
   const std::string address = host.substr(0, host.find('%'));
   const int set = no_address ? X509_VERIFY_PARAM_set1_host(parameters, host.c_str(), host.size())
                              : X509_VERIFY_PARAM_set1_ip_asc(parameters, address.c_str());
@@ -119,7 +119,7 @@ void TlsStream::connect(const Endpoint& server) {
       },
       "cannot connect to ",
       "; is feltwire-server running there, and is the port its control port?");
-  // The request must not wait 40 ms for an acknowledgement of the handshake's end.
+  // Disable the delay of small packets. Otherwise the request waits 40 ms for an acknowledgement.
   stream_.lowest_layer().set_option(tcp::no_delay(true), error);
 }
 
@@ -139,7 +139,7 @@ void TlsStream::handshake(const ServerAccess& server) {
         "no TLS with ", "; is the port the control port of a feltwire-server?");
   } catch (const SessionError&) {
     const long verdict = SSL_get_verify_result(connection);
-    // No fingerprint was seen, perhaps for lack of memory: then the server is unknown.
+    // Without a fingerprint the server is unknown, for example for lack of memory.
     if (verdict == X509_V_OK || verdict == X509_V_ERR_OUT_OF_MEM || (pins && !pin_.seen)) throw;
     if (pins)
       throw LastingError(
@@ -186,14 +186,15 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
   io_.run_for(timeout_);
   if (result == asio::error::would_block) {
     Error ignored;
-    stream_.lowest_layer().close(ignored);  // ends the operation, so that it releases `result`
+    // This call aborts the operation, which then no longer uses `result`.
+    stream_.lowest_layer().close(ignored);
     io_.restart();
     io_.run();
     throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
                        remedy);
   }
   if (!result) return;
-  // In TLS 1.3 a server judges the client's certificate after the client's part is over.
+  // In TLS 1.3 the server checks the client's certificate after the client's part of the handshake.
   if (result.category() == asio::error::get_ssl_category())
     fail_for_own_certificate(server_, ERR_GET_REASON(static_cast<unsigned long>(result.value())));
   throw SessionError(what + server_ + ": " + result.message() + remedy);

@@ -16,7 +16,7 @@ bool Transport::resume(const SessionAddress& to) noexcept {
   return true;
 }
 
-/// From now on datagrams carry fewer samples, if one was too long for the path.
+/// Reduces the samples per datagram if a datagram was too long for the path.
 void Transport::look_at_lengths() noexcept {
   for (const std::uint64_t seen = port_->statistics().too_long; too_long_ < seen; ++too_long_)
     datagrams_.carry_fewer();

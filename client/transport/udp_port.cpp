@@ -34,7 +34,7 @@ class UdpPort final : public DatagramPort {
 
   bool reroute() noexcept override {
     ++statistics_.rerouted;
-    // A socket keeps the address of its first connection until it is dissolved (connect(2)).
+    // A socket keeps its local address until AF_UNSPEC dissolves the connection (connect(2)).
     const sockaddr dissolved{.sa_family = AF_UNSPEC, .sa_data = {}};
     return ::connect(socket_, &dissolved, sizeof dissolved) == 0 && connect_socket(server_);
   }
@@ -49,15 +49,15 @@ class UdpPort final : public DatagramPort {
       ++statistics_.too_long;
       return;
     }
-    // These errors pass; any other means that there is no way from here.
+    // These errors are temporary. Other errors mean that the route is lost.
     const bool passes = errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS ||
                         errno == ECONNREFUSED || errno == EINTR;
     if (!passes) reroute();
   }
 
   std::optional<Bytes> receive() noexcept override {
-    // recv() returns the error of an earlier datagram once (the server's port is closed, or the
-    // datagram was too long). It may also be interrupted.
+    // recv() reports the error of an earlier datagram once: a closed server port or a too long
+    // datagram. A signal may also interrupt it.
     for (int tries = 0; tries < kBurst; ++tries) {
       const ssize_t size = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
       if (size >= 0) {
@@ -74,14 +74,15 @@ class UdpPort final : public DatagramPort {
   PortStatistics statistics() const noexcept override { return statistics_; }
 
  private:
-  /// Connects, so that only the server's datagrams are let in, and a closed port is noticed.
+  /// Connects the socket. The socket then receives only the server's datagrams, and reports a
+  /// closed port.
   bool connect_socket(const Address& server) noexcept {
     return ::connect(socket_, reinterpret_cast<const sockaddr*>(&server.storage), server.size) == 0;
   }
 
   int socket_ = -1;
   Address server_;
-  std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // one more byte shows too long a datagram
+  std::array<std::uint8_t, kMaxDatagram + 1> buffer_;  // an extra byte reveals a too long datagram
   PortStatistics statistics_;
 };
 
