@@ -54,10 +54,10 @@ void add_convex_parts(CLI::App& app) {
       "convex-parts",
       "Cut a closed mesh into the convex parts that bodies collide with, and measure them");
   command->footer(
-      "Prints the number of parts, their largest distance outside the mesh, the time of the "
-      "decomposition, and the time of a\ntick of a body with these parts. The first row is one "
-      "hull of the whole mesh. docs/moving.md explains how scenes\nuse parts. Example:\n  "
-      "feltwire-lab convex-parts scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
+      "Prints the number of parts, their largest distance outside the mesh, the time of the\n"
+      "decomposition, and the time of a tick of a body with these parts. The first row is one\n"
+      "hull of the whole mesh. docs/moving.md explains how scenes use parts. Example:\n"
+      "  feltwire-lab convex-parts scenes/bunny.obj --scale 0.01 --tolerance 0.004,0.002,0.001");
   command->add_option("mesh", o->mesh, "Mesh file: OBJ, STL or PLY")->required();
   command->add_option("--scale", o->scale, "[m] Length of one unit of the file")
       ->check(CLI::Range(1e-6, kMostScale))

@@ -55,9 +55,9 @@ void add_figures(CLI::App& app) {
   add_study(
       app, "figures", "figures",
       "Reproduce the paper's Figures 2, 3, 5 and 6, and Figures 5 and 6 with torque",
-      "Writes figures.json, one CSV per run, and PNG pictures with their gnuplot scripts. A CSV "
-      "has t [s], x,y,z [m], the\ncommanded elastic force ex..ez and frictional force fx..fz [N on "
-      "the hand], the rendered force rx..rz [N on the hand]\nand the energy flow-in energy_x..z "
+      "Writes figures.json, one CSV per run, and PNG pictures with their gnuplot scripts. A CSV\n"
+      "has t [s], x,y,z [m], the commanded elastic force ex..ez and frictional force fx..fz [N on\n"
+      "the hand], the rendered force rx..rz [N on the hand] and the energy flow-in energy_x..z\n"
       "[J]. Writes the same for torque (docs/lab/torque.md). The numbers are deterministic.",
       "Pictures, data, figures.json and torque_figures.json", [](const std::string& out) {
         const std::string forces = figures_table(write_figures(out));
@@ -66,12 +66,9 @@ void add_figures(CLI::App& app) {
 }
 
 void add_contact_frame_options(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("contact-frame-options",
-                         "Compare the options of the method contact_frame: projection and storage");
-  command->footer(
-      "Prints the tables of docs/bounding.md: projection joint or cone, storage minimal or "
-      "elastic.");
+  CLI::App* command = app.add_subcommand(
+      "contact-frame-options", "Compare the options of contact_frame: projection and storage");
+  command->footer("Prints the tables of docs/bounding.md: joint or cone, minimal or elastic.");
   command->callback([] { std::cout << contact_frame_options_tables(); });
 }
 
@@ -88,11 +85,11 @@ void add_zwidth(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "zwidth", "Map the stiffest wall without oscillation, by method, device and control loop");
   command->footer(
-      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x "
-      "delay.\nWrites zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a "
-      "picture per damping (zwidth_bB.png).\nThe results are deterministic and take some minutes "
-      "on two cores. docs/lab/laboratory.md explains them.\nWith --plant: writes only "
-      "zwidth_hands.csv, for eight hands without delay on devices with this plant.");
+      "A simulated hand presses a wall with 3 N, by method x device damping x servo rate x delay.\n"
+      "Writes zwidth.json, zwidth.csv, zwidth_hands.csv (eight hands at 1 kHz) and a picture per\n"
+      "damping (zwidth_bB.png). The results are deterministic and take some minutes on two cores.\n"
+      "docs/lab/laboratory.md explains them.\n"
+      "With --plant: writes only zwidth_hands.csv, for eight hands without delay on this plant.");
   add_out(*command, o->out);
   add_plant(*command, o->plant);
   command->callback([o] {
@@ -123,17 +120,16 @@ void add_frontier(CLI::App& app) {
       "frontier",
       "Map the stiffness that each law displays on real devices, by the knowledge about the hand");
   command->footer(
-      "Eight hands touch walls, a corner, an edge, a sphere, a torus and friction, and tap, by law "
-      "x device damping x wall x\ndelay. Laws of other papers run on some of these cases. Writes "
-      "frontier.json, frontier.csv and three pictures. All\nresults but the cost are deterministic "
-      "and take some minutes on two cores. docs/lab/frontier.md explains them.\nWith --plant: runs "
-      "first presses and taps of the same hands on devices with this plant, without pictures. The "
-      "method\nshaped runs as a whole session.");
+      "Eight hands touch walls, a corner, an edge, a sphere, a torus and friction, and tap, by\n"
+      "law x device damping x wall x delay. Laws of other papers run on some of these cases.\n"
+      "Writes frontier.json, frontier.csv and three pictures. All results but the cost are\n"
+      "deterministic and take some minutes on two cores. docs/lab/frontier.md explains them.\n"
+      "With --plant: runs first presses and taps of the same hands on devices with this plant,\n"
+      "without pictures. The method shaped runs as a whole session.");
   add_out(*command, o->out);
   add_plant(*command, o->plant);
   command->add_flag("--told", o->told,
-                    "With --plant: give the motor lag to the laws and energy accounts, as "
-                    "actuation_lag of a device file does");
+                    "With --plant: laws and energy accounts use the motor lag of the plant");
   command->callback([o] {
     if (!o->plant.empty()) {
       const auto rows = run_frontier(plant_cases(load_plant(o->plant), o->told));
@@ -161,12 +157,12 @@ void add_compare(CLI::App& app) {
       "compare",
       "Compare all methods on walls, edges, bumps, friction and a tap, or in your own scene");
   command->footer(
-      "Without --scene: writes compare.json, compare.csv, compare.png, compare_hands.csv (eight "
-      "hands), and the times on this\nmachine to compare_cost.csv. All results but the cost are "
-      "deterministic. docs/lab/laboratory.md explains them.\nWith --scene: runs whole sessions "
-      "over the link in virtual time. Writes methods_over_link.csv and .json, which "
-      "are\ndeterministic. Example:\n  feltwire-lab compare --scene scenes/bunny.json --link "
-      "delay=15,loss=2 --device simulated");
+      "Without --scene: writes compare.json, compare.csv, compare.png, compare_hands.csv (eight\n"
+      "hands), and the times on this machine to compare_cost.csv. All results but the cost are\n"
+      "deterministic. docs/lab/laboratory.md explains them.\n"
+      "With --scene: runs whole sessions over the link in virtual time. Writes\n"
+      "methods_over_link.csv and .json, which are deterministic. Example:\n"
+      "  feltwire-lab compare --scene scenes/bunny.json --link delay=15,loss=2 --device simulated");
   add_out(*command, o->out);
   CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file that the hand touches");
   command->add_option("--link", o->link, "Emulated network between hand and scene (docs/link.md)")
@@ -231,8 +227,8 @@ void add_extremes(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand(
       "extremes", "Run all methods at the limits of the number range, in double and float");
   command->footer(
-      "Writes extremes.csv, extremes.json and extremes.png. The results are deterministic. Exit "
-      "status 1: a row rendered\nNaN, Inf or more than the limit, or violated the energy guarantee "
+      "Writes extremes.csv, extremes.json and extremes.png. The results are deterministic. Exit\n"
+      "status 1: a row rendered NaN, Inf or more than the limit, or violated the energy guarantee\n"
       "of its method. docs/lab/precision.md explains them.");
   add_out(*command, o->out);
   command
@@ -254,8 +250,8 @@ void add_extremes(CLI::App& app, int& status) {
 
 void add_rate(CLI::App& app) {
   add_study(app, "rate", "rate", "Compare speed and accuracy, by servo rate and number type",
-            "Writes rate.csv, rate.json, rate.png and rate_hands.csv (eight hands), which are "
-            "deterministic. Writes the times on this\nmachine to rate_cost.csv and rate_cost.png. "
+            "Writes rate.csv, rate.json, rate.png and rate_hands.csv (eight hands), which are\n"
+            "deterministic. Writes the times on this machine to rate_cost.csv and rate_cost.png.\n"
             "docs/lab/trade.md explains the results.",
             "Tables and pictures", [](const std::string& out) {
               const RateGrid grid;
@@ -279,9 +275,9 @@ void add_where_to_bound(CLI::App& app, int& status) {
       "where-to-bound",
       "Compare bounds at the server, the client or both, over delay, jitter and loss");
   command->footer(
-      "Runs whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and "
-      "sides_hands.csv (eight hands). The\nresults are deterministic and take a minute of CPU "
-      "time. Exit status 1: a bounded port delivered more energy than the\ndevice dissipated. "
+      "Runs whole sessions in virtual time. Writes sides.csv, sides.json, sides.png and\n"
+      "sides_hands.csv (eight hands). The results are deterministic and take a minute of CPU\n"
+      "time. Exit status 1: a bounded port delivered more energy than the device dissipated.\n"
       "docs/network.md explains the results.");
   add_out(*command, o->out);
   command
@@ -312,13 +308,12 @@ void add_deadband(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "deadband", "Measure the datagrams that a perceptual deadband saves, and its force error");
   command->footer(
-      "Runs simulated hands in whole sessions in virtual time, by deadband and fraction. Writes "
-      "deadband.csv,\ndeadband.json and deadband.png, which are deterministic. docs/network.md "
+      "Runs simulated hands in whole sessions in virtual time, by deadband and fraction. Writes\n"
+      "deadband.csv, deadband.json and deadband.png, which are deterministic. docs/network.md\n"
       "explains the results.");
   add_out(*command, o->out);
   command->add_option("--recording", o->recording,
-                      "FILE.csv (t,x,y,z) of a movement to replay over a plane at z = 0, in "
-                      "addition to the simulated hands");
+                      "FILE.csv (t,x,y,z) of a further movement, over a plane at z = 0");
   command->add_option("--bounding", o->side, "Place of the bound: server, client or both")
       ->capture_default_str();
   command
@@ -329,9 +324,8 @@ void add_deadband(CLI::App& app) {
                    "[s] Longest time without a datagram")
       ->capture_default_str();
   command
-      ->add_option(
-          "--hold-time", o->grid.parameters.hold_time,
-          "[s] Age at which the force of a reply is zero. The force fades from half this age on")
+      ->add_option("--hold-time", o->grid.parameters.hold_time,
+                   "[s] Age at which a command has faded to zero")
       ->capture_default_str();
   command->callback([o] {
     DeadbandGrid& grid = o->grid;
@@ -349,8 +343,8 @@ void add_local_model(CLI::App& app) {
   add_study(
       app, "local-model", "local_model",
       "Compare a local contact model with replies of forces alone, by round-trip time and rate",
-      "Writes local_model.csv, local_model.json and local_model.png, which are "
-      "deterministic.\ndocs/network.md explains the results.",
+      "Writes local_model.csv, local_model.json and local_model.png, which are deterministic.\n"
+      "docs/network.md explains the results.",
       "Table and picture", [](const std::string& out) {
         const auto cells = run_local_model();
         write_local_model(out, cells);
@@ -368,10 +362,10 @@ void add_teleop(CLI::App& app) {
       "teleop",
       "Compare laws of bilateral teleoperation on one bench, over delay, jitter and loss");
   command->footer(
-      "A hand moves a robot in its environment, in one degree of freedom and virtual time. "
-      "Feltwire's own law also runs with a\nsimulated arm in three. Writes teleop.json, "
-      "teleop.csv, teleop.png and arm.json, which are deterministic.\ndocs/teleoperation.md "
-      "explains the results.");
+      "A hand moves a robot in its environment, in one degree of freedom and virtual time.\n"
+      "Feltwire's own law also runs with a simulated arm in three degrees of freedom. Writes\n"
+      "teleop.json, teleop.csv, teleop.png and arm.json, the same bytes every time.\n"
+      "docs/teleoperation.md explains the results.");
   add_out(*command, o->out);
   command->add_flag("--quick", o->quick, "Run only two round-trip times and two links");
   command->callback([o] {

@@ -16,10 +16,10 @@ void add_torque(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand(
       "torque", "Compare the torque and the port energy of each law in six degrees of freedom");
   command->footer(
-      "Eight rotating hands turn against joint stops and hold bodies, by law x delay, with force "
-      "and torque as one\nport and as two ports. Whole sessions over two links follow. Writes "
-      "torque.json, torque.csv and\ntorque_sessions.csv. The results are deterministic and take "
-      "some minutes of CPU time. Exit status 1: a bounded port\ngenerated energy. "
+      "Eight rotating hands turn against joint stops and hold bodies, by law x delay, with force\n"
+      "and torque as one port and as two ports. Whole sessions over two links follow. Writes\n"
+      "torque.json, torque.csv and torque_sessions.csv. The results are deterministic and take\n"
+      "some minutes of CPU time. Exit status 1: a bounded port generated energy.\n"
       "docs/lab/torque.md explains the results.");
   command->add_option("--out", *out, "Folder for the results. It is created if it is missing")
       ->capture_default_str();

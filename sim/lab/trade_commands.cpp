@@ -67,37 +67,37 @@ void add_trade(CLI::App& app) {
                      footer + " docs/lab/trade.md explains the results.", files, run);
   };
   add("geometry", "Analytic solid, mesh or grid of distances: error, time and memory",
-      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, which are "
-      "deterministic. Writes the times on this\nmachine to trade_geometry_cost.csv and "
-      "trade_geometry_cost.png. Takes a minute of CPU time.\n",
+      "Writes trade_geometry.csv, trade_geometry.json and trade_geometry.png, which are\n"
+      "deterministic. Writes the times on this machine to trade_geometry_cost.csv and\n"
+      "trade_geometry_cost.png. Takes a minute of CPU time.",
       trade_geometry);
   add("tools", "Number of points on a tool's body: force error and torque error against time",
-      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, which are deterministic. "
-      "Writes the times on this machine\nto trade_tools_cost.csv and trade_tools_cost.png. Takes a "
+      "Writes trade_tools.csv, trade_tools.json and trade_tools.png, which are deterministic.\n"
+      "Writes the times on this machine to trade_tools_cost.csv and trade_tools_cost.png. Takes a\n"
       "minute of CPU time.",
       trade_tools);
   add("mass", "Integration methods for a tool with mass: accuracy, stability and time",
-      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, which are "
-      "deterministic. Writes the times on this\nmachine to trade_mass_cost.csv. Takes some minutes "
+      "Writes trade_mass.csv, trade_mass_stability.csv and trade_mass.png, which are\n"
+      "deterministic. Writes the times on this machine to trade_mass_cost.csv. Takes some minutes\n"
       "of CPU time.",
       trade_mass);
   const auto sixdof = std::make_shared<SixDofGrid>();
   add(
       "sixdof",
       "A tool's body as points or as polygons, with and without mass: error, jumps and time",
-      "Writes trade_sixdof.csv and trade_sixdof.json, which are deterministic. Writes the times on "
-      "this machine to\ntrade_sixdof_cost.csv. Takes some minutes on two cores.",
+      "Writes trade_sixdof.csv and trade_sixdof.json, which are deterministic. Writes the times\n"
+      "on this machine to trade_sixdof_cost.csv. Takes some minutes on two cores.",
       [sixdof](const std::string& out) { return trade_sixdof(*sixdof, out); }, "Tables")
       ->add_option("--task", sixdof->tasks,
                    "Run only this task. Repeat the option for several tasks")
       ->check(CLI::IsMember(sixdof_task_names()));
   add("scene", "Time that each property of a scene takes for one sample",
-      "Writes the times on this machine to trade_scene.csv, trade_scene_bare.csv and "
-      "trade_scene.png. Takes half a minute of\nCPU time.",
+      "Writes the times on this machine to trade_scene.csv, trade_scene_bare.csv and\n"
+      "trade_scene.png. Takes half a minute of CPU time.",
       trade_scene);
   add("network", "Bandwidth against force error, direction error and delay, over three links",
-      "Writes trade_network.csv, trade_network.json and trade_network.png, which are "
-      "deterministic.\nTakes some minutes of CPU time.",
+      "Writes trade_network.csv, trade_network.json and trade_network.png, which are\n"
+      "deterministic. Takes some minutes of CPU time.",
       trade_network);
 }
 

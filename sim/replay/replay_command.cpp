@@ -21,9 +21,10 @@ void add_replay(CLI::App& app, std::ostream& out, int& status) {
   CLI::App* command = app.add_subcommand(
       "replay", "Compute the replies of a server's recording again, and compare them bit by bit");
   command->footer(
-      "Give all files of one scene's recording, in their order. Exit status 0: all replies are "
-      "equal. Exit status 1: some differ. Examples:\n  feltwire-lab replay room.mcap\n  "
-      "feltwire-lab replay room-0001.mcap room-0002.mcap --json");
+      "Give all files of one scene's recording, in their order. Exit status 0: all replies are\n"
+      "equal. Exit status 1: some differ. Examples:\n"
+      "  feltwire-lab replay room.mcap\n"
+      "  feltwire-lab replay room-0001.mcap room-0002.mcap --json");
   command->add_option("FILE", o->files, "MCAP files that feltwire-server --record wrote")
       ->required();
   command->add_option("--scene", o->scene,
