@@ -29,8 +29,7 @@ void require(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Fills in the missing safety limits. The values protect the hand as far as the bounding mode
-/// allows.
+/// Fills in missing safety limits. They protect the hand as far as the bounding mode allows.
 void choose_safety(const OptionValues& values, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
@@ -104,8 +103,7 @@ void choose_traffic(const OptionValues& values, std::optional<double> rate,
   if (!rate) return;
   require(*rate > 0.0 && *rate <= values.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
-  // Round the interval up, so that the rate is never too high. The tolerance accepts rounded rates:
-  // 1000 / 333.4 gives 3.
+  // Round the interval up, so the rate is never too high. Rounded rates count: 1000 / 333.4 is 3.
   constexpr double kRounded = 1e-3;
   const double ticks = std::ceil(values.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
@@ -179,8 +177,7 @@ Damping damping(const std::vector<double>& numbers) {
                              : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
 }
 
-/// Chooses the driver and its request. `task`: movement of the simulated hand. Throws
-/// std::invalid_argument.
+/// Chooses the driver and its request. `task`: simulated movement. Throws std::invalid_argument.
 void choose_device(const OptionValues& values, HandTask task, ClientOptions& options) {
   DriverChoice chosen = chosen_driver(values.device);
   task.path = options.check ? HandPath::press : hand_path(values.path);
@@ -289,8 +286,7 @@ WorkspaceMapping mapping(const OptionValues& values) {
   return mapping;
 }
 
-/// Throws std::invalid_argument for a long name. The refusal of the server would not say which name
-/// is too long.
+/// Throws std::invalid_argument for a long name. The server would not say which name is too long.
 void check_name(const char* option, const std::string& name) {
   if (name.size() <= control::kMaxName) return;
   throw std::invalid_argument(std::string(option) + ": the name has " +

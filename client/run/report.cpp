@@ -230,8 +230,7 @@ Json hand_credit(const std::optional<HandCredit>& credit) {
           {"untold_lag_s", number(credit->untold_lag)}};
 }
 
-/// Returns the number of ticks by zero-force reason, and the main reason of a run without any
-/// force.
+/// Returns the ticks by zero-force reason, and the main reason of a run without any force.
 Json no_force(const ServoStatistics& s) {
   Json samples = Json::object();
   for (std::size_t i = 1; i < kZeroForceReasons; ++i)

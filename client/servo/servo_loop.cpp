@@ -379,10 +379,9 @@ class Loop {
   bool lost_ = false;
   Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  // Numbers of the received and the answered change of an admin.
-  std::uint8_t heard_ = 0, dealt_with_ = 0;
-  bool refused_ = false;       // the newest answered change was refused
-  std::uint32_t session_ = 0;  // as WantedChange::session
+  std::uint8_t heard_ = 0, dealt_with_ = 0;  // an admin's received and answered change
+  bool refused_ = false;                     // the newest answered change was refused
+  std::uint32_t session_ = 0;                // as WantedChange::session
   Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0}, times_told_{0};
   HandTimes::Counts wakeups_{};
 };
