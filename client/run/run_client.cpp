@@ -246,7 +246,7 @@ void write_report(const std::filesystem::path& file, const RunDescription& descr
                                 port_report(run.transport->port())));
 }
 
-/// Writes the report. Tries twice, because the cause of a failure may pass.
+/// Writes the report. Tries twice, because the second attempt may succeed.
 void write_report_surely(const std::filesystem::path& file, const RunDescription& described,
                          const Run& run) {
   try {

@@ -20,7 +20,7 @@ bool RobotWalls::reach(const Vec3& wanted, std::span<const RemoteWall> walls) no
       walls, [&](const RemoteWall& w) { return w.wall.clearance(wanted) < w.depth; });
 }
 
-/// Returns the allowance of a wall. For a new wall, this is the whole penetration.
+/// Returns the penetration at which a wall gives no force: for a new wall, its whole penetration.
 double RobotWalls::slack_of(const RemoteWall& wall, double pressed) const noexcept {
   const auto known =
       std::ranges::find(slacks_.begin(), slacks_.begin() + count_, wall.number, &Slack::number);

@@ -28,8 +28,8 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   return 0;
 }
 
-/// Creates the TLS context. Its failure is no LastingError: at a reconnection only memory can be
-/// missing, because the first call succeeded.
+/// Creates the TLS context. A failure is no LastingError, because it may pass: at a reconnection,
+/// the call has succeeded before, so only memory can be missing.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
