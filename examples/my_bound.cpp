@@ -1,10 +1,10 @@
-// Adds a bounding law: a struct, an entry in the registry, and the laboratory's verdict.
+// Adds a bounding law (a struct and an entry in the registry) and tests this law.
 //
 //   my_bound                 exit status 1 if the law breaks its promise
-//   my_bound --wrong-sign    with an error that is easily made: the laboratory must find it
+//   my_bound --wrong-sign    a law with a wrong sign, which the tests must reject
 //
-// The law stores the work of the hand on the port and the energy that the device's damping burns. A
-// force passes as far as the store pays for the most that the hand can take back with it.
+// The law stores the work of the hand on the port and the energy that the device's damping
+// dissipates. The law limits the force so that the hand can take back at most the stored energy.
 
 #include <algorithm>
 #include <cmath>
@@ -16,21 +16,21 @@
 
 using namespace feltwire;
 
-/// Forces or torques, all directions in one store.
+/// The energy store of a port, for forces or for torques. All directions have one common store.
 struct Port {
-  static constexpr double kLeast = 1e-290;  // [J] below it a double does not have all its digits
+  static constexpr double kLeast = 1e-290;  // [J] a smaller double loses digits
   double damping, period;                   // b [N s/m], T [s]
-  double sign = 1.0;         // of the power of the force on the hand: minus f.dx is flow-in
-  double energy = 0.0;       // [J] below zero: owed
-  Vec3 held = Vec3::Zero();  // f(n-1), on the hand
+  double sign = 1.0;                        // energy flow into the port: -sign f.dx
+  double energy = 0.0;                      // [J] below zero: a debt
+  Vec3 held = Vec3::Zero();                 // f(n-1), on the hand
 
-  /// The share of the wanted force that is paid for, after the device moved by dx in `time`.
+  /// The share of the wanted force that the store covers, after a movement dx in `time` [s].
   double share(const Vec3& wanted, const Vec3& dx, double time) noexcept {
     energy += damping / time * dx.squaredNorm() - sign * held.dot(dx);
     const double allowed = std::sqrt(4.0 * damping / period * std::max(0.0, energy - kLeast));
     return std::min(1.0, allowed / std::max(wanted.norm(), 1e-300));
   }
-  /// Keeps what is at stake with this force, S(f) = |f|^2 T / (4 b), and forgets the rest.
+  /// Limits the store to S(f) = |f|^2 T / (4 b), the most energy that the hand can take back.
   void hold(const Vec3& force) noexcept {
     held = force;
     energy = std::min(energy, force.squaredNorm() * period / (4.0 * damping));
@@ -47,7 +47,7 @@ struct MyLaw {
     set_held(rendered);
     return rendered;
   }
-  /// Another force was held than rendered: after a limit, a fade or a skipped write.
+  /// Takes the force that the device held, which a limit, a fade or a skipped write can change.
   void set_held(const Command& held) noexcept {
     force.hold(held.force());
     torque.hold(held.torque);

@@ -1,14 +1,14 @@
-// Puts your own device in a scene: a class and a call.
+// Puts your own device in a scene, with a class and a call.
 //
 //   feltwire-server --scene scenes/room.json
 //   export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
 //   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
 //   my_device localhost:6720 room 5          five seconds; 0: until Ctrl-C
-//   my_device localhost:6720 room 5 0.1      the same, on a busy machine: the longest wait [s] of
-//                                            the loop; 5 ms where a hand is on the device
+//   my_device localhost:6720 room 5 0.1      on a busy machine: lets go after 0.1 s without a tick.
+//                                            Use 5 ms if a hand is on the device.
 //
-// The device here is a handle on a spring, which is computed. To use a real device, replace the
-// three lines that move it by calls to the maker's library.
+// The device here is a simulated handle on a spring. For a real device, replace the three lines
+// that move the handle by calls to the maker's library.
 
 #include <atomic>
 #include <cstdio>
@@ -19,7 +19,7 @@ class MyDevice final : public feltwire::Device {
  public:
   MyDevice() {
     spec_.name = "my_device";
-    spec_.damping = 2.0;           // b [N s/m], the device's own: measure it
+    spec_.damping = 2.0;           // b [N s/m] of the device itself: measure it
     spec_.apparent_mass = 0.2;     // [kg]
     spec_.least_mass = 0.15;       // [kg] lower bound in every direction
     spec_.max_force = 6.0;         // [N]
@@ -29,7 +29,7 @@ class MyDevice final : public feltwire::Device {
 
   const feltwire::DeviceSpec& spec() const override { return spec_; }
 
-  /// Begins above the surface that the scene names. A spring pulls the handle 1 cm into it.
+  /// Starts 1 cm above the scene's surface. The spring pulls the handle 1 cm below this surface.
   void begin(const feltwire::Vec3& position, const feltwire::Vec3& normal) override {
     position_ = position + 0.01 * normal;
     rest_ = position - 0.01 * normal;
@@ -54,7 +54,7 @@ class MyDevice final : public feltwire::Device {
     return held;
   }
 
-  /// Any thread and any signal handler may call it: it only sets a flag.
+  /// Any thread and any signal handler may call release(), because it only sets a flag.
   void release() noexcept override { released_ = true; }
 
  private:

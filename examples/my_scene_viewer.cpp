@@ -1,9 +1,10 @@
-// An observer: draws from above, as text, everything that moves in a scene, four times a second.
+// An observer that draws hands and bodies as text, seen from above, four times a second.
 //
 //   my_scene_viewer localhost:6720 room 10       ten seconds; 0: until Ctrl-C
 //
-// It needs a token of an observer: feltwire-server token add --client eye --role observer
-// A digit is a hand. The force on it stands below the map. An o is a body.
+// It needs an observer's token: feltwire-server token add --client eye --role observer
+//
+// A digit shows a hand, and an o shows a body. The forces on the hands are printed below the map.
 
 #include <cstdio>
 #include <cstdlib>
@@ -51,7 +52,7 @@ int main(int argc, char** argv) try {
   options.role = feltwire::Role::observer;
   options.parameters.packet_interval = 33;  // servo ticks: thirty pictures a second
   options.on_view = Map();
-  // Nobody holds this device and it feels nothing: an observer has no hand in the scene.
+  // An observer has no hand in the scene, so this device does not move and feels nothing.
   feltwire::SimulatedHandOptions nobody;
   nobody.spec = feltwire::builtin_device("simulated");
   return feltwire::run_client(std::make_unique<feltwire::SimulatedDevice>(nobody), options);
