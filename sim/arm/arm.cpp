@@ -23,17 +23,17 @@ const ArmConfig& checked(const ArmConfig& config) {
 }
 
 mujoco::Model loaded(const std::string& file) {
-  read_text(file);  // MuJoCo's own message about an unreadable file says less
+  read_text(file);  // throws a clearer message than MuJoCo
   mujoco::Loaded loaded = mujoco::load_file(file);
   if (loaded.model == nullptr) throw FileError(file + ": " + loaded.error);
-  // mj_step1 and mj_step2 together make one step of Euler; Runge-Kutta would need more.
+  // mj_step1 and mj_step2 together are a step of the Euler integrator, but not of Runge-Kutta.
   if (loaded.model->opt.integrator != mjINT_EULER)
     throw FileError(file +
                     ": its integrator is not Euler; remove integrator=\"...\" from <option>");
   return std::move(loaded.model);
 }
 
-/// The arm at home.
+/// MuJoCo's data with the arm in its home pose.
 mujoco::Data evaluated(const ArmConfig& config, const mjModel& model) {
   mujoco::bring_own_sort();
   mujoco::Data data = mujoco::make_data(model);
@@ -57,7 +57,7 @@ struct Arm::Simulation {
   mujoco::Model model;
   mujoco::Data data;
   DrivenArm arm;
-  Vec3 pushed = Vec3::Zero();  // [N] on the tool
+  Vec3 pushed = Vec3::Zero();  // [N] external force on the tool
 };
 
 Arm::Arm(const ArmConfig& config) : sim_(std::make_unique<Simulation>(checked(config))) {
@@ -105,7 +105,7 @@ void Arm::push(const Vec3& force) noexcept {
   if (force.allFinite()) sim_->pushed = force;
 }
 
-/// Makes a step of physics with its control. Stores the force that acted in it.
+/// Makes a step of physics with its control, and stores the force of this step.
 void Arm::step() noexcept {
   const mjModel& model = *sim_->model;
   mjData& data = *sim_->data;
@@ -128,7 +128,7 @@ Vec3 Arm::contact_force() const noexcept {
   const mjModel& model = *sim_->model;
   Vec3 sum = Vec3::Zero();
   for (int body = sim_->parts().hand; body < model.nbody; ++body) {
-    int above = body;  // up to the hand; its number is lower than all that it carries
+    int above = body;  // walks up to the hand, which has a lower index
     while (above > sim_->parts().hand) above = model.body_parentid[above];
     if (above == sim_->parts().hand)
       sum += mujoco::vector(mujoco::entry<6>(sim_->data->cfrc_ext, body) + 3);
@@ -139,7 +139,7 @@ Vec3 Arm::contact_force() const noexcept {
 double Arm::energy() const noexcept {
   const mjModel& model = *sim_->model;
   const mjData& data = *sim_->data;
-  // The last rows of the mass matrix may belong to other bodies, which move by themselves.
+  // The mass matrix may contain other moving bodies, so the sum uses only the arm's own bodies.
   double sum = sim_->arm.inside().impedance.energy(data);
   for (int body = 1; body < model.nbody; ++body) {
     if (model.body_rootid[body] != model.body_rootid[sim_->parts().hand]) continue;
