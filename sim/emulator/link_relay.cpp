@@ -23,9 +23,9 @@ using asio::ip::udp;
 using Error = std::error_code;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxClients = 256;    // each has a socket and its links
-constexpr std::size_t kLinkRoom = 1 << 12;  // datagrams on their way in one direction
-constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // without any datagram
+constexpr std::size_t kMaxClients = 256;                      // each has a socket and its links
+constexpr std::size_t kLinkRoom = 1 << 12;                    // datagrams in transit, per direction
+constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // longest silence of a client
 
 tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   Error error;
@@ -36,13 +36,13 @@ tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   return found.begin()->endpoint();
 }
 
-/// Addresses of a datagram: its client, and this machine's address that the client used.
+/// The addresses of a datagram: the client's, and the local address that the client used.
 struct DatagramAddresses {
   udp::endpoint client;
   LocalAddress local;
 };
 
-/// As receive_datagram().
+/// receive_datagram() with the types of the relay.
 ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, DatagramAddresses& way) {
   auto length = static_cast<socklen_t>(way.client.capacity());
   const ssize_t size =
@@ -51,7 +51,7 @@ ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, DatagramAddre
   return size;
 }
 
-/// As send_datagram().
+/// send_datagram() with the types of the relay.
 bool send(udp::socket& socket, Bytes datagram, const DatagramAddresses& way) {
   return send_datagram(socket.native_handle(), datagram, way.client.data(),
                        static_cast<socklen_t>(way.client.size()), way.local);
@@ -75,7 +75,7 @@ struct LinkRelay::Parts {
     udp::endpoint address;
     std::uint16_t scene_port = 0;
     std::shared_ptr<RelayClient> client;  // null: the client was forgotten
-    Json account;                         // of a forgotten client
+    Json account;                         // final counts of a forgotten client
   };
 
   LinkRelayOptions options;
@@ -100,8 +100,8 @@ struct LinkRelay::Parts {
     accept();
   }
 
-  /// Opens a port for each of the server's, in order: clients use its distance from the control
-  /// port.
+  /// Opens a port for each scene port of the server, in the server's order. A client adds the
+  /// offset of its scene to the control port.
   void open_ports() {
     auto sockets = listen_with_room(options.port, [this](std::uint16_t port) {
       listen(port);
@@ -164,7 +164,7 @@ struct LinkRelay::Parts {
   RelayClient* client_at(ScenePort& port, const DatagramAddresses& from, Nanoseconds now) {
     const auto found = port.clients.find(from.client);
     if (found != port.clients.end()) {
-      *found->second.back = from;  // it may use another address of this machine now
+      *found->second.back = from;  // the client may now use another local address
       return found->second.relayed.get();
     }
     if (alive >= kMaxClients) forget_silent(now);

@@ -35,7 +35,7 @@ void RelayClient::await_server() {
           Error error;
           const std::size_t size = self->server_.receive(asio::buffer(self->buffer_), 0, error);
           if (error == asio::error::would_block) break;
-          // An error reports a datagram that the server refused, once for each.
+          // An error reports an earlier datagram that the server refused, so reading goes on.
           if (!error) self->link_->down.enter({self->buffer_.data(), size}, now);
         }
         self->pump();
