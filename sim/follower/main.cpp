@@ -26,8 +26,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kDriverTime = 60.0;        // [s] that a driver may take to connect
-constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams on their way
+constexpr double kDriverTime = 60.0;        // [s] longest wait for a driver to connect
+constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams in transit
 
 std::atomic<bool> stopped{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler sets it
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
                  "Emulated network, in the syntax of feltwire-client --link");
   add_credential_options(app, values.credentials);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
-  rivals.push_back({"socket", "at"});  // the driver knows the place of its robot
+  rivals.push_back({"socket", "at"});  // the driver determines the place of its robot
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-follower: " + visible(error.what() + advice(error, *failed)) +

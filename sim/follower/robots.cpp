@@ -21,7 +21,8 @@ std::string text(const Vec3& v) {
   return out.str();
 }
 
-/// Puts the arm at home, or brings it to its start with a clock of its own: nobody waits for that.
+/// Makes an arm in its home pose, or brings it to `at`. This movement runs in simulated time, so
+/// the caller does not wait.
 std::unique_ptr<Follower> make_arm(const std::string& file, const std::optional<Vec3>& at) {
   constexpr double kNear = 2e-3;  // [m]
   ArmConfig config;

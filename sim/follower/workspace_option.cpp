@@ -35,7 +35,7 @@ Workspace workspace_of(const WorkspaceValues& words) {
   if (words.box) {
     const auto& b = *words.box;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      // Written so that NaN fails.
+      // This form of the comparison rejects NaN.
       if (!(b[axis] < b[axis + 3] && std::abs(b[axis]) <= Workspace::kFarthest &&
             std::abs(b[axis + 3]) <= Workspace::kFarthest))
         throw std::invalid_argument(
