@@ -3,7 +3,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kGone = 1e-6;  // [N] a smaller force is not worth following
+constexpr double kGone = 1e-6;  // [N] a smaller force counts as zero
 
 }  // namespace
 
@@ -38,7 +38,7 @@ DeviceReading AdversarialHand::read(Nanoseconds now) noexcept {
   }
   DeviceReading reading;
   reading.pose.position = position_;
-  reading.jumped = false;  // it tests an account, so it may be faster than any hand
+  reading.jumped = false;  // this test hand may be faster than any real hand
   return reading;
 }
 
