@@ -23,7 +23,7 @@ struct ConvexPartsOptions {
   int refine = 0;
 };
 
-/// A row for a single hull of the whole, then a row for each tolerance.
+/// The rows of the table: a single hull of the mesh, then each tolerance.
 std::vector<DecompositionOptions> rows_of(const ConvexPartsOptions& given, double size) {
   std::vector<DecompositionOptions> rows{{.most = 1}};
   for (const double tolerance : given.tolerances) {

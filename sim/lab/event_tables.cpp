@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-/// "late+account"; empty: no reason.
+/// The names of the reasons, such as "late+account". Empty without a reason.
 std::string reasons_text(double value) {
   const auto reasons = static_cast<std::uint32_t>(value);
   std::string text;
@@ -23,7 +23,7 @@ std::string reasons_text(double value) {
   return text;
 }
 
-/// The columns that a client's recording has too come first, with the same names.
+/// The first columns have the same names as the columns in a client's recording.
 std::vector<RecordingTable::Column> datagram_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -78,7 +78,7 @@ bool EventTables::add(const SceneEvent& event, std::uint64_t log_time) {
   if (event.kind == EventKind::join) hand.feels = feels(event.payload);
   if (event.kind != EventKind::samples || !hand.feels) return true;
   if (decode(event.payload, batch_) != DropReason::none) {
-    // A flight record may begin after a robot joined.
+    // A flight record may begin after a robot joined, so this may be the state of a robot.
     RobotState state;
     hand.feels = false;
     return decode(event.payload, state) == DropReason::none;

@@ -24,7 +24,7 @@ namespace {
 /// The shortest text that reads back to the same double.
 void append(std::string& line, double value) {
   std::array<char, 32> text;
-  value += 0.0;  // turns -0 into 0: people read -0 as a sign
+  value += 0.0;  // turns -0 into 0, which is easier to read
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   if (!line.empty()) line += ',';
   line.append(text.data(), end);
@@ -34,7 +34,7 @@ void append(std::string& line, const Vec3& v) {
   for (int i = 0; i < 3; ++i) append(line, v[i]);
 }
 
-/// Writes a line. Flushes if no more input is waiting: a batch keeps its full speed, and a pipe
+/// Writes a line. Flushes only if no input is waiting: a batch keeps its full speed, and a pipe
 /// gets an answer for each line.
 void emit(std::istream& in, std::ostream& out, std::string& line) {
   line += '\n';
@@ -43,7 +43,8 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
   if (in.rdbuf()->in_avail() <= 0) out.flush();
 }
 
-/// A scene that a tool touches at rising times. Bodies move from the first time on.
+/// A scene and its state for one tool. The touches come at increasing times. Bodies move from the
+/// first of these times on.
 class Touched {
  public:
   /// `view`: the tool's view of the scene.
@@ -66,7 +67,7 @@ class Touched {
   }
 
  private:
-  static constexpr double kRounding = 1e-9;  // [s] of times in decimal notation
+  static constexpr double kRounding = 1e-9;  // [s] rounding of decimal times
 
   template <class Memory>
   void advance(double elapsed, Memory& memory) {
@@ -103,7 +104,7 @@ constexpr std::size_t kMostColumns = 15, kOptional = 11;
 const std::vector<std::string> kRowColumns = {"hold", "local", "n1x", "n1y", "n1z", "n2x",
                                               "n2y",  "n2z",   "n3x", "n3y", "n3z"};
 
-/// Precondition: `row` has the optional columns; missing ones have their defaults.
+/// Precondition: `row` has the optional columns. A missing column has its default.
 ContactNormals normals_of(const CsvReader& reader, std::span<const double> row) {
   ContactNormals normals;
   for (std::size_t n = 0; n < ContactNormals::kMost; ++n) {

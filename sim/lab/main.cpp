@@ -36,15 +36,14 @@ void report_refused(std::size_t rows) {
               << " row(s) were not finite or out of range and gave zero force\n";
 }
 
-/// Verbs and options that had another name before, and their present name.
+/// Former names of verbs and options, with their present names.
 constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
     {"sides", "where-to-bound"},
     {"choices", "contact-frame-options"},
     {"parts", "convex-parts"},
     {"--told-damping", "--assumed-damping"}};
 
-/// For a command line with an error: "; sides is now where-to-bound" if a word has a former name;
-/// else the usual advice.
+/// The advice for a command line with an error, such as "; sides is now where-to-bound".
 std::string lab_advice(const CLI::Error& error, const CLI::App& app) {
   for (const std::string& word : app.remaining(true))
     for (const auto& [before, now] : kRenamed)
@@ -67,7 +66,7 @@ Damping damping_of(const std::vector<double>& n) {
   }
 }
 
-/// Takes the values of the device that a session takes too. Keeps a limit that was given.
+/// Copies the device values that a session also uses. A smaller limit in `config` stays.
 void take_device(const DeviceSpec& device, BoundingConfig& config) {
   config.damping = device.damping;
   config.quantum = device.position_resolution;
@@ -269,7 +268,7 @@ void relay(const LinkRelayOptions& options, const std::string& report) {
   sigemptyset(&endings);
   sigaddset(&endings, SIGINT);
   sigaddset(&endings, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // the thread below inherits it
+  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // the new thread inherits this mask
 
   LinkRelay link(options);
   std::cout << "relaying: control tcp " << link.control_port() << ", scenes udp "

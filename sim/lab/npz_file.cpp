@@ -53,7 +53,7 @@ void NpzFile::add(const std::string& name, std::span<const std::int64_t> values)
   add(name, "<i8", bytes_of(values), values.size(), 1);
 }
 
-/// Adds an uncompressed entry. Its head stands before it and again in the directory.
+/// Adds an uncompressed entry. The zip format repeats the entry's header in the directory.
 void NpzFile::add(const std::string& name, std::string_view type, std::string_view bytes,
                   std::size_t rows, std::size_t width) {
   const std::string head = npy_head(type, rows, width);
@@ -67,11 +67,11 @@ void NpzFile::add(const std::string& name, std::string_view type, std::string_vi
         "one, or with --csv");
 
   std::string common;
-  put(common, std::uint16_t{20});  // version 2.0 of zip
+  put(common, std::uint16_t{20});  // zip version 2.0
   put(common, std::uint16_t{0});
-  put(common, std::uint16_t{0});       // stored
-  put(common, std::uint16_t{0});       // 00:00
-  put(common, std::uint16_t{0x0021});  // 1980-01-01: the same arrays give the same bytes
+  put(common, std::uint16_t{0});       // method: stored
+  put(common, std::uint16_t{0});       // time: 00:00
+  put(common, std::uint16_t{0x0021});  // date: 1980-01-01, so equal arrays give equal bytes
   put(common, mcap::crc32(bytes, mcap::crc32(head)));
   put(common, static_cast<std::uint32_t>(size));
   put(common, static_cast<std::uint32_t>(size));

@@ -33,7 +33,7 @@ std::string reason_text(double value) {
              : std::to_string(static_cast<std::uint32_t>(value));
 }
 
-/// The columns of --record FILE.csv come first, with its names.
+/// The first columns have the same names as the columns of --record FILE.csv.
 std::vector<RecordingTable::Column> sample_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -62,7 +62,8 @@ std::vector<RecordingTable::Column> hand_columns() {
   return columns;
 }
 
-/// Turns "/hand/sample" into hand_sample. No topic can lead out of the folder.
+/// Turns "/hand/sample" into hand_sample. The result has no separator, so the file stays in its
+/// folder.
 std::string file_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -91,8 +92,8 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
   lines += std::to_string(table.log_time[row]) + '\n';
 }
 
-/// Fills a table for each topic of a client, each hand and body of a picture, and each hand of a
-/// server.
+/// Fills tables: one for each topic of a client, for each hand and body of a picture, and for each
+/// hand of a server.
 class Reading {
  public:
   void read(const std::filesystem::path& path) {
@@ -187,7 +188,7 @@ class Reading {
     return true;
   }
 
-  /// Without an account, the balance is NaN.
+  /// The balance is NaN in a session without an account.
   static bool add_account(RecordingTable& table, const mcap::Message& message) {
     const auto a = read_account(message.data);
     if (!a) return false;

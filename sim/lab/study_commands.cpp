@@ -1,4 +1,4 @@
-// The studies of feltwire-lab. Each runs in process and writes a folder.
+// The studies of feltwire-lab. Each study runs in this process and writes a folder of results.
 
 #include "sim/lab/study_commands.hpp"
 
