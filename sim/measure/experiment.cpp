@@ -18,7 +18,7 @@ Bounding bounding_of(const ExperimentSetup& setup) {
 }
 
 int delay_samples(double delay, double period) {
-  // Subtract less than a sample's rounding: 20 ms at 1 kHz must be exactly 20 samples.
+  // The small term absorbs rounding: 20 ms at 1 kHz must be exactly 20 samples.
   return static_cast<int>(std::ceil(delay / period - 1e-9));
 }
 
@@ -28,7 +28,7 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
 
 std::vector<ExperimentSample> run_experiment(const Environment& environment,
                                              const ExperimentSetup& setup) {
-  const Environment touch = environment;  // the copy's memory belongs to this run
+  const Environment touch = environment;  // the copy has its own state
   const double period = setup.bounding.period;
   Bounding bounding = bounding_of(setup);
   std::optional<PortAccount> account;
@@ -44,7 +44,7 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
   std::vector<ExperimentSample> samples;
   samples.reserve(count);
 
-  // Commands under way: the present question is answered `delay` samples later.
+  // Commands in transit: the command of a sample arrives `delay` samples later.
   struct Answer {
     Command command;
     ContactNormals walls;
@@ -64,7 +64,7 @@ std::vector<ExperimentSample> run_experiment(const Environment& environment,
     s.held = held.force();
     last_position = measured;
 
-    // The method decides where the environment is asked.
+    // The bounding method chooses the position at which the environment computes the force.
     const Vec3 offset = bounding.probe(s.displacement, Vec3::Zero()).offset;
     const Tool tool{measured + offset,
                     velocity.update(s.displacement + offset - last_offset, period)};

@@ -10,9 +10,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFelt = 1e-6;  // [N] no direction is measured below it
+constexpr double kFelt = 1e-6;  // [N] directions of smaller forces do not count
 
-/// Whether the force on any axis is outside of Eq. (2), beyond the rounding of the whole force.
+/// True if the force on an axis violates Eq. (2) by more than the rounding error.
 bool outside(const ExperimentSample& s, const Vec3& rendered, EbaConstants constants) {
   const double tolerance = 1e-9 * std::max(rendered.norm(), s.held.norm());
   for (int i = 0; i < 3; ++i) {

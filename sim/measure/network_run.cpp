@@ -15,14 +15,14 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kOnTheWay = 8192;  // datagrams in each direction, as in a client
+constexpr std::size_t kOnTheWay = 8192;  // datagrams in transit per direction, as in a client
 constexpr std::uint64_t kSessionId = 0x51de5;
 
-/// Any keys do: both ends are in one process, nobody listens, and the results are the same.
+/// Fixed keys are enough, because both ends are in one process.
 SessionKeys keys() { return {.suite = preferred_suite(), .up = {1}, .down = {2}}; }
 constexpr std::size_t kSessions = 1;
 
-/// A device whose true movement is known.
+/// A device and its true movement, without encoder errors.
 class TruePort {
  public:
   explicit TruePort(const NetworkRunOptions& options)
@@ -34,7 +34,7 @@ class TruePort {
   Device& device() {
     return std::visit([](auto& device) -> Device& { return device; }, device_);
   }
-  /// Looks at the device after a tick in which the encoders reported `measured`.
+  /// Updates the true movement after a tick. A device without a simulation uses `measured`.
   void look(const Vec3& measured) {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     const Vec3 position = hand != nullptr ? hand->true_position() : measured;
@@ -59,7 +59,7 @@ class TruePort {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     return hand != nullptr ? hand->true_energy() : TrueEnergy{};
   }
-  /// [J] Least energy that Coulomb friction burned in the last tick: it acts axis by axis.
+  /// [J] Least energy that Coulomb friction dissipated in the last tick, summed over the axes.
   double friction_work() const {
     return friction_ * moved_.lpNorm<1>() + rotational_friction_ * turned_.lpNorm<1>();
   }
@@ -113,7 +113,7 @@ PortEnergy port_of(const NetworkRunOptions& options) {
           options.parameters.servo_period};
 }
 
-/// If a sum is given, adds to it the time until the end of this object.
+/// Adds the lifetime of this object to a sum, if a sum is given.
 class Stopwatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -135,7 +135,7 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
   return options;
 }
 
-/// Gives both ends the data that a client fetches. Null: there is nothing to fetch.
+/// Gives server and client the data that a client fetches. Null if there are no such data.
 std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& sessions) {
   const ToolView& view = scene;
   const BodyTool* body = view.tool().body.get();
@@ -208,7 +208,7 @@ class NetworkRun {
   }
 
  private:
-  /// Delivers everything that is due by `until`, each datagram at its own time.
+  /// Delivers the datagrams that are due by `until`, each at its own time.
   void deliver(Nanoseconds until) {
     while (const auto due = link_.next_due()) {
       if (*due > until) break;
@@ -228,7 +228,7 @@ class NetworkRun {
   }
 
   static void send(OneWayLink& link, DatagramCount& count, Bytes datagram, Nanoseconds now) {
-    if (datagram.empty()) return;  // nothing to send
+    if (datagram.empty()) return;
     ++count.datagrams;
     count.bytes += datagram.size() + kHeadersOnTheWire;
     link.enter(datagram, now);
@@ -322,7 +322,7 @@ class NetworkRun {
   DatagramSession datagrams_;
   TwoWayLink link_;
   TruePort port_;
-  DatagramBuffer answer_;  // the server's
+  DatagramBuffer answer_;  // reply of the server
   TouchMemory ideal_;
   BodyMemory ideal_body_;
   BodyContactState ideal_contacts_;

@@ -10,8 +10,7 @@
 namespace feltwire {
 namespace {
 
-/// The account's knowledge of one port. The account gets nothing about the other port, whose force
-/// it does not render.
+/// Removes the `other` port from the configuration, because the account limits only one port.
 AccountConfig only(AccountConfig config, PortKnowledge AccountConfig::*other) {
   config.*other = {};
   return config;
@@ -60,7 +59,7 @@ bool PortAccounts::in_debt() const noexcept {
 
 std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
                                       const SixDofSetup& setup) {
-  const PoseEnvironment touch = environment;  // the copy's memory belongs to this run
+  const PoseEnvironment touch = environment;  // the copy has its own state
   const double period = setup.bounding.period;
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
     throw std::invalid_argument("the duration must be finite and longer than one period [s]");
@@ -76,7 +75,7 @@ std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
   const auto count = static_cast<std::size_t>(std::floor(setup.duration / period + 0.5)) + 1;
   std::vector<SixDofSample> samples;
   samples.reserve(count);
-  // Commands under way: the present question is answered `delay` samples later.
+  // Commands in transit: the command of a sample arrives `delay` samples later.
   std::vector<Command> under_way(static_cast<std::size_t>(setup.delay) + 1);
   Pose before = device.read(Nanoseconds{0}).pose;
   Vec3 last_offset = Vec3::Zero();
@@ -91,7 +90,7 @@ std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
     s.held = held;
     before = measured;
 
-    // The method decides where the environment is asked.
+    // The bounding method chooses the pose at which the environment computes the force.
     const Probe probe = bounding.probe(s.displacement, s.rotation);
     const Vec3 velocity = (s.displacement + probe.offset - last_offset) / period;
     last_offset = probe.offset;
@@ -121,7 +120,7 @@ SixDofEnergy energy_made(const DeviceSpec& spec, const std::vector<SixDofSample>
   const DryFriction friction{spec.least_friction, spec.position_resolution};
   PortEnergy both(spec.damping, spec.rotational_damping, period, friction);
   PortEnergy force = both, torque = both;
-  double real = 0.0, most = 0.0;  // [J] delivered less burned
+  double real = 0.0, most = 0.0;  // [J] delivered minus dissipated
   Pose before = samples.front().pose;
   for (const SixDofSample& s : samples) {
     both.step(s.held, s.displacement, s.rotation, period);
