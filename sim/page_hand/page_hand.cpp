@@ -16,7 +16,7 @@ namespace {
 constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr const char* kName = "page hand";
 
-/// A device that keeps the ring alive from which it reads.
+/// A pointer device that shares the ownership of its message ring.
 class OwnPointerMessages final : public Device {
  public:
   OwnPointerMessages(const PointerHandOptions& options,
@@ -53,7 +53,8 @@ std::string why(const LoopResult& result, bool neglected) {
   }
 }
 
-/// The usual parameters with this law (empty: the usual law), on a side where the law can stand.
+/// The usual parameters with this law. An empty `mode` keeps the usual law. A law that needs the
+/// scene runs at the server.
 SessionParameters parameters_with(const std::string& mode) {
   SessionParameters parameters = usual_parameters();
   if (mode.empty()) return parameters;
@@ -72,7 +73,7 @@ control::JoinRequest request_of(const std::string& client, const std::string& sc
   return request;
 }
 
-/// Waits until the loop is over, whoever ends it.
+/// Waits until the servo loop has ended.
 void wait_for_end_of(const ServoThread& thread) {
   pollfd over{thread.over_descriptor(), POLLIN, 0};
   while (!thread.over())
@@ -112,12 +113,13 @@ web::PageHand::Status ClientPageHand::status() const {
 }
 
 void ClientPageHand::point(const Vec3& target) noexcept {
-  // Drop a pointing that does not fit: the next one has the new place of the hand.
+  // If the ring is full, this target is lost. The next message has a newer target.
   messages_->push({.kind = PointerMessage::Kind::to, .target = target});
 }
 
 void ClientPageHand::release() noexcept {
-  // A full ring means that no servo reads it, or that a pause of a second ends the hand.
+  // A full ring loses this message. This is harmless: no servo runs, or a pause of one second ends
+  // the hand.
   messages_->push({.kind = PointerMessage::Kind::let_go});
 }
 
@@ -143,7 +145,7 @@ void ClientPageHand::run() noexcept {
   }
 }
 
-/// Waits until the session has ended. Returns the reason.
+/// Runs the session to its end. Returns the reason of the end.
 std::string ClientPageHand::hold() {
   const PointerHandOptions options = page_hand_options();
   auto device = std::make_unique<OwnPointerMessages>(options, messages_);
@@ -151,7 +153,7 @@ std::string ClientPageHand::hold() {
   // No human hand is at this device, so the server may choose how long a command holds.
   const Joined joined = join(server_, request_of(client_, scene_, device->spec(), mode_), kJoinTime,
                              {.hold_time = kLongestGrantedHold});
-  server_.credentials.token = {};  // not needed any more
+  server_.credentials.token = {};  // a secret is erased after use
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
@@ -166,7 +168,7 @@ std::string ClientPageHand::hold() {
     task = std::make_shared<ServoTask>(std::move(device), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // nobody holds this device
+    task->let_go_after = parameters.hold_time;  // safe, because nobody holds this device
     thread.emplace(task);
     become({.state = State::held,
             .session = joined.accepted.session,

@@ -9,8 +9,8 @@
 namespace feltwire {
 namespace {
 
-/// The page's thread asks for hands. It has a low priority, and the threads that it starts inherit
-/// that. A servo must not have it. So another thread starts the hands.
+/// Starts the hands on a thread of its own. The page's thread has a low priority, and its new
+/// threads would inherit this priority. A servo must have a normal priority.
 class ClientPageHands final : public web::PageHands {
  public:
   explicit ClientPageHands(const web::PageHandsSetup& setup)
@@ -25,7 +25,7 @@ class ClientPageHands final : public web::PageHands {
     }
     changed_.notify_all();
     starter_.join();
-    // First release all hands at once. Their destructors then wait, one after the other.
+    // Release all hands first, because each destructor waits for its hand.
     for (const auto& hand : hands_) hand->release();
   }
 
@@ -33,7 +33,7 @@ class ClientPageHands final : public web::PageHands {
     const auto hand = std::make_shared<ClientPageHand>(server_, request);
     {
       const std::lock_guard lock(mutex_);
-      // A viewer may have left while its hand still lets go. The hand is kept until it is over.
+      // A hand stays in the list until it is over, even if its viewer has left.
       std::erase_if(hands_, [](const auto& held) { return held->over(); });
       if (hands_.size() + asked_.size() >= most_) return nullptr;
       asked_.push_back(hand);
@@ -58,8 +58,8 @@ class ClientPageHands final : public web::PageHands {
   const std::size_t most_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool ended_ = false;   // guarded by the mutex, like the next line
-  Hands asked_, hands_;  // not started yet; started, and not over
+  bool ended_ = false;   // guarded by mutex_, like the next line
+  Hands asked_, hands_;  // hands to be started; running hands
   std::thread starter_;
 };
 
