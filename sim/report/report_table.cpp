@@ -15,7 +15,7 @@ namespace {
 struct Row {
   const char* label;
   const char* pointer;    // JSON pointer into a report
-  const char* format;     // of a double
+  const char* format;     // printf format of a double
   bool optional = false;  // may be null, shown as -
 };
 constexpr bool kOptional = true;
@@ -37,7 +37,7 @@ constexpr std::array kRows = {
     Row{"times the energy bound was broken", "/bound_violations", "%.0f"},
 };
 
-/// Columns that a text fills in a terminal: characters, without the continuation bytes of UTF-8.
+/// The width of a text in a terminal: its characters, without the continuation bytes of UTF-8.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -48,8 +48,8 @@ std::string right(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ') + text;
 }
 
-/// The headings of columns: the file's name without its ending, or the whole path if two names are
-/// equal. A heading is never cut.
+/// The headings of columns: the name of each file without its ending, or the whole path if two
+/// names are equal. A heading is never cut.
 std::vector<std::string> headings(const std::vector<std::filesystem::path>& reports) {
   std::vector<std::string> names;
   for (const auto& file : reports) {
@@ -70,7 +70,7 @@ nlohmann::json read_report(const std::filesystem::path& file) {
   }
 }
 
-/// A number in the row's format. Throws std::runtime_error that names the file.
+/// A number of the report in the row's format. Throws std::runtime_error that names the file.
 std::string cell(const nlohmann::json& report, const Row& row, const std::filesystem::path& file) {
   const nlohmann::json::json_pointer pointer(row.pointer);
   if (row.optional && report.contains(pointer) && report[pointer].is_null()) return "-";

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLongestStep = 50e-6;   // [s]
 constexpr double kReferenceRate = 20.0;  // [Hz]
-constexpr double kLongestGap = 0.1;      // [s] longest time that is integrated after a stall
+constexpr double kLongestGap = 0.1;      // [s] longest time to integrate after a stall
 
 void check(const PointRobotOptions& o) {
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0.0; };
