@@ -24,9 +24,9 @@ struct Entry {
   Law (*make)(const Plant&);
   InSpace (*in_space)(const Plant&, const SurfaceModel&);
 };
-constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] of the wave variables
+constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] impedances of the wave variables
 
-/// The bench's wall, 2 mm deeper and a quarter softer than it is. It does not describe a motion.
+/// A wrong model of the bench's wall: 2 mm too deep, a quarter too soft, without motion.
 SurfacePrior wrong_prior() {
   constexpr double kDeeper = 2e-3, kSofter = 1500.0;  // [m], [N/m]
   return {.key = 1,

@@ -16,7 +16,7 @@ DeviceSpec device(const Plant& plant) {
   return spec;
 }
 
-/// Stiffness of the controller and the surface in series.
+/// [N/m] Stiffness of the controller and the surface in series.
 double series(double a, double b) { return a * b / (a + b); }
 
 }  // namespace
@@ -33,7 +33,8 @@ RemoteLeader::RemoteLeader(const Plant& plant)
       account_(account_config(device(plant), plant.period)),
       remote_(RemoteTrust{}) {}
 
-/// Shows each surface as a plane at the place where the hand will meet it.
+/// Adds a plane for each surface to the local model, at the place where the hand will meet the
+/// surface.
 void RemoteLeader::show(const RemoteContact& contact, const OtherSurfaces& others,
                         const Vec3& hand) {
   constexpr double kReach = 1.0;  // [m]
