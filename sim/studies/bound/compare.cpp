@@ -26,10 +26,11 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   return setup;
 }
 
-/// Sum r.e / sum e.e of the rendered forces r and the surface's own forces e.
+/// Displayed over commanded stiffness: sum(r.e) / sum(e.e), with the rendered force r and the
+/// surface's force e at the same position.
 double displayed_share(const std::vector<ExperimentSample>& samples,
                        const Environment& environment) {
-  const Environment own = environment;  // in a fresh state
+  const Environment own = environment;  // a copy has its own, initial state
   double rendered = 0.0, whole = 0.0;
   for (const ExperimentSample& s : samples) {
     const Vec3 e = own(Tool{s.position, Vec3::Zero()}).elastic;
@@ -52,7 +53,7 @@ struct Run {
   ExperimentSetup setup;
 };
 
-/// Computes everything except the cost.
+/// Runs a task and computes its row, without the cost.
 CompareRow run_task(const CompareTask& task, const std::string& label, const ExperimentSetup& setup,
                     Run& run) {
   const double period = setup.bounding.period;
@@ -67,7 +68,7 @@ CompareRow run_task(const CompareTask& task, const std::string& label, const Exp
           .oscillation = highpass_rms(distance, 1.0 / period),
           .direction_error = metrics.direction_error.mean,
           .displayed = displayed_share(samples, task.touch),
-          // Avoids -0.
+          // max() also turns -0 into 0.
           .energy_made = std::max(0.0, -metrics.min_port_margin)};
 }
 

@@ -10,9 +10,9 @@ namespace {
 
 struct Panel {
   const char* title;
-  int column;         // of compare.csv
+  int column;         // column of compare.csv
   const char* shade;  // gnuplot function of v: 0 (white, good) to 1 (orange, bad)
-  const char* label;  // of v
+  const char* label;  // gnuplot text of v
 };
 constexpr std::array kPanels = {
     Panel{"oscillation [um]: white up to 10 (what is felt) or the reference", 3,

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kStiffness = 5000.0;  // [N/m] of everything except the paper's wall
+constexpr double kStiffness = 5000.0;  // [N/m]; the wall has its own
 
 CompareTask wall() {
   const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
@@ -24,8 +24,8 @@ CompareTask sphere() {
           figure_setup("sphere", kUnbounded, 0.0).hand.task, 16.0};
 }
 
-/// Pressed into the corner by 3 N on each wall and slid across. Twice a turn the hand leaves and
-/// meets each of two walls, while the third wall stays touched.
+/// The hand presses into a corner with 3 N on each wall, and slides across the corner. In each
+/// period the hand leaves and meets two walls, and keeps contact with the third wall.
 CompareTask corner() {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -41,8 +41,8 @@ CompareTask corner() {
           corner_walls};
 }
 
-/// Glides over an edge: up one face of a box to its edge, pressed by 4 N there, off the edge and
-/// onto the other face; and back.
+/// The hand glides over the edge of a box and back: up one face, over the edge with 4 N, and onto
+/// the other face.
 CompareTask edge() {
   Object box;
   box.name = "box";
@@ -59,7 +59,8 @@ CompareTask edge() {
           8.0};
 }
 
-/// Glides round as on the sphere, over bumps of 1 mm, 23.6 mm apart: three a second.
+/// The hand orbits as on the sphere. The surface has a bump of 1 mm every 23.6 mm, so the hand
+/// meets three bumps per second.
 CompareTask torus() {
   const BumpyTorus shape;
   HandTask hand;
@@ -83,7 +84,7 @@ Object flat() {
   return plane;
 }
 
-/// Slides to and fro over dry friction, pressed by 3 N.
+/// The hand slides to and fro on dry friction and presses with 3 N.
 CompareTask stick_slip() {
   Object plane = flat();
   plane.material.static_friction = 0.6;
@@ -94,7 +95,7 @@ CompareTask stick_slip() {
           [](const Vec3& p) { return plane_distance(p).distance; }, hand, 8.0};
 }
 
-/// Strikes at 1 m/s, then presses with 3 N.
+/// The hand strikes at 1 m/s, then presses with 3 N.
 CompareTask tap() {
   HandTask hand;
   hand.path = HandPath::strike;

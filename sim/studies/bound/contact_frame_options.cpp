@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// A plane with outward normal +y, like the paper's wall.
+/// A plane with the outward normal +y, like the wall in paper_wall.json.
 Scene plane(double stiffness, double friction) {
   Object object;
   object.name = "plane";
@@ -47,7 +47,7 @@ ExperimentSetup setup_of(const char* experiment, const Variant& method, double d
   return setup;
 }
 
-constexpr double kSettled = 3.0;  // [s] after this the hand is in contact
+constexpr double kSettled = 3.0;  // [s] the hand is in contact from here on
 
 double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   double sum = 0.0;
@@ -60,8 +60,8 @@ double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   return sum / count;
 }
 
-/// Rendered force over commanded force, normal to the plane, while the hand moves out (`sign` > 0)
-/// or in (< 0).
+/// Rendered over commanded force along the plane's normal. `sign` > 0 selects the samples with an
+/// outward movement, `sign` < 0 those with an inward movement.
 double share(const std::vector<ExperimentSample>& samples, double sign) {
   double rendered = 0.0, commanded = 0.0;
   for (const ExperimentSample& s : samples) {

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSteps = 1500;            // per hand
-constexpr int kSceneSteps = 2000;       // at a wall, if time allows
-constexpr double kLongestScene = 20.0;  // [s] longest time of a scene
+constexpr int kSteps = 1500;            // steps per hand
+constexpr int kSceneSteps = 2000;       // most steps at a wall
+constexpr double kLongestScene = 20.0;  // [s] longest simulated time at a wall
 
-/// The number in a narrower arithmetic; infinite beyond its largest.
+/// Converts a number to a narrower arithmetic. A number beyond the range becomes infinite.
 template <class Real>
 Real narrowed(double value) {
   if (std::abs(value) > std::numeric_limits<Real>::max())
@@ -35,7 +35,8 @@ BasicCommand<Real> narrowed(const Command& c) {
   return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
 }
 
-/// The numbers that a step takes. The hold time is chosen as often as a vector.
+/// A step has five vectors of three inputs each, then the hold time. The hold time counts as three
+/// inputs, so it is drawn as often as a vector.
 constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
 /// Replaces an input of the step by NaN, infinity, or an impossible force, movement or time.
@@ -64,8 +65,8 @@ void judge_force(const Command& rendered, bool refused, double limit, double eps
   outcome.not_refused += refused && !(force.isZero(0.0) && rendered.torque.isZero(0.0));
 }
 
-/// A refused force or movement ends the promise of a coupling and of the passivity controllers:
-/// they must drop their force, or cut their damper's force.
+/// The promise after a refused input. A coupling and a passivity controller lose their promise,
+/// because they must drop or reduce their force.
 Promise after_refusal(Promise kept) {
   return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
 }
@@ -106,8 +107,8 @@ bool keeps_all(const BasicBoundingMethod<Real>& method, const BoundingConfig& co
   return method.keeps_all || config.storage == Storage::elastic;
 }
 
-/// Books the scene's work on a coupling's tool, as far as the bound's arithmetic knows the tool's
-/// place.
+/// Reports the scene's work on a coupling's tool to the ledger. The position of the tool has the
+/// precision of the bound's arithmetic.
 template <class Real>
 class ToolBook {
  public:
@@ -221,7 +222,8 @@ std::vector<WallStress> walls() {
   return all;
 }
 
-/// A coupling and the passivity controllers promise nothing behind a limit. So they get none here.
+/// [N] A coupling and a passivity controller lose their promise under a force limit, so their limit
+/// is infinite here.
 template <class Real>
 double wall_limit(const BasicBoundingMethod<Real>& method) {
   const Faults limited{.reductions = true};
@@ -245,7 +247,7 @@ void touch_wall(const WallStress& stress, const BasicBoundingMethod<Real>& metho
 
   SimulatedHandOptions options;
   options.spec = builtin_device("simulated");
-  // The bound does the limiting. A hand that feels only a part of an unlimited force is valid too.
+  // The bound limits the force. This limit of the device acts only if the bound has no limit.
   options.spec.max_force = 1e4;
   options.task = {.path = HandPath::slide,
                   .center = place,
@@ -323,7 +325,7 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
           });
   for (const WallStress& stress : walls())
     for (const std::string_view name : methods) {
-      // Projection and storage have two values each: four variants.
+      // Projection and storage have two values each, which gives four variants.
       const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
       row(stress.name(), name, {}, variants,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// The number of methods. The rows are sorted by stress, then by method.
+/// The number of methods in `rows`, which are sorted by stress, then by method.
 std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
     return r.stress != rows.front().stress;
@@ -31,7 +31,7 @@ std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
 
 constexpr std::size_t kWidth = 10;  // [characters] of a column
 
-/// A method's name as the lines of a column head, broken after underscores.
+/// The lines of a column head: the method's name, broken after underscores.
 std::vector<std::string> head(std::string_view method) {
   std::vector<std::string> lines;
   while (!method.empty()) {
@@ -61,7 +61,7 @@ std::string heads(const std::vector<std::string_view>& methods) {
   return text;
 }
 
-/// The methods that promise nothing, as a text.
+/// The names of the methods that promise nothing.
 std::string others(const std::vector<ExtremeRow>& rows) {
   std::vector<std::string_view> methods;
   for (std::size_t i = 0; i < method_count(rows); ++i)
@@ -92,11 +92,11 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
           {"passed", o.passed()}};
 }
 
-/// The points of a method in an arithmetic: the error over the stress's number. A zero error is
-/// drawn at the bottom.
+/// The plot of a method in an arithmetic: the energy error over the index of the stress. A zero
+/// error is drawn at the lower edge.
 std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
                    std::size_t methods) {
-  // Okabe and Ito's colours for colour-blind readers. The points differ too.
+  // Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
   constexpr std::array kColors = {"#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7"};
   constexpr std::array kPoints = {7, 5, 9, 11, 13, 1};
   const std::size_t i = method % kColors.size();

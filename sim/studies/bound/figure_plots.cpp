@@ -19,8 +19,9 @@ constexpr const char* kPreamble =
     "set style line 3 lc rgb '#1f1f1f' lw 0.8 dt (5,6)\n"
     "set style line 4 lc rgb '#e8908a' lw 3.2\n";
 
-/// Draws the rendered force as a broad line and the commanded force dashed over it, so that both
-/// are visible if they are equal. `csv` ends before the columns. `commanded` is an expression.
+/// Draws the commanded force dashed over a broad line of the rendered force, so that both are
+/// visible if they are equal. `csv` is the plot command up to the column. `commanded` is an
+/// expression.
 std::string forces_drawn(const std::string& csv, const char* commanded, int rendered) {
   return "plot " + csv + std::to_string(rendered) + " with lines ls 4 title 'rendered', " + csv +
          commanded + " with lines ls 3 title 'commanded'\n";
@@ -31,12 +32,12 @@ std::string output(const std::string& file, int width, int height) {
          " font 'Sans,11'\nset output '" + file + ".png'\n" + kPreamble;
 }
 
-/// The damping of Figures 2 and 3. It is the least of three dampings at which the wall only
-/// trembles and the port's total stays positive, as in the paper.
+/// The name prefix of the runs in Figures 2 and 3. Their damping is the smallest of three that
+/// gives the paper's results: a small oscillation, and a positive total energy of the port.
 constexpr const char* kWallFigures = "wall_b8_";
 
-/// The wall as in the paper: position and force of both axes over time, and the energies of Eq. (1)
-/// and (2). `depth` [um] is the least y of the position's panel.
+/// Draws the wall as in the paper: position and force in x and y over time, and the energies of Eq.
+/// (1) and (2). `depth` [um] is the lower end of the y position's axis.
 std::string wall_script(int figure, const std::string& run, int depth, const std::string& title) {
   const std::string csv = "'" + run + ".csv' skip 1 using 1:";
   std::string script = output("figure" + std::to_string(figure), 1100, 950);
@@ -44,7 +45,7 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
             "\"\nset xlabel 'time [s]'\nset xrange [3:7]\nunset key\n"
             "set ylabel 'x position [mm]'\nset yrange [-35:35]\nplot " +
             csv + "($2*1e3) with lines ls 1\n";
-  constexpr int kSpan = 150;  // [um] the same in both figures, to compare their oscillations
+  constexpr int kSpan = 150;  // [um] equal in both figures, to compare oscillations
   append(script, "set ylabel 'y position [um]'\nset yrange [%d:%d]\nplot ", depth, depth + kSpan);
   script += csv + "($3*1e6) with lines ls 1\nset key top right\n";
   const auto forces = [&](const char* axis, const char* range, const char* commanded, int column) {
@@ -71,8 +72,8 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
   return script + "unset multiplot\n";
 }
 
-/// Force arrows round the sphere, one every 80 ms of the second turn. The dotted rays are the true
-/// normals.
+/// Draws force arrows around the sphere, one for each 80 ms of the second turn. The dotted rays
+/// show the true normals.
 std::string sphere_panel(const std::string& run, const std::string& title) {
   const std::string from = "'" + run + ".csv' skip 1 every 80::8000 using ";
   return "set title \"" + title +
@@ -102,7 +103,7 @@ std::string mode_run(const std::string& group, std::size_t mode) {
   return group + "_" + std::string(kFigureModes[mode]);
 }
 
-/// Escapes a text so that gnuplot shows it unchanged between double quotes.
+/// Escapes a text for gnuplot, which then shows it unchanged between double quotes.
 std::string plain(const std::string& text) {
   std::string escaped;
   for (const char c : text) escaped += c == '_' ? "\\\\_" : std::string(1, c);
@@ -118,8 +119,8 @@ std::string all_sphere_modes(const std::string& group) {
   return script + "unset multiplot\n";
 }
 
-/// A column for each mode: the wall's depth and force over half a second, and the force round the
-/// sphere, with the measured numbers.
+/// Draws a column for each mode: the wall's depth and force over half a second, and the force
+/// around the sphere. The measured numbers are in the titles.
 std::string summary(const std::vector<FigureRun>& runs) {
   const std::string wall = "wall_b2", sphere = "sphere_b0.5";
   const auto run_of = [&](const std::string& group, std::size_t mode) -> const FigureRun& {

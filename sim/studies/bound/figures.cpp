@@ -18,7 +18,7 @@ namespace {
 
 struct Experiment {
   std::string name;
-  std::array<int, 2> figures;      // the paper's numbers
+  std::array<int, 2> figures;      // figure numbers in the paper
   std::array<double, 3> dampings;  // b [N s/m]
 };
 const std::array<Experiment, 2> kExperiments = {
@@ -28,8 +28,8 @@ void write_samples(const std::filesystem::path& file,
                    const std::vector<ExperimentSample>& samples) {
   std::ofstream out(file);
   out << "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,energy_x,energy_y,energy_z,port_x,port_y,port_z\n";
-  Vec3 energy = Vec3::Zero(),
-       port = Vec3::Zero();  // flow-in, in the two ways of experiment_metrics.hpp
+  // [J] Energy that flows in, by the rendered force and by the held force.
+  Vec3 energy = Vec3::Zero(), port = Vec3::Zero();
   std::array<char, 512> line;
   for (const ExperimentSample& s : samples) {
     const Vec3 r = s.rendered.force();
@@ -88,13 +88,13 @@ ExperimentSetup figure_setup(const std::string& experiment, std::string_view mod
     task.normal = Vec3::UnitY();
     task.radius = 0.03;
     task.frequency = 0.5;
-    task.depth = 0.01;  // 3 N through the arm's 300 N/m
+    task.depth = 0.01;  // 3 N at the hand's 300 N/m
     task.lead_in = 2.0;
   } else {
     setup.duration = 16.0;  // two turns
     task.path = HandPath::orbit;
     task.normal = Vec3::UnitZ();
-    task.radius = 0.08;  // the ball's 90 mm less 10 mm: 3 N
+    task.radius = 0.08;  // 10 mm inside the ball of 90 mm: 3 N
     task.frequency = 0.125;
     task.depth = 0.0;
     task.clearance = 0.02;
@@ -134,7 +134,7 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
         runs.push_back(std::move(run));
       }
     }
-    // Each experiment belongs to two figures of the paper, under different modes.
+    // The paper has two figures of each experiment, with different modes.
     for (const int figure : experiment.figures)
       for (std::size_t i = first; i < runs.size(); ++i) json.push_back(entry(figure, runs[i]));
   }

@@ -28,9 +28,9 @@ namespace {
 
 constexpr double kPeriod = 1e-3;         // [s]
 constexpr double kPress = 3.0;           // [N]
-constexpr double kAir = 2.0;             // [s] before contact in a warm start
-constexpr double kStiffEnough = 150.0;   // [N/m] of hands that press round objects with 3 N
-constexpr double kFrictionShare = 0.75;  // share of the dry friction that the account knows
+constexpr double kAir = 2.0;             // [s] free motion before contact in a warm start
+constexpr double kStiffEnough = 150.0;   // [N/m] softer hands skip the round objects
+constexpr double kFrictionShare = 0.75;  // assumed dry friction over true dry friction
 
 /// The bunny of scenes/bunny.json.
 Object bunny() {
@@ -45,7 +45,7 @@ Object bunny() {
   return object;
 }
 
-/// Slides to and fro over the bunny's back, pressed by 3 N.
+/// The hand slides to and fro over the bunny's back and presses with 3 N.
 CompareTask over_bunny(const Object& bunny) {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -61,7 +61,7 @@ CompareTask over_bunny(const Object& bunny) {
           hand, 8.0};
 }
 
-/// The tasks of all cases. They are made only once: parsing a scene takes long.
+/// The tasks of all cases, made only once because parsing a scene takes long.
 struct TaskSource {
   Object paper_wall = parse_scene(embedded::paper_wall, "paper_wall.json").objects().front();
   Object paper_sphere = parse_scene(embedded::paper_sphere, "paper_sphere.json").objects().front();
@@ -69,7 +69,8 @@ struct TaskSource {
   std::vector<CompareTask> compared = compare_tasks();
 };
 
-/// The paper's wall with another stiffness. The hand slides as in the paper's Figure 2, or taps.
+/// The wall in paper_wall.json with another stiffness. The hand slides as in the paper's Figure 2,
+/// or taps.
 CompareTask wall(Object object, const FrontierCase& c) {
   object.material.stiffness = c.wall;
   CompareTask task{c.task, environment(object), [](const Vec3& p) { return p.y(); },
@@ -136,8 +137,9 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   return setup;
 }
 
-/// [J] The most energy that was delivered to the hand beyond the burned energy. Burned: by damping,
-/// as the encoder shows it; and, if the account knows of friction, by friction on the true way.
+/// [J] Largest excess of the energy delivered to the hand over the dissipated energy. Damping
+/// dissipates along the encoder's movement. Friction dissipates along the motor's true movement,
+/// and counts only if the account uses friction.
 double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& samples) {
   double left = 0.0, least = 0.0;
   Vec3 before = samples.front().motor;
@@ -161,7 +163,7 @@ Object object_of(const FrontierCase& c, const TaskSource& source) {
   return object;
 }
 
-/// A whole session: datagrams, an emulated link, the scene on the server, a local model.
+/// Runs a session with datagrams, an emulated link, the scene on the server and a local model.
 FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Object& object) {
   const ExperimentSetup setup = setup_of(c, task);
   NetworkRunOptions options;
@@ -211,12 +213,13 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
     whole += e.squaredNorm();
   }
   row.displayed = whole > 0.0 ? rendered / whole : 0.0;
-  // A hand that taps moves on purpose.
+  // A tapping hand moves fast by intention, so its oscillation is not measured.
   if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
   return row;
 }
 
-/// A hand that has filled its account rests in the air. Then a force pushes it along its movement.
+/// Measures the effect of a wrong force with a full account. The hand rests in the air, then the
+/// force pushes the hand along its velocity.
 void push_on(const FrontierCase& c, const TaskSource& source, CapRow& row) {
   constexpr double kRest = 1.0, kPush = 1.0;  // [s]
   ExperimentSetup setup = setup_of(c, task_of(c, source));
@@ -252,7 +255,7 @@ constexpr std::array kEverywhere = {
     Law{"none", Need::no_account}, Law{"contact_frame", Need::no_account},
     Law{"credited", Need::inertia}, Law{"credited", Need::inertia_friction}};
 
-/// Adds all laws at this place of the grid. Midpoint needs the device's place: not over a network.
+/// Adds a case for each law. The midpoint law needs the device's position without delay.
 void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   const auto add = [&](const auto& laws) {
     for (const Law& law : laws) {
@@ -265,7 +268,7 @@ void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   if (c.delay == 0.0) add(kNear);
 }
 
-/// Adds the laws of other papers and the virtual coupling. They stand alone, as published.
+/// Adds the published laws of other papers and the virtual coupling, which have no account.
 void add_published(std::vector<FrontierCase>& cases, FrontierCase c) {
   c.need = Need::no_account;
   for (const BoundingMethod& published : published_laws()) {
@@ -345,7 +348,7 @@ std::vector<FrontierCase> frontier_cases() {
                      .delay = delay,
                      .hand = hand,
                      .cold = cold};
-                // A tremor takes half a minute: run only the cases that the bar is about.
+                // A tremor run takes half a minute, so most cases are left out.
                 const bool pressed_long = c.task == "tremor";
                 if (pressed_long && (wall != 4e4 || delay > 0.0 || damping < 0.5)) continue;
                 add_laws(cases, c);

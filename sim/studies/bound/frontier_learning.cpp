@@ -1,4 +1,4 @@
-// The gain of a session that learns the strength of the hand (--learn-hand-force).
+// The benefit of learning the strength of the hand (--learn-hand-force).
 
 #include <array>
 
@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kMinute = 60.0;  // [s] the second half counts: two windows of 10 s are over then
+constexpr double kMinute = 60.0;  // [s] only the second half is measured
 
 struct Knowledge {
   const char* title;

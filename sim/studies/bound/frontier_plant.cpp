@@ -1,4 +1,4 @@
-// The laws on a realistic plant, judged at the true motor and at the handle.
+// The laws on a realistic plant. The energy is measured at the true motor and at the handle.
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"

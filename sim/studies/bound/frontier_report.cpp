@@ -58,7 +58,7 @@ std::string csv(const std::vector<FrontierRow>& rows) {
   return text;
 }
 
-/// [ns] Time of a step of law and account, for a hand that swings in a wall.
+/// [ns] Time of a step of the law and the account, for a hand that oscillates in a wall.
 double swing_cost(const std::string& name, Need need) {
   ExperimentSetup setup;
   setup.law = &law(name);
@@ -102,10 +102,11 @@ bool of_curve(const FrontierCase& c, const Curve& curve) {
   return c.law == curve.law && c.need == curve.need;
 }
 
-// Okabe and Ito's colours for colour-blind readers.
+// Okabe and Ito chose these colours for colour-blind readers.
 constexpr std::array kColors = {"#999999", "#0072b2", "#e69f00", "#009e73"};
 
-/// Two panels: median of the hands and worst hand. They show the displayed stiffness [N/m] over x.
+/// Draws the displayed stiffness [N/m] over x in two panels: the median of the hands, and the worst
+/// hand.
 void draw(const std::filesystem::path& directory, const std::vector<FrontierRow>& rows,
           const std::string& name, const std::string& title, const std::string& x_label,
           const std::vector<double>& xs,

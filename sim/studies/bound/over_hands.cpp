@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-/// On a curved surface the hand moves on purpose. Fast movement there is not judged.
+/// True if oscillation is judged in a task. In the other tasks the intended path itself changes the
+/// distance to the surface.
 bool is_flat(const std::string& task) {
   return task == "wall" || task == "press" || task == "tremor";
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-// long double also holds the squares of the smallest doubles.
+// long double can represent the squares of the smallest doubles.
 using Vector = Eigen::Matrix<long double, 3, 1>;
 long double length(const Vec3& v) { return v.cast<long double>().norm(); }
 
@@ -24,7 +24,7 @@ bool own_sum(Promise promise) {
 
 PromiseLedger::PromiseLedger(const Setup& setup) : setup_(setup) {
   const auto open = [&](Port& port, const Damping& damping) {
-    // The per-axis laws rely on the damping of each axis alone.
+    // A per-axis law relies on the damping of each axis alone.
     port.damping = setup_.promise == Promise::port_by_axis ? Damping(damping.per_axis()) : damping;
     const double least = port.damping.least();
     if (!(least > 0.0)) return;
@@ -91,12 +91,13 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
     for (int i = 0; i < 3; ++i)
       port.balance[by_axis(setup_.promise) ? static_cast<std::size_t>(i) : 0] -=
           static_cast<long double>(f[i]) * dx[i];
-    // A controller may take away the whole command. The rest is a rounding error of the command.
+    // A controller may cancel nearly the whole command. So the rounding error grows with the
+    // command.
     const long double flow = (length(f) + length(wanted)) * length(dx);
     port.exchanged += flow;
     port.through += flow;
   };
-  // A single observer books torque together with force.
+  // A law with a single energy observer adds the work of force and torque.
   Port& second = setup_.promise == Promise::own_sum ? translation_ : rotation_;
   observe(translation_, force, commanded.force(), displacement);
   observe(second, rendered.torque, commanded.torque, rotation);
@@ -107,7 +108,7 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
 void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacement) {
   const bool damped = port.inverse(0, 0) > 0.0;
   const double quarter = 0.25 * setup_.period;
-  // Without damping, nothing can ever pay for a force.
+  // Without damping, no energy can cover a force.
   const auto at_stake = [&](const Vec3& held) -> long double {
     if (held.isZero(0.0)) return 0.0L;
     const Vector f = held.cast<long double>();
@@ -121,8 +122,8 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
     kept = std::max(kept, setup_.keeps_all ? std::abs(balance) : -balance);
   if (setup_.promise == Promise::coupling) kept = port.tool_stored;
   port.through += kept;
-  // Allow an error of the smallest number in the force, in the movement, and in an energy that is
-  // kept.
+  // Allow an error of the smallest representable number in the force, in the movement, and in a
+  // stored energy.
   const double least = setup_.arithmetic.least;
   const double per_force = damped ? 2.0 * quarter * port.inverse.diagonal().maxCoeff() : 0.0;
   const long double f = length(force), dx = length(displacement);
@@ -130,7 +131,7 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
 
   switch (setup_.promise) {
     case Promise::port:
-      // If energy is overdrawn while no force is rendered, this is a known debt.
+      // A negative balance without a rendered force is a known debt, not a violation.
       if (all_at_stake > 0.0L) judge(port, all_at_stake - port.balance[0]);
       break;
     case Promise::port_by_axis:

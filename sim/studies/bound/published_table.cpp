@@ -12,7 +12,7 @@ struct PublishedLaw {
   const char *name, *title;
   Need need = Need::no_account;
 };
-/// Our laws first, then those of other papers.
+/// The laws of this project come first, then the laws of other papers.
 constexpr std::array kPublishedLaws = {
     PublishedLaw{"none", "none"},
     PublishedLaw{"contact_frame", "contact_frame"},

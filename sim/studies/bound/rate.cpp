@@ -17,7 +17,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kRatePress = 3.0;                            // [N]
-constexpr double kBall = 0.09;                                // [m] radius, the paper's
+constexpr double kBall = 0.09;                                // [m] radius
 constexpr double kPressDuration = 1.5, kSlideDuration = 6.0;  // [s]
 
 struct Surface {
@@ -36,13 +36,12 @@ Scene scene_of(const Surface& surface) {
   if (surface.ball) {
     object.shape = Sphere{kBall};
   } else {
-    object.material.viscous_friction = 10.0;  // the paper's wall
+    object.material.viscous_friction = 10.0;  // as in paper_wall.json
   }
   return Scene("rate", {object});
 }
 
-/// Height over the surface [m]. The frame's origin is the touched place of a wall, or the centre of
-/// a ball.
+/// [m] Height over the surface. The origin is the touched point of a wall, or the centre of a ball.
 double height(const Surface& surface, const Vec3& position) {
   return surface.ball ? position.norm() - kBall : position.z();
 }
@@ -61,7 +60,7 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
   task.center = surface.ball ? Vec3(0, 0, kBall) : Vec3::Zero();
   task.lead_in = 1.0;
   task.clearance = 1e-3;
-  // A spring in series: the hand goes in deeper by the surface's own compression.
+  // Hand and surface are springs in series, so the depth includes the surface's compression.
   if (!slides) task.depth += kRatePress / surface.stiffness;
   if (!slides) return options;
   if (surface.ball) {
@@ -75,9 +74,9 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
 }
 
 struct RateSample {
-  Vec3 position, held;  // [m] true; [N] what acts from now on
-  Vec3 acted;           // [N] what has acted until now
-  Vec3 ideal;           // [N] the surface's answer to the true position and velocity
+  Vec3 position, held;  // [m] true position; [N] force from now on
+  Vec3 acted;           // [N] force until now
+  Vec3 ideal;           // [N] surface force at the true position and velocity
   BoundingStep told;
   Tool tool;
 };
@@ -95,7 +94,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
   SimulatedDevice device(hand);
   const Vec3 to_world = Vec3::Constant(origin);
-  // The device's report: numbers of this arithmetic, in the world frame.
+  // The measured position in the world frame, rounded to this arithmetic.
   const auto read = [&](std::size_t n) -> Vector3<Real> {
     const auto now = Nanoseconds(std::llround(static_cast<double>(n) * config.period * 1e9));
     return (device.read(now).pose.position + to_world).template cast<Real>();
@@ -136,7 +135,7 @@ std::vector<RateSample> run(const RateArithmetic& arithmetic, const Surface& sur
                              : run<double>(surface, hand, rate, arithmetic.origin, duration);
 }
 
-/// Least squares fit of force over depth, from the first touch to the deepest point.
+/// [N/m] Slope of force over depth by least squares, from the first touch to the deepest point.
 double pressing_slope(const Surface& surface, const std::vector<RateSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const RateSample& s : samples) {
@@ -213,7 +212,7 @@ std::vector<RateCell> run_rate(const RateGrid& grid) {
 std::vector<RateCost> measure_rate_cost() {
   constexpr double kDamping = 0.5, kRate = 1000.0;
   std::vector<RateCost> costs;
-  // Use the results, or the compiler leaves the computation out.
+  // The results are used, so that the compiler does not remove the computation.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
     const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);

@@ -8,13 +8,13 @@
 namespace feltwire {
 namespace {
 
-/// [%] Share of a core that a loop takes.
+/// [%] The share of a core that a loop uses.
 double load(double rate, const RateCost& cost, bool in_float) {
   return 100.0 * rate * 1e-9 *
          (cost.touch_ns + (in_float ? cost.bound_float_ns : cost.bound_double_ns));
 }
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.2 lw 1.6\n"
     "set style line 2 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
@@ -22,7 +22,7 @@ constexpr const char* kStyles =
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\nset datafile separator ','\n"
     "set datafile missing NaN\n";  // lines skip the rows of other curves
 
-/// Rows of rate.csv: a surface, a damping and an arithmetic, over the rate.
+/// A curve over the rate, from the rows of rate.csv with this surface, damping and arithmetic.
 std::string curve(const std::string& surface, double damping, const std::string& arithmetic,
                   const char* column) {
   std::string text;
@@ -80,7 +80,7 @@ void draw_rate(const std::filesystem::path& directory, const RateGrid& grid,
   plot(directory, "rate", script + "unset multiplot\n");
 }
 
-/// Stiffness over cost: up and left is better. Each point is a rate.
+/// Draws the displayed stiffness over the CPU time, with a point for each servo rate.
 void draw_cost(const std::filesystem::path& directory, const RateGrid& grid,
                const std::vector<RateCell>& cells) {
   std::string script =
@@ -185,7 +185,7 @@ void write_rate(const std::filesystem::path& directory, const RateGrid& grid,
   draw_rate(directory, grid, cells);
   for (const RateCell& cell : cells) {
     const bool in_float = cell.arithmetic != kRateArithmetics[0].name;
-    if (cell.arithmetic == kRateArithmetics[2].name) continue;  // costs as much as the other float
+    if (cell.arithmetic == kRateArithmetics[2].name) continue;  // same cost as the other float
     const RateCost& cost = cost_of(costs, cell.surface);
     append(cost_csv, "%s,%g,%g,%s,%.6g,%.6g,%.4g,%.4g\n", cell.surface.c_str(), cell.damping,
            cell.rate, in_float ? "float" : "double", load(cell.rate, cost, in_float),

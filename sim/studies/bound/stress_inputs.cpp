@@ -69,7 +69,7 @@ StressedMovement move(int kind, StressRandom& random, const StressInputs& stress
   }
   m.displacement *= share;
   m.rotation *= share;
-  // Add a movement of its own sometimes: a hand at rest would take nothing for ever.
+  // Without a held force, the greediest movement is zero. So the hand sometimes moves by itself.
   if (random.chance(0.5)) {
     const StressedMovement own = restless();
     m.displacement += own.displacement;

@@ -27,7 +27,7 @@ constexpr std::array kLawsEverywhere = {TorqueLaw{"none", false, Ports::one},
                                         TorqueLaw{"contact_frame", false, Ports::one},
                                         TorqueLaw{"credited", true, Ports::one},
                                         TorqueLaw{"credited", true, Ports::two}};
-/// Laws that need the device's place: they cannot work over a delay.
+/// Laws that need the device's pose without delay, so they cannot work over a network.
 constexpr std::array kLawsAtHand = {TorqueLaw{"midpoint", true, Ports::one},
                                     TorqueLaw{"midpoint", true, Ports::two}};
 
@@ -44,7 +44,7 @@ void add_laws(std::vector<TorqueCase>& cases, TorqueCase c) {
   if (c.delay == 0.0) add(kLawsAtHand);
 }
 
-/// The tasks of all cases. They are made only once: parsing a scene takes long.
+/// The tasks of all cases, made only once because parsing a scene takes long.
 class TorqueSource {
  public:
   TorqueSource() : bodies_(body_tasks()) {}
@@ -60,7 +60,7 @@ class TorqueSource {
   std::vector<TorqueTask> bodies_;
 };
 
-/// Sums of the rendered part along the commanded force.
+/// The share of the commanded force that is rendered, by least squares.
 struct Shown {
   double along = 0.0, whole = 0.0;
   void add(const Vec3& rendered, const Vec3& commanded) {
@@ -87,7 +87,7 @@ TorqueRow run_case(const TorqueCase& c, const TorqueSource& source) {
     if (2 * n < samples.size()) continue;
     force.add(s.rendered.force(), s.commanded.force());
     torque.add(s.rendered.torque, s.commanded.torque);
-    constexpr double kFeltTurn = 1e-4;  // [N m] no direction is compared below it
+    constexpr double kFeltTurn = 1e-4;  // [N m] directions of smaller torques do not count
     if (s.rendered.torque.norm() > kFeltTurn && s.commanded.torque.norm() > kFeltTurn)
       directions.push_back(angle_between(s.rendered.torque, s.commanded.torque));
   }
@@ -132,7 +132,7 @@ SixDofSetup torque_setup(const TorqueCase& c, const TorqueTask& task) {
 }
 
 std::vector<TorqueCase> torque_cases() {
-  constexpr std::array kStiffnesses = {8.0, 64.0};  // 5 and 40 kN/m at 40 mm
+  constexpr std::array kStiffnesses = {8.0, 64.0};  // [N m/rad], equal to 5 and 40 kN/m at 40 mm
   constexpr std::array kDelays = {0.0, 0.02};
   std::vector<TorqueCase> cases;
   for (const TorqueTask& task : joint_tasks(0.0))

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kComparable = 1e-4;  // [N m] no direction is compared below it
+constexpr double kComparable = 1e-4;  // [N m] directions of smaller torques do not count
 
 std::string csv(const std::vector<SixDofSample>& samples) {
   std::string text = "t,ax,ay,az,ex,ey,ez,rx,ry,rz\n";
@@ -31,7 +31,7 @@ std::string torque_output(const std::string& file, int width, int height) {
          ".png'\nset datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\n";
 }
 
-/// An arrow every 40 ms of the last turn. The dashed rays are the true directions.
+/// Draws an arrow for each 40 ms of the last turn. The dashed rays show the true directions.
 std::string cone_panel(std::string_view mode, const std::string& title) {
   const std::string from = "'" + cone_stem(mode) + ".csv' skip 1 every 40::4000 using ";
   return "set title \"" + title +

@@ -58,7 +58,7 @@ std::string csv(const std::vector<TorqueRow>& rows) {
 struct OverCases {
   double swing = 0.0, most_swing = 0.0;               // [rad] median and worst oscillation
   double torque = 0.0, force = 0.0, direction = 0.0;  // medians
-  double energy = 0.0, by_torque = 0.0;               // [J] the most
+  double energy = 0.0, by_torque = 0.0;               // [J] largest of all cases
 };
 
 OverCases over(const std::vector<TorqueRow>& rows,
@@ -82,7 +82,7 @@ OverCases over(const std::vector<TorqueRow>& rows,
   return sum;
 }
 
-/// The model that the client has of body and solids.
+/// The client's model of the body and the solids.
 const char* model_name(const TorqueSession& s) {
   if (!s.local_model) return "no";
   return s.whole ? "whole" : "planes";

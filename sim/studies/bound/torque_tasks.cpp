@@ -8,11 +8,11 @@ namespace feltwire {
 namespace {
 
 constexpr double kPressForce = 3.0;        // [N]
-constexpr double kBodyStiffness = 1500.0;  // [N/m] of the bodies' surfaces
+constexpr double kBodyStiffness = 1500.0;  // [N/m] of all surfaces
 constexpr double kLean = 0.45;             // [rad] intended lean of the wrist
 constexpr double kConeStop = 0.2;          // [rad]
 constexpr double kScrewTurn = 0.8;         // [rad]
-constexpr double kConeFriction = 0.016;    // [N m s/rad]: 10 N s/m at 40 mm
+constexpr double kConeFriction = 0.016;    // [N m s/rad], equal to 10 N s/m at 40 mm
 
 constexpr const char* kTable = R"({ "name": "table",
   "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 800,
@@ -47,7 +47,7 @@ Command end_stop(double stiffness, const Pose& pose) {
   return {.torque = Vec3(0.0, 0.0, beyond > 0.0 ? -stiffness * beyond : 0.0)};
 }
 
-/// The part of a rotation that leans the normal.
+/// [rad] The lean: the rotation of the tool without its part about z.
 Vec3 lean_of(const Pose& pose) {
   Vec3 lean = turn_of(pose);
   lean.z() = 0.0;
@@ -61,10 +61,10 @@ Command cone(double stiffness, const Pose& pose) {
   return {.torque = -stiffness * (angle - kConeStop) / angle * lean};
 }
 
-/// Damped only across the lean, and only while it leans against the stop.
+/// A conical stop with damping across the lean. The damping acts only in contact with the stop.
 struct RubbedCone {
   double stiffness;
-  Vec3 before = Vec3::Zero();  // [rad] the lean
+  Vec3 before = Vec3::Zero();  // [rad] lean at the last call
 
   Command operator()(const Pose& pose, const Vec3&, double elapsed) {
     Command command = cone(stiffness, pose);

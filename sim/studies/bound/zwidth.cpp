@@ -10,7 +10,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kZwidthPress = 3.0;  // [N]
-constexpr double kDeepest = 0.03;     // [m] deepest penetration to press with this force
+constexpr double kDeepest = 0.03;     // [m] largest depth at kZwidthPress
 constexpr double kLeadIn = 0.5;       // [s]
 constexpr double kAtRest = 1.0;       // [s]
 constexpr double kDuration = 2.0;     // [s]
@@ -56,7 +56,7 @@ double quantum_limit() {
 
 Press press_wall(const Method& method, double damping, double rate, double delay, double stiffness,
                  const Hand& hand, const Plant& plant) {
-  // The half space below z = 0.
+  // The wall is the half space below z = 0.
   const Environment wall = [stiffness](const Tool& tool) {
     Command command;
     command.elastic.z() = stiffness * std::max(0.0, -tool.position.z());

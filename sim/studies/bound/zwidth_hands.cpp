@@ -7,11 +7,11 @@
 namespace feltwire {
 namespace {
 
-/// Figures of the hands of a loop, whose cells stand together.
+/// Results over all hands of a loop.
 struct LoopHands {
-  double largest = 0.0, least_largest = 0.0;  // [N/m] commanded without oscillation: median, worst
-  double shown = 0.0, least_shown = 0.0;      // [N/m] of 5 kN/m; 0 if the hand oscillates
-  std::size_t calm = 0, hands = 0;            // at 5 kN/m
+  double largest = 0.0, least_largest = 0.0;  // [N/m] largest without oscillation: median, worst
+  double shown = 0.0, least_shown = 0.0;      // [N/m] displayed at 5 kN/m: median, worst
+  std::size_t calm = 0, hands = 0;            // hands without oscillation at 5 kN/m; all hands
 };
 
 LoopHands over_hands(const ZWidthCell* first, std::size_t hands) {
@@ -29,7 +29,7 @@ LoopHands over_hands(const ZWidthCell* first, std::size_t hands) {
   return loop;
 }
 
-/// Text in [kN/m]. The end of the range means any.
+/// The stiffness in [kN/m], or "any" at the end of the searched range.
 std::string kilo(double stiffness) {
   if (stiffness >= StiffnessRange{}.highest) return "any";
   std::string text;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kColumns = 5;
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr std::array kZwidthColors = {"#0072b2", "#009e73", "#e69f00", "#d55e00", "#cc79a7"};
 constexpr std::array kPoints = {7, 5, 9, 13, 11};
 
@@ -21,7 +21,7 @@ std::string marked(std::size_t delay) {
   return text;
 }
 
-/// dashed: largest commanded stiffness; solid: displayed stiffness
+/// A panel over the servo rate. Dashed: largest commanded stiffness. Solid: displayed stiffness.
 std::string panel(const ZWidthGrid& grid, std::size_t method, std::size_t damping) {
   const std::size_t rates = grid.rates.size(), delays = grid.delays.size();
   std::string text = "set title '" + std::string(grid.methods[method].label) + "'\nplot ";
