@@ -46,7 +46,8 @@ nlohmann::ordered_json json(const DeadbandGrid& grid, const std::vector<Deadband
           {"rows", list}};
 }
 
-/// Datagrams saved over k, with a panel for each task. Below it: the error that they cost.
+/// Draws the saved datagrams over the deadband k, with a panel for each task. A second row of
+/// panels shows the force error.
 void draw(const std::filesystem::path& directory, const std::vector<DeadbandRow>& rows) {
   std::vector<std::string> tasks;
   for (const DeadbandRow& r : rows)
@@ -57,7 +58,7 @@ void draw(const std::filesystem::path& directory, const std::vector<DeadbandRow>
          "set datafile separator ','\nset datafile missing NaN\n",
          320 * tasks.size());
   script +=
-      // Okabe and Ito's colours for colour-blind readers. The points differ too.
+      // Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
       "set style line 1 lc rgb '#0072b2' pt 7 ps 1.2 lw 1.6\n"
       "set style line 2 lc rgb '#e69f00' pt 4 ps 1.5 lw 1.6\n"
       "set style line 3 lc rgb '#d55e00' pt 2 ps 1.4 lw 1.6\n"

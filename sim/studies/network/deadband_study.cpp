@@ -47,7 +47,7 @@ NetworkRunOptions options_of(const DeadbandTask& task, const DeadbandGrid& grid,
   return options;
 }
 
-/// The movement as the servo saw it.
+/// The positions of a run as a recording, which another run can replay.
 Recording recorded(const NetworkRunResult& run) {
   Recording recording;
   for (const NetworkSample& s : run.samples)
@@ -110,8 +110,8 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
                                       const DeadbandGrid& grid) {
   constexpr std::size_t kKinds = std::size(kDeadbandKinds);
   const std::size_t per_task = kKinds * grid.fractions.size();
-  // The reference runs: movements with every datagram, replayed without and with a local model. All
-  // other runs are compared with them.
+  // The reference runs send every datagram, and replay each movement without and with a local
+  // model. All other runs are compared with these references.
   constexpr DeadbandKind kEvery[] = {{"every", false, false, Predictor::level, false},
                                      {"every", false, false, Predictor::level, true}};
   std::vector<DeadbandTask> replays = tasks;

@@ -19,8 +19,8 @@ std::vector<std::string> tasks_of(const std::vector<LocalModelCell>& cells) {
   return names;
 }
 
-/// Force error over the round trip, with a panel for each task. The last panel is over the servo
-/// rate, for the rows with fewer datagrams than ticks.
+/// Draws the force error over the round trip in a panel for each task. The last panel shows the
+/// error over the servo rate, for the rows with fewer datagrams than ticks.
 void draw(const std::filesystem::path& directory, const std::vector<LocalModelCell>& cells) {
   constexpr std::size_t kColumns = 4;
   const std::vector<std::string> tasks = tasks_of(cells);

@@ -15,10 +15,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBall = 0.09;    // [m] radius, the paper's
+constexpr double kBall = 0.09;    // [m] radius
 constexpr int kBallLevel = 6;     // 81920 triangles
 constexpr double kGrid = 2e-3;    // [m] resolution
-constexpr double kRolled = 5e-3;  // [m] radius of the ball that touches
+constexpr double kRolled = 5e-3;  // [m] radius of the rolling tool
 constexpr Grain kFine{2e-5, 2e-3}, kCoarse{1e-4, 1e-2};
 constexpr double kStiffness = 1000.0;  // [N/m]
 constexpr double kPress = 3.0;         // [N]
@@ -50,14 +50,14 @@ HandTask hand(HandPath path, double depth = kPress / Hand{}.stiffness) {
   return task;
 }
 
-/// The tasks of the table, in its order.
+/// The tasks in the order of the result table.
 std::vector<Task> all_tasks() {
   const Material smooth{.stiffness = kStiffness};
   const Material rough{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_friction = 0.4};
   const Object wall = object("wall", Plane{}, Vec3::Zero(), smooth);
   std::vector<Task> tasks;
 
-  // A spring in series: the hand goes in deeper by the wall's own compression.
+  // The hand and the wall are springs in series, so the depth includes the wall's compression.
   tasks.push_back({"press", Scene("press", {wall}),
                    hand(HandPath::press, kPress / Hand{}.stiffness + kPress / kStiffness)});
   HandTask taps = hand(HandPath::taps);
@@ -66,17 +66,17 @@ std::vector<Task> all_tasks() {
 
   HandTask orbit = hand(HandPath::orbit);
   go_round(orbit, kBall);
-  orbit.clearance *= 2.0;  // inside the ball
+  orbit.clearance *= 2.0;  // measured from the path, which is inside the ball
   tasks.push_back(
       {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
 
-  // This ball as triangles, and as a grid of its distances.
+  // The next tasks use this ball as a triangle mesh, and later as a distance grid.
   const Object facets = object(
       "ball", Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)))},
       Vec3::Zero(), smooth);
   tasks.push_back({"mesh", Scene("mesh", {facets}), orbit});
-  // A rolling ball on a mesh; and textures that change over less, and over more, than the way of
-  // the hand in a round trip.
+  // Further tasks are a ball that rolls on the mesh, and two surface textures. The hand's path in a
+  // round trip is longer than the fine wavelength and shorter than the coarse wavelength.
   const auto textured = [&](const char* name, const MeshOptions& options) {
     const Mesh mesh{
         std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)), options)};
@@ -99,14 +99,14 @@ std::vector<Task> all_tasks() {
   tasks.push_back(
       {"friction", Scene("friction", {object("wall", Plane{}, Vec3::Zero(), rough)}), slide});
 
-  // A block whose edge lies under the middle of the way: the hand leaves it and comes back.
+  // The block's edge is under the middle of the path, so the hand leaves the block and returns.
   slide.frequency = 0.5;
   const Vec3 half(0.05, 0.05, 0.05);  // [m]
   tasks.push_back(
       {"edge", Scene("edge", {object("block", Box{half}, Vec3(-half.x(), 0, -half.z()), smooth)}),
        slide});
 
-  // This block as a mesh, with a ball that rolls over its edge.
+  // The block is now a mesh, and a ball rolls over its edge.
   const Object rounded =
       object("block",
              Mesh{std::make_shared<MeshSurface>(TriangleMesh(tessellate(Box{half}, 4)),
@@ -116,7 +116,7 @@ std::vector<Task> all_tasks() {
   rolled_over.center.z() += kRolled;
   tasks.push_back({"ball_edge", Scene("ball_edge", {rounded}), rolled_over});
 
-  // Into the corner of a floor and two walls, and along them.
+  // The hand moves in the corner of a floor and two walls, along these surfaces.
   HandTask corner = hand(HandPath::orbit, kPress / Hand{}.stiffness);
   corner.center = Vec3(0.01, 0.01, 0.0);
   corner.radius = 0.02;
@@ -125,7 +125,7 @@ std::vector<Task> all_tasks() {
                                            smooth, Side::inside)}),
                    corner});
 
-  // Over the objects on the table.
+  // The hand moves over the objects on the table.
   HandTask things = hand(HandPath::figure_eight);
   things.radius = 0.06;
   things.frequency = 0.25;
@@ -146,7 +146,7 @@ NetworkRunOptions options_of(const Task& task, const LocalModelCell& cell) {
   return options;
 }
 
-/// Least squares fit of the force out of the wall over the true depth, while the depth grows.
+/// [N/m] Slope of the normal force over the true depth while the depth grows, by least squares.
 double pressing_slope(const std::vector<NetworkSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const NetworkSample& s : samples) {
@@ -160,8 +160,8 @@ double pressing_slope(const std::vector<NetworkSample>& samples) {
   return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
 }
 
-/// [s] from the first tick with a push of the scene at the true place to the first tick with a
-/// force.
+/// [s] Delay of the contact force: from the first contact at the true position to the first force
+/// on the hand.
 double onset(const std::vector<NetworkSample>& samples) {
   const auto touched = std::ranges::find_if(
       samples, [](const NetworkSample& s) { return s.ideal.force().norm() > 0.0; });
@@ -171,7 +171,7 @@ double onset(const std::vector<NetworkSample>& samples) {
   return felt->time - touched->time;
 }
 
-/// The samples after the first replies: before them, a session knows nothing.
+/// The samples after the first kSettled seconds, in which a session may lack replies.
 std::vector<NetworkSample> settled(const std::vector<NetworkSample>& samples, double rate) {
   const auto first = static_cast<std::ptrdiff_t>(std::llround(kSettled * rate));
   return {samples.begin() + first, samples.end()};
@@ -226,7 +226,7 @@ std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
   for (const Task& task : tasks)
     if (task.name == "ball")
       for (const double rate : grid.rates) {
-        if (rate != kUsualRate) add(task, 0.0, rate, false);  // the usual rate is among the others
+        if (rate != kUsualRate) add(task, 0.0, rate, false);  // the first loop has the usual rate
         add(task, kUsualRoundTrip, rate, true);
       }
 

@@ -23,9 +23,10 @@ struct Row {
   const char* label;
   std::string_view mode;
   bool local_model = false, research = false;
-  bool as_published = false;  // without the account that a session adds
+  bool as_published = false;  // a session without its energy account
 };
-// Leave out methods that stand beside the scene: they cannot work over a link.
+// A method that evaluates the scene away from the device cannot work over a link, so the table has
+// no such method.
 constexpr std::array kRows = {
     Row{kReference, "none"},
     Row{"none", "none"},
@@ -88,7 +89,7 @@ HandTask press_at_start(const Scene& scene, double force) {
   task.lead_in = 1.0;
   task.depth = force / Hand{}.stiffness;
   if (const double stiffness = scene.requirements().stiffness; stiffness > 0.0)
-    task.depth += force / stiffness;  // a spring in series
+    task.depth += force / stiffness;  // the hand and the surface are springs in series
   return task;
 }
 

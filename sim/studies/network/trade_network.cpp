@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBegin = 1.0;         // [s] the hand comes in; the time after counts
-constexpr double kClearance = 0.03;    // [m] start: the first reply comes before the contact
+constexpr double kBegin = 1.0;         // [s] approach of the hand, not measured
+constexpr double kClearance = 0.03;    // [m] initial height, so that a reply arrives before contact
 constexpr double kTrafficBall = 0.09;  // [m] radius
 
 struct TradeTask {
@@ -36,7 +36,7 @@ Scene scene_of(const TradeTask& task) {
   return Scene("trade", {object});
 }
 
-/// A hand of 300 N/m that intends a depth of 10 mm: 3 N.
+/// A hand with a stiffness of 300 N/m and an intended depth of 10 mm: it presses with up to 3 N.
 HandTask hand_of(const TradeTask& task) {
   HandTask hand;
   hand.path = task.path;
@@ -47,7 +47,7 @@ HandTask hand_of(const TradeTask& task) {
   return hand;
 }
 
-/// [s] mean age of the newest answered sample.
+/// [s] Mean age of the newest sample that a reply answers.
 double mean_age(std::span<const NetworkSample> samples, double period) {
   double sum = 0.0;
   int count = 0;
@@ -109,10 +109,10 @@ TradeNetworkCell run_traffic_cell(const SessionParameters& parameters,
   return cell;
 }
 
-/// Collects settings.
 class Settings {
  public:
-  /// The baseline with a change. Its hold time and keep-alive suit all settings.
+  /// Adds the baseline setting with a change. The hold time and the keep-alive are long enough for
+  /// all settings.
   template <class Change>
   void add(const char* group, const std::string& name, const Change& change) {
     SessionParameters p;

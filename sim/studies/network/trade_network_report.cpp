@@ -68,7 +68,7 @@ nlohmann::ordered_json json(const TrafficSetting& s, const TradeNetworkCell& c) 
           {"passive", c.passive}};
 }
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.0\n"
     "set style line 2 lc rgb '#e69f00' pt 5 ps 1.0\n"
@@ -76,7 +76,7 @@ constexpr const char* kStyles =
     "set style line 4 lc rgb '#d55e00' pt 3 ps 2.0 lw 2\n"
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\n";
 
-/// Inline data: the points of a link for which `take` returns true.
+/// The points of a link for which `take` returns true, as an inline data block of gnuplot.
 template <class Take>
 std::string points(const char* block, const TrafficSettings& settings, const Cells& cells,
                    std::size_t link, const Take& take) {

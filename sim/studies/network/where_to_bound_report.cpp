@@ -75,12 +75,12 @@ struct Panel {
 constexpr Panel kPanels[] = {{"oscillation [um RMS]", "($7 > 0.1 ? $7 : 0.1)", "[0.08:1e4]"},
                              {"displayed stiffness [N/m]", "($9 > 10 ? $9 : 10)", "[8:2e4]"},
                              {"energy made [J]", "(-$14 > 1e-5 ? -$14 : 1e-5)", "[8e-6:20]"}};
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kColors[] = {"#999999", "#d55e00", "#0072b2", "#009e73"};
 constexpr const char* kPoints[] = {"pt 2 ps 1.2", "pt 4 ps 1.2", "pt 7 ps 1", "pt 6 ps 1.8"};
 
-/// Over a clean line: a row for each measure, a column for each task, a curve for each bound. Dots
-/// show the other jitters and losses.
+/// Draws a row for each measure, a column for each task and a curve for each bound. The curves are
+/// for a line without jitter and loss. The dots are for all jitters and losses.
 void draw(const std::filesystem::path& directory, const std::vector<WhereToBoundCell>& cells) {
   const auto columns = tasks(cells);
   std::string script =
@@ -100,7 +100,7 @@ void draw(const std::filesystem::path& directory, const std::vector<WhereToBound
     for (const std::string_view task : columns) {
       append(script, "set title '%s'\nset ylabel '%s'\nset yrange %s\n", std::string(task).c_str(),
              panel.label, panel.range);
-      // The key stands in the last panel, because that has room for it.
+      // Only the last panel has room for the legend.
       const bool last = panel.column == std::rbegin(kPanels)->column && task == columns.back();
       script += last ? "set key\nplot " : "unset key\nplot ";
       for (std::size_t i = 0; i < std::size(kSidesBounds); ++i) {
@@ -108,7 +108,7 @@ void draw(const std::filesystem::path& directory, const std::vector<WhereToBound
         std::string rows;
         append(rows, "strcol(1) eq '%s' && strcol(2) eq '%s'", std::string(task).c_str(),
                bound.c_str());
-        // Shift the bounds sideways, so that they do not hide each other.
+        // A horizontal shift keeps the points of different bounds apart.
         append(script, "'sides.csv' skip 1 using (($3 > 0 ? $3 : 1)*%g):(%s ? %s : NaN) ",
                0.94 + 0.04 * static_cast<double>(i), rows.c_str(), panel.column);
         append(script, "with points pt 7 ps 0.25 lc rgb '%s' notitle, ", kColors[i]);
@@ -121,7 +121,7 @@ void draw(const std::filesystem::path& directory, const std::vector<WhereToBound
   plot(directory, "sides", script + "unset multiplot\n");
 }
 
-/// Four columns under each of four heads.
+/// The head of a table: four groups, each with a column for each of the four bounds.
 std::string heads(std::string_view task, const char* over,
                   const std::array<const char*, 4>& names) {
   std::string text = "\n" + std::string(task) + ", " + over + "\nround   ";
@@ -151,7 +151,7 @@ void clean_table(std::string& text, const std::vector<WhereToBoundCell>& cells,
   }
 }
 
-/// Over all jitters and losses of a round trip.
+/// Results of a round trip over all jitters and losses.
 struct Overall {
   double oscillation = 0.0, displayed = 0.0, error = 0.0;  // greatest, mean, mean
   int broken = 0, count = 0;
@@ -185,7 +185,7 @@ void overall_table(std::string& text, const std::vector<WhereToBoundCell>& cells
   }
 }
 
-/// The effect of adding the server's bound before the client's, over all trips, jitters and losses.
+/// Compares both bounds with the client's bound alone, over all round trips, jitters and losses.
 void difference_table(std::string& text, const std::vector<WhereToBoundCell>& cells) {
   constexpr double kNotable = 0.01;
   text +=
