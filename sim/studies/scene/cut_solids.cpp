@@ -18,7 +18,7 @@ namespace {
 
 using Flat = Eigen::Vector2d;
 
-/// The corners of a prism over a polygon in x and y.
+/// The corners of a prism between -`half` and `half` in z, over a polygon in x and y.
 std::vector<Vec3> prism(const std::vector<Flat>& polygon, double half) {
   std::vector<Vec3> corners;
   for (const double z : {-half, half})
@@ -30,11 +30,11 @@ Flat at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// A tooth about x, counter-clockwise: from its root up a flank, and down the other flank.
+/// The outline of a tooth on the x axis, counter-clockwise: up one flank, down the other.
 std::vector<Flat> tooth(const GearShape& gear) {
   constexpr double kPressure = std::numbers::pi / 9.0;  // [rad]
-  constexpr double kRoot = 1.25, kTip = 1.0;            // [modules] below and above the pitch
-  constexpr int kFlank = 4;                             // flat pieces of an involute
+  constexpr double kRoot = 1.25, kTip = 1.0;  // [modules] depth and height from the pitch circle
+  constexpr int kFlank = 4;                   // straight segments of an involute
   const double pitch = gear.pitch_radius(), base = pitch * std::cos(kPressure);
   const double root = pitch - kRoot * gear.module, tip = pitch + kTip * gear.module;
   const auto involute = [](double angle) { return std::tan(angle) - angle; };
@@ -52,8 +52,8 @@ std::vector<Flat> tooth(const GearShape& gear) {
   return all;
 }
 
-/// The walls of a prism. The polygon is counter-clockwise as seen from above, and goes up from
-/// `low` to `high` in the list of corners.
+/// Adds the walls of a prism. Seen from above, the polygon is counter-clockwise. The list of
+/// corners has the lower corners from index `low` on, and the upper corners from `high` on.
 void add_walls(std::uint32_t low, std::uint32_t high, std::uint32_t count, TriangleSoup& soup) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t next = (i + 1) % count;
@@ -100,7 +100,7 @@ CutSolid gear_solid(const GearShape& gear) {
   soup.vertices.emplace_back(0.0, 0.0, -half);
   soup.vertices.emplace_back(0.0, 0.0, half);
   add_walls(0, count, count, soup);
-  // Close each end: a fan about the axis for the hub, and a fan about a root for each tooth.
+  // Close each end with triangle fans: around the axis for the hub, around a root for each tooth.
   const auto add_ends = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     soup.triangles.push_back({a, c, b});
     soup.triangles.push_back({a == axis ? axis + 1 : count + a, count + b, count + c});
@@ -148,7 +148,7 @@ CutSolid link_solid(const LinkShape& link) {
 
 CutSolid bunny_solid(double tolerance, std::size_t triangles) {
   constexpr double kCentimetre = 0.01;  // [m] unit of the file
-  constexpr double kLeftOut = 0.25;     // share of the tolerance, as for a tool in a scene
+  constexpr double kLeftOut = 0.25;     // tolerance of the corners over that of the parts
   CutSolid solid;
   solid.surface = finer_surface(parse_mesh(embedded::bunny, "bunny.obj", kCentimetre), triangles);
   Vec3 least = solid.surface.vertices.front(), most = least;

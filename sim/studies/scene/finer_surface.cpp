@@ -15,7 +15,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;  // in ascending order
 
 Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Normals of the vertices: the mean over the triangles round each, weighted by area.
+/// Vertex normals: the area-weighted mean of the normals of the adjacent triangles.
 std::vector<Vec3> normals(const TriangleSoup& surface) {
   std::vector<Vec3> all(surface.vertices.size(), Vec3::Zero());
   for (const auto& [a, b, c] : surface.triangles) {
@@ -27,7 +27,7 @@ std::vector<Vec3> normals(const TriangleSoup& surface) {
   return all;
 }
 
-/// The longest edges, at most `most`, each only once.
+/// The longest edges of a surface, each once, at most `most` of them.
 std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
   std::vector<std::pair<double, Edge>> edges;
   for (const auto& corners : surface.triangles)
@@ -42,7 +42,7 @@ std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
   return result;
 }
 
-/// Halves edges. Each gives two more triangles.
+/// Halves edges. Each halved edge adds two triangles.
 TriangleSoup with_halved(const TriangleSoup& surface, const std::vector<Edge>& halved) {
   const std::vector<Vec3> normal = normals(surface);
   TriangleSoup finer{surface.vertices, {}};

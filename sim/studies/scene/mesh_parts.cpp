@@ -17,7 +17,7 @@ namespace feltwire {
 namespace {
 
 TriangleMesh refined_once(const TriangleMesh& mesh) {
-  constexpr double kBend = 0.75;  // as in the paper
+  constexpr double kBend = 0.75;  // weight of the bent middle of an edge
   const MeshSurface surface{TriangleMesh(mesh), {.smooth = true}};
   TriangleSoup soup;
   for (const Vec3& v : mesh.vertices()) soup.vertices.push_back(mesh.origin() + v);
@@ -53,7 +53,7 @@ Object mesh_object(const char* name, const Shape& shape, const Vec3& position) {
   return object;
 }
 
-/// Lets a body fall on the still objects, and measures a tick when it rests.
+/// [us] Time of a tick with a body at rest, after its fall on the still objects.
 double tick_us(std::vector<Object> objects, Joint joint,
                const std::shared_ptr<const ConvexSolids>& solids) {
   constexpr std::size_t kSettle = 3000, kMeasured = 1000;

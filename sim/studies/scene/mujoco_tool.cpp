@@ -22,7 +22,7 @@ std::string numbers(const Quaternion& q) {
   return text;
 }
 
-/// Adds the parts' meshes to `assets`. Returns their geoms.
+/// Returns the MJCF geoms of the parts, and adds the meshes of the parts to `assets`.
 std::string geoms(const char* name, const std::vector<std::vector<Vec3>>& parts,
                   std::string& assets) {
   std::string text;
@@ -39,7 +39,7 @@ std::string box_geom(const Vec3& at, const Vec3& half) {
   return "<geom type=\"box\" pos=\"" + numbers(at) + "\" size=\"" + numbers(half) + "\"/>";
 }
 
-/// Walls about a pocket of this half size.
+/// The walls around a pocket with this half size.
 std::string walls(const Vec3& half) {
   constexpr double kThick = 0.02;  // [m] half the thickness
   std::string text;
@@ -88,7 +88,7 @@ void require(Call call) {
   if (!mujoco::guarded(call)) throw std::runtime_error("MuJoCo cannot compute a task");
 }
 
-constexpr int kTool = 2;  // number of the body: the world and the solid come first
+constexpr int kTool = 2;  // index of the tool's body, after the world and the solid
 
 }  // namespace
 
@@ -120,7 +120,7 @@ Vec6 MujocoTool::pull(const Pose& device) const {
   const Pose at = pose();
   const ToolCoupling& spring = tool_.coupling();
   const ToolInertia& damper = tool_.inertia();
-  const double* v = data_->qvel;  // the turn in the tool's frame
+  const double* v = data_->qvel;  // linear in the world frame, angular in the tool's frame
   Vec6 wrench;
   wrench << spring.stiffness * (device.position - at.position) +
                 damper.damping * (device_velocity_.head<3>() - mujoco::vector(v)),
@@ -136,7 +136,7 @@ Vec6 MujocoTool::step(const Pose& device) {
   before_ = device;
   Vec6 wrench = pull(device);
   const Vec3 arm = pose().orientation * tool_.inertia().center, force = wrench.head<3>();
-  wrench.tail<3>() -= arm.cross(force);  // about the centre of mass
+  wrench.tail<3>() -= arm.cross(force);  // torque about the centre of mass
   Eigen::Map<Vec6>(data_->xfrc_applied + std::ptrdiff_t{6} * kTool) = wrench;
   mjModel* const model = model_.get();
   mjData* const data = data_.get();

@@ -14,7 +14,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 const Vec3 kX = Vec3::UnitX(), kY = Vec3::UnitY(), kZ = Vec3::UnitZ();
 
-/// Rises from 0 to 1 and goes back. It is at rest at both ends.
+/// Rises from 0 to 1 and returns to 0. The slope is zero at both ends.
 double there_and_back(double share) { return 0.5 - 0.5 * std::cos(kTurn * share); }
 
 SixDofTask peg(const std::string& name, double play) {
@@ -36,14 +36,14 @@ SixDofTask peg(const std::string& name, double play) {
 }
 
 SixDofTask gears() {
-  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] about the other's axis; against its flanks
+  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] around the other gear; against its flanks
   const GearShape gear;
   SixDofTask task;
   task.name = "gears";
   task.tool = task.solid = gear_solid(gear);
   task.contact_area = 4e-5;
   task.press = kY;
-  // A gap of this gear meets a tooth of the other gear.
+  // At angle `gap`, a gap between two teeth of this gear faces a tooth of the other gear.
   const double gap = std::numbers::pi / gear.teeth, apart = 2.0 * gear.pitch_radius();
   task.device = [gap, apart](double share) {
     const double size = there_and_back(share), roll = kRoll * std::sin(kTurn * share) * size;
@@ -83,7 +83,7 @@ SixDofTask edge() {
   task.contact_area = 4.0 * half.x() * half.y();
   task.press = -kZ;
   task.device = [half](double share) {
-    constexpr double kSoon = 5.0;  // the tool is down after a tenth of the task
+    constexpr double kSoon = 5.0;  // the tool is down after 10 % of the task
     const double down = there_and_back(std::min({0.5, kSoon * share, kSoon * (1.0 - share)}));
     return Pose{Vec3(kBegin + kWay * there_and_back(share), 0.0,
                      half.z() + kAbove - (kAbove + kPress) * down),
@@ -93,7 +93,7 @@ SixDofTask edge() {
 }
 
 SixDofTask ridge() {
-  constexpr double kHalf = 0.01, kSide = 0.012;  // [m] of both boxes; where the device begins
+  constexpr double kHalf = 0.01, kSide = 0.012;  // [m] half size of both boxes; start of the device
   SixDofTask task;
   task.name = "ridge";
   task.tool = box_solid(Vec3::Constant(kHalf));
@@ -110,7 +110,7 @@ SixDofTask ridge() {
   return task;
 }
 
-/// [m] Place along x, from far away, at which the parts of a task first meet.
+/// [m] First x at which the tool touches the solid, on a path along -x from far away.
 double first_contact(const SixDofTask& task, const Quaternion& orientation) {
   constexpr double kFar = 0.15, kStep = 1e-4;
   const PolygonBody body = polygon_body(task.tool.parts, {solid_parts_of(task)});
@@ -145,7 +145,7 @@ SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangle
 
 struct NamedTask {
   std::string name;
-  /// `tolerance` [m] and `triangles` (0: unchanged) are those of bunny_solid().
+  /// `tolerance` [m] and `triangles` (0: unchanged) are the arguments of bunny_solid().
   std::function<SixDofTask(const std::string& name, double tolerance, std::size_t triangles)> made;
   bool fine = false;
 };

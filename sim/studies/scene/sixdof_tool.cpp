@@ -12,9 +12,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kNoLimit = 1000.0;      // [N] the coupling does not saturate
+constexpr double kNoLimit = 1000.0;      // [N] high enough to avoid saturation
 constexpr double kMass = 0.1;            // [kg]
-constexpr std::size_t kShownPoints = 8;  // for show: a tool of polygons does not touch by points
+constexpr std::size_t kShownPoints = 8;  // for display: polygons have no point contacts
 
 ToolInertia inertia_of(const TriangleSoup& surface, const ToolCoupling& coupling, bool midpoint) {
   const MassProperties solid = mass_properties(TriangleMesh(surface));
@@ -49,8 +49,8 @@ SixDofTool sixdof_tool(const SixDofTask& task, SixDofMethod method, std::size_t 
   const auto polygons = method.polygons ? std::make_shared<const PolygonBody>(
                                               polygon_body(task.tool.parts, {solid_parts_of(task)}))
                                         : nullptr;
-  // Both contacts get the radius of the surface. A shell has its own radius: that of its farthest
-  // point.
+  // Both contact methods use the radius of the surface. A point shell has another radius: the
+  // distance of its farthest point.
   double radius = 0.0;
   for (const Vec3& v : task.tool.surface.vertices) radius = std::max(radius, v.norm());
   ToolCoupling coupling{.stiffness = kSixDofStiffness, .max_force = kNoLimit};

@@ -16,7 +16,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kScattered = 1 << 14;  // places
+constexpr std::size_t kScattered = 1 << 14;  // number of places
 constexpr std::size_t kScatterLaps = 9;
 
 using Field = std::function<FieldPoint(const Vec3&)>;
@@ -34,11 +34,10 @@ std::vector<Vec3> scattered() {
   return places;
 }
 
-/// [N] The force of a point's contact with a grid: -k d grad d.
+/// [N] The contact force of a point in a distance field: -k d grad d.
 Vec3 force(const FieldPoint& field) { return -kGlideStiffness * field.distance * field.gradient; }
 
-/// `scattered_field`: answers at places in random order, where a memory of the last place is
-/// useless.
+/// `scattered_field` is called at places in random order, so its last place does not help.
 void measure(const Field& field, const Field& scattered_field, GeometryCell& cell) {
   const auto path = glide();
   double error = 0.0, whole = 0.0;
@@ -60,7 +59,7 @@ void measure(const Field& field, const Field& scattered_field, GeometryCell& cel
   cell.force_error = std::sqrt(error / whole);
 
   const auto places = scattered();
-  volatile double kept = 0.0;  // keeps the compiler from leaving the work out
+  volatile double kept = 0.0;  // prevents removal of the work by the compiler
   double sum = 0.0;
   cell.glide_ns = cost_ns(path.size(), [&](std::size_t i) { sum += field(path[i]).distance; });
   cell.scattered_ns = cost_ns(
@@ -127,8 +126,8 @@ GeometryCell nearest_on_mesh(int level) {
 
 Vec3 in_float(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
-/// The god-object, which continues from its last place. At scattered places each query begins anew.
-/// `rounded`: corners and tool in the precision of float, which a file or a device may give.
+/// Measures the god-object method. Each query continues from the last place of the proxy, but at
+/// scattered places each query starts anew. `rounded`: corners and tool have float precision.
 GeometryCell proxy_on_mesh(int level, bool rounded) {
   TriangleSoup soup = icosphere(kGlideBall, level);
   if (rounded)

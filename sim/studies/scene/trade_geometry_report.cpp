@@ -18,7 +18,7 @@ std::string size_text(const GeometryCell& cell) {
 
 constexpr double kMega = 1e6;
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kStyles =
     "set style line 1 lc rgb '#000000' pt 3 ps 2.0 lw 1.6\n"
     "set style line 2 lc rgb '#0072b2' pt 7 ps 1.3 lw 1.6\n"
@@ -37,7 +37,7 @@ constexpr Curve kCurves[] = {{"analytic", "double", 1},       {"mesh, nearest", 
                              {"mesh, proxy", "double", 6},    {"grid, linear", "float", 3},
                              {"grid, quadratic", "float", 4}, {"grid, quadratic", "double", 5}};
 
-/// The points (x, y) of every curve as data blocks, and their plot.
+/// The gnuplot text of a panel: a data block with the points (x, y) of each curve, and the plot.
 template <class X, class Y>
 std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x, const Y& y) {
   std::string data, plots = "plot ";
@@ -55,7 +55,7 @@ std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x
   return data + plots + "NaN notitle\n";
 }
 
-// On a logarithmic axis, draw an exact value at the edge.
+// A logarithmic axis has no zero, so an exact result is drawn at these values.
 constexpr double kFloorDegrees = 1e-6, kFloorNewton = 1e-9, kFloorPercent = 1e-8;
 double degrees(const GeometryCell& c) {
   return std::max(kFloorDegrees, c.direction_error * kDegrees);

@@ -42,7 +42,7 @@ Object mass_plane(double stiffness) {
   return plane;
 }
 
-/// The device's pose in a task at a time [s].
+/// The pose of the device in a task at `time` [s].
 Pose device_at(const std::string& task, double time) {
   const double turn = 2.0 * std::numbers::pi * time;
   Pose device;
@@ -53,14 +53,14 @@ Pose device_at(const std::string& task, double time) {
   return device;
 }
 
-/// A tool with critical damping on its coupling, which does not saturate.
+/// A tool on a critically damped coupling that does not saturate.
 BodyTool damped_tool(const std::string& way, double mass, std::size_t points) {
   const BodyTool tool = mass_tool(way, mass, {.max_force = 1000.0}, points);
   return {tool.shell(), tool.coupling(), kMassFace,
           critically_damped(tool.inertia(), tool.coupling())};
 }
 
-/// [N] The hand's force at `count` times, a period apart, with `finer` steps in each period.
+/// [N] The hand's force at `count` times, once a period, with `finer` steps in each period.
 std::vector<Vec3> felt(const BodyTool& tool, const std::string& task, double period, int count,
                        int finer) {
   const Object plane = mass_plane(kMassContact);
@@ -111,7 +111,7 @@ struct Thrown {
   const Pose device{Vec3(0.0, 0.0, 0.01), Quaternion::Identity()};
   BodyMemory memory = {};
 
-  /// [J] The whole energy. The tool's weight counts from the device's height on.
+  /// [J] Total energy. The potential energy of the tool's weight is zero at the device's height.
   double energy(const BodyStep& step) const {
     const ToolInertia& i = tool.inertia();
     return step.stored + step.kinetic -
@@ -120,7 +120,7 @@ struct Thrown {
   BodyStep step() { return step_body(tool, std::span(&plane, 1), device, kMassPeriod, memory); }
 };
 
-/// [J] Energy of the tool at rest in balance: a tool with a heavily damped coupling, after a while.
+/// [J] Energy of the tool at rest. A tool on a critically damped coupling is at rest after `steps`.
 double rest_energy(const std::string& way, double stiffness, double mass, int steps) {
   if (way == "none") return 0.0;
   const BodyTool calm = damped_tool("implicit", mass, kMassPoints);
@@ -138,7 +138,7 @@ MassStability thrown_at(const std::string& way, double stiffness, double mass, d
   thrown.memory.placed = true;
   thrown.memory.pose = {Vec3(0.0, 0.0, 0.02), Quaternion(Eigen::AngleAxisd(kTilt, Vec3::UnitY()))};
   thrown.memory.velocity.linear.z() = -kSpeed;
-  // The energy at the beginning comes from a step without time.
+  // A step of zero duration gives the initial energy.
   const BodyStep first =
       step_body(tool, std::span(&thrown.plane, 1), thrown.device, 0.0, thrown.memory);
   const double rest = rest_energy(way, stiffness, mass, 2 * steps);

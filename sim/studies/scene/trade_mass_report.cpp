@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kToMilli = 1e3, kToGrams = 1e3;
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kMassStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.3 lw 1.6\n"
     "set style line 2 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
@@ -50,7 +50,7 @@ std::string mass_accuracy_table(const MassTrade& trade) {
       continue;
     append(text, "%9g", kToMilli * c.period);
   }
-  // Sorted by task and mass, with a line for each way.
+  // The rows are sorted by task and mass. Each integration method has a row.
   for (const MassAccuracy& first : trade.accuracy) {
     if (first.period != trade.accuracy.front().period) continue;
     append(text, "\n%-5s %8g  %-9s", first.task.c_str(), kToGrams * first.mass, first.way.c_str());

@@ -16,18 +16,18 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kStretch = 500;   // samples of a case in a round
-constexpr std::size_t kWarm = 50;       // samples before them, to fill the caches
-constexpr std::size_t kTicks = 10;      // in a round, if something moves
-constexpr std::size_t kSingles = 4000;  // samples timed one by one
+constexpr std::size_t kWarm = 50;       // samples before each round, to fill the caches
+constexpr std::size_t kTicks = 10;      // ticks of a round, if the scene has bodies
+constexpr std::size_t kSingles = 4000;  // samples that are timed one by one
 
-/// [bytes] on the heap by malloc's own count, with the chunks that it maps.
+/// [bytes] Heap in use, from malloc's statistics, with the mapped chunks.
 double heap_bytes() {
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// Returns the result of make() and the bytes that it holds. Another thread makes it: malloc keeps
-/// freed pieces for the thread that freed them, and these would distort the count.
+/// Returns the result of make() and counts its heap memory. A new thread runs make(), because a
+/// used thread has a cache of freed chunks, which would distort the count.
 template <class Make>
 auto weighed(const Make& make, double& bytes) {
   decltype(make()) made;
@@ -51,11 +51,11 @@ control::JoinRequest request(const SceneCase& c) {
   return request;
 }
 
-/// A case whose hands are on their way.
+/// A case with a scene, and with sessions of moving hands.
 class SceneRun {
  public:
   explicit SceneRun(const SceneCase& c) : path_(glide(kGlideBall + c.radius - kGlideDepth)) {
-    c.make();  // first make what is made only once for the program or a thread
+    c.make();  // the first call also makes static and thread-local data
     double unused = 0.0;
     weighed([] { return std::make_unique<int>(); }, unused);
     scene_ = weighed([&] { return std::make_unique<const Scene>(c.make()); }, scene_bytes_);
@@ -78,7 +78,7 @@ class SceneRun {
     batch_.rotation = scene_->requirements().rotation;
   }
 
-  /// Takes a sample of the next hand.
+  /// Sends a sample of the next hand to its session.
   void sample() {
     const std::size_t client = taken_ % sessions_.size();
     const std::uint64_t index = 1 + taken_ / sessions_.size();
@@ -139,7 +139,7 @@ double stretch_ns(const Work& work) {
       kStretch, [&](std::size_t) { work(); }, 1);
 }
 
-/// The base in two forms: each way of answering, with a bound of its own.
+/// The base scene, computed by the product and by bare_touch(). Each way has its own bound.
 class BarePair {
  public:
   explicit BarePair(const Scene& scene)
@@ -173,8 +173,8 @@ class BarePair {
 
 }  // namespace
 
-// No friction, damping or velocity; no tree, guides or tools; nothing that moves. Only the shapes
-// are left, and the checks against hostile samples.
+// This function has the contact with the shapes and the checks against hostile samples. It has no
+// friction, damping, velocity, tree, guides, tools or motion.
 Command bare_touch(std::span<const Object> objects, const Tool& tool,
                    std::span<ContactMemory> memory) noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects.size())
@@ -205,14 +205,14 @@ BareCost run_bare(std::size_t rounds) {
     return stretch_ns([&] { kept += (whole ? pair.product(i) : pair.bare(i)).elastic, ++i; });
   };
   for (std::size_t round = 0; round < rounds; ++round) {
-    const bool first = round % 2 == 0;  // the second one finds a warmer machine
+    const bool first = round % 2 == 0;  // alternates, because the second lap finds warm caches
     const double a = lap(first), b = lap(!first);
     product.push_back(first ? a : b);
     bare.push_back(first ? b : a);
     more.push_back(product.back() - bare.back());
     n += kWarm + kStretch;
   }
-  volatile double used = kept.sum();  // keeps the compiler from leaving the work out
+  volatile double used = kept.sum();  // prevents removal of the work by the compiler
   static_cast<void>(used);
   return {quantile(bare, kMedian), quantile(product, kMedian), quantile(more, kMedian)};
 }

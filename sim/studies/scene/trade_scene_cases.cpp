@@ -32,7 +32,7 @@ std::vector<Object> base_objects() {
   return objects;
 }
 
-/// The base with a change to its ball.
+/// The base scene with a change to its ball.
 template <class Change>
 std::function<Scene()> ball(const Change& change) {
   return [change] {
@@ -82,9 +82,9 @@ SceneCase held(std::string what, std::string need, double radius, std::size_t po
 }
 
 constexpr int kPebbleRow = 10;
-constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] of their middles; their radius
+constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] distance of the centres; radius
 
-/// Small balls outside of the hand's reach.
+/// A small ball outside of the hand's path.
 Object pebble(std::size_t i) {
   const auto n = static_cast<int>(i);
   Object object;
@@ -109,7 +109,7 @@ SceneCase many(std::size_t count, std::vector<std::string> needs) {
           }};
 }
 
-/// Makes the ball a body, so heavy that it stays. Other bodies float beside it.
+/// A case in which the ball is a body that is too heavy to move. Other bodies float beside it.
 SceneCase moving(std::size_t count, const std::optional<Shape>& pebbles = {},
                  std::vector<std::string> needs = {"motion"}) {
   const std::string what =

@@ -9,10 +9,11 @@ namespace {
 
 constexpr double kThousand = 1e3, kHundred = 100.0;
 
-/// The base's row is the first. Its time is that of a whole step with session and account.
+/// [%] Extra cost of the product over bare_touch(), relative to a whole step of the base scene with
+/// session and account.
 double share(const BareCost& bare, double of) { return kHundred * bare.more_ns / of; }
 
-/// A row for each case. The number of a column goes to the right.
+/// A panel with a row for each case. `column` is on the horizontal axis.
 std::string column_panel(const char* label, const char* column, const char* colour) {
   std::string text;
   append(text, "set xlabel '%s'\n", label);

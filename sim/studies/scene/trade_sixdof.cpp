@@ -19,15 +19,15 @@ constexpr std::array<SixDofMethod, 5> kMethods = {
 
 /// The resolution of a run.
 struct Fineness {
-  int steps = 1;         // per sample
-  std::size_t most = 0;  // without mass: largest number of repeats until the tool stands
+  int steps = 1;         // integration steps per sample
+  std::size_t most = 0;  // most iterations, for a tool without mass
 };
 
 int samples_of(const SixDofTask& task, const SixDofGrid& grid) {
   return static_cast<int>(std::lround(task.time * grid.slower / kSixDofPeriod));
 }
 
-/// [N], [N m] on the hand at each sample.
+/// [N], [N m] Force and torque on the hand at each sample.
 std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int samples,
                        const Fineness& fineness) {
   const double h = kSixDofPeriod / fineness.steps;
@@ -48,8 +48,8 @@ std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int sampl
   return wrenches;
 }
 
-/// RMS of the differences over the RMS of the reference's force: for the forces, and for the
-/// torques over the tool's `radius`.
+/// RMS errors of the force and of the torque, relative to the RMS of the reference force. The
+/// torque is divided by the tool's `radius`.
 std::pair<double, double> errors(const std::vector<Vec6>& felt, const std::vector<Vec6>& reference,
                                  double radius) {
   double force = 0.0, torque = 0.0, whole = 0.0;
@@ -69,8 +69,8 @@ double largest_jump(const std::vector<Vec6>& wrenches) {
   return jump;
 }
 
-/// Without mass the tool stands at every sample. Finer steps only help to follow it, so there is
-/// time for more points.
+/// A tool without mass is in balance at every sample. Finer steps then hardly change the result, so
+/// the reference uses more points instead.
 std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
                             int finer) {
   constexpr std::size_t kRepeats = 50;
@@ -82,9 +82,9 @@ std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const S
   return felt(tool, task, samples_of(task, grid), fineness);
 }
 
-/// Whether a device that moves along a line and leans on the tool comes to rest. In the last third
-/// of the time it is slow, or has at most half of the energy of the third before. A bounce that
-/// goes on does not fade.
+/// True if a device that presses along a line comes to rest. In the last third of the time the
+/// device must be slow, or its energy at most half of the energy in the third before. A sustained
+/// bounce fails.
 bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   constexpr double kDeviceMass = 0.05, kDamping = 2.0, kPush = 0.25;  // [kg], [N s/m], [N]
   constexpr double kSlow = 1e-3, kFar = 0.1;                          // [m/s], [m]
@@ -130,7 +130,7 @@ void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod m
   });
 }
 
-/// `begin()` begins a lap. Only `step(device)` is timed.
+/// Calls `begin()` before each lap. Only `step(device)` is timed.
 template <class Begin, class StepTo>
 void measure_times(const SixDofTask& task, const SixDofGrid& grid, const Begin& begin,
                    const StepTo& step, SixDofCell& cell) {
@@ -183,7 +183,7 @@ SixDofCell measure_mujoco(const SixDofTask& task, const SixDofGrid& grid) {
   return cell;
 }
 
-/// For each task: its rows, then MuJoCo's.
+/// Adds the row of MuJoCo after the rows of each task.
 std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const SixDofGrid& grid,
                                     const std::vector<SixDofCell>& cells) {
   std::vector<SixDofCell> all;
@@ -203,7 +203,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
   std::vector<SixDofTool> tools;
   tools.reserve(cells.size());
-  // Measure times first: nothing else may run at the same time.
+  // The times are measured first, while no other work runs.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const SixDofTask& task = tasks[i / kMethods.size()];
     const SixDofMethod method = kMethods[i % kMethods.size()];
@@ -213,7 +213,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
     cells[i].contact = method.polygons ? "polygons" : "points";
     cells[i].mass = !method.mass ? "none" : method.midpoint ? "midpoint" : "implicit";
   }
-  // Begin with the last ones: they take longest.
+  // The last tasks take longest, so they begin first.
   parallel_for(cells.size(), [&](std::size_t n) {
     const std::size_t i = cells.size() - 1 - n;
     measure_felt(tools[i], tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid,

@@ -13,10 +13,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kRadian = std::numbers::pi / 180.0;  // in a degree
-constexpr int kSegments = 256;                        // of the rod
+constexpr double kRadian = std::numbers::pi / 180.0;  // [rad] in a degree
+constexpr int kSegments = 256;                        // segments of a circle
 constexpr std::size_t kCostLaps = 3;
-constexpr double kPeriod = 1e-3;  // [s] of a step
+constexpr double kPeriod = 1e-3;  // [s] length of a step
 
 const Box kBody{Vec3(0.03, 0.02, 0.01)};
 const Cylinder kRod{0.01, 0.015}, kHole{0.0102, 0.03};
@@ -25,11 +25,11 @@ struct Task {
   std::string name;
   TriangleSoup surface;
   Object object;
-  Pose pose;          // of the tool; the other poses are about this
+  Pose pose;          // mean pose of the tool
   double area = 0.0;  // [m^2] contact area
-  Vec3 slide;         // [m] to either side, random or moved
-  Vec3 turn;          // [rad] to either side, random or moved
-  Vec3 away;          // [m] from the pose to a place with nothing near
+  Vec3 slide;         // [m] amplitude of the translation
+  Vec3 turn;          // [rad] amplitude of the rotation
+  Vec3 away;          // [m] from the pose to a place without contact
 };
 
 Object object_of(const Shape& solid, double resolution, Side side) {
@@ -79,7 +79,7 @@ std::vector<Task> tasks() {
   return {flat, edge, peg};
 }
 
-/// Random number i from -1 to 1.
+/// The random number with index i, between -1 and 1.
 double random(std::uint64_t i) {
   return static_cast<double>(splitmix::draw(1, i) >> 11) * 0x1p-52 - 1.0;
 }
@@ -114,7 +114,8 @@ void compare(const std::vector<ShellContact>& felt, const std::vector<ShellConta
   cell.torque_error = std::sqrt(torque / whole) / radius;
 }
 
-/// A hand that sways about a pose twice a second, by a third of the slide and turn to either side.
+/// The poses of a hand that oscillates around a pose at 2 Hz. The amplitude is a third of the
+/// task's slide and turn.
 std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
   constexpr double kTurns = 2.0, kShare = 1.0 / 3.0;
   std::vector<Pose> poses;
@@ -125,7 +126,7 @@ std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
   return poses;
 }
 
-/// [ns] of CPU time a step.
+/// [ns] CPU time of a step.
 double step_cost(const BodyTool& tool, const Object& object, const std::vector<Pose>& hand,
                  double& evaluations) {
   BodyMemory memory;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNanoToMicro = 1e-3;
 
-// Okabe and Ito's colours for colour-blind readers. The points differ too.
+// Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
 constexpr const char* kToolStyles =
     "set style line 1 lc rgb '#0072b2' pt 7 ps 1.3 lw 1.6\n"
     "set style line 2 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
@@ -19,7 +19,7 @@ constexpr const char* kToolStyles =
     "set format x '10^{%T}'\n"
     "set xlabel 'points'\nset datafile separator ','\n";
 
-/// A column of a file over the points, with a curve for each task.
+/// A panel that shows a column of a file over the number of points, with a curve for each task.
 std::string panel(const char* file, const char* column, const std::vector<ToolsCell>& cells) {
   std::string text = "plot ", last;
   int style = 1;
