@@ -27,13 +27,13 @@
 namespace feltwire::teleop::with_arm {
 namespace {
 
-constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m] scenes/arm/table.xml
+constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m]: scenes/arm/table.xml
 constexpr double kTableFriction = 0.3;                    // mu, from the same file
 constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;        // [kg], [m] scenes/arm/box.xml
-constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] of the gripper
-constexpr double kPegWide = 0.02, kPegLong = 0.04;        // [m] scenes/arm/peg.xml: half its length
-constexpr double kBlock = 0.33;                           // [m] top of the block with the hole
-constexpr double kGripperSpeed = 0.1;                     // [m/s]
+constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] opening of the gripper
+constexpr double kPegWide = 0.02, kPegLong = 0.04;  // [m] width, half length: scenes/arm/peg.xml
+constexpr double kBlock = 0.33;                     // [m] top of the block with the hole
+constexpr double kGripperSpeed = 0.1;               // [m/s]
 constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sphere.xml, arm.xml
 const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
@@ -44,24 +44,24 @@ struct Meant {
   double gripper = 0.0;
 };
 
-/// From 20 mm above the table to 40 mm below its top. `down`: the share of the way, 0 to 1.
+/// The hand moves from 20 mm above the table to 40 mm below its top. `down`: fraction of this path.
 Meant into_table(double down) {
   constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
   return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
 }
 Meant press(double t) { return into_table(eased(0.5, 3.5, t)); }
-/// `press`, then up, and down a second time.
+/// Presses, rises, and presses a second time.
 Meant again(double t) {
   return into_table(eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t));
 }
-/// `press`, then 80 mm along the table.
+/// Presses, then slides 80 mm along the table.
 Meant slide(double t) {
   constexpr double kWay = 0.08;  // [m]
   Meant meant = press(t);
   meant.place.x() += kWay * std::clamp((t - 5.0) / 3.0, 0.0, 1.0);
   return meant;
 }
-/// From 20 mm above the top of a ball onto it, and 40 degrees around it within 8 s, 30 mm inside.
+/// Moves from 20 mm above a ball to 30 mm inside it, then 40 degrees around its center in 8 s.
 Meant sphere(double t) {
   constexpr double kAbove = 0.02, kInside = 0.03;  // [m]
   constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
@@ -69,8 +69,8 @@ Meant sphere(double t) {
   const double radius = kBall + kAbove - (kAbove + kInside) * eased(0.5, 3.5, t);
   return {kBallAt + radius * Vec3(std::sin(angle), 0.0, std::cos(angle)), 0.0};
 }
-/// Brings the peg of 20 mm from the arm's start to the hole of 20.5 mm, and 30 mm down into it, 0.5
-/// mm beside its axis.
+/// Moves the peg (20 mm wide) over the hole (20.5 mm wide), then 30 mm down into the hole. The
+/// target is 0.5 mm beside the hole's axis in x and in y.
 Meant peg(double t) {
   const Vec3 home(0.306891, 0.0, 0.475);  // scenes/arm/peg.xml
   constexpr double kBeside = 5e-4, kGripsPeg = 0.01, kOver = 0.02, kInto = 0.03;  // [m]
@@ -79,7 +79,7 @@ Meant peg(double t) {
   place.z() -= (kOver + kInto) * eased(4.5, 10.5, t);
   return {place, kGripsPeg};
 }
-/// Down to the box, grips it, lifts it by 60 mm, puts it back and lets go.
+/// Moves down to the box, grips it, lifts it by 60 mm, puts it back and releases it.
 Meant lift(double t) {
   constexpr double kAbove = 0.055, kDown = 0.05, kUp = 0.06;  // [m]
   const double height =
@@ -89,11 +89,11 @@ Meant lift(double t) {
 
 struct Task {
   std::string_view name;
-  const char* scene;  // with the body that it carries, if any
+  const char* scene;  // name of the file, and of the body to carry
   Meant (*meant)(double time);
-  double duration, from, until;        // [s] the window
-  std::optional<double> presses = {};  // [s] begin of a press that takes kPressesFor
-  double opening = 0.0;                // [m] of the gripper at the start
+  double duration, from, until;        // [s] `from` to `until` is measured
+  std::optional<double> presses = {};  // [s] begin of a press, kPressesFor long
+  double opening = 0.0;                // [m] initial opening of the gripper
 };
 constexpr double kPressesFor = 3.0;  // [s]
 constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0, 0.5},
@@ -133,14 +133,14 @@ DeviceSpec device(const Plant& plant) {
 }
 
 struct ArmSample {
-  Vec3 shown = Vec3::Zero();    // [m] of the hand, by the encoder
-  Vec3 held = Vec3::Zero();     // [N] on the hand from now on
-  Vec3 contact = Vec3::Zero();  // [N] on the tool
-  Vec3 offset = Vec3::Zero();   // [m] of the leader's index
-  double height = 0.0;          // [m] of the tool
-  Vec3 thing = Vec3::Zero();    // [m] of the box or the peg
-  double pushed = 0.0;          // [J] as the follower counted it
-  double stiffness = 0.0;       // [N/m] of the surface known to the leader; 0: none
+  Vec3 shown = Vec3::Zero();    // [m] hand position, from the encoder
+  Vec3 held = Vec3::Zero();     // [N] force on the hand from this sample on
+  Vec3 contact = Vec3::Zero();  // [N] contact force on the tool
+  Vec3 offset = Vec3::Zero();   // [m] clutch offset of the leader
+  double height = 0.0;          // [m] height of the tool
+  Vec3 thing = Vec3::Zero();    // [m] position of the box or the peg
+  double pushed = 0.0;          // [J] `pushed` of the follower's energy counters
+  double stiffness = 0.0;       // [N/m] surface stiffness at the leader; 0: none
 };
 
 std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFiles& scenes,
@@ -212,24 +212,26 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
   return samples;
 }
 
-/// [N/m] of two springs in series.
+/// [N/m] Stiffness of two springs in series.
 double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
 
-/// [m/N] of the touched surface. A ball with MuJoCo's own contact is stiffer than all else.
+/// [m/N] Compliance of the touched surface. The ball counts as rigid: MuJoCo's default contact is
+/// much stiffer than the other springs.
 double softness_of_surface(const Task& task) {
   return task.meant == sphere ? 0.0 : 1.0 / kTableStiffness;
 }
 
-/// [m] Intended depth of the hand, less the leader's offset.
+/// [m] Depth of the hand's intended position, after subtraction of the leader's clutch offset.
 double meant_depth(const Task& task, const ArmSample& s, double time) {
   const Vec3 place = task.meant(time).place - s.offset;
   if (task.meant != sphere) return kTable - place.z();
-  // Both finger tips touch the ball, beside the plane of the tool's movement.
+  // Both finger tips touch the ball at a distance of kTips from the plane of the movement.
   const double reach = std::sqrt((kBall + kTip) * (kBall + kTip) - kTips * kTips);
   return reach - length(Vec3(place + kTip * Vec3::UnitZ() - kBallAt));
 }
 
-/// [N] Force of springs in series: the hand, the arm's controller, the touched surface.
+/// [N] Expected contact force of three springs in series: the hand, the arm's controller and the
+/// surface. Empty for the peg.
 std::optional<double> intended(const Task& task, const ArmSample& s, double time,
                                double stiffness) {
   if (task.meant == lift) return kBoxMass * kGravity;
@@ -240,7 +242,7 @@ std::optional<double> intended(const Task& task, const ArmSample& s, double time
   return slides ? normal * std::sqrt(1.0 + kTableFriction * kTableFriction) : normal;
 }
 
-/// [N] The largest fall of the hand's force within 30 ms, from sample `first` to `last`.
+/// [N] Largest decrease of the force on the hand within 30 ms, in the samples `first` to `last`.
 double largest_fall(const std::vector<ArmSample>& samples, std::size_t first, std::size_t last) {
   constexpr std::size_t kWithin = 30;  // samples
   double fall = 0.0;
@@ -326,7 +328,7 @@ std::vector<ArmCase> arm_cases(bool quick) {
 
 std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases) {
   for (const ArmCase& c : cases) task_of(c.task);
-  // MuJoCo reads files, but an installed program has none of these.
+  // MuJoCo loads models from files. An installed program has them only as text, so unpack them.
   const UnpackedFiles scenes({{"arm.xml", std::string(embedded::arm)},
                               {"table.xml", std::string(embedded::table)},
                               {"sphere.xml", std::string(embedded::sphere)},

@@ -68,7 +68,7 @@ std::string arm_table(const std::vector<ArmRow>& rows) {
       return r.made.task != c.task || r.made.round_trip != c.round_trip ||
              r.made.jitter != c.jitter || r.made.loss != c.loss;
     });
-    // Sorted, without the runs that lack the figure.
+    // Returns the sorted values of a figure. A run without this figure is left out.
     const auto over = [&](auto figure) {
       std::vector<double> values;
       for (auto row = first; row != last; ++row)

@@ -28,7 +28,7 @@ class World {
     return around_.swing * std::sin(kTwoPi * around_.frequency * (time - around_.moves_from));
   }
 
-  /// [N] Force on the robot at this place. Moves the weight by `step` [s].
+  /// [N] Contact force on the robot. This call also moves the weight by `step` [s].
   double touch(const Mass& robot, double time, double step) {
     if (around_.kind == Surroundings::Kind::nothing || time >= around_.vanishes) return 0.0;
     const bool weight = around_.kind == Surroundings::Kind::weight;
@@ -38,7 +38,7 @@ class World {
     if (depth > 0.0)
       force = std::max(0.0, around_.stiffness * depth + around_.damping * (robot.velocity - speed));
     if (weight) {
-      // The weight rests on the ground at 0 and can only be lifted.
+      // The ground is at 0 and stops the weight.
       weight_.velocity += step * (force / around_.mass - kGravity);
       weight_.position += step * weight_.velocity;
       if (weight_.position < 0.0) weight_ = {};
@@ -99,7 +99,7 @@ std::vector<BenchSample> run_bench(TeleoperationLaw& law, const BenchSetup& setu
       const double pace = (setup.intention(time + part) - meant) / part;
       const double grip =
           setup.hand.stiffness * (meant - hand.position) + setup.hand.damping * pace - held;
-      // Damping is implicit, so it never reverses a motion.
+      // The damping is integrated implicitly, so it cannot reverse the velocity.
       hand.velocity = (hand.velocity + part * grip / hand_mass) /
                       (1.0 + part * (setup.hand.damping + plant.leader_damping) / hand_mass);
       hand.position += part * hand.velocity;

@@ -5,13 +5,14 @@
 namespace feltwire::teleop {
 namespace {
 
-/// [s] from the evidence that the surface has left until the hand is free; none: there is none. The
-/// contact was lost at sample `lost`, and the robot touches again at sample `again`.
+/// [s] Time in which the hand still feels a force after a loss of contact. The robot loses contact
+/// at sample `lost` and regains contact at sample `again`. Empty if the samples do not show the
+/// loss.
 std::optional<double> release(const std::vector<BenchSample>& samples, std::size_t lost,
                               std::size_t again, std::size_t end, double period) {
   const double place = samples[lost].surface;
-  std::size_t since = end, n = lost;  // end: there is none
-  // The hand knows of the next touch half of a round trip later.
+  std::size_t since = end, n = lost;  // `end`: the loss does not show
+  // The next touch reaches the hand half of a round trip later, so the search goes on to `end`.
   for (; n < end && samples[n + 1].held >= LostContact::kFree; ++n)
     if (n < again && samples[n].robot < place)
       since = end;

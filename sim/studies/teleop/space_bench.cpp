@@ -16,7 +16,7 @@ namespace {
 struct Mass {
   Vec3 position, velocity = Vec3::Zero();
 
-  /// Damping is implicit, so it never reverses a motion.
+  /// The damping is integrated implicitly, so it cannot reverse the velocity.
   void step(const Vec3& force, double damping, double mass, double time) {
     velocity = (velocity + time / mass * force) / (1.0 + time * damping / mass);
     position += time * velocity;
@@ -31,7 +31,7 @@ Vec3 noise3(std::uint64_t seed, std::uint64_t n) {
   return {noise(seed, 3 * n), noise(seed, 3 * n + 1), noise(seed, 3 * n + 2)};
 }
 
-/// The shape's force on the robot.
+/// Contact force of the shape on the robot.
 class Touch {
  public:
   Touch(const Shape& shape, const Vec3& start) : shape_(shape), proxy_(shape, start) {}

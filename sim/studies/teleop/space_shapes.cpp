@@ -9,7 +9,7 @@
 namespace feltwire::teleop::in_space {
 namespace {
 
-/// A place in a plane through the hole's axis: [m] from the axis, and up from the top.
+/// A point in a plane through the hole's axis: distance from the axis, height above the top [m].
 struct Flat {
   double across = 0.0, up = 0.0;
 };
@@ -58,7 +58,7 @@ const Vec3& SurfaceProxy::follow(const Vec3& goal) {
   return place_;
 }
 
-/// Returns false if the place is final.
+/// Makes a step towards the goal. Returns false if the place is final.
 bool SurfaceProxy::step(const Vec3& goal) {
   constexpr double kShort = 1e-4, kNone = 1e-9;  // [m]
   const Polar<double> way = polar(Vec3(goal - place_));
@@ -70,7 +70,7 @@ bool SurfaceProxy::step(const Vec3& goal) {
     return way.length > kShort;
   }
   const Vec3 normal = direction(Vec3(blocked.point - tried));
-  // Go from the free side onto the surface.
+  // Move from the free side onto the surface.
   place_ += std::min(0.0, (blocked.point - place_).dot(normal)) * normal;
   const Vec3 left = goal - place_;
   const double deep = std::max(0.0, -left.dot(normal));

@@ -12,10 +12,10 @@
 namespace feltwire::teleop::in_space {
 namespace {
 
-/// [N] Largest error of the sensor: 3.5 times 10 mN on each of three axes.
+/// [N] Largest norm of the sensor's error. The error of each axis is up to 3.5 times 10 mN.
 constexpr double kWrenchNoise = 0.06;
 
-/// From 20 mm above the ball to 30 mm inside it, and 40 degrees around it within 4 s.
+/// Moves from 20 mm above the ball to 30 mm inside it, then 40 degrees around its center in 4 s.
 Vec3 around_ball(double t) {
   constexpr double kBall = 0.1, kAbove = 0.02, kInside = 0.03;  // [m]
   constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
@@ -24,7 +24,7 @@ Vec3 around_ball(double t) {
   return radius * Vec3(std::sin(angle), 0.0, std::cos(angle));
 }
 
-/// To a place 1.5 mm beside the axis of the hole, then down to 10 mm below its ground.
+/// Moves to a place 1.5 mm beside the hole's axis, then down to 10 mm below the hole's floor.
 Vec3 into_hole(double t) {
   constexpr double kBeside = 1.5e-3, kOver = 0.02, kDown = 0.07;  // [m]
   const Vec3 home(-0.03, 0.01, kOver), over(kBeside, 0.0, kOver);
@@ -55,7 +55,7 @@ double energy_made(const Plant& plant, const std::vector<SpaceSample>& samples) 
   return hand.made();
 }
 
-/// [m] RMS over the three axes.
+/// [m] RMS of the fast movement over the three axes.
 double swing(const std::vector<Vec3>& places, double rate) {
   double squares = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -108,7 +108,7 @@ Measured judge(const SpaceTask& task, const std::vector<SpaceSample>& samples) {
   m.force_error = std::sqrt(errors / count);
   if (wanted > 0.0) m.force_share = std::sqrt(errors / wanted);
   m.oscillation = swing(hand, 1.0 / plant.period);
-  constexpr double kShallow = 5e-4;  // [m] mean; a smaller depth shows no stiffness
+  constexpr double kShallow = 5e-4;  // [m] mean depth; below it, no stiffness is computed
   if (hole)
     m.inserted = -samples[last].robot.z();
   else if (depth > kShallow * count)

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kAir = -0.02;                                 // [m] in front of the wall
-constexpr double kDeep = 0.03, kHeld = 0.025, kLight = 0.003;  // [m] intended depth of the hand
+constexpr double kDeep = 0.03, kHeld = 0.025, kLight = 0.003;  // [m] intended depths of the hand
 constexpr double kStroke = 0.05, kSlow = 0.5;                  // [m], [Hz] of free motion
-constexpr double kBegin = 0.5, kArrive = 1.0;                  // [s] of the way in
+constexpr double kBegin = 0.5, kArrive = 1.0;                  // [s] begin and end of the approach
 
 double go_in(double depth, double t) { return minimum_jerk(kAir, depth, kBegin, kArrive, t); }
 
@@ -71,11 +71,11 @@ std::vector<Task> make_tasks() {
   return all;
 }
 
-/// [N] Force that the series spring would give the hand at once, from the robot's intended place.
+/// [N] Ideal force on the hand: the series spring at the robot's intended place, without delay.
 double wanted_force(const Task& task, const BenchSample& s, double time) {
   const Surroundings& around = task.setup.around;
   if (around.kind == Surroundings::Kind::nothing || time >= around.vanishes) return 0.0;
-  // A weight that is carried slowly gives its weight.
+  // The hand lifts slowly, so the ideal force is the weight.
   if (around.kind == Surroundings::Kind::weight) return around.mass * kGravity;
   return series_stiffness(task.setup.plant, around.stiffness) *
          std::max(0.0, s.hand - s.offset - s.surface);
@@ -134,7 +134,7 @@ Measured judge(const Task& task, const std::vector<BenchSample>& samples, double
   Measured m;
   m.energy_made = energy_made(task.setup, samples);
   for (const BenchSample& s : samples) m.peak_force = std::max(m.peak_force, s.contact);
-  constexpr double kShallow = 5e-4;  // [m] mean; a smaller depth shows no stiffness
+  constexpr double kShallow = 5e-4;  // [m] mean depth; below it, no stiffness is computed
   switch (task.judge) {
     case Task::Judge::press:
       if (depth > kShallow * count) m.displayed = force / depth / series;

@@ -68,7 +68,7 @@ std::vector<TeleopCase> teleop_cases(bool quick) {
           const bool bad = network.jitter > 0.0 && network.loss > 0.0;
           const bool perfect = network.jitter == 0.0 && network.loss == 0.0;
           if (quick && !perfect && !(bad && network.loss < 0.1)) continue;
-          // A drift run takes a minute: only run the cases where drift is possible.
+          // A drift run takes a minute, so it runs at a single round trip, with jitter and loss.
           if (task == kDrift && !(bad && trip == kDriftTrip)) continue;
           cases.push_back(
               {std::string(law), std::string(task), trip, network.jitter, network.loss});

@@ -64,11 +64,11 @@ std::string csv(const std::vector<TeleopRow>& rows) {
   return text;
 }
 
-// Okabe and Ito's colours for colour-blind readers, and greys.
+// Okabe and Ito chose these colours for colour-blind readers. The greys are added.
 constexpr std::array kColors = {"#999999", "#000000", "#cc79a7", "#56b4e9", "#0072b2", "#f0e442",
                                 "#e69f00", "#bbbbbb", "#666666", "#d55e00", "#009e73", "#44aa99"};
 
-/// Each law over the round trip, without jitter and loss.
+/// Draws each law over the round trip, without jitter and loss.
 void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& rows) {
   const auto all = law_names();
   const auto panel = [&](const char* title, const char* task, int column, double scale,
@@ -90,7 +90,7 @@ void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& 
       append(text, "with linespoints lw 1.6 pt 7 ps 0.8 lc rgb '%s' title '%s'", kColors.at(i),
              law.c_str());
     }
-    if (*separator == '\0') return std::string();  // no row: nothing to draw
+    if (*separator == '\0') return std::string();  // no data to plot
     return text + "\nunset key\n";
   };
   std::string script =
