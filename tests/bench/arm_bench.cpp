@@ -1,5 +1,5 @@
-// arm_tick/SCENE: a servo period of the simulated arm with its controller (two steps of physics):
-// `arm` in free space, `table` pressed on a table, `box` with a box in the gripper.
+// arm_tick/SCENE: a servo period of the simulated arm with its controller (two steps of physics).
+//   `arm` is in free space, `table` presses on a table, `box` has a box in the gripper.
 // world_arm: a step of the server's world in scenes/arm/workcell.json, with its arm at home.
 
 #include <benchmark/benchmark.h>

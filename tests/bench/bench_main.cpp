@@ -1,4 +1,5 @@
-// The benchmarks' program: Google Benchmark's own options, and --version as in every program.
+// The main program of the benchmarks. It has Google Benchmark's own options, and --version as in
+// every program.
 
 #include <benchmark/benchmark.h>
 

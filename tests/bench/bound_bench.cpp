@@ -1,6 +1,6 @@
-// bound/METHOD/DOF: one step of a bounding method; the hand slides over a stiff wall.
-// account/METHOD/DOF: the method followed by a session's account, with that hand.
-// account/METHOD/DOF/cut: as before, but the account reduces every force.
+// bound/METHOD/DOF: one step of a bounding method. The hand slides over a stiff wall.
+// account/METHOD/DOF: the method and a session's account, with an equal hand.
+// account/METHOD/DOF/cut: the account also reduces every force.
 
 #include <benchmark/benchmark.h>
 
@@ -14,9 +14,9 @@
 namespace feltwire::bound_bench {
 namespace {
 
-constexpr std::size_t kSteps = 1024;  // a power of two: a lap of the recorded hand
+constexpr std::size_t kSteps = 1024;  // a lap of the recorded hand; a power of two
 
-/// Movements and commands as in a session, made before the clock runs.
+/// Returns movements and commands as in a session, made before the clock runs.
 std::array<BoundingStep, kSteps> recorded_hand(int dof) {
   std::array<BoundingStep, kSteps> steps;
   for (std::size_t n = 0; n < kSteps; ++n) {
@@ -56,7 +56,8 @@ void step(benchmark::State& state, const BoundingConfig& incomplete, int dof) {
   }
 }
 
-/// All that an account uses is known: damping, dry friction, encoder, mass, the hand's force.
+/// Returns a device with all values for the account: damping, dry friction, encoder, mass and the
+/// hand's force.
 DeviceSpec known_device(int dof) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 0.5;
@@ -75,7 +76,8 @@ DeviceSpec known_device(int dof) {
   return spec;
 }
 
-/// With `cut` the commands pull along with the hand, so the account lacks energy and cuts each one.
+/// With `cut` the commands act along the hand's movement. The account then lacks energy and reduces
+/// each command.
 void step_with_account(benchmark::State& state, const BoundingConfig& incomplete, int dof,
                        bool cut) {
   const BoundingConfig config = complete(incomplete, dof);

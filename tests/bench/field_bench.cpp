@@ -1,6 +1,7 @@
-// field/SHAPE: the distance and its gradient, at places near the surface in random order.
-// tool/CASE/POINTS: one step of a tool with a body, moved by a hand: far from everything, grazing
-// (points within a millimetre of a plate), lying on the plate, in a hole (docs/fields.md).
+// field/SHAPE: the distance and its gradient, at positions near the surface in random order.
+// tool/CASE/POINTS: one step of a tool with a body that a hand moves (docs/fields.md). The tool is
+//   far from everything, grazes a plate (points within a millimetre), lies on the plate, or is in a
+//   hole.
 
 #include <benchmark/benchmark.h>
 
@@ -43,7 +44,7 @@ struct Case {
   const char* name;
   Shape body, solid;
   Side side;
-  Vec3 position;  // [m] of the hand
+  Vec3 position;  // [m] position of the hand
 };
 
 std::vector<Case> cases() {
@@ -59,7 +60,7 @@ std::vector<Case> cases() {
 void tool(benchmark::State& state, const Case& c, std::size_t points) {
   constexpr int kSegments = 128;
   constexpr double kTurns = 2.0, kPeriod = 1e-3, kSway = 1e-3;
-  constexpr std::size_t kSteps = 500;  // one sway
+  constexpr std::size_t kSteps = 500;  // one oscillation
   const BodyTool body(point_shell(tessellate(c.body, kSegments), points), {}, 2.4e-3);
   Object object;
   object.name = c.name;

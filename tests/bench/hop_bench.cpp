@@ -1,7 +1,8 @@
-// hop/CASE: the server's work between a hand and its robot, without system calls. hop/lead: a
-// leading sample (open it, take the state, seal the robot's target and the hand's answer).
-// hop/state: a robot's state (open it, take the state). The clock runs from the datagram's arrival
-// until all resulting datagrams are ready.
+// hop/CASE: the server's work between a hand and its robot, without system calls.
+// hop/lead: a leading sample. The server opens it, takes the state, and seals the robot's target
+//   and the hand's answer.
+// hop/state: a robot's state. The server opens it and takes the state.
+// The clock runs from the datagram's arrival until all resulting datagrams are ready.
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +38,7 @@ Scene seat() {
   return scene;
 }
 
-/// A hand, and a robot in contact, each in its session.
+/// A hand and a robot in contact, each in its own session.
 struct Link {
   Scene scene = seat();
   SceneSessions server{scene, std::chrono::hours(1), 8, nullptr, {.sample_rate = 1e6}};
@@ -65,7 +66,7 @@ struct Link {
       take(lead_on());
     }
   }
-  /// The hand's next datagram.
+  /// Returns the hand's next datagram.
   Bytes lead_on() {
     now += kPeriod;
     ++sample.index;
@@ -79,7 +80,7 @@ struct Link {
     state.time = now;
     return robot.pack(state);
   }
-  /// [s] the time that `work` takes.
+  /// Returns the time [s] of `work`.
   template <typename Work>
   static double timed(const Work& work) {
     const auto begun = std::chrono::steady_clock::now();

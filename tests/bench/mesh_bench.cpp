@@ -1,14 +1,14 @@
 // mesh/CASE/TRIANGLES: the cost of a sample on a faceted sphere, r = 90 mm, 5 kN/m. The probe is 2
-// mm inside, glides at 0.1 m/s and is sampled at 1 kHz.
+// mm inside, slides at 0.1 m/s and is sampled at 1 kHz.
 //   glide, smooth     a point; smooth: the direction of its force is interpolated
 //   ball              a ball of 1 mm
 //   local_model,      a sample plus the surfaces near the tool (subtract glide or ball)
 //   ball_model
 //   build             the tree (and neighbours) from vertices and triangles
-//   objects           that many meshes, one of them touched
-// Besides the mean: the time of single samples, p50 and p99.9, including the clock's reading; the
+//   objects           this number of meshes; the probe touches one of them
+// Further results: the time of single samples, p50 and p99.9, including the clock's reading; the
 // largest and mean error of the direction [deg]; the largest change of the force between samples
-// [N], and its part beyond the force's turn from facet to facet; memory [MB].
+// [N], and its part beyond the rotation from facet to facet; memory [MB].
 
 #include <benchmark/benchmark.h>
 
@@ -142,7 +142,7 @@ void objects(benchmark::State& state, int count) {
   state.counters["N"] = command.elastic.norm();
 }
 
-/// The query of a session that sends a local model with every reply, on that path.
+/// Runs the query of a session that sends a local model with every reply, on this path.
 void model(benchmark::State& state, int level, const MeshOptions& options) {
   const Scene scene("sphere", {object_of(sphere(level), options)});
   TouchMemory memory = scene.memory();

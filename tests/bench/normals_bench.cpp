@@ -1,7 +1,7 @@
-// answer/SCENE: the cost of a session's answer to a sample of a hand that presses and wanders,
-// without a local model.
-// answer_normals/SCENE: for a client that shapes late forces wall by wall, so the reply names the
-// pushing walls. The difference to answer/SCENE is the server's cost of the normals.
+// answer/SCENE: the cost of a session's answer to a sample, without a local model. The hand presses
+//   and moves at random.
+// answer_normals/SCENE: the cost for a client that shapes late forces for each wall. The reply then
+//   has the normals of the pressing walls. The difference to answer/SCENE is the server's cost.
 
 #include <benchmark/benchmark.h>
 
@@ -14,7 +14,7 @@
 namespace feltwire::normals_bench {
 namespace {
 
-constexpr std::size_t kPlaces = 4096;  // a lap of the hand
+constexpr std::size_t kPlaces = 4096;  // number of samples in one lap of the hand
 
 std::vector<Vec3> wandering_hand(const Vec3& start) {
   std::vector<Vec3> places(kPlaces);

@@ -1,6 +1,8 @@
-// picture/N: the time of the scene's thread for one picture of the live page, with N hands that
-// press the room's table. picture/modelled/N: plus the surfaces near the hands, for clients with a
-// local model. picture/not_wanted: the time when nobody looks.
+// picture/N: the time of the scene's thread for one picture of the live page. N hands press the
+//   room's table.
+// picture/modelled/N: the time including the surfaces near the hands, for clients with a local
+//   model.
+// picture/not_wanted: the time without a viewer.
 
 #include <benchmark/benchmark.h>
 

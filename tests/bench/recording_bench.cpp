@@ -1,6 +1,6 @@
-// record/FORMAT/HANDS: a second of servo ticks at 1 kHz of that many hands, from their rings to
-// files in a temporary folder, 20 times a second like the client. CPU time over a second is the
-// share of a core; bytes_per_second is for one hand's file.
+// record/FORMAT/HANDS: a second of servo ticks at 1 kHz, from the rings of the hands to files in a
+// temporary folder, 20 times a second as in the client. CPU time over a second is the share of a
+// core. bytes_per_second is for the file of one hand.
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kTicks = 1000, kAtOnce = 50;
 
-/// A hand that presses and shakes: the last bits of its numbers are noise, as for a real hand.
+/// A hand presses and trembles. The last bits of its numbers are noise, as for a real hand.
 TickRecord tick(std::int64_t n, std::uint64_t hand) {
   const auto noise = [&](std::uint64_t which) {
     return 1e-6 *

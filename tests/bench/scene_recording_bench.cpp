@@ -1,7 +1,8 @@
 // scene_answer/LOG/SCENE: a second of 16 hands at 1 kHz in one scene, opened, computed and sealed,
-// with an input log (1) or without (0). scene_record/SCENE: the recorder's part of that second.
-// scene_replay/SCENE: ten recorded seconds, computed again; `times_real_time` is the speed. CPU
-// time over recorded time is the share of a core.
+//   with an input log (1) or without (0).
+// scene_record/SCENE: the recorder's part of such a second.
+// scene_replay/SCENE: ten recorded seconds, computed again. `times_real_time` is the speed.
+// CPU time over recorded time is the share of a core.
 
 #include <benchmark/benchmark.h>
 
@@ -22,7 +23,8 @@ namespace feltwire::scene_recording_bench {
 namespace {
 
 constexpr std::uint64_t kHands = 16;
-constexpr int kTicks = 1000, kBetweenLooks = 10;  // ticks of a second
+// ticks of a second, and ticks between two calls of the recorder
+constexpr int kTicks = 1000, kBetweenLooks = 10;
 
 std::filesystem::path scene_file(const char* name) {
   return std::filesystem::path(FELTWIRE_SOURCE_DIR) / "scenes" / name;
@@ -39,7 +41,7 @@ class Hands {
       sessions_.answer(test::join_request(usual_parameters()), id(i), test::keys(id(i)), now_);
   }
 
-  /// Sealed datagrams of `ticks` ticks, for answer().
+  /// Makes sealed datagrams of `ticks` ticks for answer().
   void prepare(int ticks) {
     datagrams_.clear();
     for (int n = 0; n < ticks; ++n) {

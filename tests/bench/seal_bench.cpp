@@ -1,6 +1,6 @@
 // seal/SUITE, open/SUITE: the seal of a datagram with a payload of 128 bytes.
 // receive/CASE: the server's work on a datagram, without system calls. `answered` includes contact,
-// bound and both seals; the other cases are dropped datagrams, named by the reason.
+//   bound and both seals. The other cases are dropped datagrams. Their names are the reasons.
 
 #include <benchmark/benchmark.h>
 
@@ -32,7 +32,8 @@ void seal(benchmark::State& state, CipherSuite suite) {
     benchmark::DoNotOptimize(sealer.seal(DatagramKind::samples, kSession, payload, out));
 }
 
-/// Includes the replay window's check and mark; the datagrams are made before the clock runs.
+/// The time includes the replay window's check and mark. The datagrams are made before the clock
+/// runs.
 void open(benchmark::State& state, CipherSuite suite) {
   constexpr std::size_t kDatagrams = 1024;
   Sealer sealer(suite, kUp);
@@ -72,7 +73,7 @@ struct Server {
     sessions.answer(request, kSession, {preferred_suite(), kUp, kDown}, {});
     batch.count = 1;
   }
-  /// The next sample of a hand that dips into the room's table.
+  /// Returns the next sample of a hand that moves in and out of the room's table.
   Bytes sample() {
     Sample& sample = batch.samples[0];
     ++sample.index;
@@ -84,7 +85,7 @@ struct Server {
   }
 };
 
-/// Makes a sample and seals it at the client: `answered` includes this time too.
+/// Makes a sample and seals it at the client. Subtract this time from `answered`.
 void sample(benchmark::State& state) {
   Server server;
   for (auto _ : state) benchmark::DoNotOptimize(server.sample());

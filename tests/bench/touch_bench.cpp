@@ -1,6 +1,6 @@
-// touch/SCENE: a scene's answer to a wandering tool.
+// touch/SCENE: a scene's answer to a tool that moves at random.
 // local_model/SCENE: the answer plus the surfaces near the tool. The difference to touch/SCENE is
-// their cost in a reply.
+//   the cost of these surfaces in a reply.
 // local_contact/SCENE: a client's contact with these surfaces, with a model every 20 ticks.
 
 #include <benchmark/benchmark.h>
@@ -35,7 +35,7 @@ std::array<Tool, kPlaces> hand_in(const Scene& scene) {
   return hand;
 }
 
-/// Calls call(scene, tool, memory) for each place of the hand in turn.
+/// Calls call(scene, tool, memory) for each position of the hand in turn.
 template <class Call>
 void lap(benchmark::State& state, const std::string& file, const Call& call) {
   const Scene scene = scene_of(file);

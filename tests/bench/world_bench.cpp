@@ -1,10 +1,10 @@
-// world_step/CASE/N: a tick of N free boxes of 4 cm and 100 g: `apart` in the air without gravity;
-// `table` at rest on a table; `piles` in piles of five on it.
-// world_touch/N: the answer of a scene of N moving boxes to a tool that wanders over them.
+// world_step/CASE/N: a tick of N free boxes of 4 cm and 100 g. `apart`: in the air without gravity;
+//   `table`: at rest on a table; `piles`: in piles of five on a table.
+// world_touch/N: the answer of a scene of N moving boxes to a tool that moves over them at random.
 // world_push/N: the extra cost of a tick for a hand without a new sample.
-// moving/LAYOUT/SHAPE/N: a sample of a hand that strokes one of N moving objects; `crowd` side by
-// side, `far` a metre apart; boxes, or such boxes as meshes of 1200 triangles. Includes no tick.
-// moving/load/N: from objects and bodies to a world.
+// moving/LAYOUT/SHAPE/N: a sample of a hand that strokes one of N moving objects, without a tick.
+//   `crowd`: side by side; `far`: a metre apart. The objects are boxes or meshes.
+// moving/load/N: the time from objects and bodies to a world.
 
 #include <benchmark/benchmark.h>
 
@@ -87,7 +87,7 @@ void touch(benchmark::State& state, int count) {
     benchmark::DoNotOptimize(world.touch({wandering(n++), Vec3::Zero()}, memory, contacts));
 }
 
-/// A box of 1200 triangles.
+/// Returns a box of 1200 triangles.
 Shape mesh() {
   constexpr int kSquares = 10;
   return Mesh{std::make_shared<const MeshSurface>(

@@ -7,10 +7,11 @@
 namespace feltwire::test {
 namespace {
 
-/// The temper of a script's hand. If the hand moves much by itself, the device burns so much that
-/// a loss would not show.
+/// Parameters of a script's hand. If the hand moves much by itself, the device dissipates so much
+/// that a loss would not show.
 struct Temper {
-  double greed, farthest;  // probability; its own movements range over 10^-8 to 10^farthest [m]
+  // probability of the worst movement; other movements range over 10^-8 to 10^farthest [m]
+  double greed, farthest;
 };
 
 Tick random_tick(Random& random, const ScriptOptions& o, const Temper& temper) {
@@ -29,7 +30,8 @@ Tick random_tick(Random& random, const ScriptOptions& o, const Temper& temper) {
   t.wall = random.chance(0.3);
   if (!t.wall) {
     t.command = random_command(random);
-    const double beyond = std::pow(10.0, o.largest - 3.0);  // random_command() ends at 1e3 N
+    // The largest value of random_command() is 1e3 N.
+    const double beyond = std::pow(10.0, o.largest - 3.0);
     if (beyond < 1.0) t.command = beyond * t.command;
   }
   if (random.chance(0.3)) t.age = static_cast<int>(random.uniform(0.0, 30.0));
@@ -43,7 +45,7 @@ Tick random_tick(Random& random, const ScriptOptions& o, const Temper& temper) {
   return t;
 }
 
-/// v with each component rounded to one digit.
+/// Returns v with each component rounded to one digit.
 Vec3 rounded(Vec3 v) {
   for (double& x : v) {
     if (x == 0.0) continue;
@@ -53,7 +55,7 @@ Vec3 rounded(Vec3 v) {
   return v;
 }
 
-/// Copies of the tick, each with one element simplified.
+/// Returns copies of the tick. Each copy has one simplified element.
 rc::Seq<Tick> simpler(const Tick& tick) {
   std::vector<Tick> all;
   const auto with = [&](auto change) {

@@ -1,4 +1,5 @@
-// The clutch of a mapped device: the hand moves without the tool.
+// Tests the clutch of a mapped device. While the clutch is pressed, the hand moves without the
+// tool.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> ticks(2, 400);
   for (int n = 0; n < 20; ++n) {
-    // A device that hides its lateness would soon owe enough to end the force.
+    // If a device hid its delay, the account would soon have a debt that ends the force.
     Mapped mapped(any_mapping(random), kSessionMethod, false, static_cast<std::size_t>(n % 3));
     Handle& handle = *mapped.handle;
     for (int turn = 0; turn < 8; ++turn) {
@@ -28,7 +29,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
       handle.orientation = turned(handle.orientation, Vec3(0.1, 0.2, -0.3));
       mapped.tick();
       handle.clutch = true;
-      mapped.run(0.008);  // a late device may hold its force for some ticks
+      mapped.run(0.008);  // A late device may hold its force for some ticks.
       const Pose stands = mapped.tool;
       const Vec3 hand = vec(handle.mass.position);
       for (int left = 100 + ticks(random); left > 0; --left) {
@@ -50,8 +51,8 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
   }
 }
 
-/// Released while pressed against the wall: the force then only grows with further depth, until the
-/// hand has left the wall once.
+/// The clutch is released while the hand presses the wall. The force must then grow only with
+/// further depth, until the hand has left the wall once.
 TEST(Clutch, IsLetGoWithoutAKick) {
   Mapped mapped({.scale = 2.0});
   Handle& handle = *mapped.handle;
@@ -59,7 +60,7 @@ TEST(Clutch, IsLetGoWithoutAKick) {
   handle.clutch = true;
   mapped.run(0.01);
   EXPECT_EQ(handle.on_hand, Command{});
-  handle.mass.stiffness = 0.0;  // the hand holds still
+  handle.mass.stiffness = 0.0;  // The hand rests.
   handle.mass.hand_damping = 50.0;
   mapped.run(0.5);
   handle.clutch = false;
@@ -75,8 +76,8 @@ TEST(Clutch, IsLetGoWithoutAKick) {
   mapped.feel(0.5);
 }
 
-/// The clutch toggles as fast as a finger can, at every phase of the taps, also with a device that
-/// applies forces late.
+/// The clutch toggles as fast as a finger can, at every phase of the taps. The test also uses a
+/// device that applies forces late.
 TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   std::mt19937 random(13);
   std::uniform_int_distribution<int> ticks(1, 60);
@@ -86,7 +87,7 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
     handle.lag = static_cast<std::size_t>(n % 2);
     double felt = 0.0;
     for (int turn = 0; turn < 400; ++turn) {
-      // Sometimes long enough to leave the wall and touch it again.
+      // Some phases are long enough to leave the wall and touch it again.
       for (int left = ticks(random) * (turn % 8 == 0 ? 20 : 1); left > 0; --left) mapped.tick();
       felt = std::max(felt, handle.mass.largest_force);
       handle.clutch = !handle.clutch;
@@ -96,7 +97,8 @@ TEST(Clutch, MakesNoEnergyHoweverOftenItIsPressed) {
   }
 }
 
-/// Checks a session whose clutch was just pressed. `lag` [ticks]: the device's delay to release.
+/// Checks a session in which the clutch was just pressed. `lag`: ticks until the device releases
+/// its force.
 void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
   int pulled = 0;
   for (int n = 0; n < 20; ++n) {
@@ -110,7 +112,8 @@ void expect_told_while_it_pulls(Mapped& mapped, std::size_t lag) {
   EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::clutched);
 }
 
-/// The movement counts until the device has released its force, however long that takes.
+/// The movement must count until the device has released its force, for any duration of the
+/// release.
 TEST(Clutch, WhatMovesUnderAForceIsTold) {
   for (const std::size_t lag : {0U, 1U, 2U, 5U}) {
     Mapped mapped({});
@@ -121,7 +124,7 @@ TEST(Clutch, WhatMovesUnderAForceIsTold) {
   }
 }
 
-/// A device that reports how late it is, but not the force that it holds.
+/// A device that reports its delay, but not the held force.
 TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
   for (const std::size_t lag : {1U, 2U, 4U}) {
     Mapped mapped({}, kSessionMethod, false, lag);
@@ -132,7 +135,7 @@ TEST(Clutch, WhatMovesUnderAForceOfWhichTheDeviceCannotTellIsTold) {
   }
 }
 
-/// A press of a single tick counts.
+/// A press of a single tick must count.
 TEST(Clutch, APressThatIsShorterThanTheDeviceTakesToLetGoIsWhole) {
   Mapped mapped({});
   mapped.handle->lag = 1;

@@ -1,4 +1,4 @@
-// The assumed lag of a device whose specification has none.
+// Tests the assumed lag of a device without a specified lag.
 
 #include "client/devices/connection_lag.hpp"
 
@@ -19,7 +19,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A device file with these fields and the required ones.
+/// Returns the specification from a device file with these fields and the required fields.
 SourcedSpec file_with(const std::string& fields) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "mine.json")
@@ -83,7 +83,7 @@ TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
   }
 }
 
-/// At a rate that the lag makes impossible, the account names a possible rate.
+/// At a rate that is impossible with this lag, the account must name a possible rate.
 TEST(AssumedLag, ARateThatItMakesImpossibleIsNamed) {
   SourcedSpec described = file_with(R"(, "least_mass": 0.1)");
   assume_lag(described, kUsbConnection);

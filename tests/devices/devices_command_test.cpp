@@ -1,4 +1,5 @@
-// `feltwire-client devices` on made-up machines, with stand-ins for the makers' libraries.
+// Tests `feltwire-client devices` on simulated machines, with substitutes for the makers'
+// libraries.
 
 #include <gmock/gmock.h>
 
@@ -17,7 +18,7 @@ using test::Outcome;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// Lets the program find makers' libraries only in given folders.
+/// Restricts the search for makers' libraries to given folders.
 struct DevicesCommand : ::testing::Test {
   DevicesCommand() { look_in(folder / "none", folder / "none", folder / "none"); }
   ~DevicesCommand() override {
@@ -61,13 +62,13 @@ TEST_F(DevicesCommand, NamesEachLibraryWithItsVersion) {
               AllOf(HasSubstr("falcon: /"), HasSubstr("libusb-1.0.so.0, version 1.0.26\n")));
 }
 
-/// The output names each searched folder, even without a file in it.
+/// The output must name each searched folder, even without a file in it.
 TEST_F(DevicesCommand, NamesWhatIsMissingAndWhereItLooked) {
   std::filesystem::create_directory(folder / "usb");
   std::filesystem::copy_file(FELTWIRE_EMPTY_LIBRARY, folder / "usb/libusb-1.0.so.0");
   look_in(folder / "none", folder / "none", folder / "usb");
   const Outcome told = devices();
-  EXPECT_EQ(told.status, 0) << told.error;  // no connected device needs them
+  EXPECT_EQ(told.status, 0) << told.error;  // No connected device needs these libraries.
   EXPECT_THAT(told.out, HasSubstr("forcedimension: the maker's library cannot be used: "));
   EXPECT_THAT(told.out, HasSubstr((folder / "none/lib/release").string()));
   EXPECT_THAT(told.out, HasSubstr((folder / "home/.local/lib/libdrd.so").string()));

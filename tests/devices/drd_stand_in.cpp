@@ -1,5 +1,5 @@
-// A libdrd with a simulated mass. Written from the names, types and codes that Force Dimension's
-// users have published, not from the driver.
+// A substitute for libdrd with a simulated mass. The source is the names, types and codes that
+// users of Force Dimension have published, not the driver.
 
 #include "tests/devices/drd_stand_in.hpp"
 
@@ -14,7 +14,7 @@ using stand_in::Three;
 std::unique_ptr<stand_in::Drd> device = std::make_unique<stand_in::Drd>();
 Three force{}, torque{};  // [N], [N m]
 char open_id = 0;
-double quiet = 0.0;  // [s] since the last command
+double quiet = 0.0;  // [s] time since the last command
 int last_error = 0;
 bool expert = false;
 
@@ -38,7 +38,8 @@ bool forces_on() {
          !between(device->readings, device->off_from, device->off_until);
 }
 
-/// Sets force and torque. Each is limited to what the motors can give and keeps its direction.
+/// Sets force and torque. The motors limit the magnitude of force and torque, but not their
+/// direction.
 int set(double x, double y, double z, double about_x, double about_y, double about_z) {
   const double size = std::hypot(x, y, z), turns = std::hypot(about_x, about_y, about_z);
   const double share = size > device->saturates_at ? device->saturates_at / size : 1.0;
@@ -49,7 +50,8 @@ int set(double x, double y, double z, double about_x, double about_y, double abo
   if (size == 0.0 && turns == 0.0) ++device->zeros;
   if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
   device->edge.command(size > 0.0 || turns > 0.0);
-  device->pulls.store(size > 0.0 || turns > 0.0);  // last: a test that sees it may read the rest
+  // This store is last. A test that sees it may read the other values.
+  device->pulls.store(size > 0.0 || turns > 0.0);
   return share < 1.0 || part < 1.0 ? kMotorSaturated : 0;
 }
 
@@ -152,7 +154,7 @@ int dhdGetStatus(int* status, char id) {
 int dhdGetPosition(double* x, double* y, double* z, char id) { return sensed(x, y, z, id); }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double (*m)[3], char id) {
   const int answer = sensed(x, y, z, id);
-  // The wrist is turned by a quarter about z: the tool's x axis points along the world's y axis.
+  // The wrist is rotated by a quarter turn about z. The tool's x axis is along the world's y axis.
   static double turn = 0.0;
   if (answer == 0) turn = device->active_wrist ? device->wrist_mass.sensed()[2] : 0.0;
   const double s = std::sin(turn), c = std::cos(turn);

@@ -1,5 +1,5 @@
-// feltwire-client with each driver at its maker's stand-in, in the demo's room of feltwire-server:
-// two programs, and UDP between them.
+// Tests feltwire-client with each driver and its maker's substitute, in the demo room of
+// feltwire-server. The two programs use UDP.
 
 #include <gmock/gmock.h>
 
@@ -29,21 +29,21 @@ using test::Program;
 using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
-constexpr double kStill = 1.0;  // [s] that a hand keeps still: the client waits for 0.1 s
+constexpr double kStill = 1.0;  // [s] rest of the hand at the start; the client waits for 0.1 s
 constexpr double kFelt = 0.2;   // [N]
 
-/// A stand-in as the test sees it, in this program or in the client's.
+/// A substitute of a maker's library for the test, in this program or in the client's.
 struct StandIn {
-  std::string device;            // for --device
-  Words options;                 // the numbers of its mass, and how it lies in the room
-  std::function<double()> made;  // [J] by its true motion, after the session
+  std::string device;  // argument of --device
+  Words options;       // numbers of the substitute's mass, and the pose of the device in the room
+  std::function<double()> made;  // [J] excess energy of the true motion, after the session
   std::function<double()> force, largest_force;  // [N]
   std::function<long()> ticks;
-  double slowest;               // [s] between ticks that the session's period may be
-  std::shared_ptr<void> owner;  // of what these look at
+  double slowest;               // [s] longest possible period of the session
+  std::shared_ptr<void> owner;  // owner of the data that the functions use
 };
 
-/// The table's top lies at z = -0.05. A hand taps along the z of its device.
+/// The top of the table is at z = -0.05. A hand taps along the z axis of its device.
 const Words kOnTheTable = {"--map-translate", "0,0,-0.05"};
 const Words kTrueMass = {"--damping", "0.5", "--mass", "0.1"};
 
@@ -52,7 +52,7 @@ Words operator+(Words a, const Words& b) {
   return a;
 }
 
-/// Tells drivers, during its life, where the stand-ins of makers' libraries and of USB are.
+/// During its life, sets the places of the substitutes for makers' libraries and USB.
 struct Places {
   explicit Places(const std::string& usb) {
     ::setenv("FELTWIRE_STAND_IN_USB", usb.c_str(), 1);
@@ -68,7 +68,8 @@ struct Places {
   Places& operator=(const Places&) = delete;
 };
 
-/// A specification of the stand-ins' mass, for drivers whose own counts on more.
+/// Returns a specification with the mass of the substitutes. Some drivers' own specifications
+/// assume a larger mass.
 std::string true_spec(const test::TemporaryFolder& folder) {
   std::string file = folder / "mass.json";
   std::ofstream(file) << R"({"name": "mass", "damping": [0.5], "apparent_mass": 0.1,
@@ -77,7 +78,7 @@ std::string true_spec(const test::TemporaryFolder& folder) {
   return file;
 }
 
-/// A library that the client loads.
+/// Returns the substitute of a library that the client loads.
 StandIn loaded(const test::TemporaryFolder& folder, const std::string& device, Words options,
                double slowest) {
   const auto page = std::make_shared<NewPage>(folder / (device.substr(0, 6) + ".page"));
@@ -105,7 +106,7 @@ StandIn plugin(const test::TemporaryFolder& folder) {
   return loaded(folder, "plugin:" FELTWIRE_PLUGIN_STAND_IN, {}, 1e-3);
 }
 
-/// A board or a service in this program.
+/// Returns the substitute of a board or a service in this program.
 template <class Stand>
 StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, Words options,
                  std::atomic<int>& ticks) {
@@ -127,7 +128,7 @@ StandIn haply(const test::TemporaryFolder&) {
                   service->commands);
 }
 
-/// It taps along its y, which is the x of the driver.
+/// The board taps along its y axis, which is the x axis of the driver.
 StandIn hapi(const test::TemporaryFolder&) {
   const auto board = std::make_shared<HapiBoard>();
   StandIn all = standing(board, "", kOnTheTable + Words{"--map-rotate", "0,-90,0"}, board->frames);
@@ -140,7 +141,7 @@ struct Room {
   Room()
       : server(FELTWIRE_SERVER_PROGRAM, {"--scene", FELTWIRE_SOURCE_DIR "/scenes/room.json",
                                          "--port", "0", "--state", folder / "state"}) {
-    server.line();  // the fingerprint
+    server.line();  // This line has the fingerprint.
     const std::string listening = server.line();
     if (std::sscanf(listening.c_str(), "listening: control tcp %u", &port) != 1)
       throw std::runtime_error("no server: " + server.finish().error);
@@ -149,7 +150,7 @@ struct Room {
     return Words{"--connect", "127.0.0.1:" + std::to_string(port), "--token-file",
                  folder / "state/local.token", "--fingerprint-file", folder / "state/fingerprint",
                  "--scene", "room", "--device", device, "--await-still", "0.1",
-                 // A busy machine makes ticks come late, which is no fault then.
+                 // On a busy machine ticks are late, which is no fault here.
                  "--hold-time", "1", "--report", report} +
            options;
   }
@@ -186,7 +187,7 @@ TEST_P(DriverProgram, FeelsTheRoomAtItsOwnTicksAndMakesNoEnergy) {
         return felt || client.ended();
       },
       test::kLongest + 4 * std::chrono::seconds(std::lround(lasts)));
-  // Also where threads of the driver, or of the maker's library, may get the signals.
+  // Threads of the driver or of the maker's library may also get the signals.
   client.signal(SIGUSR1);
   const std::string asked = client.error_until("asked for");
   client.signal(SIGINT);
@@ -194,7 +195,7 @@ TEST_P(DriverProgram, FeelsTheRoomAtItsOwnTicksAndMakesNoEnergy) {
   ASSERT_TRUE(felt) << outcome.out << asked << outcome.error;
   ASSERT_EQ(outcome.status, 0) << asked << outcome.error;
 
-  EXPECT_EQ(stand.force(), 0.0);  // nothing is left on the hand
+  EXPECT_EQ(stand.force(), 0.0);  // No force may remain on the hand.
   EXPECT_LE(stand.made(), 1e-12);
   const nlohmann::json report = report_in(file);
   EXPECT_EQ(report["device"]["kind"], stand.device);
@@ -203,9 +204,9 @@ TEST_P(DriverProgram, FeelsTheRoomAtItsOwnTicksAndMakesNoEnergy) {
   EXPECT_GT(report["max_force_n"], kFelt);
   EXPECT_LE(report["bound_violations"], 0);
   EXPECT_EQ(report["disconnections"], 0);
-  // On a busy machine a service or a board answers too late now and then: those ticks are overruns.
+  // On a busy machine a service or a board is sometimes late. Such ticks are overruns.
   EXPECT_LE(report["device_faults"], report["overruns"]) << outcome.error;
-  // Each sample is one of the device's own ticks.
+  // Each sample must be a tick of the device.
   EXPECT_GE(report["parameters"]["servo_period_s"], 1e-3);
   EXPECT_LE(report["parameters"]["servo_period_s"], stand.slowest);
   EXPECT_LE(report["samples"], stand.ticks());
@@ -229,7 +230,7 @@ INSTANTIATE_TEST_SUITE_P(Drivers, DriverProgram,
                                            Kind{"plugin", plugin}),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
-/// Two Falcons at one machine: two programs, each with its own, and none for a third.
+/// A machine has two Falcons. Two programs must each get their own, and a third program none.
 TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
   const Room room;
   std::array<std::unique_ptr<NewPage>, 2> pages;
@@ -270,7 +271,7 @@ TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
   }
 }
 
-/// The user of a script knows a run by its exit status and its last line.
+/// A script detects the result of a run by its exit status and its last line.
 TEST(DeviceTrouble, ARunWhoseDeviceFailsEndsWithAnErrorThatSaysSo) {
   for (const bool holds_nothing : {false, true}) {
     const Room room;
@@ -284,7 +285,7 @@ TEST(DeviceTrouble, ARunWhoseDeviceFailsEndsWithAnErrorThatSaysSo) {
     const char* const says =
         holds_nothing ? "no force: the device does not hold" : "no force: the device gives no";
     std::string told = client.error_until(says);
-    told += client.error_until(says);  // a second later
+    told += client.error_until(says);  // The message comes a second later.
     client.signal(SIGINT);
     const Outcome outcome = client.finish();
     EXPECT_EQ(outcome.status, 1) << told << outcome.error;
@@ -297,7 +298,7 @@ TEST(DeviceTrouble, ARunWhoseDeviceFailsEndsWithAnErrorThatSaysSo) {
   }
 }
 
-/// Its ticks come late, and nothing else says why.
+/// The device's ticks are late, and nothing else reports the cause.
 TEST(DeviceTrouble, ADeviceThatIsSlowIsNamed) {
   const Room room;
   NewPage page(room.folder / "plugin.page");
@@ -311,12 +312,13 @@ TEST(DeviceTrouble, ADeviceThatIsSlowIsNamed) {
   EXPECT_EQ(outcome.status, 0) << told << outcome.error;
   EXPECT_THAT(outcome.error, HasSubstr("warning: the device's read() takes "));
   const nlohmann::json report = report_in(file);
-  EXPECT_GT(report["device_read_us"]["p50"], 15000.0);  // 20 ms, as a histogram rounds them
+  EXPECT_GT(report["device_read_us"]["p50"], 15000.0);  // 20 ms, rounded by the histogram
   EXPECT_GT(report["device_slow_ticks"], 0);
   EXPECT_THAT(report["device_slow"].get<std::string>(), HasSubstr("read()"));
 }
 
-/// The tool stands while the chosen button is held, and not while the driver's own one is.
+/// The tool must rest while the chosen button is pressed, but not while the driver's own button is
+/// pressed.
 TEST(Buttons, TheChosenOneIsTheClutch) {
   const Room room;
   NewPage page(room.folder / "plugin.page");
@@ -326,7 +328,7 @@ TEST(Buttons, TheChosenOneIsTheClutch) {
       room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN,
                   kOnTheTable + Words{"--clutch-button", "3", "--deadman-button", "4"}, file));
   test::eventually("a force", [&] { return page->force.load() > kFelt; });
-  page->buttons.store(1U << 1U);  // the clutch of the driver
+  page->buttons.store(1U << 1U);  // the default clutch of the driver
   const long pressed = page->ticks;
   test::eventually("a force",
                    [&] { return page->ticks > pressed + 100 && page->force.load() > kFelt; });

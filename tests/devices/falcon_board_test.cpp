@@ -1,4 +1,4 @@
-// Packets and geometry of a Falcon.
+// Tests the packets and the geometry of a Falcon.
 
 #include "client/devices/falcon_board.hpp"
 
@@ -26,7 +26,7 @@ Vec3 any_place(std::mt19937& random) {
   return {aside(random), aside(random), ahead(random)};
 }
 
-/// Numbers are nibbles, low ones first, each a letter from 'A'.
+/// Numbers are nibbles in little-endian order. Each is a letter from 'A'.
 TEST(FalconBoard, RequestsAreAsPublished) {
   EXPECT_EQ(request({}, Light::none, false), packet("<AAAAAAAAAAAAAA>"));
   EXPECT_EQ(request({1, -1, 0x1234}, Light::green, true), packet("<BAAAPPPPEDCBFA>"));
@@ -50,7 +50,7 @@ TEST(FalconBoard, AnswersAreReadBack) {
   }
 }
 
-/// A byte at any place that is no digit or no frame byte makes the answer invalid.
+/// A wrong digit or frame byte at any position must make the answer invalid.
 TEST(FalconBoard, WhatIsNoAnswerIsNone) {
   const Packet good = packet("<ABCDABCDABCDAA>");
   ASSERT_TRUE(parse_reply(good));
@@ -81,7 +81,7 @@ TEST(FalconBoard, AnAnswerMayComeInPiecesButNotWithMore) {
 }
 
 /// On the axis the three legs are equal. The wrist is at (u, z) with u = -r + c, and the law of
-/// cosines gives the shin's length.
+/// cosines gives the length of the shin.
 TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
   for (const double z : {0.09, 0.10, 0.12, 0.15}) {
     const auto angles = arm_angles({0, 0, z});
@@ -93,7 +93,7 @@ TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
       EXPECT_NEAR(std::hypot(u - arm * std::cos((*angles)[i]), z - arm * std::sin((*angles)[i])),
                   shin, 1e-12);
     }
-    // Three equal angles move the tool along its axis; the triangle gives the distance.
+    // Three equal angles move the tool along its axis. The triangle gives the distance.
     const auto tool = tool_point(*angles, {0.001, -0.002, z + 0.01});
     ASSERT_TRUE(tool);
     EXPECT_NEAR((tool->position - Vec3(0, 0, z)).norm(), 0.0, 1e-12);
@@ -104,7 +104,7 @@ TEST(FalconBoard, OnItsAxisTheAngleIsThatOfATriangle) {
   }
 }
 
-/// Forward and inverse kinematics agree, from a start some way off.
+/// Forward and inverse kinematics must agree. The iteration starts some distance away.
 TEST(FalconBoard, PlacesAreFoundAgain) {
   std::mt19937 random(2);
   for (int n = 0; n < 2000; ++n) {
@@ -136,7 +136,7 @@ TEST(FalconBoard, TheJacobianIsTheSlopeOfThePlaces) {
   }
 }
 
-/// Motor torque times rotation equals force times movement for all values.
+/// Motor torque times rotation must equal force times movement for all values.
 TEST(FalconBoard, MotorsAndToolHaveTheSamePower) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> part(-5.0, 5.0);
@@ -148,12 +148,12 @@ TEST(FalconBoard, MotorsAndToolHaveTheSamePower) {
     const Counts motors = motors_of(*tool, force, 1 << 15);
     const Vec3 torque = Vec3(motors[0], motors[1], motors[2]) / -10000.0;
     EXPECT_NEAR(torque.dot(turning), force_of(*tool, motors).dot(tool->jacobian * turning), 1e-9);
-    // Rounding to whole counts changes each by less than one count.
+    // Rounding to whole counts changes each value by less than one count.
     EXPECT_NEAR((tool->jacobian.transpose() * force - torque).cwiseAbs().maxCoeff(), 0.0, 1e-4);
   }
 }
 
-/// Others have published these figures for the middle of the workspace.
+/// Other authors have published these figures for the middle of the workspace.
 TEST(FalconBoard, TheFiguresAreThePublishedOnes) {
   const auto tool = tool_point(*arm_angles(kMiddle), kMiddle);
   EXPECT_NEAR(kCount / kDegree, 0.03643, 1e-5);
@@ -179,8 +179,8 @@ TEST(FalconBoard, TooMuchForceIsCutInItsDirection) {
   EXPECT_NEAR(real.normalized().dot(force.normalized()), 1.0, 1e-6);
 }
 
-/// The legs' equations have solutions outside of a Falcon. Near a straight leg a motor count would
-/// mean newtons, or an encoder count millimetres.
+/// The equations of the legs have solutions outside of a Falcon. Near a straight leg, a motor count
+/// would correspond to newtons, or an encoder count to millimetres.
 TEST(FalconBoard, PlacesThatNoFalconHasAreNone) {
   const Vec3 motor(-0.01242, -0.05088, 0.05878), encoder(0.0812, -0.0322, 0.1305);
   const Vec3 far(0.0549, 0.0628, 0.0337);
@@ -191,7 +191,7 @@ TEST(FalconBoard, PlacesThatNoFalconHasAreNone) {
   }
 }
 
-/// The maker's cube of 100 mm, except the corners that no leg reaches.
+/// The maker's workspace is a cube of 100 mm, except the corners that no leg reaches.
 TEST(FalconBoard, EveryPlaceOfItsCubeIsOne) {
   constexpr int kSteps = 5;
   int places = 0;
@@ -214,7 +214,7 @@ TEST(FalconBoard, AForceThatIsNotFiniteIsNotGiven) {
   EXPECT_EQ(motors_of(*tool, {0, 1e308, 1e308}), Counts{});
 }
 
-/// The time is an argument: arms turn at most at 60 rad/s.
+/// The time is an argument. Arms rotate at 60 rad/s at most.
 TEST(FalconBoard, AnArmThatCannotHaveMovedSoIsRefused) {
   TrackedTool tool;
   const Nanoseconds start(0);

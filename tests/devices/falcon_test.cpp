@@ -1,4 +1,5 @@
-// The Falcon's driver against a stand-in of libusb with a Falcon of known true motion.
+// Tests the Falcon's driver against a substitute of libusb. The substitute has a Falcon of known
+// true motion.
 
 #include "client/devices/falcon.hpp"
 
@@ -70,7 +71,7 @@ struct Falcon : ::testing::Test {
   void feel(Device& device, Servo& servo) {
     session.run(device, servo, [&] { return stand_in->force > 0.5; });
   }
-  /// After a fault the force ends at once, a fault is counted, and the force comes back.
+  /// After a fault the force must end at once and return later. The fault must be counted.
   void recovers(const char* name, const std::function<void()>& fault) {
     const OpenedDevice opened = open();
     Servo servo = servo_of(opened);
@@ -84,7 +85,8 @@ struct Falcon : ::testing::Test {
     session.expect_let_go("falcon", name, stand_in->edge);
     feel(*opened.device, servo);
   }
-  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
+  /// Returns the excess [J] of the true motion's energy over the dissipated energy, in four seconds
+  /// at a late wall.
   double made(std::string_view mode) {
     const double kRequests = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures()) session.patience = std::chrono::seconds(10);
@@ -93,7 +95,7 @@ struct Falcon : ::testing::Test {
     const int first = stand_in->requests;
     session.run(*opened.device, servo, [&] { return stand_in->requests >= first + kRequests; });
     statistics = servo.statistics();
-    opened.device.reset();  // no more requests
+    opened.device.reset();  // The device sends no more requests.
     session.tell("falcon", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     EXPECT_GT(stand_in->mass.largest_force, 0.5);
     return stand_in->mass.most_made;
@@ -110,9 +112,9 @@ TEST_F(Falcon, SaysWhatItIs) {
   const OpenedDevice opened = open();
   EXPECT_EQ(opened.device->spec().name, "falcon");
   EXPECT_EQ(opened.device->spec().max_force, 8.0);
-  EXPECT_EQ(opened.device->spec().late_ticks, 1);  // a force acts from the next answer on
+  EXPECT_EQ(opened.device->spec().late_ticks, 1);  // A force acts from the next answer on.
   EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
-  EXPECT_EQ(stand_in->loads, 0);  // its firmware ran already
+  EXPECT_EQ(stand_in->loads, 0);  // The firmware already ran.
   EXPECT_THAT(opened.notes, Contains(HasSubstr("not calibrated")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("watchdog")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity compensation")));
@@ -134,7 +136,7 @@ TEST_F(Falcon, ItsFirmwareIsLoadedFromTheUsersFile) {
   EXPECT_THAT(refusal(), HasSubstr("--firmware FILE"));
   EXPECT_EQ(stand_in->loads, 0);
   stand_in->hello_misses = 3;
-  stand_in->wrong_echoes = 2;  // two failing loads
+  stand_in->wrong_echoes = 2;  // Two loads fail.
   const OpenedDevice opened = open(file(stand_in->wanted));
   EXPECT_EQ(stand_in->loads, 3);
   EXPECT_TRUE(stand_in->loaded);
@@ -154,8 +156,8 @@ TEST_F(Falcon, AFirmwareThatDoesNotLoadOrRunIsRefused) {
   EXPECT_THAT(refusal(file(stand_in->wanted)), HasSubstr("takes no firmware"));
 }
 
-/// The driver tells the user to home it. All motor commands are zero until then, and again if the
-/// homing is lost later (the fixture checks each request).
+/// The driver must ask the user to home the device. All motor commands must be zero until then, and
+/// again if the homing is lost later. The fixture checks each request.
 TEST_F(Falcon, GivesNoForceBeforeItIsHomed) {
   stand_in->homed = 3;
   const OpenedDevice opened = open();
@@ -168,7 +170,7 @@ TEST_F(Falcon, GivesNoForceBeforeItIsHomed) {
   const int requests = stand_in->requests;
   session.run(*opened.device, servo, [&] { return stand_in->requests > requests + 300; });
   EXPECT_EQ(stand_in->largest_motor, 0);
-  EXPECT_EQ(servo.statistics().samples, 0u);  // its place is unknown
+  EXPECT_EQ(servo.statistics().samples, 0u);  // The position is unknown.
   stand_in->homed = 7;
   EXPECT_TRUE(opened.device->prepare().empty());
   feel(*opened.device, servo);
@@ -186,7 +188,8 @@ TEST_F(Falcon, AxesAreOurs) {
   EXPECT_NEAR((reading.pose.position - Vec3(0.01, 0.02, -0.015)).norm(), 0.0, 7e-5);
 }
 
-/// A force along an axis moves the free mass that way and has that size in newtons.
+/// A force along an axis must move the free mass in this direction. The magnitude of the force must
+/// be in newtons.
 TEST_F(Falcon, ForcesAreOurs) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     stand_in->mass = {};
@@ -201,7 +204,7 @@ TEST_F(Falcon, ForcesAreOurs) {
     }
     EXPECT_NEAR(held.force()[static_cast<int>(axis)], 0.8, 0.01);
     EXPECT_NEAR(stand_in->force, held.force().norm(), 0.01);
-    opened.device.reset();  // no more requests
+    opened.device.reset();  // The device sends no more requests.
     EXPECT_GT(stand_in->mass.velocity[axis], 0.1);
     EXPECT_LT(std::abs(stand_in->mass.velocity[(axis + 1) % 3]), 0.01);
   }
@@ -225,11 +228,11 @@ TEST_F(Falcon, IdentifyMeasuresAFreeHandle) {
   OpenedDevice opened = open();
   testing::Identified identified(*opened.device);
   identified.run(*opened.device, [&] { return 1e-3 * stand_in->requests.load(); });
-  opened.device.reset();  // no more requests
+  opened.device.reset();  // The device sends no more requests.
   identified.expect_below(stand_in->mass);
 }
 
-/// An unhomed handle gets no force, and a lost zero ends the measurement.
+/// An unhomed handle must get no force, and a lost homing must end the measurement.
 TEST_F(Falcon, IdentifyWaitsForTheZero) {
   const test::Hurry hurry;
   testing::let_free(stand_in->mass);
@@ -248,17 +251,17 @@ TEST_F(Falcon, IdentifyWaitsForTheZero) {
   stand_in->homed = 7;
   identified.run(*opened.device, time, [&] { return stand_in->force > 0.01; });
   stand_in->homed = 6;
-  // A user gets a minute; here the time runs thirty times as fast.
+  // A user has a minute. Here the time runs thirty times as fast.
   identified.run(*opened.device, [&, begin = time()] { return begin + 30.0 * (time() - begin); });
   EXPECT_THAT(std::string(identified.identification.why()), HasSubstr("not homed"));
-  stand_in->motor_before_homing = 0;  // the request that was in flight
+  stand_in->motor_before_homing = 0;  // This call removes the request that was still in the queue.
 }
 
 TEST_F(Falcon, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_EQ(statistics.device_faults, 0u);
 }
-/// Without a bound the wall must make energy: the measure above can fail.
+/// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(Falcon, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
 TEST_F(Falcon, MakesNoneWithFaults) {
@@ -294,8 +297,8 @@ TEST_F(Falcon, RecoversFromAnAnswerThatComesTwice) {
   recovers("repeats", [&] { stand_in->repeats = 1; });
 }
 
-/// A USB transfer that does not return blocks only the driver's own thread, which ends the force as
-/// soon as it returns.
+/// A USB transfer that does not return must block only the driver's own thread. This thread must
+/// end the force as soon as the transfer returns.
 TEST_F(Falcon, ABlockedTransferNeverHoldsTheServoUp) {
   const OpenedDevice opened = open();
   Servo servo = servo_of(opened);
@@ -340,7 +343,7 @@ TEST_F(Falcon, AnotherThreadMayLetItGo) {
   session.run_released(*opened.device, servo, [&] { return stand_in->force == 0.0; });
 }
 
-/// The driver's own thread ends the force if the device is closed while it pulls.
+/// If the device is closed during a force, the driver's own thread must end the force.
 TEST_F(Falcon, ClosedItHoldsNothing) {
   {
     const OpenedDevice opened = open();

@@ -1,4 +1,4 @@
-// Force Dimension's driver and the faults of its library.
+// Tests Force Dimension's driver with faults of its library.
 
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::WallSession;
 
-/// The account does not count force beyond the motors' limit.
+/// The account must not include force above the limit of the motors.
 TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   const OpenedDevice opened = open();
   stand_in->saturates_at = 2.0;
@@ -28,7 +28,7 @@ TEST_F(ForceDimension, ASaturatedMotorHoldsLess) {
   EXPECT_NEAR((held.elastic - 0.4 * Vec3(0, 3, 0)).norm(), 0.0, 1e-12);
   stand_in->tells_force = false;
   EXPECT_EQ(opened.device->write(pull(0, 3, 0)), Command{});
-  EXPECT_FALSE(opened.device->read({}).ok);  // until a zero has been sent
+  EXPECT_FALSE(opened.device->read({}).ok);  // The fault lasts until the driver has sent a zero.
   opened.device->write({});
   EXPECT_TRUE(opened.device->read({}).ok);
 }
@@ -44,8 +44,9 @@ TEST_F(ForceDimension, ForcesThatAreSwitchedOffAreNotHeld) {
   EXPECT_EQ(opened.device->write(pull(0, 0, 1)), pull(0, 0, 1));
 }
 
-/// A pause of the program makes the watchdog switch the force off; the driver switches it on again.
-/// A person's switch stays off, and the driver names it.
+/// After a pause of the program the watchdog switches the force off. The driver must switch the
+/// force on again. If a person switched the force off, the force must stay off, and the driver must
+/// report the switch.
 TEST_F(ForceDimension, WhatSwitchedTheForceOffIsTold) {
   const OpenedDevice opened = open();
   EXPECT_TRUE(opened.device->prepare().empty());
@@ -64,7 +65,8 @@ TEST_F(ForceDimension, WhatSwitchedTheForceOffIsTold) {
   EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("cable"));
 }
 
-/// A change of the gravity compensation does work, so that movement is not accounted.
+/// A change of the gravity compensation does work. The account must therefore exclude this
+/// movement.
 TEST_F(ForceDimension, AGravityCompensationThatChangesIsAFault) {
   const OpenedDevice opened = open();
   opened.device->write({});
@@ -102,7 +104,7 @@ TEST_F(ForceDimension, ALibraryWithoutAFunctionIsRefused) {
   }
 }
 
-/// A reading in the time guard is not new; the driver still feeds the firmware's watchdog.
+/// A reading within the time guard is not new. The driver must still reset the firmware's watchdog.
 TEST_F(ForceDimension, AnOldReadingIsSeenAsSuch) {
   const OpenedDevice opened = open();
   opened.device->read({});
@@ -123,7 +125,7 @@ TEST_F(ForceDimension, ReleaseTakesTheForceOffForGood) {
   EXPECT_FALSE(stand_in->pulls);
 }
 
-/// identify waits for a while for an initial fault to end, then gives up.
+/// identify must wait for the end of an initial fault for some time, and then give up.
 TEST_F(ForceDimension, IdentifyGivesUpOnAFaultThatStays) {
   const OpenedDevice opened = open();
   stand_in->fails_from = 0;
@@ -149,7 +151,7 @@ TEST_F(ForceDimension, MakesNoneWithEveryFaultAtOnce) {
   EXPECT_GT(statistics.stale_readings, 1900u);
 }
 
-/// No zero gets through any more, so the firmware's watchdog must end the force.
+/// No zero reaches the device any more. The firmware's watchdog must end the force.
 TEST_F(ForceDimension, CallsThatFailLetTheForceGo) {
   const OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -174,7 +176,7 @@ TEST_F(ForceDimension, ABlockedCallLetsTheForceGo) {
       open().device, std::make_shared<Transport>(peer.session(), SessionParameters{}, true),
       parameters, ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
-  task->let_go_after = parameters.hold_time;  // a busy machine must not trigger it
+  task->let_go_after = parameters.hold_time;  // A busy machine must not trigger the release.
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

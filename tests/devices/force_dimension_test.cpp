@@ -1,4 +1,4 @@
-// Force Dimension's driver against a library that answers like the maker's.
+// Tests Force Dimension's driver against a substitute of the maker's library.
 
 #include <gmock/gmock.h>
 
@@ -24,7 +24,7 @@ TEST_F(ForceDimension, IsMadeReadyWithoutAKick) {
     EXPECT_TRUE(stand_in->force_on && stand_in->gravity_on);
     EXPECT_FALSE(stand_in->brakes_on || stand_in->force_before_on);
     EXPECT_EQ(stand_in->max_force, 12.0);
-    EXPECT_EQ(stand_in->watchdog, 80);  // 10 ms
+    EXPECT_EQ(stand_in->watchdog, 80);  // 10 ms in units of the watchdog
     EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.05 N s/m is an assumption")));
     EXPECT_THAT(opened.notes, Contains(HasSubstr("gravity compensation is on")));
     EXPECT_THAT(opened.notes, Not(Contains(HasSubstr("watchdog"))));
@@ -49,7 +49,7 @@ TEST_F(ForceDimension, AWristWithMotorsIsGivenTorque) {
   EXPECT_FALSE(stand_in->grips);
   opened.device->release();
   test::eventually("it is let go", [&] { return !stand_in->pulls.load(); });
-  // An unknown model: only its motors are known.
+  // The model is unknown. The driver has only the number of its motors.
   stand_in->system = "lambda.9";
   const OpenedDevice other = open();
   EXPECT_EQ(other.device->spec().rotation_actuated, 3);
@@ -85,7 +85,7 @@ TEST_F(ForceDimension, TheLagOfItsBusIsAssumed) {
   EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
   EXPECT_THAT(open().notes,
               Contains(HasSubstr("actuation_lag 0.0005 s is an assumption for USB; ")));
-  // A Falcon under the maker's library has no late ticks, but a slow bus.
+  // Under the maker's library, a Falcon has no late ticks but a slow bus.
   stand_in->system = "Falcon";
   const OpenedDevice falcon = open();
   EXPECT_EQ(falcon.device->spec().late_ticks, 0);
@@ -155,15 +155,15 @@ TEST_F(ForceDimension, IdentifyMeasuresAFreeHandle) {
 }
 
 TEST_F(ForceDimension, MakesNoEnergy) {
-  EXPECT_GT(made(kUnbounded), 0.01);  // the measure can fail
+  EXPECT_GT(made(kUnbounded), 0.01);  // The measurement can fail.
   stand_in->mass = {};
   EXPECT_LE(made(), 1e-12);
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
   EXPECT_EQ(statistics.device_faults, 0u);
-  EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // no tick is missing
+  EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // No tick may be missing.
 }
 
-/// A late stop of the wrist and the late wall act together, at a single port.
+/// The wrist hits a late stop and the hand hits a late wall. Both act at a single port.
 TEST_F(ForceDimension, MakesNoEnergyByTorqueEither) {
   stand_in->system = "sigma.7";
   stand_in->active_wrist = true;

@@ -15,9 +15,10 @@
 namespace stand_in {
 namespace {
 
-constexpr double kInner = 0.05, kOuter = 0.07, kGap = 0.02;  // [m] links and shafts
-constexpr double kMiddleX = 0.01, kMiddleY = 0.08;           // [m] the mass's origin
-constexpr double kTorqueGain = 0.1;                          // of the lever, in inner links
+// [m] lengths of the links, and distance of the shafts
+constexpr double kInner = 0.05, kOuter = 0.07, kGap = 0.02;
+constexpr double kMiddleX = 0.01, kMiddleY = 0.08;  // [m] origin of the mass
+constexpr double kTorqueGain = 0.1;                 // lever of the torque, in inner links
 constexpr double kToDegrees = 57.29577951308232, kCounts = 13824.0;
 constexpr double kFrameTick = 1e-3;  // [s]
 
@@ -25,7 +26,7 @@ struct Point {
   double x, y;
 };
 
-/// The intersection of the circles about both elbows, away from the shafts.
+/// Returns the intersection of the circles about both elbows, away from the shafts.
 Point forward(double th1, double th2) {
   const Point a{kInner * std::cos(th1), kInner * std::sin(th1)};
   const Point b{kGap + kInner * std::cos(th2), kInner * std::sin(th2)};
@@ -34,7 +35,7 @@ Point forward(double th1, double th2) {
   return {(a.x + b.x) / 2.0 - up * (b.y - a.y) / d, (a.y + b.y) / 2.0 + up * (b.x - a.x) / d};
 }
 
-/// The first elbow bends left, the second bends right.
+/// Returns the angles. The first elbow bends left, and the second bends right.
 std::array<double, 2> inverse(Point p) {
   const auto bend = [](double d) {
     return std::acos((kInner * kInner + d * d - kOuter * kOuter) / (2.0 * kInner * d));
@@ -62,7 +63,7 @@ HapiBoard::HapiBoard() : board_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
   if (board_ < 0 || ::grantpt(board_) != 0 || ::unlockpt(board_) != 0)
     throw std::runtime_error("no pseudo terminal");
   port_ = ::ptsname(board_);
-  // Kept open, so the board sees no hang-up before the driver comes; echo is off.
+  // The port stays open, so the board gets no hang-up before the driver opens it. Echo is off.
   host_ = ::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   termios settings{};
   ::tcgetattr(host_, &settings);
@@ -134,7 +135,7 @@ void HapiBoard::answer_setup() {
 
 void HapiBoard::answer_torques() {
   const double t1 = number_at(heard_, 2), t2 = number_at(heard_, 6);
-  // The old torque acted until now; the new one then works on the mass.
+  // The old torque acted until now. The new torque then acts on the mass.
   constexpr double kStep = 1e-6;
   const auto angles = arms();
   const double th1 = std::get<0>(angles), th2 = std::get<1>(angles);
@@ -143,7 +144,7 @@ void HapiBoard::answer_torques() {
     return Point{(after.x - before.x) / (2.0 * kStep), (after.y - before.y) / (2.0 * kStep)};
   };
   const Point j1 = slope(kStep, 0.0), j2 = slope(0.0, kStep);
-  // j1 . f = t1, j2 . f = t2, in newton metres.
+  // [N m] j1 . f = t1, j2 . f = t2
   const double m1 = t1 * kInner / kTorqueGain, m2 = t2 * kInner / kTorqueGain;
   const double determinant = j1.x * j2.y - j1.y * j2.x;
   const Point f{(m1 * j2.y - m2 * j1.y) / determinant, (j1.x * m2 - j2.x * m1) / determinant};
@@ -167,7 +168,7 @@ void HapiBoard::answer_torques() {
   const double size = std::hypot(f.x, f.y);
   edge.tick();
   edge.command(size > 0.0);
-  force.store(size);  // last: a test that sees it may read the rest
+  force.store(size);  // This store is last. A test that sees it may read the other values.
   if (takes_one(late)) std::this_thread::sleep_for(std::chrono::milliseconds(30));
   if (!takes_one(drops)) reply(bytes);
   mass.advance(kFrameTick, {f.x, 0.0, f.y});

@@ -1,4 +1,5 @@
-// The 2-dof open board's driver against a board at a pseudo terminal, with a known true motion.
+// Tests the driver of the 2-dof open board against a board at a pseudo terminal. The board has a
+// known true motion.
 
 #include "client/devices/hapi.hpp"
 
@@ -49,15 +50,16 @@ struct Hapi : ::testing::Test {
     parameters.mode = mode;
     return Servo(opened.device->spec(), parameters, {});
   }
-  /// Runs until the board pulls the hand.
+  /// Runs until the board's force acts on the hand.
   void feel(Device& device, Servo& servo) {
     session.run(device, servo, [&] { return board.force > 0.5; });
   }
-  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
+  /// Returns the excess [J] of the true motion's energy over the dissipated energy, in four seconds
+  /// at a late wall.
   double made(std::string_view mode) {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
-      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the board
+      session.patience = std::chrono::seconds(10);  // A busy machine is no fault of the board.
     OpenedDevice opened = open();
     Servo servo = servo_of(opened, mode);
     session.run(*opened.device, servo, [&] { return board.frames >= kFrames; });
@@ -65,7 +67,7 @@ struct Hapi : ::testing::Test {
     opened.device.reset();
     board.stop();
     session.tell("hapi", servo, board.mass.largest_force, board.mass.most_made);
-    EXPECT_GT(board.mass.largest_force, 0.5);  // the hand touched the wall
+    EXPECT_GT(board.mass.largest_force, 0.5);  // The hand must touch the wall.
     return board.mass.most_made;
   }
 
@@ -99,7 +101,7 @@ TEST_F(Hapi, WhatIsWrongIsSaid) {
 TEST_F(Hapi, OtherFirmwareIsRefused) {
   board.firmware = HapiBoard::Firmware::silent;
   EXPECT_THAT(refusal(board.port()), HasSubstr("no answer"));
-  EXPECT_GT(board.setups, 1);  // the driver asked again
+  EXPECT_GT(board.setups, 1);  // The driver must request the setup again.
 }
 TEST_F(Hapi, AnotherDeviceIsRefused) {
   board.firmware = HapiBoard::Firmware::other_device;
@@ -120,7 +122,8 @@ TEST_F(Hapi, AxesAreOurs) {
   EXPECT_NEAR((reading.pose.position - Vec3(-0.02, 0.01, 0.0)).norm(), 0.0, 5e-5);
 }
 
-/// A force along an axis moves the free mass that way and has that size in newtons.
+/// A force along an axis must move the free mass in this direction. The magnitude of the force must
+/// be in newtons.
 TEST_F(Hapi, ForcesAreOurs) {
   board.mass.stiffness = board.mass.hand_damping = board.mass.friction = 0.0;
   const OpenedDevice opened = open();
@@ -134,7 +137,8 @@ TEST_F(Hapi, ForcesAreOurs) {
   tick();
   EXPECT_NEAR(board.force, std::hypot(0.2, 0.1), 1e-3);
   device.read({});
-  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.0));  // held until the next reading
+  // The device holds this force until the next reading.
+  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.0));
   tick();
   device.read({});
   EXPECT_EQ(device.write({}).force(), Vec3::Zero());
@@ -153,7 +157,8 @@ TEST_F(Hapi, IdentifyMeasuresAFreeHandle) {
   identified.expect_below(board.mass);
 }
 
-/// A force beyond the board's torque is scaled down, and the account counts the scaled force.
+/// A force above the board's largest torque must be scaled down. The account must use the scaled
+/// force.
 TEST_F(Hapi, AForceBeyondTheMotorsKeepsItsDirection) {
   const OpenedDevice opened = open();
   Device& device = *opened.device;
@@ -178,7 +183,7 @@ TEST_F(Hapi, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 3900u);
   EXPECT_EQ(statistics.device_faults, 0u);
 }
-/// Without a bound the wall must make energy: the measure above can fail.
+/// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(Hapi, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
 TEST_F(Hapi, ATickDoesNotTouchTheHeap) {
@@ -219,7 +224,7 @@ TEST_F(Hapi, TheEndTakesTheForceOff) {
   test::eventually("it is let go", [&] { return board.force == 0.0; });
 }
 
-/// After any fault of a reply the force ends, and later it comes back.
+/// After any fault of a reply the force must end and return later.
 struct Fault {
   const char* name;
   std::atomic<int> HapiBoard::*count;
@@ -239,12 +244,12 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   strike();
   session.run(*opened.device, servo, [&] {
     const bool seen = servo.statistics().device_faults > faults;
-    // After a late tick the arm may have moved that far: make it jump again.
+    // After a late tick the arm may have moved this far. The test then makes another jump.
     if (!seen && wanted == 0 && &wanted == &board.jumps) strike();
     return seen;
   });
   EXPECT_EQ(servo.given(), Command{});
-  // A single faulty tick suffices.
+  // A single faulty tick must suffice.
   test::eventually("it is let go", [&] { return board.force == 0.0; });
   session.expect_let_go("hapi", GetParam().name, board.edge);
   feel(*opened.device, servo);
@@ -273,8 +278,8 @@ TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
-/// The servo does not wait for a blocked port. A force that waited in the port is at once followed
-/// by a zero force.
+/// The servo must not wait for a blocked port. A zero force must directly follow a force that
+/// waited in the port.
 TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   const OpenedDevice opened = open();
   Servo servo = servo_of(opened);
@@ -289,7 +294,8 @@ TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   test::eventually("it is let go", [&] { return board.force == 0.0; });
 }
 
-/// Two other computations confirm the tool's place, and differences confirm the jacobian.
+/// Two other computations must confirm the tool's position, and differences must confirm the
+/// Jacobian.
 TEST(HapiPantograph, IsWhereItsLinksMeet) {
   std::mt19937 random(19);
   std::uniform_real_distribution<double> left(1.8, 3.4), right(-0.3, 1.3);
@@ -317,7 +323,7 @@ TEST(HapiPantograph, IsWhereItsLinksMeet) {
   EXPECT_TRUE(hapi::tool_point({std::numbers::pi, 0.0}));  // elbows 0.12 m apart
   EXPECT_TRUE(hapi::tool_point({0.0, 0.0}));               // elbows 0.02 m apart
   const double meet = std::acos(0.2);
-  EXPECT_FALSE(hapi::tool_point({meet, std::numbers::pi - meet}));  // elbows in one place
+  EXPECT_FALSE(hapi::tool_point({meet, std::numbers::pi - meet}));  // both elbows at one position
 }
 
 }  // namespace

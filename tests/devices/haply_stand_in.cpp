@@ -18,7 +18,7 @@ namespace stand_in {
 namespace {
 
 constexpr double kCommandTick = 1e-3;            // [s]
-constexpr double kBack = -0.12, kHeight = 0.15;  // [m] of the mass's origin
+constexpr double kBack = -0.12, kHeight = 0.15;  // [m] origin of the mass
 constexpr unsigned kFinal = 0x80, kText = 1, kMore = 0, kPing = 9;
 
 std::string xyz(double x, double y, double z) {
@@ -26,7 +26,7 @@ std::string xyz(double x, double y, double z) {
          ", \"z\": " + std::to_string(z) + "}";
 }
 
-/// The number after "NAME": in the text.
+/// Returns the number after "NAME": in the text.
 double number_behind(std::string_view text, std::string_view name) {
   const std::size_t at = text.find("\"" + std::string(name) + "\":");
   return at == std::string_view::npos
@@ -70,13 +70,13 @@ void HaplyService::run() {
     const int on = 1;
     ::setsockopt(peer_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (peer_ >= 0 && shake_hands()) serve();
-    edge.command(false);  // no more commands: it goes idle
+    edge.command(false);  // No more commands arrive, so the device becomes idle.
     force.store(0.0);
     ::close(peer_);
   }
 }
 
-/// Waits for more than `size` bytes; false: no more will come.
+/// Waits for `size` bytes or more. Returns false if no more bytes will come.
 bool HaplyService::fill(std::size_t size) {
   std::array<char, 4096> room{};
   while (heard_.size() < size) {
@@ -124,7 +124,7 @@ void HaplyService::serve() {
       size = (static_cast<std::size_t>(byte(2)) << 8U) + byte(3);
       at = 4;
     }
-    if ((byte(1) & 0x80U) == 0) return;  // a client must mask its frames
+    if ((byte(1) & 0x80U) == 0) return;  // A client must mask its frames.
     if (!fill(at + 4 + size)) return;
     std::string text = heard_.substr(at + 4, size);
     for (std::size_t n = 0; n < size; ++n)
@@ -136,7 +136,7 @@ void HaplyService::serve() {
   }
 }
 
-/// A command stays until the next one.
+/// A command acts until the next command.
 void HaplyService::understand(std::string_view text) {
   const std::string_view name = json_ == Json::v3_5 ? "\"set_cursor_force\":{\"vector\":"
                                                     : "\"set_cursor_force\":{\"values\":";
@@ -159,7 +159,7 @@ void HaplyService::understand(std::string_view text) {
   applied_[2] += pushes.load();
   edge.tick();
   edge.command(wanted != Three{});
-  // Last: a test that sees it may read the rest.
+  // This store is last. A test that sees it may read the other values.
   force.store(std::hypot(applied_[0], applied_[1], applied_[2]));
   homed_ = !takes_one(homeless);
   answer(told(false));

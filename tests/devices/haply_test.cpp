@@ -1,4 +1,4 @@
-// The driver of Haply's devices against a service that answers like theirs.
+// Tests the driver of Haply's devices against a substitute of their service.
 
 #include "client/devices/haply.hpp"
 
@@ -51,16 +51,17 @@ Servo servo_of(const OpenedDevice& opened, std::string_view mode = kUnbounded) {
   return Servo(opened.device->spec(), parameters, {});
 }
 
-/// Runs each test in each dialect with known commands.
+/// Runs each test in each dialect of the service's JSON.
 struct HaplyDialect : ::testing::TestWithParam<Json> {
   void feel(Device& device, Servo& servo) {
     session.run(device, servo, [&] { return service.force > 0.5; });
   }
-  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
+  /// Returns the excess [J] of the true motion's energy over the dissipated energy, in four seconds
+  /// at a late wall.
   double made(std::string_view mode) {
     const double kTicks = 1e3 * testing::session_seconds(4.0);
     if (!testing::measures())
-      session.patience = std::chrono::seconds(10);  // a busy machine is no fault of the service
+      session.patience = std::chrono::seconds(10);  // A busy machine is no fault of the service.
     OpenedDevice opened = open(service);
     Servo servo = servo_of(opened, mode);
     session.run(*opened.device, servo, [&] { return service.commands >= kTicks; });
@@ -68,7 +69,7 @@ struct HaplyDialect : ::testing::TestWithParam<Json> {
     opened.device.reset();
     service.stop();
     session.tell("haply", servo, service.mass.largest_force, service.mass.most_made);
-    EXPECT_GT(service.mass.largest_force, 0.3);  // the hand touched the wall
+    EXPECT_GT(service.mass.largest_force, 0.3);  // The hand must touch the wall.
     EXPECT_EQ(service.misunderstood, 0);
     return service.mass.most_made;
   }
@@ -105,7 +106,7 @@ TEST_P(HaplyDialect, WhatIsWrongIsSaid) {
   service.scale = 2.0;
   EXPECT_THAT(refusal(service), HasSubstr("reset basis and mount"));
   service.scale = 1.0;
-  service.damping = 3.0;  // only a session's configuration reports it
+  service.damping = 3.0;  // Only the configuration of a session reports this value.
   EXPECT_THAT(refusal(service),
               HasSubstr(GetParam() == Json::v3_5 ? "set its damping to 0" : "none"));
   service.damping = 0.0;
@@ -154,7 +155,8 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   tick();
   EXPECT_TRUE(device.read({}).deadman);
   EXPECT_TRUE(device.read({}).clutch);
-  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.3));  // held until the next answer
+  // The device holds this force until the next answer.
+  EXPECT_EQ(device.write({}).force(), Vec3(0.2, -0.1, 0.3));
   tick();
   EXPECT_FALSE(device.read({}).held);
   service.stop();
@@ -163,7 +165,7 @@ TEST_P(HaplyDialect, AxesAndForcesAreOurs) {
   EXPECT_NEAR((moved - Vec3(0.2, -0.1, 0.3).normalized()).norm(), 0.0, 1e-6);
 }
 
-/// A turn about the service's y, away from the user, is a turn about our -x.
+/// A rotation about the service's y axis, away from the user, is a rotation about our -x axis.
 TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
   EXPECT_EQ(open(service).device->spec().rotation_sensed, 0);
   service.grip_turns = true;
@@ -179,7 +181,7 @@ TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
     return Vec3(turned.angle() * turned.axis());
   };
   EXPECT_NEAR((turn() - Vec3(-0.3, 0.0, 0.0)).norm(), 0.0, 1e-5);
-  // A sleeping grip or an invalid orientation keeps the last orientation.
+  // With a sleeping grip or an invalid orientation, the last orientation must stay.
   service.wrong_length = true;
   service.away_turn = 0.5;
   turn();
@@ -191,17 +193,17 @@ TEST_P(HaplyDialect, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 3900u);
   EXPECT_EQ(statistics.device_faults, 0u);
 }
-/// Without a bound the wall must make energy: the measure above can fail.
+/// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_P(HaplyDialect, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
-/// The service cuts the force: the account uses the force that the service reports.
+/// The service reduces the force. The account must use the force that the service reports.
 TEST_P(HaplyDialect, MakesNoneWhereTheForceIsCut) {
   service.gate = 0.6;
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(statistics.forces_corrected, 100u);
 }
 
-/// Answers come in fragments, with pings between them.
+/// Answers arrive in fragments, with pings in between.
 TEST_P(HaplyDialect, MakesNoneWhereAnswersComeInPieces) {
   service.fragments = 1000;
   EXPECT_LE(made(kSessionMethod), 1e-12);
@@ -242,7 +244,7 @@ TEST_P(HaplyDialect, AnotherThreadMayLetItGo) {
   session.run_released(*opened.device, servo, [&] { return service.force == 0.0; });
 }
 
-/// After any fault of an answer the force ends, and later it comes back.
+/// After any fault of an answer the force must end and return later.
 struct Fault {
   const char* name;
   std::atomic<int> HaplyService::*count;
@@ -260,7 +262,7 @@ TEST_P(HaplyFault, LetsTheForceGoAndIsOver) {
   service.*GetParam().count = 1;
   session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
   EXPECT_EQ(servo.given(), Command{});
-  // A single faulty tick suffices.
+  // A single faulty tick must suffice.
   test::eventually("it is let go", [&] { return service.force == 0.0; });
   session.expect_let_go("haply", GetParam().name, service.edge);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
@@ -275,7 +277,7 @@ INSTANTIATE_TEST_SUITE_P(Of, HaplyFault,
                          [](const auto& fault) { return std::string(fault.param.name); });
 
 struct HaplyLoss : ::testing::Test {
-  /// Sets `lost`, a lasting fault, while a force is on, and expects the force to end.
+  /// Sets `lost`, a lasting fault, during a force. The force must end.
   template <class Value>
   void expect_let_go(std::atomic<Value>& lost, Value value) {
     const OpenedDevice opened = open(service);
@@ -303,7 +305,7 @@ struct HaplyLoss : ::testing::Test {
 TEST_F(HaplyLoss, AServiceThatHangsUpIsAFaultForGood) { expect_let_go(service.hangs_up, true); }
 TEST_F(HaplyLoss, AServiceThatHangsNeverHoldsTheServoUp) { expect_let_go(service.blocks, true); }
 TEST_F(HaplyLoss, AServiceThatMasksItsFramesIsNoService) { expect_let_go(service.masks, true); }
-/// Such a bit means compression, for example, which the client did not request.
+/// Such a bit means compression, for example, but the client did not request it.
 TEST_F(HaplyLoss, AServiceThatSetsReservedBitsIsNoService) {
   expect_let_go(service.odd_bits, 0x40U);
 }
@@ -312,12 +314,12 @@ TEST_F(HaplyLoss, ADeviceThatLosesItsCalibrationIsAFault) {
 }
 
 TEST_F(HaplyLoss, ADeviceThatIsNotReadyAnyMoreIsAFault) { expect_let_go(service.ready, false); }
-/// The service continues, but its messages no longer have the device.
+/// The service continues, but its messages no longer contain the device.
 TEST_F(HaplyLoss, ADeviceThatIsPulledOutIsAFault) { expect_let_go(service.plugged, false); }
 
-/// Another program adds a force, so the force on the hand is unknown to the account.
+/// Another program adds a force. The account then has no value for the force on the hand.
 TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
-  session.patience = std::chrono::seconds(10);  // no other fault
+  session.patience = std::chrono::seconds(10);  // This session must have no other fault.
   const OpenedDevice opened = open(service);
   Servo servo = servo_of(opened);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
@@ -340,7 +342,7 @@ TEST(Haply, AnOlderServiceIsRefused) {
   service.old_json = true;
   EXPECT_THAT(refusal(service), AllOf(HasSubstr("2.x"), HasSubstr("install")));
 }
-/// The doctor asks the service and sends no command.
+/// The doctor must query the service and send no command.
 TEST(Haply, TheServiceSaysWhatItHas) {
   HaplyService service(Json::v3_5);
   service.second = true;

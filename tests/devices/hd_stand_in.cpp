@@ -1,5 +1,5 @@
-// A libHD with a simulated mass and its own scheduler. Written from the names, types, units and
-// codes that users of OpenHaptics have published, not from the driver.
+// A substitute for libHD with a simulated mass and its own scheduler. The source is the names,
+// types, units and codes that users of OpenHaptics have published, not the driver.
 
 #include "tests/devices/hd_stand_in.hpp"
 
@@ -24,18 +24,18 @@ struct ErrorInfo {
 };
 
 constexpr unsigned kHandle = 3, kNone = 0xFFFFFFFFu;
-constexpr double kTick = 1e-3, kMostTick = 1.25e-3;  // [s] for the mass
-constexpr int kRamp = 500;                           // ticks
+constexpr double kTick = 1e-3, kMostTick = 1.25e-3;  // [s] tick of the mass, and longest tick
+constexpr int kRamp = 500;                           // [ticks]
 
 std::unique_ptr<stand_in::Hd> device = std::make_unique<stand_in::Hd>();
 std::array<unsigned, 16> errors;
 std::size_t error_count = 0;
-Three force{}, wanted{};         // [N] on the mass, in our axes; requested in this frame
+Three force{}, wanted{};         // [N] force on the mass in our axes; requested force of this frame
 Three before{};                  // [N] on the mass until the last frame ended
 Three twist{};                   // [N m] of this frame
-Clock::time_point began, ended;  // the last frame
-bool framed = false;             // a frame has occurred
-int ramp = 0;                    // ticks left
+Clock::time_point began, ended;  // begin and end of the last frame
+bool framed = false;             // true after the first frame
+int ramp = 0;                    // remaining ticks
 bool in_frame = false;
 
 std::thread scheduler;
@@ -47,8 +47,8 @@ void* user = nullptr;
 void raise(unsigned code) {
   if (error_count < errors.size()) errors[error_count++] = code;
 }
-/// Moves the mass for the tick that ends: under the former force until the last frame ended, then
-/// under the new one.
+/// Moves the mass for the tick that ends. The former force acts until the last frame ended, and
+/// then the new force.
 void move() {
   const auto now = Clock::now();
   if (framed) {
@@ -143,7 +143,8 @@ void hdEndFrame(unsigned) {
     stand_in::page()->force.store(share * size);
     device->buttons.store(static_cast<int>(stand_in::page()->buttons.load()));
   }
-  device->force.store(share * size);  // last: a test that sees it may read the rest
+  // This store is last. A test that sees it may read the other values.
+  device->force.store(share * size);
 }
 ErrorInfo hdGetError() {
   if (error_count == 0) return {0, 0, 0};
@@ -167,12 +168,13 @@ void hdGetDoublev(unsigned what, double* values) {
   check(allowed());
   if (what == 0x2603) *values = 3.3;
   if (what != 0x2052) return;
-  // The pen's axes equal the device's.
+  // The axes of the pen equal those of the device.
   for (int i = 0; i < 16; ++i) values[i] = i % 5 == 0 ? 1.0 : 0.0;
   const Three p = device->mass.sensed();
   device->told_near.store(p[0]);
   device->told_at.store(device->mass.time);
-  values[12] = 1e3 * p[1], values[13] = 1e3 * p[2], values[14] = 1e3 * p[0];  // right, up, near
+  // right, up, towards the user
+  values[12] = 1e3 * p[1], values[13] = 1e3 * p[2], values[14] = 1e3 * p[0];
 }
 void hdGetIntegerv(unsigned what, int* value) {
   if (what == 0x2600) *value = 1000;
@@ -187,7 +189,7 @@ const char* hdGetString(unsigned) { return device->model; }
 void hdSetDoublev(unsigned what, const double* values) {
   const bool turns = what == 0x2701 && device->output_dof == 6;
   check((what == 0x2700 || turns) && in_frame);
-  if (turns)  // in mN m
+  if (turns)  // [mN m]
     twist = {1e-3 * values[2], 1e-3 * values[0], 1e-3 * values[1]};
   else
     wanted = {values[2], values[0], values[1]};

@@ -1,4 +1,4 @@
-// The input devices that are found, opened or refused, and the messages about them.
+// Tests which input devices are found, opened or refused, and the messages.
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -40,7 +40,7 @@ TEST_F(Steered, OtherInputDevicesAreRefused) {
   input.keys = {KEY_A, KEY_ENTER};
   EXPECT_THAT(refusal("gamepad"), HasSubstr("neither a gamepad nor a 3D mouse"));
   stand_in::be_spacemouse(input);
-  input.keys = {};  // like a gamepad's gyroscope
+  input.keys = {};  // A gamepad's gyroscope has no keys.
   EXPECT_THAT(refusal("spacemouse"), HasSubstr("neither"));
   input.keys = {BTN_TRIGGER, BTN_THUMB};  // a flight stick
   EXPECT_THAT(refusal("spacemouse"), HasSubstr("neither"));
@@ -60,7 +60,7 @@ TEST(EventNode, WhatIsNoNodeIsSaid) {
   EXPECT_THAT(path_refusal("/dev/null"), AllOf(HasSubstr("/dev/null"), HasSubstr("no event node")));
 }
 
-/// Runs without root's right to open every file during its life.
+/// During its life, removes root's right to open every file.
 class AsNobody {
  public:
   AsNobody() : root_(::geteuid() == 0) {
@@ -85,7 +85,7 @@ TEST(EventNode, ANodeThatMayNotBeOpenedHasARemedy) {
               AllOf(HasSubstr("Permission denied"), HasSubstr("adduser $USER input")));
 }
 
-/// A made-up machine.
+/// Builds a simulated machine.
 struct Nodes : ::testing::Test {
   void put(const std::string& file, const std::string& text) {
     std::filesystem::create_directories((root / file).parent_path());
@@ -102,7 +102,7 @@ struct Nodes : ::testing::Test {
     put(device + "capabilities/rel", "0");
     put("dev/input/" + event, "");
   }
-  // Lines of a 64-bit kernel: BTN_SOUTH and its neighbours are in the fifth word.
+  // These lines are from a 64-bit kernel. BTN_SOUTH and its neighbours are in the fifth word.
   void plug_pad(const std::string& event) {
     plug(event, "Pad", "7cdb000000000000 0 0 0 0", "3003f");
   }

@@ -18,7 +18,7 @@ int fail(int error) {
   return -1;
 }
 
-/// A bitmap as the kernel copies it: machine words, cut to the requested size.
+/// A bitmap in the kernel's format: machine words, truncated to the requested size.
 class Bitmap {
  public:
   Bitmap(void* room, std::size_t size) : bytes_(static_cast<unsigned char*>(room)), size_(size) {
@@ -118,7 +118,7 @@ void InputDevice::push(std::uint16_t type, unsigned code, int value) {
   if (type == EV_SYN && code == SYN_REPORT) whole_ = buffer_.size();
 }
 
-/// An axis that did not move makes no event.
+/// An axis without movement makes no event.
 void InputDevice::axis(unsigned code, int value) {
   if (std::exchange(axes.at(code).value, value) == value) return;
   anything_ = true;

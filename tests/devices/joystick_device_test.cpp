@@ -1,5 +1,5 @@
-// Gamepads and 3D mice: the movement of the tool for each event. The input devices' events and
-// ioctls follow the kernel's documentation.
+// Tests gamepads and 3D mice: the movement of the tool for each event. The input devices' events
+// and ioctls follow the kernel's documentation.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ struct Deflection {
   const char* kind;
   unsigned code;
   int value;
-  Vec3 move, turn;  // unit
+  Vec3 move, turn;  // unit vectors
 };
 struct Direction : Steered, ::testing::WithParamInterface<Deflection> {};
 
@@ -81,10 +81,10 @@ TEST_F(Steered, TheSpeedIsLimitedInEveryDirection) {
 TEST_F(Steered, SpeedDeadZoneAndShapeAreThoseOfTheOptions) {
   start(stand_in::be_spacemouse, "spacemouse", {.speed = 0.2, .turn = 1.0, .dead_zone = 0.2});
   move(0.01);
-  push(ABS_X, 70);  // a fifth of the range: at rest
+  push(ABS_X, 70);  // A fifth of the range is in the dead zone.
   move(1.0);
   EXPECT_EQ(way(), Vec3::Zero());
-  push(ABS_X, 210);  // halfway beyond that: a quarter of the speed
+  push(ABS_X, 210);  // Half of the remaining range gives a quarter of the speed.
   move(1.0);
   EXPECT_NEAR(way().y(), 0.05, 0.003);
 }
@@ -110,7 +110,7 @@ TEST_F(Steered, TheOtherButtonsAreNumberedFromOne) {
   }
   input.report();
   EXPECT_EQ(move(0.01).buttons, 0u);
-  input.key(BTN_TR, true);  // this button has its own meaning
+  input.key(BTN_TR, true);  // This button has its own meaning.
   input.report();
   EXPECT_EQ(move(0.01).buttons, 0u);
 }
@@ -162,19 +162,20 @@ TEST_F(Steered, AStickThatIsHeldAtTheStartCountsOnceItWasAtRest) {
   EXPECT_NEAR(device->true_position().y(), 0.1, 0.005);
 }
 
-/// A pad that is out of reach repeats no events.
+/// A gamepad out of radio range repeats no events.
 TEST_F(Steered, ADeflectionThatIsToldNoMoreEnds) {
   gamepad();
   move(0.01);
   push(ABS_X, kFull);
   move(10.0);
-  EXPECT_NEAR(way().y(), 0.2, 0.005);  // two seconds of it count
+  EXPECT_NEAR(way().y(), 0.2, 0.005);  // Two seconds of the deflection count.
   push(ABS_X, kFull - 1);
   move(1.0);
   EXPECT_NEAR(way().y(), 0.3, 0.01);
 }
 
-/// Between two ticks come more events than the kernel keeps: a release in between is still noticed.
+/// More events arrive between two ticks than the kernel keeps. The device must still detect a
+/// release among them.
 TEST_F(Steered, LostEventsAreMadeUpForByTheState) {
   gamepad();
   input.key(BTN_TR, true);
@@ -205,7 +206,7 @@ TEST_F(Steered, TheRestOfATornPacketDoesNotCount) {
   };
   EXPECT_EQ(state.steering(now).velocity, Vec3::Zero());
   EXPECT_TRUE(take(EV_ABS, ABS_X, kFull));
-  EXPECT_EQ(state.steering(now).velocity, Vec3::Zero());  // the packet has not ended
+  EXPECT_EQ(state.steering(now).velocity, Vec3::Zero());  // The packet has not ended.
   EXPECT_TRUE(take(EV_SYN, SYN_DROPPED, 0));
   EXPECT_TRUE(take(EV_KEY, BTN_TR, 1));
   EXPECT_TRUE(take(EV_SYN, SYN_REPORT, 0));
@@ -219,7 +220,7 @@ TEST_F(Steered, TheRestOfATornPacketDoesNotCount) {
   EXPECT_FALSE(take(EV_SYN, SYN_REPORT, 0));
 }
 
-/// For any events the tool moves within the limits.
+/// For any events the tool must move within the limits.
 TEST_F(Steered, NoEventMakesItFasterThanTheLimits) {
   stand_in::be_xpad(input);
   const EventNode events = node();
@@ -242,10 +243,10 @@ TEST_F(Steered, NoEventMakesItFasterThanTheLimits) {
   }
 }
 
-/// Axes that the kernel regards as relative report no zero.
+/// Axes that the kernel treats as relative report no zero.
 struct Relative : Steered {
   Relative() { start(stand_in::be_relative_spacemouse, "spacemouse"); }
-  /// Packets of a held cap at 125 Hz for `time` [s].
+  /// Sends the packets of a deflected cap at 125 Hz for `time` [s].
   void hold(const Vec3& moved, const Vec3& turned, double time) {
     for (double t = 0.0; t < time; t += 0.008) {
       for (unsigned i = 0; i < 3; ++i) input.relative(REL_X + i, static_cast<int>(moved[i]));
@@ -263,7 +264,7 @@ TEST_F(Relative, MovesWhileItIsTold) {
   EXPECT_NEAR(way().y(), 0.1, 0.01);
   move(0.5);
   const Vec3 rests = way();
-  EXPECT_NEAR(rests.y(), 0.11, 0.01);  // it stops a tenth of a second later
+  EXPECT_NEAR(rests.y(), 0.11, 0.01);  // The tool stops a tenth of a second later.
   move(1.0);
   EXPECT_EQ(way(), rests);
 }

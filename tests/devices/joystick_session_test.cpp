@@ -1,4 +1,4 @@
-// Sessions of hands that gamepads and 3D mice steer.
+// Tests sessions of hands that use gamepads and 3D mice.
 
 #include <gtest/gtest.h>
 
@@ -63,8 +63,8 @@ TEST_F(Session, AnUnpluggedOneIsAFaultForGood) {
   EXPECT_FALSE(reading.deadman);
 }
 
-/// A restless person for a minute at a late wall. [J] The most that the true motion made beyond the
-/// burned energy.
+/// A person moves restlessly for a minute at a late wall. Returns the largest excess [J] of the
+/// true motion's energy over the dissipated energy.
 double made_in_a_minute(Session& session, std::string_view mode, ServoStatistics& statistics) {
   JoystickDevice& device = session.spacemouse();
   const DeviceSpec& spec = device.spec();
@@ -104,7 +104,7 @@ TEST_F(Session, AMinuteMakesNoEnergyAndMissesNothing) {
   EXPECT_EQ(statistics.device_faults, 0u);
   EXPECT_GT(statistics.max_force, 1.0);
 }
-/// Without a bound the wall must make energy: the measure above can fail.
+/// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(Session, TheWallAloneWouldMakeEnergy) {
   ServoStatistics statistics;
   EXPECT_GT(made_in_a_minute(*this, kUnbounded, statistics), 0.01);
@@ -114,7 +114,7 @@ TEST_F(Session, ATickDoesNotTouchTheHeap) {
   gamepad();
   Servo servo(device->spec(), testing::session_of(*device), {});
   run(servo, 0.1);
-  for (int n = 0; n < 100; ++n) push(ABS_X, n);  // some events get lost
+  for (int n = 0; n < 100; ++n) push(ABS_X, n);  // Some events are lost.
   input.deliver();
   const std::size_t before = test::allocations();
   for (int n = 0; n < 1000; ++n) servo.tick(*device, wall.now += from_seconds(kTick));

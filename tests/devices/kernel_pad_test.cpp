@@ -1,5 +1,5 @@
-// A gamepad that the kernel creates (uinput): its event node, ioctls and events are real. Without
-// uinput the test is skipped with a message.
+// Tests a gamepad that the kernel creates (uinput): its event node, ioctls and events are real.
+// Without uinput the test is skipped with a message.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ struct KernelPad : ::testing::Test {
                    << "': " << std::generic_category().message(errno);
   }
   ~KernelPad() override {
-    if (uinput >= 0) ::close(uinput);  // the kernel then removes the pad
+    if (uinput >= 0) ::close(uinput);  // The kernel then removes the gamepad.
   }
   void tell(std::uint16_t type, std::uint16_t code, int value) const {
     input_event event{};
@@ -65,7 +65,7 @@ struct KernelPad : ::testing::Test {
   fs::path node;
 };
 
-/// After write() the kernel has put the events into the node's buffer, so nothing has to wait.
+/// After write() the kernel has put the events into the node's buffer. No wait is necessary.
 TEST_F(KernelPad, IsFoundTakenReadAndUnplugged) {
   const auto found = input_nodes(Machine{});
   const auto pad = std::ranges::find(found, node, &InputNode::node);
@@ -77,7 +77,8 @@ TEST_F(KernelPad, IsFoundTakenReadAndUnplugged) {
   DeviceRequest request;
   request.name = node.string();
   const OpenedDevice opened = open_gamepad(request);
-  EXPECT_THROW(open_gamepad(request), std::runtime_error);  // only one program may open it
+  // Only one program may open the gamepad.
+  EXPECT_THROW(open_gamepad(request), std::runtime_error);
   opened.device->begin(Vec3::Zero(), Vec3::UnitZ());
   Nanoseconds now = std::chrono::seconds(7);
   const auto move = [&](int ticks) {

@@ -1,5 +1,5 @@
-// A libusb-1.0 with a Falcon behind an FTDI converter: boot loader, firmware and legs. Written from
-// published facts (Stamper's closed forms, the packets), not from the driver.
+// A substitute for libusb-1.0 with a Falcon at an FTDI converter: boot loader, firmware and legs.
+// The source is published facts (Stamper's closed forms, the packets), not the driver.
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -33,17 +33,18 @@ std::array<int, 4> device_markers;
 
 std::unique_ptr<stand_in::Falcon> falcon = std::make_unique<stand_in::Falcon>();
 std::mutex mutex;
-std::deque<Byte> outgoing;  // to the computer
+std::deque<Byte> outgoing;  // bytes to the computer
 unsigned baud = 0, latency = 16, modem = 0;
 bool dtr_pulsed = false, loading = false, claimed = false;
 std::vector<Byte> image, heard;
 int opened_number = 0;     // number of the open Falcon
-int claim_in_kernel = -1;  // a locked file, if other programs may claim it
-Three force{};             // [N] on the mass
+int claim_in_kernel = -1;  // file that locks the Falcon against other programs; -1: no lock
+Three force{};             // [N] force on the mass
 
 double leg_direction(int i) { return kTurn / 360.0 * std::array{105.0, -15.0, -135.0}[i]; }
 
-/// [rad] the upper arms' angles for the mass's place, from the tangent of the half angle.
+/// Returns the angles [rad] of the upper arms for the position of the mass, from the tangent of the
+/// half angle.
 Three arms(const Three& mass) {
   constexpr double a = 0.060, b = 0.1025, c = 0.01443, d = 0.01125, e = d, f = -0.025, r = 0.0400,
                    s = -0.02309;
@@ -63,7 +64,7 @@ Three arms(const Three& mass) {
   return angles;
 }
 
-/// [N] for the motors' counts, from the virtual work of small displacements.
+/// Returns the force [N] for the motor counts, from the virtual work of small displacements.
 Three force_of(const std::array<int, 3>& motors, const Three& at) {
   constexpr double kSmall = 1e-6;
   Three f{};
@@ -78,7 +79,8 @@ Three force_of(const std::array<int, 3>& motors, const Three& at) {
   return f;
 }
 
-/// At most one program, as in the kernel. False: another program has it.
+/// At most one program may claim the Falcon, as in the kernel. Returns false if another program has
+/// it.
 bool claim_from_others() {
   const char* const folder = std::getenv("FELTWIRE_STAND_IN_USB");
   if (folder == nullptr) return true;
@@ -146,13 +148,13 @@ void answer() {
   }
   falcon->edge.tick();
   falcon->edge.command(size > 0.0);
-  falcon->force = size;  // last: a test that sees it may read the rest
+  falcon->force = size;  // This store is last. A test that sees it may read the other values.
   const bool jumps = stand_in::takes_one(falcon->jumps);
   std::vector<Byte> reply(16, 'A');
   reply.front() = '<';
   reply.back() = '>';
   for (int i = 0; i < 3; ++i) {
-    // An unhomed leg counts from its place at power-on.
+    // An unhomed leg counts from its position at power-on.
     const int zero = (falcon->homed >> i & 1) != 0 ? 0 : 517 + i;
     long count = std::lround((told[i] * 360.0 / kTurn - 35.0) / (0.28125 * 14.25 / 110.0)) + zero;
     if (jumps && i == 1) count += 900;
@@ -262,7 +264,7 @@ int libusb_control_transfer(void*, Byte type, Byte what, std::uint16_t value, st
       loading = false;
       falcon->loaded = image == falcon->wanted;
     }
-    if (value == 0x4138) loading = falcon->loaded = false;  // DTR resets it
+    if (value == 0x4138) loading = falcon->loaded = false;  // DTR resets the firmware.
   }
   if (what == 9) latency = value;
   return 0;
@@ -283,7 +285,7 @@ int libusb_bulk_transfer(void*, Byte endpoint, Byte* data, int length, int* tran
     return cut ? kTimeout : 0;
   }
   if (endpoint != 0x81 || length < 64) ++falcon->misuses;
-  if (outgoing.empty()) {  // at its latency the converter sends only its two status bytes
+  if (outgoing.empty()) {  // After its latency, the converter sends only its two status bytes.
     lock.unlock();
     std::this_thread::sleep_for(std::chrono::microseconds(200));
     lock.lock();

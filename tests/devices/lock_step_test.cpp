@@ -1,4 +1,5 @@
-// Devices that answer each command: the known facts about a force that could not be replaced.
+// Devices answer each command. Tests the force that the driver assumes when a new command did not
+// reach the device.
 
 #include "client/devices/lock_step.hpp"
 
@@ -16,7 +17,7 @@ class Obedient final : public LockStepDevice {
   explicit Obedient(const char* spec = "simulated") : Obedient(builtin_device(spec)) {}
   explicit Obedient(const DeviceSpec& spec) : LockStepDevice({.spec = spec, .sources = {}}, {}) {}
   Command held;
-  bool blocked = false;  // sends fail
+  bool blocked = false;  // Sending fails.
 
  private:
   std::optional<Command> send(const Command& command) noexcept override {
@@ -42,7 +43,7 @@ TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
   EXPECT_EQ(device.spec().max_force, all.max_force);
 }
 
-/// The account covers a force that is a tick late, but not a lag as well.
+/// The account covers a force that is a tick late, but not an additional lag.
 TEST(LockStep, ALagBesideItsLateTickIsRefused) {
   DeviceSpec spec = builtin_device("falcon");
   EXPECT_EQ(Obedient(spec).spec().actuation_lag, 0.0);
@@ -66,9 +67,9 @@ TEST(LockStep, ZeroIsSentAgainUntilItGoesOut) {
   ASSERT_TRUE(tick());
   EXPECT_EQ(device.held, pull);
   device.blocked = true;
-  device.write({.elastic = Vec3(0, 0, 1)});  // it holds the earlier pull
+  device.write({.elastic = Vec3(0, 0, 1)});  // The device holds the earlier force.
   EXPECT_FALSE(tick());
-  EXPECT_EQ(device.write({}), Command{});  // the zero is lost as well
+  EXPECT_EQ(device.write({}), Command{});  // The zero is lost too.
   EXPECT_EQ(device.held, pull);
   device.blocked = false;
   device.write({});

@@ -1,4 +1,4 @@
-// A device behind a mapping: its places, forces, specification and energy.
+// Tests a device behind a mapping: its positions, forces, specification and energy.
 
 #include "client/devices/mapped_device.hpp"
 
@@ -54,7 +54,7 @@ TEST(MappedDevice, PlacesAndForcesAreThoseOfTheMapping) {
               0.0, 1e-12);
 }
 
-/// Both ports have equal power, of force and of torque, under any mapping.
+/// Both ports must have equal power of force and torque under any mapping.
 TEST(MappedDevice, PowerIsTheSameOnBothSides) {
   std::mt19937 random(19);
   std::uniform_real_distribution<double> part(-1.0, 1.0);
@@ -88,7 +88,7 @@ TEST(MappedDevice, PowerIsTheSameOnBothSides) {
   }
 }
 
-/// The account's numbers never exceed the device's in any direction.
+/// The account's numbers must never exceed the device's in any direction.
 TEST(MappedDevice, TheNumbersOfTheDeviceAreThoseOfItsTruePort) {
   std::mt19937 random(20);
   std::uniform_real_distribution<double> part(-1.0, 1.0);
@@ -99,7 +99,7 @@ TEST(MappedDevice, TheNumbersOfTheDeviceAreThoseOfItsTruePort) {
     spec.hand_speed = 2.0;
     const DeviceSpec in_scene = mapped_spec(spec, mapping);
     const double s = mapping.scale;
-    const Vec3 moved(part(random), part(random), part(random));  // by the device
+    const Vec3 moved(part(random), part(random), part(random));  // movement of the device
     const Vec3 seen = s * mapping.axes() * moved;
     EXPECT_NEAR(in_scene.damping.quadratic(seen), spec.damping.quadratic(moved), 1e-9);
     EXPECT_NEAR(in_scene.least_friction * seen.norm(), spec.least_friction * moved.norm(), 1e-12);
@@ -108,7 +108,7 @@ TEST(MappedDevice, TheNumbersOfTheDeviceAreThoseOfItsTruePort) {
     EXPECT_NEAR(in_scene.max_force * s, spec.max_force, 1e-12);
     EXPECT_NEAR(in_scene.hand_force * s, spec.hand_force, 1e-12);
     EXPECT_NEAR(in_scene.hand_speed, 2.0 * s, 1e-12);
-    // An error of half a quantum along each device axis.
+    // The error is half a quantum along each device axis.
     const Vec3 error = s * mapping.axes() * (0.5 * spec.position_resolution * moved.cwiseSign());
     EXPECT_LE(error.cwiseAbs().maxCoeff(), 0.5 * in_scene.position_resolution * (1.0 + 1e-12));
     EXPECT_LE(
@@ -133,7 +133,7 @@ TEST(MappedDevice, APlaneThatIsTurnedOutOfItselfHasThreeAxes) {
   MappedDevice device(std::make_unique<SimulatedDevice>(options),
                       {.rotation = kQuarter * Vec3::UnitX()});
   device.read({});
-  // The device's y is the scene's z; it has no force along the scene's y.
+  // The device's y axis is the scene's z axis. The device has no force along the scene's y axis.
   const Command held = device.write({.elastic = Vec3(0.1, 0.2, 0.3)});
   EXPECT_NEAR((held.force() - Vec3(0.1, 0.0, 0.3)).norm(), 0.0, 1e-15);
 }
@@ -150,7 +150,7 @@ TEST(MappedDevice, AScaleThatTheDeviceCannotHaveIsRefused) {
   }
 }
 
-/// A simulated hand begins at the scene's start and returns to it through the mapping.
+/// A simulated hand must begin at the scene's start and return to it through the mapping.
 TEST(MappedDevice, BeginsWhereTheSceneSays) {
   std::mt19937 random(3);
   for (int n = 0; n < 50; ++n) {
@@ -166,7 +166,8 @@ TEST(MappedDevice, BeginsWhereTheSceneSays) {
   }
 }
 
-/// [J] that the handle's true motion made beyond the burned energy, in ten seconds at a late wall.
+/// Returns the excess [J] of the handle's true energy over the dissipated energy, in ten seconds at
+/// a late wall.
 double made(const WorkspaceMapping& mapping, std::string_view mode, std::size_t lag = 0,
             bool told_wrong = false, bool tells_lag = true, bool tells_held = true) {
   Mapped mapped(mapping, mode, told_wrong, lag, tells_lag);
@@ -185,7 +186,7 @@ TEST(MappedDevice, MakesNoEnergyAtTheTruePortWhateverTheMapping) {
   }
 }
 
-/// The device reports how late it is, but not what it holds: write() returns its argument.
+/// The device reports its delay, but not the held force: write() returns its argument.
 TEST(MappedDevice, NorWhereTheDeviceCannotTellWhatItHolds) {
   std::mt19937 random(8);
   for (int n = 0; n < test::rounds(20); ++n) {
@@ -194,8 +195,8 @@ TEST(MappedDevice, NorWhereTheDeviceCannotTellWhatItHolds) {
         << n << " scale " << mapping.scale << " turned " << mapping.rotation.transpose();
   }
 }
-/// The measure can fail: without a bound, with unmapped numbers of the device, and with a device
-/// that hides how late it applies forces.
+/// The measurement can fail: without a bound, with unmapped numbers of the device, and with a
+/// device that hides its delay.
 TEST(MappedDevice, TheWallAloneOrNumbersThatAreNotMappedWouldMakeEnergy) {
   EXPECT_GT(made({.scale = 3.0}, kUnbounded), 0.005);
   EXPECT_GT(made({.scale = 3.0}, kSessionMethod, 0, true), 1e-4);

@@ -1,4 +1,4 @@
-// The driver of OpenHaptics against a library that answers and calls back like the maker's.
+// Tests the driver of OpenHaptics against a substitute of the maker's library with its callbacks.
 
 #include "client/devices/open_haptics.hpp"
 
@@ -55,13 +55,14 @@ struct OpenHaptics : ::testing::Test {
     testing::PacedSession().run(device, servo, until);
   }
 
-  /// True after more than `faults` faults and with no held force. A zero that comes too late for
-  /// its tick is sent in the next one.
+  /// Returns true after more than `faults` faults and without a held force. If a zero is too late
+  /// for its tick, the driver sends it in the next tick.
   static bool let_go(const Servo& servo, std::uint64_t faults) {
     return servo.statistics().device_faults > faults && servo.held() == Command{};
   }
 
-  /// [J] that the true motion made beyond the burned energy, in four seconds at a late wall.
+  /// Returns the excess [J] of the true motion's energy over the dissipated energy, in four seconds
+  /// at a late wall.
   double made(std::string_view mode) {
     const double kFrames = 1e3 * testing::session_seconds(4.0);
     OpenedDevice opened = open(
@@ -75,7 +76,7 @@ struct OpenHaptics : ::testing::Test {
     testing::PacedSession session;
     session.run(*opened.device, servo, [&] { return stand_in->frames >= kFrames; });
     statistics = servo.statistics();
-    opened.device.reset();  // the scheduler has stopped
+    opened.device.reset();  // The scheduler has stopped.
     session.tell("openhaptics", servo, stand_in->mass.largest_force, stand_in->mass.most_made);
     EXPECT_EQ(stand_in->misuses, 0);
     return stand_in->mass.most_made;
@@ -125,7 +126,7 @@ TEST_F(OpenHaptics, WhatIsMissingIsSaid) {
   stand_in->calibration = 0x5002;
   EXPECT_THAT(refusal(), HasSubstr("inkwell"));
   EXPECT_EQ(stand_in->closed, 1);
-  stand_in->calibration = 0x5001;  // the user must calibrate in the inkwell
+  stand_in->calibration = 0x5001;  // The user must calibrate in the inkwell.
   EXPECT_THAT(refusal(), HasSubstr("inkwell"));
   stand_in->style = 2;
   EXPECT_EQ(refusal(), "none");
@@ -144,7 +145,7 @@ TEST_F(OpenHaptics, AxesAndUnitsAreOurs) {
   EXPECT_NEAR(reading.pose.orientation.w(), 1.0, 1e-12);
 }
 
-/// Torque is sent in thousandths, along the maker's axes.
+/// The driver must send torque in thousandths, along the maker's axes.
 TEST_F(OpenHaptics, APremiumWithMotorsAtTheWristIsGivenTorque) {
   stand_in->model = "PHANTOM Premium 1.5 6DOF";
   stand_in->output_dof = 6;
@@ -184,19 +185,19 @@ TEST_F(OpenHaptics, ButtonsAreTheEnablingSwitchAndTheClutch) {
   EXPECT_EQ(pressed(2), std::pair(false, true));
 }
 
-/// identify waits for the end of the maker's ramp, which is no fault.
+/// identify must wait for the end of the maker's ramp, which is no fault.
 TEST_F(OpenHaptics, IdentifyMeasuresAFreeHandle) {
   testing::let_free(stand_in->mass);
   stand_in->virtual_time = true;
   OpenedDevice opened = open();
   testing::Identified identified(*opened.device);
   identified.run(*opened.device, [&] { return stand_in->told_at.load(); });
-  opened.device.reset();  // the scheduler has stopped
+  opened.device.reset();  // The scheduler has stopped.
   identified.expect_below(stand_in->mass);
   EXPECT_EQ(stand_in->asked_ramping, 0.0);
 }
 
-/// A stylus in the inkwell is not moved. Putting it back during the measurement ends it.
+/// identify must not move a stylus in the inkwell. A return of the stylus must end the measurement.
 TEST_F(OpenHaptics, IdentifyWaitsForTheStylus) {
   testing::let_free(stand_in->mass);
   stand_in->inkwell.store(true);
@@ -209,12 +210,12 @@ TEST_F(OpenHaptics, IdentifyWaitsForTheStylus) {
   stand_in->inkwell.store(false);
   identified.run(*opened.device, now, [&] { return stand_in->force > 0.01; });
   stand_in->inkwell.store(true);
-  // A user gets a minute; here the time runs thirty times as fast.
+  // A user has a minute. Here the time runs thirty times as fast.
   identified.run(*opened.device, [&, begin = now()] { return begin + 30.0 * (now() - begin); });
   EXPECT_THAT(std::string(identified.identification.why()), HasSubstr("in its inkwell"));
 }
 
-/// The ramp is no fault.
+/// The ramp must not count as a fault.
 TEST_F(OpenHaptics, ItsRateIsMeasuredFromTheStart) {
   const OpenedDevice opened = open();
   const DeviceTicks ticks = watch_ticks(*opened.device, 0.5, 1000.0);
@@ -222,7 +223,7 @@ TEST_F(OpenHaptics, ItsRateIsMeasuredFromTheStart) {
   EXPECT_EQ(ticks.faults, 0u);
 }
 
-/// The wall pulled the stand-in, its force ramped at the start, and it made no energy.
+/// The wall's force acted on the mass, the force ramped at the start, and the port made no energy.
 TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
@@ -230,10 +231,11 @@ TEST_F(OpenHaptics, MakesNoEnergy) {
   EXPECT_GT(statistics.samples, 2000u);
 }
 
-/// Without a bound the wall must make energy: the measure above can fail.
+/// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(OpenHaptics, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
 
-/// The stylus is in the inkwell at the start, and later during contact: no force and no fault.
+/// The stylus is in the inkwell at the start, and later during contact. The driver must give no
+/// force and report no fault.
 TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   stand_in->inkwell.store(true);
   OpenedDevice opened = open();
@@ -241,7 +243,8 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   SessionParameters parameters = testing::session_of(*opened.device);
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
-  // The pose is still sent. The next frame may have begun; then look again.
+  // The client must still send the pose. The next frame may have begun, so the test looks
+  // repeatedly.
   felt(*opened.device, servo, [&] {
     return servo.no_force() == ZeroForceReason::in_inkwell &&
            servo.sample().pose.position.x() == stand_in->told_near;
@@ -257,7 +260,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
               [&] { return servo.no_force() == ZeroForceReason::in_inkwell; });
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "the inkwell", stand_in->edge);
-  stand_in->asked_in_inkwell = 0.0;  // the frame of the change had already begun
+  stand_in->asked_in_inkwell = 0.0;  // The frame of the change had already begun.
   const int frames = stand_in->frames;
   felt(*opened.device, servo, [&] { return stand_in->frames > frames + 200; });
   EXPECT_EQ(stand_in->asked_in_inkwell, 0.0);
@@ -265,8 +268,8 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   EXPECT_EQ(servo.statistics().device_faults, faults);
 }
 
-/// Too much force switches the amplifiers off, and they ramp up again. The driver requests no force
-/// meanwhile, and the servo knows the reason.
+/// Too much force switches the amplifiers off. They ramp up again later. The driver must request no
+/// force meanwhile, and the servo must report the reason.
 TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -282,13 +285,13 @@ TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   session.expect_let_go("openhaptics", "an error", stand_in->edge);
   const int frames = stand_in->frames;
   felt(*opened.device, servo, [&] { return servo.no_force() == ZeroForceReason::starting; });
-  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // the force is back
+  felt(*opened.device, servo, [&] { return stand_in->force > 1.0; });  // The force must return.
   EXPECT_GE(stand_in->frames, frames + 900);
   // The frame of the error was in progress.
   EXPECT_LE(stand_in->asked_ramping, 3.3 + 1e-9);
 }
 
-/// A late scheduler (dropped frames) and a frame that did not end make one fault each.
+/// A late scheduler (dropped frames) and an unfinished frame must each make one fault.
 TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
@@ -299,7 +302,7 @@ TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
   }
 }
 
-/// The fault lasts as long as the device is unplugged.
+/// The fault must last as long as the device is unplugged.
 TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -317,7 +320,8 @@ TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
-/// A call of the maker's does not return: no tick comes, and the servo holds no force.
+/// A call of the maker's library does not return. No tick arrives, and the servo must hold no
+/// force.
 TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
@@ -328,7 +332,7 @@ TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   stand_in->blocks.store(false);
 }
 
-/// A library without a function that the driver needs, and a library that lacks a dependency.
+/// A library lacks a function that the driver needs. Another library lacks a dependency.
 TEST_F(OpenHaptics, ALibraryThatCannotBeUsedIsRefused) {
   const testing::TemporaryFolder sdk;
   ::setenv("OH_SDK_BASE", (sdk / "").c_str(), 1);
@@ -368,7 +372,7 @@ TEST_F(OpenHaptics, AnotherThreadMayLetItGo) {
                                        [&] { return stand_in->force == 0.0; });
 }
 
-/// If the servo stops answering, the force is repeated for 25 frames at most.
+/// If the servo stops answering, the driver must repeat the force for 25 frames at most.
 TEST_F(OpenHaptics, AServoThatStandsStillHoldsNothing) {
   OpenedDevice opened = open();
   SessionParameters parameters = testing::session_of(*opened.device);
@@ -388,7 +392,7 @@ TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
-/// Neither the servo's thread nor the scheduler's may allocate.
+/// Neither the servo's thread nor the scheduler's thread may allocate.
 TEST_F(OpenHaptics, ATickDoesNotTouchTheHeap) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});

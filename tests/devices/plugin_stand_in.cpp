@@ -1,4 +1,4 @@
-// A plugin with a simulated mass and scripted faults. Written only from feltwire_device_v1.h.
+// A plugin with a simulated mass and scripted faults. The plugin uses only feltwire_device_v1.h.
 
 #include "tests/devices/plugin_stand_in.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 using stand_in::Three;
 
 std::unique_ptr<stand_in::Plugin> device = std::make_unique<stand_in::Plugin>();
-Three before, force;  // [N] of the tick before the last, and of the last
+Three before, force;  // [N] force of the previous tick, and of the last tick
 std::atomic<bool> released{false};
 bool fresh = true;
 double random_share = 0.5;
@@ -28,8 +28,8 @@ void drop_released() {
   if (released) before = force = {};
 }
 
-/// In a separate program the ticks follow the clock, as the server knows no virtual time. A delay
-/// of more than a tick is not made up for.
+/// In a separate program the ticks follow the clock, because the server has no virtual time. The
+/// plugin does not make up for a delay of more than a tick.
 void pace() {
   using Clock = std::chrono::steady_clock;
   static Clock::time_point next = Clock::now();
@@ -39,9 +39,9 @@ void pace() {
 
 bool by_clock() { return stand_in::page() != nullptr && stand_in::page()->by_clock; }
 
-/// By the clock, the mass moves under the present force up to now. A released force acted until its
-/// release.
-std::atomic<std::int64_t> released_at{0};  // [ns] of the steady clock
+/// With the clock, the mass moves under the present force up to now. A released force acted until
+/// its release.
+std::atomic<std::int64_t> released_at{0};  // [ns] steady clock
 std::int64_t moved_to = 0;
 std::int64_t clock_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -64,7 +64,7 @@ void move_on() {
   stand_in::page()->tell_motion(device->mass);
 }
 
-/// Delays the reading while the hand goes on.
+/// Delays the reading while the hand moves.
 void stall(int milliseconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
@@ -175,7 +175,8 @@ int write_device(void*, const double* asked, const double* twist, double* held, 
   for (std::size_t i = 0; i < 3; ++i) turned[i] = device->torque[i] = part * twist[i];
   device->edge.command(size > 0.0);
   if (stand_in::page() != nullptr) stand_in::page()->force.store(share * size);
-  device->pulls.store(size > 0.0);  // last: a test that sees it may read the rest
+  // This store is last. A test that sees it may read the other values.
+  device->pulls.store(size > 0.0);
   return 0;
 }
 

@@ -1,4 +1,4 @@
-// The plugin ABI with a stand-in of known true motion.
+// Tests the plugin ABI with a substitute device of known true motion.
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->spec().least_mass, 0.1);
   EXPECT_EQ(opened.device->spec().hand_force, 10.0);
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
-  // It does not know the lag of its motors.
+  // The plugin does not report the lag of its motors.
   EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
   EXPECT_THAT(opened.notes, ::testing::ElementsAre(HasSubstr(
                                 "is an assumption for a connection that the driver does not")));
@@ -118,7 +118,7 @@ TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
   EXPECT_EQ(open().device->spec().actuation_lag, 0.0);
 }
 
-/// The function came into the header later.
+/// The header got this function later.
 TEST_F(Plugin, OfAnOlderHeaderIsLoaded) {
   stand_in->lag = 2e-4;
   stand_in->missing_bytes = sizeof(void*);
@@ -153,7 +153,7 @@ TEST_F(Plugin, ErrorsNameTheFileAndTheRemedy) {
   EXPECT_THAT(refusal(), HasSubstr("its function write is null"));
   stand_in->null_function = "wait";
   EXPECT_THAT(refusal(), HasSubstr("its function wait is null"));
-  EXPECT_EQ(stand_in->closes, 1);  // it was open
+  EXPECT_EQ(stand_in->closes, 1);  // The plugin was open.
   stand_in->null_function = "";
   stand_in->open_error = "no device on the bus";
   EXPECT_THAT(refusal(std::string(FELTWIRE_PLUGIN_STAND_IN) + ":bus 3"),
@@ -173,7 +173,7 @@ struct PluginSession : Plugin {
     WallSession session{.period = stand_in->period};
     session.run(*opened.device, servo, 60.0);
     statistics = servo.statistics();
-    EXPECT_GT(stand_in->mass.largest_force, 0.5);  // the hand touched the wall
+    EXPECT_GT(stand_in->mass.largest_force, 0.5);  // The hand must touch the wall.
     return stand_in->mass.most_made;
   }
   ServoStatistics statistics;
@@ -184,10 +184,11 @@ TEST_F(PluginSession, MakesNoEnergy) {
   EXPECT_EQ(statistics.stale_readings, 0u);
 }
 
-/// Without a bound the wall must make energy: the other tests can fail.
+/// Without a bound the wall must make energy. This shows that the other tests can fail.
 TEST_F(PluginSession, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.01); }
 
-/// A late force that is not reported is not paid for, which the mass shows.
+/// The account does not cover a late force that the plugin hides. The motion of the mass shows this
+/// energy.
 TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
   stand_in->late = 1.0;
   const auto margin = [&] {
@@ -203,7 +204,7 @@ TEST_F(PluginSession, ALateForceThatIsNotToldOfIsNotAccounted) {
   EXPECT_GT(margin(), 10.0 * told);
 }
 
-/// The account first pays for forces in transit.
+/// The account must first cover the forces that the device did not apply yet.
 TEST_F(PluginSession, MakesNoneWhereEachForceIsATickLateAndThePluginSaysSo) {
   stand_in->late = 1.0;
   stand_in->tells_late = false;
@@ -258,7 +259,7 @@ TEST_F(PluginSession, ATickDoesNotTouchTheHeap) {
   EXPECT_EQ(test::allocations() - before, 0u);
 }
 
-/// examples/my_plugin.c with a spring that pulls it into the wall.
+/// examples/my_plugin.c has a spring that pulls its mass into the wall.
 TEST(MyPlugin, FeelsAWall) {
   DeviceRequest request;
   request.name = std::string(FELTWIRE_MY_PLUGIN) + ":0.3";
@@ -281,7 +282,7 @@ TEST(MyPlugin, FeelsAWall) {
   EXPECT_THROW(open_plugin(request), std::runtime_error);
 }
 
-/// A call does not return: another thread releases the device.
+/// A call does not return. Another thread must release the device.
 TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
   testing::ScenePeer peer;
   auto task = std::make_shared<ServoTask>(
@@ -293,7 +294,8 @@ TEST_F(PluginSession, ABlockedCallLetsTheForceGo) {
       }(),
       ServoOptions{});
   task->priority = ServoTask::kNoRealTime;
-  task->let_go_after = SessionParameters{}.hold_time;  // a busy machine must not trigger it
+  // A busy machine must not trigger the release.
+  task->let_go_after = SessionParameters{}.hold_time;
   ServoThread thread(task);
   while (!stand_in->pulls) {
     const auto received = peer.receive();

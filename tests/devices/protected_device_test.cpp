@@ -1,4 +1,4 @@
-// A device with a start without a kick, an emergency stop and a tool's weight.
+// Tests a protected device: a start without a kick, an emergency stop and a tool's weight.
 
 #include "client/devices/protected_device.hpp"
 
@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using testing::kTick;
 using testing::Mapped;
 
-constexpr double kUp = 0.5;  // [s] to take up the weight
+constexpr double kUp = 0.5;  // [s] time until the device carries the weight
 
 /// A protected handle that only the test moves.
 struct Bench {
@@ -27,7 +27,7 @@ struct Bench {
       : handle(new Handle), device(std::unique_ptr<Device>(handle), options, emergency) {
     handle->mass.stiffness = handle->mass.hand_damping = 0.0;
     handle->mass.tool = options.tool_weight;
-    handle->mass.friction = 1e3;  // friction keeps it in place
+    handle->mass.friction = 1e3;  // Friction keeps the handle at its position.
   }
   DeviceReading tick(const Command& command = {}) {
     now += from_seconds(kTick);
@@ -35,7 +35,7 @@ struct Bench {
     told = device.write(reading.withheld == Withheld::nothing && reading.ok ? command : Command{});
     return reading;
   }
-  /// Ticks until forces get through; returns the number of ticks.
+  /// Ticks until the device passes forces on. Returns the number of ticks.
   int start() {
     for (int n = 1; n < 5000; ++n)
       if (tick().withheld == Withheld::nothing) return n;
@@ -63,7 +63,8 @@ TEST(ProtectedDevice, WithoutOptionsEverythingIsTheDevicesBitByBit) {
   EXPECT_EQ(bench.told, kPull);
 }
 
-/// No force while the hand moves, and for a quarter of a second after it rests.
+/// The device must give no force while the hand moves, and for a quarter of a second after it
+/// rests.
 TEST(ProtectedDevice, NoForceBeforeTheHandIsStill) {
   Bench bench({.still = 0.25});
   for (int n = 0; n < 2000; ++n) {
@@ -104,7 +105,7 @@ TEST(ProtectedDevice, TheWeightIsTakenUpSlowlyThenHeldAndNotTold) {
   }
 }
 
-/// With its weight held the tool floats; without it the tool falls.
+/// With compensation of its weight the tool must float. Without compensation it must fall.
 TEST(ProtectedDevice, AToolFloats) {
   for (const double told : {0.4, 0.0}) {
     Bench bench({.tool_weight = told});
@@ -118,15 +119,15 @@ TEST(ProtectedDevice, AToolFloats) {
   }
 }
 
-/// However the device changes the force, the reported work is exactly the motors' work less
-/// W (z - z_0). It is complete over a closed path.
+/// The device may change the force in any way. The reported work must be exactly the motors' work
+/// minus W (z - z_0). Over a closed path the reported work must be complete.
 TEST(ProtectedDevice, WhatIsNotToldIsAFunctionOfThePlace) {
   struct Odd final : Device {
     DeviceSpec described = builtin_device("simulated");
     std::mt19937 random{9};
     std::uniform_real_distribution<double> part{-1.0, 1.0};
     Vec3 place = Vec3::Zero();
-    Command real;  // on the hand since the last reading
+    Command real;  // force on the hand since the last reading
     double motors = 0.0;
     bool moves = false;
     const DeviceSpec& spec() const override { return described; }
@@ -137,7 +138,7 @@ TEST(ProtectedDevice, WhatIsNotToldIsAFunctionOfThePlace) {
       motors += real.force().dot(way);
       return {.pose = {.position = place}, .held = real};
     }
-    /// Scales, turns and delays the force, as no amplifier should.
+    /// Scales, rotates and delays the force, unlike any real amplifier.
     Command write(const Command& command) noexcept override {
       const double share = moves ? 0.5 + 0.5 * part(random) : 1.0;
       real = {.elastic = share * command.force()};
@@ -195,7 +196,7 @@ TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
   EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("--clutch-button"));
 }
 
-/// Chosen buttons replace the device's own switch and clutch.
+/// The chosen buttons must replace the device's own switch and clutch.
 TEST(ProtectedDevice, TheSwitchAndTheClutchAreTheChosenButtons) {
   const auto told = [](const ProtectionOptions& options, std::uint32_t buttons) {
     Bench bench(options);
@@ -218,7 +219,8 @@ TEST(ProtectedDevice, AnEmergencyTakesAllForceOffUntilItIsReset) {
   bench.tick(kPull);
   ASSERT_EQ(bench.up(), 3.5);
   bench.emergency->press();
-  EXPECT_EQ(bench.device.write(kPull), Command{});  // works between read and write, too
+  // The stop must also work between read and write.
+  EXPECT_EQ(bench.device.write(kPull), Command{});
   EXPECT_EQ(bench.handle->on_hand, Command{});
   for (int n = 0; n < 3000; ++n) {
     EXPECT_EQ(bench.tick(kPull).withheld, Withheld::emergency);
@@ -247,7 +249,7 @@ TEST(ProtectedDevice, OutOfTheInkwellItStartsAnew) {
   EXPECT_NEAR(bench.start() * kTick, 0.25 + kUp, 0.02);
 }
 
-/// After a fault or missed ticks the weight returns gradually.
+/// After a fault or missed ticks the weight must return gradually.
 TEST(ProtectedDevice, AfterAFaultTheWeightIsTakenUpAnew) {
   Bench bench({.tool_weight = 0.5, .still = 0.25});
   bench.start();
@@ -279,12 +281,13 @@ TEST(ProtectedDevice, AtTheEndTheToolIsLetDownSlowly) {
   EXPECT_TRUE(Bench({}).device.lower_tool({}));
 }
 
-/// [J] that the true motion made beside the constant force, in ten seconds at a late wall.
+/// Returns the energy [J] that the true motion made in addition to the constant force, in ten
+/// seconds at a late wall.
 double made(const WorkspaceMapping& mapping, double told, double real, std::size_t lag) {
   Mapped mapped(mapping, kSessionMethod, false, lag, true, {.tool_weight = told});
   mapped.handle->mass.tool = real;
-  // Count from the account's beginning, as it never saw the energy burned before. Until then the
-  // handle is not late; after that it is as late as it reports.
+  // The count starts with the account, because the account does not include earlier dissipation.
+  // Before the start the handle has no delay. Later the handle has the delay that it reports.
   mapped.handle->lag = 0;
   do mapped.tick();
   while (mapped.servo.no_force() == ZeroForceReason::starting);
@@ -296,7 +299,7 @@ double made(const WorkspaceMapping& mapping, double told, double real, std::size
   return mapped.handle->mass.most_made;
 }
 
-/// The tool has the told weight, none, or twice that weight.
+/// The tool has the declared weight, none, or twice that weight.
 TEST(ProtectedDevice, MakesNoEnergyBesideTheConstantForce) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> weights(0.05, 1.5);

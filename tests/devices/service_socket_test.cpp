@@ -1,4 +1,4 @@
-// A WebSocket to a service that sends much without a message must not block the servo's thread.
+// A service sends much data without a message. The WebSocket must not block the servo's thread.
 
 #include "client/devices/service_socket.hpp"
 
@@ -18,7 +18,7 @@ using ReceiveResult = ServiceSocket::ReceiveResult;
 constexpr std::size_t kLongest = 1000;
 constexpr char kPart = 0, kText = 1, kPing = 9, kPong = 10;
 
-/// An unmasked frame, as a service sends it.
+/// Returns an unmasked frame, as a service sends it.
 std::string frame(char opcode, const std::string& payload, bool last = true) {
   std::string bytes(1, static_cast<char>((last ? 0x80 : 0) | opcode));
   const std::size_t size = payload.size();
@@ -105,7 +105,7 @@ TEST_F(ServiceSocketTest, AMessageThatIsTooLongIsReadOver) {
 
 TEST_F(ServiceSocketTest, AFrameWithoutEndEndsIt) {
   std::string head(1, static_cast<char>(0x80 | kText));
-  head += std::string("\x7f\x00\x00\x01\x00\x00\x00\x00\x00", 9);  // 2^40 bytes follow
+  head += std::string("\x7f\x00\x00\x01\x00\x00\x00\x00\x00", 9);  // 2^40 bytes follow.
   say(head + std::string(1000, 'x'));
   EXPECT_EQ(hear(), ReceiveResult::gone);
 }

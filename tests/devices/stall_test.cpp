@@ -1,5 +1,6 @@
-// Stalls of up to two seconds while a force pulls, and a handle that goes on by the clock
-// meanwhile: what the hand gets beyond what its device burned, by the true motion.
+// The program stalls for up to two seconds during a force, and the handle moves with the clock
+// meanwhile. The test measures the excess of the hand's energy over the device's dissipation, from
+// the true motion.
 
 #include <gmock/gmock.h>
 
@@ -38,7 +39,7 @@ constexpr double kFelt = 0.2;                        // [N]
 constexpr double kRounding = 1e-12;                  // [J]
 constexpr int kStalls[] = {20, 60, 200, 600, 2000};  // [ms]
 
-/// A session's law and bounding side. All of them have an account.
+/// A session's bounding method and side. Each has an energy account.
 struct Law {
   const char* name;
   Words options;
@@ -52,7 +53,7 @@ const Law kLaws[] = {{"shaped", {}, kSessionMethod},
                       "contact_frame",
                       BoundingSide::server}};
 
-/// A floor where the stand-in taps, as stiff as said [N/m].
+/// A floor with this stiffness [N/m] where the substitute device taps.
 struct Floor {
   explicit Floor(double stiffness) {
     std::ofstream(folder / "floor.json")
@@ -61,7 +62,7 @@ struct Floor {
         << R"("objects": [{"name": "floor", "plane": {}, "material": "m"}]})";
     server.emplace(FELTWIRE_SERVER_PROGRAM, Words{"--scene", folder / "floor.json", "--port", "0",
                                                   "--state", folder / "state"});
-    server->line();  // the fingerprint
+    server->line();  // This line has the fingerprint.
     const std::string listening = server->line();
     if (std::sscanf(listening.c_str(), "listening: control tcp %u", &port) != 1)
       throw std::runtime_error("no server: " + server->finish().error);
@@ -90,8 +91,8 @@ struct Floor {
     std::ifstream text(folder / "report.json");
     return nlohmann::json::parse(text);
   }
-  /// False: none came. A machine whose ticks come late by some periods may make a debt, which ends
-  /// the force.
+  /// Waits for a force, and returns false if none comes. On a busy machine, late ticks may cause a
+  /// debt, which ends the force.
   bool feels(double force) const {
     constexpr std::chrono::seconds kLongest{15};
     return test::becomes([&] { return page->force.load() > force; }, kLongest);
@@ -105,7 +106,7 @@ struct Floor {
 
 struct Stall : ::testing::TestWithParam<Law> {};
 
-/// A server that does not answer for so long, and then goes on.
+/// The server does not answer for this time, and then continues.
 TEST_P(Stall, OfAServerGivesTheHandNoEnergy) {
   for (const double stiffness : {900.0, 5e3}) {
     Floor floor(stiffness);
@@ -136,13 +137,15 @@ TEST_P(Stall, OfAServerGivesTheHandNoEnergy) {
 INSTANTIATE_TEST_SUITE_P(Laws, Stall, ::testing::ValuesIn(kLaws),
                          [](const auto& law) { return std::string(law.param.name); });
 
-/// A device that stalls is let go, and no server can do that. The hand gets nothing after that.
+/// A stall of the device must lead to its release. A server cannot cause such a stall. The hand
+/// must get no energy after the release.
 TEST(DeviceStall, IsLetGoWithinTheTimeOfTheWatch) {
   for (const int stall : {20, 200, 2000}) {
     Outcome outcome;
     nlohmann::json report;
     double made = 0.0, force = 0.0, largest = 0.0;
-    // A busy machine may keep the whole thread waiting for so long: then once more.
+    // A busy machine may delay the complete thread for this time. In this case the test tries
+    // again.
     constexpr int kTries = 5;
     for (int n = 0; n < kTries && (n == 0 || report["let_go"]["in"] != "read"); ++n) {
       Floor floor(900.0);
@@ -158,7 +161,7 @@ TEST(DeviceStall, IsLetGoWithinTheTimeOfTheWatch) {
     EXPECT_EQ(force, 0.0);
     const double still = report["let_go"]["still_s"];
     EXPECT_GE(still, 0.005);
-    if (still < 0.006) {  // else the watch was kept waiting
+    if (still < 0.006) {  // Otherwise the stall detector was delayed.
       EXPECT_LE(made, kRounding) << stall;
     }
     if (testing::measures())
@@ -167,7 +170,7 @@ TEST(DeviceStall, IsLetGoWithinTheTimeOfTheWatch) {
   }
 }
 
-/// The stand-in's mass in this program. It moves by the clock, and sets no pace.
+/// The mass of the substitute in this program. The clock moves the mass.
 class ClockedHand final : public Device {
  public:
   explicit ClockedHand(const stand_in::SimulatedMass& mass) : mass_(mass) {
@@ -199,7 +202,7 @@ class ClockedHand final : public Device {
     released_ = true;
     told.store(0.0);
   }
-  /// After the servo thread has ended.
+  /// Returns the result after the servo thread has ended.
   double made() {
     move_on();
     return mass_.most_made;
@@ -230,12 +233,12 @@ class ClockedHand final : public Device {
   std::atomic<bool> released_{false};
 };
 
-/// A server at its worst: its replies pull along the hand's way with all the device has,
-/// the contact with its geometry takes all of a tick's share, and it answers nothing for so long
-/// and then all at once.
+/// The worst case of a server. The replies push along the hand's movement with the device's largest
+/// force, and the contact with the geometry takes the complete budget of a tick. The server is
+/// silent for some time, and then sends all answers at once.
 class LyingServer {
  public:
-  /// `surfaces`: the version that the client has; 0: it has none.
+  /// `surfaces`: the version of the surfaces that the client has. 0: none.
   LyingServer(testing::ScenePeer& peer, std::uint32_t surfaces)
       : peer_(peer), surfaces_(surfaces) {}
 
@@ -259,7 +262,7 @@ class LyingServer {
       most_felt = std::max(most_felt, hand.told.load());
     }
   }
-  /// Then answers the newest of the samples, one after the other.
+  /// Is silent for `time` [s], and then answers the newest samples in turn.
   void silence(double time) {
     std::vector<Sample> unanswered;
     const Nanoseconds end = monotonic_now() + from_seconds(time);
@@ -291,9 +294,10 @@ class LyingServer {
 };
 
 struct Lied {
-  double made = 0.0, debt = 0.0;    // [J] by the true motion; that the account knows of
-  double felt = 0.0;                // [N]
-  std::uint64_t cut = 0, late = 0;  // ticks whose contact was cut; that came a period late or more
+  double made = 0.0, debt = 0.0;  // [J] from the true motion; from the account
+  double felt = 0.0;              // [N] largest force
+  // ticks with a stopped contact; ticks that are a period late or more
+  std::uint64_t cut = 0, late = 0;
 };
 
 Lied lie_to(std::string_view mode, BoundingSide side, const FetchedScene* heavy) {
@@ -309,8 +313,8 @@ Lied lie_to(std::string_view mode, BoundingSide side, const FetchedScene* heavy)
   Ring<const FetchedScene*> fetched(2);
   if (heavy != nullptr) fetched.push(heavy);
   task->options.fetched = &fetched;
-  task->let_go_after = p.hold_time;  // a busy machine must not end it
-  task->priority = kServoPriority;   // as a client's
+  task->let_go_after = p.hold_time;  // A busy machine must not end the session.
+  task->priority = kServoPriority;   // The thread has the priority of a client.
   ServoThread thread(task);
   LyingServer server(peer, heavy != nullptr ? heavy->surfaces->version() : 0);
   server.lie(moved);
@@ -340,16 +344,17 @@ TEST(Stall, OfALyingServerGivesTheHandNoEnergy) {
   heavy.most_work = units_within(contact_budget(1e-3));
   for (const Law& law : kLaws)
     for (const bool heavily : {false, true}) {
-      if (heavily && law.side == BoundingSide::server) continue;  // it has no local model
+      // Such a session has no local model.
+      if (heavily && law.side == BoundingSide::server) continue;
       const Lied lied = lie_to(law.mode, law.side, heavily ? &heavy : nullptr);
-      // A machine that keeps the thread waiting makes debts, which end the force.
+      // A machine that delays the thread causes debts, which end the force.
       EXPECT_LE(lied.made, kRounding + (lied.late > 0 ? lied.debt : 0.0)) << law.name << heavily;
       EXPECT_GT(lied.felt, 0.05) << law.name << ' ' << heavily;
       EXPECT_EQ(lied.cut > 0, heavily) << law.name;
     }
 }
 
-/// The measure can tell.
+/// This shows that the measurement can fail.
 TEST(Stall, WithoutAnAccountItWould) {
   EXPECT_GT(lie_to(kUnbounded, BoundingSide::client, nullptr).made, 1e-3);
 }

@@ -1,5 +1,5 @@
-// Two devices at one machine in one scene: two programs, each with a board of its own at a pseudo
-// terminal.
+// Tests two devices of one machine in one scene. Two programs run, each with its own board at a
+// pseudo terminal.
 
 #include <gmock/gmock.h>
 
@@ -21,10 +21,9 @@ using stand_in::HapiBoard;
 using test::Outcome;
 using test::Program;
 
-constexpr double kStill =
-    2.0;  // [s] that a hand keeps still at the start: the client waits for 0.1 s
+constexpr double kStill = 2.0;  // [s] rest of the hand at the start; the client waits for 0.1 s
 
-/// A wall whose normal points towards the user, where the boards' masses tap.
+/// Returns a wall with a normal towards the user. The masses of the boards tap there.
 Scene wall_scene() {
   std::vector<Object> objects = testing::floor_scene().objects();
   objects.front().pose.orientation =
@@ -79,7 +78,7 @@ TEST_F(TwoDevices, EachHandFeelsTheWallAndGetsNoEnergy) {
     clients[i]->signal(SIGINT);
     const Outcome outcome = clients[i]->finish();
     EXPECT_EQ(outcome.status, 0) << outcome.error;
-    EXPECT_EQ(boards[i].force, 0.0);  // nothing is left on the hand
+    EXPECT_EQ(boards[i].force, 0.0);  // No force may remain on the hand.
     boards[i].stop();
     EXPECT_LE(boards[i].mass.most_made, 1e-12);
     const auto report =
@@ -88,7 +87,7 @@ TEST_F(TwoDevices, EachHandFeelsTheWallAndGetsNoEnergy) {
   }
 }
 
-/// Two programs at one board: the second is told, and the first goes on.
+/// Two programs open one board. The second must get an error, and the first must continue.
 TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
   HapiBoard board;
   board.mass.waits = kStill;

@@ -1,13 +1,13 @@
-// Preload this library into feltwire-client or feltwire-server. It counts each place that requests
-// memory or makes a system call, or makes such a call fail once. It also logs the commands to the
-// client's simulated device.
+// A program (feltwire-client or feltwire-server) preloads this library. The library counts each
+// place that requests memory or makes a system call, or makes such a call fail once. The library
+// also logs the commands to the client's simulated device.
 //
 // FELTWIRE_FAULT_LOG    file of a Log's size for the results
 // FELTWIRE_FAULT_PLACE  hash of the place that fails; none: counts places
 // FELTWIRE_FAULT_NTH    number of the failing call from there
 // FELTWIRE_FAULT_TRACE  file for the stack of the failing call
 //
-// It starts with main(), after the dynamic loader and the static initializers.
+// The library starts with main(), after the dynamic loader and the static initializers.
 
 #include <dlfcn.h>
 #include <execinfo.h>
@@ -51,7 +51,7 @@ std::atomic<bool> armed{false};
 std::uint64_t wanted_place = 0, wanted_nth = 1;
 std::atomic<std::uint64_t> calls_from_wanted{0};
 int trace_file = -1;
-// Calls by this library itself are not counted.
+// The library does not count its own calls.
 thread_local bool inside __attribute__((tls_model("initial-exec"))) = false;
 
 std::int64_t now() {
@@ -60,9 +60,10 @@ std::int64_t now() {
   return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
 }
 
-/// Return addresses relative to their module's base, which are equal in each process.
+/// Return addresses relative to the base of their module. These addresses are equal in each
+/// process.
 struct Stack {
-  static constexpr int kDeepest = 14, kOwn = 3;  // kOwn: frames of this library
+  static constexpr int kDeepest = 14, kOwn = 3;  // kOwn: number of frames of this library
   std::uint64_t hash = 1469598103934665603ull;
   int depth = 0;
 };
@@ -100,7 +101,7 @@ void trace() {
   ::backtrace_symbols_fd(calls.data(), ::backtrace(calls.data(), kDeepest), trace_file);
 }
 
-/// True if this call must fail.
+/// Returns true if this call must fail.
 [[gnu::noinline]] bool fails(std::uint64_t call) {
   if (!armed.load(std::memory_order_relaxed) || inside) return false;
   inside = true;
@@ -127,7 +128,7 @@ Function* real(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
-// The client's simulated device.
+// Functions for the client's simulated device.
 
 void told(double force) {
   const std::int64_t at = now();
@@ -146,7 +147,7 @@ using Release = void (*)(void*);
 Write device_write = nullptr;
 Release device_release = nullptr;
 
-/// The rehearsal's devices are in no hand; their thread has idle priority.
+/// The devices of the rehearsal have no hand. The thread of these devices has idle priority.
 bool is_in_a_hand() {
   thread_local const bool idle = ::sched_getscheduler(0) == SCHED_IDLE;
   return !idle;
@@ -162,8 +163,8 @@ void release_and_tell(void* self) {
   if (is_in_a_hand()) told(0.0);
 }
 
-/// Replaces the functions in the device's virtual table, whose symbol the program exports (it is
-/// linked with --export-dynamic).
+/// Replaces the functions in the device's virtual table. The program must export the symbol of this
+/// table (link option --export-dynamic).
 void follow_device() {
   auto** table = static_cast<void**>(::dlsym(RTLD_DEFAULT, "_ZTVN8feltwire15SimulatedDeviceE"));
   void* write = ::dlsym(RTLD_DEFAULT, "_ZN8feltwire10HandDevice5writeERKNS_12BasicCommandIdEE");
@@ -179,7 +180,7 @@ void follow_device() {
     if (table[i] == write) table[i] = reinterpret_cast<void*>(write_and_tell);
     if (table[i] == release) {
       table[i] = reinterpret_cast<void*>(release_and_tell);
-      break;  // last entry; another table follows
+      break;  // After this last entry another table follows.
     }
   }
 }
@@ -224,7 +225,7 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
                                           stack_end);
 }
 
-// Indices of CALLS in run.py.
+// The numbers are indices of CALLS in run.py.
 void* malloc(std::size_t size) {
   if (!fails(0)) return __libc_malloc(size);
   errno = ENOMEM;
@@ -310,7 +311,7 @@ FELTWIRE_FAIL(25, ENOBUFS, int, getsockopt, (int a, int b, int c, void* d, sockl
 FELTWIRE_FAIL(26, ENOBUFS, int, getsockname, (int a, sockaddr* b, socklen_t* c), (a, b, c))
 FELTWIRE_FAIL(27, ENOTCONN, int, getpeername, (int a, sockaddr* b, socklen_t* c), (a, b, c))
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wshadow"  // flock is a struct's name, too
+#pragma GCC diagnostic ignored "-Wshadow"  // flock is also the name of a struct.
 FELTWIRE_FAIL(28, EIO, int, flock, (int a, int b), (a, b))
 #pragma GCC diagnostic pop
 FELTWIRE_FAIL(29, EIO, int, fchmod, (int a, mode_t b), (a, b))

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a control message. A valid one is equal after it is encoded again, and its
-// requests of devices and sessions are either possible or refused.
+// Takes arbitrary bytes as a control message. A valid message must be equal after it is encoded
+// again. Requests of devices and sessions in the message must be possible or refused.
 
 #include "protocol/wire/control.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 using control::Message;
 
-/// All texts of a message, each followed by its length: encode() must not shorten them.
+/// Collects all texts of a message with their lengths. encode() must not shorten them.
 struct Texts {
   std::string all;
   void add(const std::string& text) { all += text + "/" + std::to_string(text.size()) + "/"; }
@@ -100,7 +100,7 @@ void try_body(Bytes body) {
   try {
     frame = control::encode(*message);
   } catch (const std::length_error&) {
-    // Tables that shared bytes take more room when each has its own.
+    // Tables that shared bytes take more room when each has its own bytes.
     return;
   }
   const Bytes sent = Bytes(frame).subspan(control::kFrameLengthSize);

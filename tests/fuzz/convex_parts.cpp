@@ -1,6 +1,6 @@
-// Arbitrary bytes as a file of a mesh's convex parts: as they are, and with a forged head and
-// checksum. The result is a reason for the refusal, or possible parts that are stored as equal
-// bytes.
+// Takes arbitrary bytes as a file of a mesh's convex parts: unchanged, and with a forged head and
+// checksum. The result must be a reason for the refusal, or possible parts. Stored again, the parts
+// must give equal bytes.
 
 #include <openssl/evp.h>
 

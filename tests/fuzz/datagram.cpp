@@ -1,5 +1,5 @@
-// Arbitrary bytes as a datagram, on both sides. An accepted one keeps each promise of PROTOCOL.md
-// and is equal after it is encoded again.
+// Takes arbitrary bytes as a datagram on both sides. An accepted datagram must keep each guarantee
+// of PROTOCOL.md, and must be equal after it is encoded again.
 
 #include <algorithm>
 #include <vector>
@@ -122,10 +122,10 @@ void try_reply(Bytes payload) {
   require(same_but_model(reply, again) && same(view, view_again), "alignment changes no value");
   require_promises(reply);
   require_promises(view);
-  reply.modelled = false;  // a model with a far center loses digits; see datagram_round_trip
+  reply.modelled = false;  // A model with a far center loses digits (see datagram_round_trip).
   const Bytes sent = encoder.reply(reply, view.present ? &view : nullptr);
   require(sent.size() <= kMaxPayload || view.present, "no datagram is longer than the limit");
-  if (sent.size() > kMaxPayload) return;  // so many hands and bodies are from no server
+  if (sent.size() > kMaxPayload) return;  // No server sends so many hands and bodies.
   require(decode(sent, again, &view_again) == DropReason::none && same_but_model(reply, again) &&
               same(view, view_again),
           "a reply says the same when it is sent again");
@@ -139,7 +139,7 @@ void try_goodbye(Bytes payload) {
           "a goodbye says the same when it is sent again");
 }
 
-/// Tries a robot's state or its target.
+/// Tries the bytes as a robot's state or target.
 template <class Said>
 void try_robot(Bytes payload, Bytes (Encoder::*encode)(const Said&)) {
   static Encoder encoder;

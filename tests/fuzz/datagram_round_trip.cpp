@@ -1,4 +1,4 @@
-// Bytes become values, values become a datagram, and the datagram becomes equal values.
+// Bytes become values, values become a datagram, and the datagram must become equal values.
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr unsigned kAllKinds = ~0u;
 
-/// Sends the payload through a datagram and returns the arrived payload.
+/// Sends the payload through a datagram and returns the received payload.
 Bytes carried(Bytes payload, const Header& sent) {
   constexpr Key kSecret{1, 2, 3};
   static DatagramBuffer sealed, out;
@@ -78,7 +78,7 @@ DropReason expected(const ClientChange& c) {
              : DropReason::not_finite;
 }
 
-/// A view's numbers are sent as float32.
+/// A view sends its numbers as float32.
 void require_arrived(const SceneView& sent, const SceneView& got) {
   require(got.present && got.hands_from == sent.hands_from && got.hands_end == sent.hands_end &&
               got.bodies_from == sent.bodies_from && got.bodies_end == sent.bodies_end,
@@ -131,7 +131,7 @@ void try_reply(Input& in, const Header& header) {
   static SceneView seen;
   Reply sent = reply(in);
   const bool shows = !sent.modelled && in.coin();
-  if (shows) {  // an observer feels and leads nothing, which leaves room for its view
+  if (shows) {  // An observer gets no force and leads nothing, which leaves room for its view.
     sent.normals = {};
     sent.remote.reset();
     sent.change.reset();
@@ -205,7 +205,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Header header;
     header.kind = static_cast<DatagramKind>(1 + in.byte() % 5);
     header.session = in.whole<std::uint64_t>();
-    // The first generation, which uses the session's secret; 0 is never sent.
+    // The first key generation uses the session's secret. Packet number 0 is never sent.
     header.packet_number = 1 + in.whole<std::uint32_t>() % ((1u << kGenerationBits) - 1);
     if (header.kind == DatagramKind::samples) fuzz::try_batch(in, header);
     if (header.kind == DatagramKind::reply) fuzz::try_reply(in, header);

@@ -1,5 +1,6 @@
-// Arbitrary bytes as answers of a Falcon's firmware: no answer, or encoder counts as published and
-// a tool where the legs meet. Forces there must be possible for the motors.
+// Takes arbitrary bytes as answers of a Falcon's firmware. The result must be no answer, or encoder
+// counts as published and a tool at the end of the legs. The motors must be able to give forces
+// there.
 
 #include <vector>
 
@@ -11,13 +12,13 @@ namespace {
 
 using namespace falcon;
 
-// [m], from the published facts, not from the driver.
+// [m] from the published facts, not from the driver
 constexpr double kArm = 0.060, kShin = 0.1025, kToolAlong = 0.01443, kJoint = 0.01125,
                  kToolAcross = -0.025, kBaseAlong = 0.0400, kBaseAcross = -0.02309;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kLegs = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
 
-/// Decodes four letters from 'A' to 'P', the lowest first, in two's complement.
+/// Decodes four letters from 'A' to 'P' in little-endian order and two's complement.
 int number(const std::uint8_t* letters) {
   constexpr int kHalf = 1 << 15;
   int value = 0, weight = 1;
@@ -28,7 +29,7 @@ int number(const std::uint8_t* letters) {
   return value < kHalf ? value : value - 2 * kHalf;
 }
 
-/// True if the packet is an answer of the firmware.
+/// Returns true if the packet is an answer of the firmware.
 bool is_answer(const Packet& packet) {
   if (packet[0] != '<' || packet[15] != '>') return false;
   for (std::size_t n = 1; n <= 12; ++n)
@@ -36,7 +37,7 @@ bool is_answer(const Packet& packet) {
   return packet[13] >= 'A' && packet[13] - 'A' < 128;
 }
 
-/// An answer of homed legs with possible arm angles, and some beyond.
+/// Returns an answer of homed legs with possible arm angles, and some beyond.
 std::vector<std::uint8_t> possible_answer(Input& input) {
   constexpr int kRange = 8192;  // counts, about 300 degrees
   std::vector<std::uint8_t> bytes = {'<'};
@@ -51,7 +52,7 @@ std::vector<std::uint8_t> possible_answer(Input& input) {
   return bytes;
 }
 
-/// Feeds the bytes in two pieces.
+/// Adds the bytes in two pieces.
 std::optional<BoardReply> answer_of(Bytes bytes, std::size_t first) {
   Answer answer;
   answer.add(bytes.first(std::min(first, bytes.size())));
@@ -75,7 +76,7 @@ std::optional<BoardReply> answer_of(Bytes bytes, std::size_t first) {
   return all;
 }
 
-/// The tool is at the end of all three shins, not far from the middle.
+/// Checks that the tool is at the end of all three shins, not far from the middle.
 void look_at(const ToolPoint& tool, const Counts& encoders) {
   const Vec3& p = tool.position;
   require(p.allFinite() && tool.jacobian.allFinite(), "a place is finite");
@@ -109,7 +110,7 @@ void push(const ToolPoint& tool, const Vec3& force, std::uint8_t extra) {
   if (motors == Counts{}) return;
   const Vec3 held = force_of(tool, motors);
   require(held.allFinite(), "a held force is finite");
-  // Each motor's count is rounded by less than one.
+  // Rounding changes each motor's count by less than one.
   require(held.norm() <= force.norm() + 0.15, "no more is held than was asked for");
 }
 
@@ -119,7 +120,7 @@ void push(const ToolPoint& tool, const Vec3& force, std::uint8_t extra) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   using namespace feltwire::fuzz;
-  constexpr double kMostForce = 40.0;  // [N], more than a device has
+  constexpr double kMostForce = 40.0;  // [N] above the force of any device
   Input input(data, size);
   falcon::TrackedTool tool;
   Nanoseconds now(0);

@@ -1,5 +1,6 @@
-// Any result of a Falcon's USB transfers. A firmware counts as loaded only if every piece was
-// echoed, and an answer has the received bytes. The first byte selects a load or a request.
+// Takes any result of a Falcon's USB transfers. A firmware must count as loaded only if every piece
+// was echoed, and an answer must have the received bytes. The first byte selects a load or a
+// request.
 
 #include <dlfcn.h>
 
@@ -22,10 +23,10 @@ constexpr std::size_t kModem = 2, kUsbPacket = 64;
 constexpr unsigned kHelloRate = 0x4138, kLoadRate = 0x15;
 
 struct Write {
-  Sent bytes;  // taken by the device
+  Sent bytes;  // bytes that the device took
   bool whole = true;
   unsigned rate = 0;
-  Sent heard{};  // until the next write
+  Sent heard{};  // bytes received until the next write
 };
 
 /// A byte selects the result of each transfer. Without more input the device is gone.
@@ -97,13 +98,13 @@ class Converter final : public stand_in::UsbScript {
   }
 
   Input& input_;
-  Sent waiting_;  // to be read
+  Sent waiting_;  // bytes that wait for a read
   unsigned rate_ = 0;
   bool gone_ = false;
 };
 
-/// Checks that the driver wrote hellos, the first byte of a load, and the image's pieces in order.
-/// The boot loader must have answered the last hello and echoed all but the last write.
+/// Checks that the driver wrote hellos, the first byte of a load, and the pieces of the image in
+/// order. The boot loader must have answered the last hello and echoed all but the last write.
 void look_at_load(const std::vector<Write>& writes, const Sent& image, bool loaded) {
   const Sent hello = {0x0A, 0x43, 0x0D}, yes = {0x0A, 0x44, 0x2C, 0x0D};
   Sent load = {0x41};

@@ -1,5 +1,5 @@
-// Arbitrary bytes from a robot's driver. Each line is refused with a field and a remedy, or it
-// gives possible values.
+// Takes arbitrary bytes from a robot's driver. Each line must be refused with a field and a remedy,
+// or give possible values.
 
 #include "client/followers/follower_lines.hpp"
 
@@ -36,7 +36,7 @@ void look_at(std::string_view line) {
               reading.force.value_or(Vec3::Zero()).allFinite(),
           "a reading is finite");
   require(reading.gripper >= 0.0 && reading.gripper_force >= 0.0, "a gripper is possible");
-  // The target line for it can be parsed.
+  // The target line for this reading must be valid.
   std::array<char, kLongestLine> text{};
   const std::size_t size = write_target(number, {reading.commanded, reading.gripper}, text);
   require(size > 0 && text[size - 1] == '\n', "a target is a line");

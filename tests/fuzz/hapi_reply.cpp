@@ -1,5 +1,5 @@
-// Arbitrary bytes from the serial port of a 2-dof open board: no reply, or possible arm angles and
-// a tool that the links reach.
+// Takes arbitrary bytes from the serial port of a 2-dof open board. The result must be no reply, or
+// possible arm angles and a tool that the links reach.
 
 #include "client/devices/hapi_board.hpp"
 #include "tests/fuzz/fuzz.hpp"

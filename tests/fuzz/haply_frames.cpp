@@ -1,7 +1,7 @@
-// Arbitrary bytes from a service on this machine after the handshake, in pieces: whole and broken
-// WebSocket frames, fragments, control frames. The client accepts the messages that a second
-// decoder of RFC 6455 accepts, answers its pings, and disconnects when the service breaks the
-// rules.
+// Takes arbitrary bytes from a service on this machine after the handshake, in pieces: complete and
+// broken WebSocket frames, fragments, control frames. The client must accept the messages that a
+// second decoder of RFC 6455 accepts, and must answer pings. The client must disconnect when the
+// service breaks the rules.
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr std::size_t kLongest = 200;  // bytes of a message, fewer than an input has
+constexpr std::size_t kLongest = 200;  // [bytes] longest message, shorter than an input
 constexpr std::size_t kMostPiece = 64;
 enum Opcode : unsigned { kMore = 0, kText = 1, kClose = 8, kPing = 9, kPong = 10 };
 
@@ -26,12 +26,12 @@ using Text = std::optional<std::string>;  // of a message; none: too long
 struct Frame {
   unsigned opcode = 0, reserved = 0;
   bool last = false, masked = false;
-  bool possible = true;  // its length has the required form
+  bool possible = true;  // The length has the required form.
   std::uint64_t size = 0;
-  std::size_t head = 0;  // bytes
+  std::size_t head = 0;  // [bytes] length of the head
 };
 
-/// The frame at the front, by RFC 6455, 5.2; none if its head is incomplete.
+/// Returns the first frame by RFC 6455, 5.2, or nothing if its head is incomplete.
 std::optional<Frame> frame_at(Bytes bytes) {
   if (bytes.size() < 2) return std::nullopt;
   Frame frame{.opcode = bytes[0] & 15U,
@@ -41,7 +41,7 @@ std::optional<Frame> frame_at(Bytes bytes) {
               .size = bytes[1] & 127U,
               .head = 2};
   if (frame.opcode >= kClose) frame.possible = frame.last && frame.size <= 125;
-  if (!frame.possible) return frame;  // ignores the rest of its head
+  if (!frame.possible) return frame;  // The rest of the head is ignored.
   const std::size_t more = frame.size == 126 ? 2 : frame.size == 127 ? 8 : 0;
   if (bytes.size() < frame.head + more) return std::nullopt;
   if (more > 0) frame.size = 0;
@@ -57,15 +57,15 @@ std::optional<Frame> frame_at(Bytes bytes) {
 struct RequiredReactions {
   std::vector<Text> messages;
   std::vector<std::string> pings;
-  bool ends = false;     // a close, or a broken rule that is certain
-  bool may_end = false;  // a broken rule that is incomplete
+  bool ends = false;     // a close frame, or a certainly broken rule
+  bool may_end = false;  // a broken rule in an incomplete frame
 };
 
 RequiredReactions heard(Bytes bytes) {
   RequiredReactions all;
   bool begun = false;
-  int idle = 0;                 // frames in a row without the end of a message
-  std::uint64_t announced = 0;  // bytes of this message so far
+  int idle = 0;                 // consecutive frames without the end of a message
+  std::uint64_t announced = 0;  // [bytes] announced length of this message so far
   std::string text;
   while (const auto frame = frame_at(bytes)) {
     const bool control = frame->opcode >= kClose;
@@ -100,7 +100,7 @@ RequiredReactions heard(Bytes bytes) {
   return all;
 }
 
-/// The client's pongs; each must be masked, as all frames of a client.
+/// Returns the client's pongs. Each must be masked, as all frames of a client.
 std::vector<std::string> pongs_in(const std::string& sent) {
   std::vector<std::string> pongs;
   Bytes bytes(reinterpret_cast<const std::uint8_t*>(sent.data()), sent.size());
@@ -142,13 +142,13 @@ class Service {
     for (ssize_t count; (count = ::recv(ends_[0], room, sizeof room, 0)) > 0;)
       sent.append(room, static_cast<std::size_t>(count));
   }
-  std::string sent;  // from the client
+  std::string sent;  // bytes from the client
 
  private:
   int ends_[2];
 };
 
-/// Takes the available messages. False: the connection is gone.
+/// Takes the available messages. Returns false if the connection is gone.
 bool take(ServiceSocket& socket, std::vector<Text>& messages) {
   while (true) {
     switch (socket.receive(Nanoseconds(0))) {

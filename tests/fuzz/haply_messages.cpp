@@ -1,5 +1,5 @@
-// Arbitrary bytes from a service on this machine: no message, or a message with possible numbers
-// for which a command can be written.
+// Takes arbitrary bytes from a service on this machine. The result must be no message, or a message
+// with possible numbers. The driver must be able to write a command for such a message.
 
 #include "client/devices/haply_messages.hpp"
 
@@ -19,7 +19,7 @@ void look_at(const Message& message, std::string_view text) {
           "numbers are finite");
   require(!message.orientation || std::abs(message.orientation->norm() - 1.0) < 1e-9,
           "an orientation is one");
-  // The device is found by its name.
+  // The name must select the device.
   const auto again = read_message(text, told.id);
   require(again && again->told.id == told.id && again->dialect == message.dialect,
           "a device is found by its id");

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a height map: an image, or an error with the offset of the wrong byte. A
-// relief from the image must be finite and within its amplitude everywhere.
+// Takes arbitrary bytes as a height map. The result must be an image, or an error with the offset
+// of the wrong byte. A relief from the image must be finite and within its amplitude everywhere.
 //   bytes 0-15  amplitude and size [m], any doubles
 //   the rest    the file
 

@@ -1,5 +1,5 @@
-// Arbitrary text as an emulated link: it is refused with a reason, or its datagram fates are
-// possible.
+// Takes arbitrary text as an emulated link. The text must be refused with a reason, or the fates of
+// datagrams must be possible.
 
 #include <stdexcept>
 
@@ -37,7 +37,8 @@ void carry(const LinkOptions& options, std::uint64_t key) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
-  if (text.find("trace:") != std::string::npos) return 0;  // names a file; see link_trace.cpp
+  // The text names a file (see link_trace.cpp).
+  if (text.find("trace:") != std::string::npos) return 0;
   try {
     const TwoWayLinkOptions link = parse_link(text);
     validate(link.up);

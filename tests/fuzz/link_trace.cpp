@@ -1,4 +1,5 @@
-// Arbitrary text as a recorded link: an error with its place, or a link that plays for ever.
+// Takes arbitrary text as a recorded link. The result must be an error with its place, or a link
+// that replays endlessly.
 
 #include <sstream>
 

@@ -1,5 +1,6 @@
-// Arbitrary bytes as an MCAP file and as messages to write. A file is read, or the error names its
-// place. A cut file gives the whole file's first messages. Written messages come back.
+// Takes arbitrary bytes as an MCAP file and as messages to write. A file must be read, or the error
+// must name its place. A truncated file must give the first messages of the complete file. Written
+// messages must be read again.
 
 #include <algorithm>
 #include <sstream>
@@ -24,7 +25,7 @@ struct Written {
   bool operator==(const Written&) const = default;
 };
 
-/// The messages up to the end or to the first error.
+/// Returns the messages up to the end or to the first error.
 std::vector<Written> read(const std::string& bytes, bool& whole) {
   std::vector<Written> messages;
   whole = false;

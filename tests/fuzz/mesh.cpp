@@ -1,7 +1,8 @@
-// Arbitrary bytes as a mesh file of each format: an error with its place, or a surface. The surface
-// is whole, gives finite forces, and lets no hand through a triangle.
+// Takes arbitrary bytes as a mesh file of each format. The result must be an error with its place,
+// or a surface. The surface must be complete, give finite forces, and let no hand through a
+// triangle.
 //   byte 0   format and scale
-//   byte 1   weld and how it is felt
+//   byte 1   weld distance and touched side
 //   the rest the file
 
 #include "core/base/splitmix.hpp"
@@ -13,7 +14,7 @@
 namespace feltwire::fuzz {
 namespace {
 
-constexpr std::size_t kMostTriangles = 400;  // checked one by one
+constexpr std::size_t kMostTriangles = 400;  // The test checks each triangle.
 
 void require_soup(const TriangleSoup& soup) {
   require(!soup.triangles.empty(), "a surface has triangles");
@@ -48,7 +49,8 @@ void require_mesh(const TriangleMesh& mesh, const TriangleSoup& soup) {
     require(!mesh.around(v).empty(), "every vertex is a triangle's");
 }
 
-/// A path through the middle of a triangle (no sliver) hits it, or another triangle before it.
+/// A path through the middle of a triangle must hit it, or another triangle before. The triangle is
+/// not degenerate.
 void require_holds(const MeshSurface& surface, std::uint32_t t) {
   const std::array<Vec3, 3> c = surface.mesh().corners(t);
   const double longest =

@@ -1,6 +1,7 @@
-// Arbitrary text as an MJCF file: an error with the file's name, or a scene. The scene's objects
-// have finite places, it can be stepped, and it answers a hand with finite forces. MuJoCo's loader
-// runs in a child process, so any failure there, even a crash, is an error here.
+// Takes arbitrary text as an MJCF file. The result must be an error with the file's name, or a
+// scene. The scene's objects must have finite positions, and a step must be possible. A hand must
+// get finite forces. MuJoCo's loader runs in a child process, so its failures, even a crash, must
+// be errors here.
 
 #include <unistd.h>
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr int kSteps = 20;
 
-/// A folder of this process, removed at its end.
+/// A folder of this process. The destructor removes the folder.
 class Folder {
  public:
   Folder()
@@ -58,8 +59,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace feltwire;
   const std::string text = fuzz::text(data, size);
   // Text with file names would read files of this machine. Text that multiplies bodies takes
-  // minutes for a line, and so does a height field of 65535 rows, as sanitizers disable its memory
-  // limit.
+  // minutes for a line. A height field of 65535 rows takes as long, because sanitizers disable
+  // MuJoCo's memory limit.
   for (const char* word : {"file", "dir", "composite", "nrow", "&"})
     if (text.find(word) != std::string::npos) return 0;
   static const fuzz::Folder folder;
@@ -76,7 +77,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   } catch (const FileError& error) {
     fuzz::require(std::string_view(error.what()).starts_with(folder.file().string() + ":"),
                   "an error names its file");
-  } catch (const std::invalid_argument&) {  // of a scene: names the object
+  } catch (const std::invalid_argument&) {  // An error of a scene names the object.
   }
   return 0;
 }

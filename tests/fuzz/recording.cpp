@@ -1,4 +1,5 @@
-// Arbitrary text as a recorded movement: an error with its place, or a movement of finite poses.
+// Takes arbitrary text as a recorded movement. The result must be an error with its place, or a
+// movement of finite poses.
 
 #include <sstream>
 

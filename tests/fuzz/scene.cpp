@@ -1,5 +1,5 @@
-// Arbitrary text as a scene file: an error with its place, or a scene that gives a tool anywhere a
-// finite force.
+// Takes arbitrary text as a scene file. The result must be an error with its place, or a scene that
+// gives a tool anywhere a finite force.
 
 #include "core/base/splitmix.hpp"
 #include "core/local_model_extraction/extract.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTouches = 64;
 
-/// From -1 to 1.
+/// Returns a number from -1 to 1.
 double draw(std::uint64_t i) {
   return 2.0 * 0x1p-53 * static_cast<double>(splitmix::draw(1, i) >> 11) - 1.0;
 }
@@ -37,7 +37,7 @@ void require_touch(const Scene& scene, const Tool& tool, TouchMemory& memory) {
             "patches are finite");
 }
 
-/// Moves slowly and in leaps through each object, to its middle, and far away.
+/// Moves slowly and in jumps through each object, to its centre, and far away.
 void touch_everywhere(const Scene& scene) {
   TouchMemory memory = scene.memory();
   std::uint64_t i = 0;

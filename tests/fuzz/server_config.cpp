@@ -1,4 +1,5 @@
-// Arbitrary text as a server's configuration: an error with its place, or a valid configuration.
+// Takes arbitrary text as a server's configuration. The result must be an error with its place, or
+// a valid configuration.
 
 #include "server/app/server_config.hpp"
 

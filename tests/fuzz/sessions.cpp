@@ -1,5 +1,5 @@
-// A scene with two sessions, one of them hostile. For any data and requests from it, the other gets
-// the answers of a session alone, to the bit, and an observer sees both places.
+// A scene has two sessions, and one is hostile. For any data and requests of the hostile session,
+// the other must get the answers of a session alone, bitwise. An observer must see both positions.
 
 #include <algorithm>
 #include <vector>
@@ -85,12 +85,12 @@ class Exchange {
       }
       case 1:
         return send(own(hostile_.samples(kHostile, number(in), wild_batch(in))));
-      case 2: {  // validly sealed, with any payload
+      case 2: {  // a valid seal with any payload
         const auto payload = mutated(own(encoder_.samples(test::hand_batch(1 + in.byte(), 3))), in);
         const Header header{DatagramKind::samples, kHostile, number(in)};
         return send(own(hostile_.seal(header, payload)));
       }
-      case 3:  // overheard datagrams, repeated or changed, under either id
+      case 3:  // intercepted datagrams, repeated or changed, under either id
         return send(mutated(in.coin() ? overheard_ : renamed(overheard_), in));
       case 4:
         return send(

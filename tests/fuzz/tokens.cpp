@@ -1,5 +1,6 @@
-// Arbitrary text as a token file and as a client's token: an error with its place, or tokens that
-// are equal after a rewrite. It must not open anything by chance.
+// Takes arbitrary text as a token file and as a client's token. The result must be an error with
+// its place, or tokens that are equal after a rewrite. The text must not authorize a client by
+// chance.
 
 #include "server/access/tokens.hpp"
 

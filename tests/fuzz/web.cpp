@@ -1,5 +1,5 @@
-// Arbitrary bytes on the live page's port: a request head or WebSocket frames. Answers must follow
-// the rules, and accepted values must be within their limits.
+// Takes arbitrary bytes on the live page's port: a request head or WebSocket frames. Answers must
+// follow the rules, and accepted values must be within their limits.
 
 #include "server/web/foxglove_messages.hpp"
 #include "server/web/http_responses.hpp"

@@ -1,4 +1,4 @@
-// The counter behind the "nothing allocates" tests sees every library's use of the heap.
+// The allocation tests use this counter. The counter must include the heap uses of all libraries.
 
 #include "tests/support/allocation_counter.hpp"
 
@@ -16,10 +16,10 @@
 namespace feltwire::allocation_counter_test {
 namespace {
 
-// The compiler may remove unused memory: this use prevents it.
+// The compiler may remove unused memory. This variable prevents the removal.
 void* volatile looked_at = nullptr;
 
-/// How often `work` uses the heap.
+/// Returns the number of heap uses of `work`.
 template <class Work>
 std::size_t uses(const Work& work) {
   const std::size_t before = test::allocations();
@@ -76,7 +76,7 @@ TEST_F(AllocationCounter, SeesLibraries) {
   std::free(looked_at);
   EXPECT_GT(uses([] { looked_at = EVP_CIPHER_CTX_new(); }), 0u);  // libcrypto
   EXPECT_GT(uses([] { EVP_CIPHER_CTX_free(static_cast<EVP_CIPHER_CTX*>(looked_at)); }), 0u);
-  // Every library uses the same malloc as this program.
+  // Every library must use the malloc of this program.
   for (const char* name :
        {"malloc", "calloc", "realloc", "free", "aligned_alloc", "memalign", "posix_memalign"}) {
     Dl_info in_use{}, own{};
@@ -97,7 +97,7 @@ TEST_F(AllocationCounter, CountsEachThreadByItself) {
   const std::size_t before = test::allocations(), others = test::allocations_of_others();
   thread.join();
   EXPECT_EQ(in_thread, 2u);
-  EXPECT_LE(test::allocations(), before + 1);  // only the thread's own memory is given back
+  EXPECT_LE(test::allocations(), before + 1);  // Only the thread's own memory is freed.
   EXPECT_GE(test::allocations_of_others(), 2u);
   EXPECT_GE(test::allocations_of_others(), others);
 }
@@ -110,7 +110,7 @@ TEST_F(AllocationCounter, MemoryIsAsAskedFor) {
   }
   void* memory = nullptr;
   EXPECT_EQ(::posix_memalign(&memory, 3, 100), EINVAL);
-  volatile std::size_t too_many = SIZE_MAX;  // hidden from the compiler
+  volatile std::size_t too_many = SIZE_MAX;  // volatile hides the value from the compiler
   EXPECT_EQ(::reallocarray(nullptr, too_many, 2), nullptr);
   EXPECT_EQ(errno, ENOMEM);
   auto* const zeros = static_cast<unsigned char*>(std::calloc(100, 10));

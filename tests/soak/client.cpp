@@ -9,16 +9,16 @@ namespace feltwire::soak {
 namespace {
 
 constexpr std::chrono::milliseconds kJoinTimeout{5000};
-// [s]
+// [s] life of a client and pause between two lives
 constexpr double kShortestLife = 0.3, kLongestLife = 4.0, kLongestPause = 0.5;
-constexpr double kMeanStay = 1.0;  // at a port
+constexpr double kMeanStay = 1.0;  // [s] mean time at a port
 constexpr double kDiesWithoutWord = 0.4;
 constexpr int kGoodbyes = 3;
 constexpr Nanoseconds kGrace = std::chrono::seconds(1);
 constexpr unsigned kAnyKind = ~0u;
-constexpr std::size_t kRemembered = 256;  // samples whose answers' round trips are measured
+constexpr std::size_t kRemembered = 256;  // number of samples with a measured round trip
 
-/// The next datagram that has already arrived; empty if there is none.
+/// Returns the next datagram that has already arrived, or nothing.
 Bytes take(const test::RawSocket& socket, std::span<std::uint8_t> buffer) {
   const auto size = ::recv(socket.descriptor(), buffer.data(), buffer.size(), MSG_DONTWAIT);
   return {buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
@@ -28,7 +28,7 @@ std::unique_ptr<test::RawSocket> open_port(std::uint16_t server) {
   return std::make_unique<test::RawSocket>(SOCK_DGRAM, server);
 }
 
-/// A hand that moves on the scene's start place.
+/// Returns a hand that moves at the scene's start position.
 HandTask task(const control::JoinAccepted& accepted, std::uint64_t seed) {
   HandTask task;
   task.path = seed % 2 == 0 ? HandPath::slide : HandPath::taps;
@@ -45,7 +45,7 @@ std::uint16_t scene_port(const Joined& joined) {
   return ntohs(reinterpret_cast<const sockaddr_in&>(joined.datagrams.storage).sin_port);
 }
 
-// The only place that makes a datagram session from an accepted join.
+// Only this function makes a datagram session from an accepted join.
 DatagramSession make_datagram_session(const Joined& joined) {
   return {joined.accepted.session, joined.keys, joined.accepted.parameters, false};
 }
@@ -54,13 +54,13 @@ DatagramSession make_datagram_session(const Joined& joined) {
 
 struct Client::Life {
   std::uint64_t session;
-  std::uint16_t port;  // of the scene
+  std::uint16_t port;  // port of the scene
   DatagramSession datagrams;
   SimulatedDevice device;
   Servo servo;
   std::unique_ptr<test::RawSocket> socket;
-  Nanoseconds clock{0};              // the client's: a period per tick, on a slow machine too
-  Nanoseconds end{0}, next_move{0};  // on the machine's clock
+  Nanoseconds clock{0};  // the client's clock: a period per tick, even on a slow machine
+  Nanoseconds end{0}, next_move{0};             // on the machine's clock
   std::array<Nanoseconds, kRemembered> sent{};  // on the machine's clock, by sample
   Reply reply;
 
@@ -107,7 +107,7 @@ void Client::be_born(Nanoseconds now) {
 }
 
 void Client::keep(std::unique_ptr<test::RawSocket> socket, Nanoseconds now) {
-  // Keep the port until the server has sent its last datagram to it.
+  // The client keeps the port until the server has sent its last datagram to this port.
   old_ports_.push_back(
       {std::move(socket), life_->session, now + 2 * options_.silence_timeout + kGrace});
 }

@@ -1,5 +1,5 @@
-// feltwire-soak: a server under clients that join, leave, roam and die at random. The exit status
-// says whether everything held.
+// feltwire-soak runs a server under clients that join, leave, change address and die at random. The
+// exit status shows whether every check passed.
 
 #include <unistd.h>
 
@@ -55,13 +55,14 @@ int start(int argc, char** argv) {
   return outcome.holds() ? 0 : 1;
 }
 
-/// glibc counts a thread's cache as memory in use, up to 0.2 MiB a thread: this would hide leaks.
-/// The caches can be disabled only before a program starts, so this program starts again.
+/// glibc counts a thread's cache as memory in use, up to 0.2 MiB a thread, which would hide leaks.
+/// The caches can be disabled only before a program starts, so this program restarts itself.
 void start_without_thread_caches(char** argv) {
   constexpr const char* kName = "GLIBC_TUNABLES";
   if (std::getenv(kName) != nullptr) return;
   ::setenv(kName, "glibc.malloc.tcache_count=0", 0);
-  ::execv("/proc/self/exe", argv);  // returns on failure: the caches then count as memory in use
+  // This call returns only on failure. The caches then count as memory in use.
+  ::execv("/proc/self/exe", argv);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ std::size_t heap_in_use() {
 }
 
 std::size_t descriptors() {
-  // The count includes the descriptor of the listing itself, each time.
+  // The count always includes the descriptor of the listing itself.
   const auto all = std::filesystem::directory_iterator("/proc/self/fd");
   return static_cast<std::size_t>(std::distance(begin(all), end(all)));
 }

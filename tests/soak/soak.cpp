@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kSilenceTimeout = 1.0;  // [s]
 constexpr int kSeatsPerClient =
-    4;  // a dead client's session stays until the server's silence timeout is over
+    4;  // A dead client's session stays until the server's silence timeout.
 constexpr double kWarmUp = 0.25;    // share of the time
-constexpr double kPatience = 10.0;  // [s] to wait for an expected end
+constexpr double kPatience = 10.0;  // [s] longest wait for an expected end
 constexpr auto kLook = std::chrono::milliseconds(5);
 constexpr Nanoseconds kBetweenLooks = std::chrono::milliseconds(250);
 #ifdef FELTWIRE_SANITIZED
@@ -27,10 +27,10 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 constexpr double kMebibyte = 1048576.0;
-// The allowed growth: allocators and kernels keep some freed memory.
+// The allowed growth. Allocators and kernels keep some freed memory.
 constexpr double kResidentGrowth = 4.0 * kMebibyte, kHeapGrowth = 0.25 * kMebibyte;
 
-/// Polls the condition; false if it stays false for kPatience.
+/// Polls the condition. Returns false if the condition stays false for kPatience.
 template <class Condition>
 bool becomes(Condition condition) {
   const Nanoseconds end = monotonic_now() + from_seconds(kPatience);
@@ -45,9 +45,9 @@ std::string mebibytes(double bytes) {
   return std::to_string(bytes / kMebibyte).substr(0, 6) + " MiB";
 }
 
-/// The only place that makes a server.
+/// Only this function makes a server.
 Server make_server(const Options& options) {
-  spdlog::set_level(spdlog::level::off);  // log lines for every join do not matter here
+  spdlog::set_level(spdlog::level::off);  // Log lines for every join are not necessary here.
   ServerConfig config;
   config.port = 0;
   config.silence_timeout = kSilenceTimeout;
@@ -80,7 +80,7 @@ class Soak {
   Outcome run() {
     const std::size_t descriptors_at_rest = descriptors();
     const auto at_rest = [&] { return descriptors() == descriptors_at_rest; };
-    sessions();  // the first answer allocates memory that the server keeps
+    sessions();  // The first answer allocates memory that the server keeps.
     becomes(at_rest);
     const std::size_t heap_at_rest = heap_in_use();
     play();
@@ -121,7 +121,7 @@ class Soak {
         for (Client& client : clients_) client.watch_old_ports(now);
         next_look = now + kBetweenLooks;
       }
-      // Missed ticks are skipped, not made up for.
+      // The loop skips missed ticks.
       const Nanoseconds spare = now + period - monotonic_now();
       if (spare.count() > 0) std::this_thread::sleep_for(spare);
     }
@@ -141,8 +141,9 @@ class Soak {
   }
 
   void judge_memory(std::size_t heap_at_rest) {
-    if (kSanitized) return;  // the sanitizer owns the allocator and looks for leaks itself
-    // Compare the maximum of the later half with that of the earlier half: clients come and go.
+    if (kSanitized) return;  // The sanitizer has its own allocator and finds leaks itself.
+    // Clients join and leave, so the check compares the maximum of the later half with that of the
+    // earlier half.
     const auto middle = resident_.begin() + static_cast<std::ptrdiff_t>(resident_.size() / 2);
     const auto earlier = static_cast<double>(*std::max_element(resident_.begin(), middle));
     const auto later = static_cast<double>(*std::max_element(middle, resident_.end()));
@@ -197,7 +198,7 @@ class Soak {
   ServerAccess access_;
   Outcome outcome_;
   std::vector<Client> clients_;
-  std::vector<std::size_t> resident_;  // [bytes] for each look after the warm-up
+  std::vector<std::size_t> resident_;  // [bytes] one value per check after the warm-up
 };
 
 }  // namespace

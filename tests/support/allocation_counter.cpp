@@ -8,9 +8,10 @@
 #include <cstdlib>
 
 namespace {
-// Initialized by a constant, so the first use allocates nothing.
+// Constant initialization avoids an allocation at the first use.
 constinit thread_local std::size_t own = 0;
-constinit std::atomic<std::size_t> all = 0, held = 0, peak = 0;  // uses; [bytes]
+// own, all: number of uses; held, peak: [bytes]
+constinit std::atomic<std::size_t> all = 0, held = 0, peak = 0;
 
 [[maybe_unused]] void count() {
   ++own;
@@ -36,8 +37,8 @@ void begin_heap_peak() { peak = held.load(); }
 }  // namespace feltwire::test
 
 #ifndef FELTWIRE_SANITIZED
-// glibc's own allocator by the names that remain when malloc is replaced. The dynamic linker takes
-// a program's malloc before libc's, so the counter sees libraries too.
+// glibc's own allocator has these names, which remain when a program replaces malloc. The dynamic
+// linker prefers a program's malloc to libc's malloc. The counter therefore includes libraries.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t number, std::size_t size) noexcept;
@@ -57,7 +58,7 @@ void* realloc(void* memory, std::size_t size) noexcept {
   count();
   const std::size_t before = ::malloc_usable_size(memory);
   void* const made = __libc_realloc(memory, size);
-  if (made == nullptr && size > 0) return nullptr;  // the old block is unchanged
+  if (made == nullptr && size > 0) return nullptr;  // The old block is unchanged.
   lost(before);
   return gained(made);
 }
@@ -85,7 +86,7 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexc
   *memory = gained(made);
   return 0;
 }
-// Freeing counts because it takes the heap's lock too. Freeing null does nothing.
+// Freeing counts, because it also locks the heap. Freeing null does nothing.
 void free(void* memory) noexcept {
   if (memory == nullptr) return;
   count();

@@ -5,11 +5,12 @@
 #include <new>
 
 namespace {
-thread_local bool spared = false;             // the thread that made the FailingAllocation
-std::atomic<std::int64_t> until_failure{-1};  // allocations left; 0 or below: none fails
+thread_local bool spared = false;  // set in the thread that made the FailingAllocation
+// allocations before the failure; 0 or below: none fails
+std::atomic<std::int64_t> until_failure{-1};
 
 #ifndef FELTWIRE_SANITIZED
-/// Whether this allocation must fail.
+/// Returns true if this allocation must fail.
 bool fails() {
   if (until_failure.load(std::memory_order_relaxed) <= 0 || spared) return false;
   return until_failure.fetch_sub(1, std::memory_order_relaxed) == 1;
@@ -32,8 +33,8 @@ bool FailingAllocation::happened() const { return until_failure <= 0; }
 }  // namespace feltwire::test
 
 #ifndef FELTWIRE_SANITIZED
-// Not inlined: otherwise the compiler would see malloc and free inside new and delete, and report a
-// mismatch.
+// If the compiler inlined this function, the compiler would see malloc and free in new and delete,
+// and report a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   if (fails()) throw std::bad_alloc();
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;

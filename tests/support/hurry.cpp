@@ -13,7 +13,7 @@ Hurry::Hurry() { ++hurries; }
 Hurry::~Hurry() { --hurries; }
 }  // namespace feltwire::test
 
-// The linker takes the program's function before libc's; sleep_for() calls this function.
+// The linker prefers the program's function to libc's. sleep_for() calls this function.
 extern "C" int nanosleep(const timespec* time, timespec* left) {
   constexpr long kFaster = 10;
   const timespec less{.tv_sec = 0,

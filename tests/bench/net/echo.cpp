@@ -12,7 +12,7 @@
 namespace feltwire::netbench {
 namespace {
 
-constexpr std::size_t kBatch = 64;  // as in the server
+constexpr std::size_t kBatch = 64;  // equal to the server's batch
 
 /// A buffer for both directions.
 struct Batch {

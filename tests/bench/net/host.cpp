@@ -23,10 +23,10 @@ namespace feltwire::netbench {
 namespace {
 
 constexpr double kNoLimit =
-    1e9;  // times the servo rate: a saturating client sends as fast as it can
+    1e9;  // times the servo rate; a saturating client sends as fast as possible
 constexpr Nanoseconds kBoundedSpin = std::chrono::microseconds(50);
 
-/// 56 random bits above the scene's number, as in the server.
+/// Returns ids with 56 random bits above the scene's number, as in the server.
 std::vector<std::uint64_t> session_ids(int clients, std::uint64_t scene) {
   std::vector<std::uint64_t> ids;
   for (int i = 0; i < clients; ++i)
@@ -75,15 +75,15 @@ std::vector<SceneInView*> pointers(const std::vector<std::unique_ptr<SceneHost>>
   return result;
 }
 
-/// The recorder; null if nothing is recorded.
+/// Returns the recorder, or null if nothing is recorded.
 std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
   if (options.record.empty()) return nullptr;
-  std::vector<Scene> scenes;  // a recording contains its files
+  std::vector<Scene> scenes;  // A recording contains the files of the scene.
   scenes.push_back(load_scene_and_keep(options.scene_file));
   return std::make_unique<Recorder>(RecorderOptions{.file = options.record}, scenes);
 }
 
-/// Records until the parent wants the complete file.
+/// Records until the parent requests the complete file.
 [[noreturn]] void record_to_the_end(SceneHost& host, Recorder& recorder, int core, int pipe) {
   sigset_t end;
   sigemptyset(&end);
@@ -101,7 +101,8 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
 
 [[noreturn]] void run_ours(const HostOptions& options, const Tokens& tokens, int pipe) {
   const std::unique_ptr<Recorder> recorder = recorder_of(options);
-  if (recorder != nullptr) {  // for sigwait(): blocked in all threads, before any starts
+  // sigwait() needs blocked signals in all threads, before the first thread starts.
+  if (recorder != nullptr) {
     sigset_t end;
     sigemptyset(&end);
     sigaddset(&end, SIGTERM);
@@ -120,7 +121,7 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
     host_options.events = recorder != nullptr && i == 0 ? &recorder->log(0) : nullptr;
     hosts.push_back(std::make_unique<SceneHost>(load_scene(options.scene_file), host_options));
     if (host_options.events != nullptr) recorder->see(0, hosts.back()->recorded_pictures());
-    pin_to(options.cores[i]);  // the host's thread inherits it
+    pin_to(options.cores[i]);  // The host's thread inherits this core.
     hosts.back()->start();
     const auto ids = session_ids(options.clients, i);
     join_all(*hosts.back(), ids, options);
@@ -132,7 +133,7 @@ std::unique_ptr<Recorder> recorder_of(const HostOptions& options) {
     web_options.address = asio::ip::address_v4::loopback();
     const std::vector<SceneInView*> scenes = pointers(hosts);
     page = std::make_unique<web::WebServer>(web_options, scenes, TokenFile(tokens),
-                                            Identity{});  // pages on loopback need no certificate
+                                            Identity{});  // Loopback needs no certificate.
     pin_to(options.page_core);
     page->start();
     const std::uint16_t port = page->port();
@@ -177,7 +178,7 @@ const char* name(HostKind kind) {
 control::JoinRequest join_request(int redundancy) {
   SessionParameters parameters;
   parameters.redundancy = redundancy;
-  parameters.side = BoundingSide::both;  // the server bounds too
+  parameters.side = BoundingSide::both;  // The server also bounds.
   return {"netbench", "room", builtin_device("simulated"), parameters};
 }
 

@@ -19,12 +19,14 @@ namespace {
 
 constexpr std::size_t kAtOnce = 64;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
-constexpr Nanoseconds kLost = std::chrono::milliseconds(20);  // then a saturating client resends
-constexpr std::uint64_t kLeftBehind = 100;  // samples since the newest one with an answer
+// After this time a saturating client sends again.
+constexpr Nanoseconds kLost = std::chrono::milliseconds(20);
+// number of samples since the newest sample with an answer
+constexpr std::uint64_t kLeftBehind = 100;
 constexpr unsigned kAnyKind = ~0u;
 
-/// A circle at 0.3 m/s over the room's table and through the objects on it. It dips from 0.5 mm
-/// above the top to 2 mm below it.
+/// Moves on a circle at 0.3 m/s over the room's table and through the objects on it. The height
+/// varies from 0.5 mm above the top to 2 mm below.
 class Path {
  public:
   Path() {
@@ -45,10 +47,10 @@ class Path {
 
 struct Client {
   DatagramSession datagrams;
-  Opener echoes;  // opens its own returned samples
+  Opener echoes;  // opens the client's own returned samples
   Sample sample;
-  std::uint64_t phase = 0;     // along the path
-  std::uint64_t answered = 0;  // newest answered sample
+  std::uint64_t phase = 0;     // position along the path
+  std::uint64_t answered = 0;  // newest sample with an answer
 };
 
 /// The contents of an answer or of a returned sample.
@@ -121,13 +123,13 @@ struct Load::Clients {
     for (std::size_t done = 0; done < queued;) {
       const int sent = ::sendmmsg(socket.file(), outgoing.data() + done,
                                   static_cast<unsigned>(queued - done), 0);
-      if (sent <= 0) break;  // counts as never answered
+      if (sent <= 0) break;  // The sample counts as never answered.
       done += static_cast<std::size_t>(sent);
     }
     queued = 0;
   }
 
-  /// Takes the datagrams that arrived and calls `then` for each answered client.
+  /// Takes the datagrams that arrived, and calls `then` for each client with an answer.
   template <class Then>
   bool receive(int flags, Then then) {
     const int count = ::recvmmsg(socket.file(), incoming.data(), kAtOnce, flags, nullptr);
@@ -187,7 +189,8 @@ struct Load::Clients {
     return true;
   }
 
-  /// Each client sends once a period at its own phase. Equal periods keep the order of turns.
+  /// Each client sends once per period at its own phase. Equal periods keep the order of the
+  /// clients.
   void pace(Nanoseconds until, Nanoseconds start, std::uint64_t& turn) {
     const auto count = static_cast<std::uint64_t>(all.size());
     const auto due = [&](std::uint64_t t) {
@@ -211,12 +214,12 @@ struct Load::Clients {
     for (Nanoseconds time = heard + kLost; time < until; time = now()) {
       const int flags = options.sleep ? MSG_WAITFORONE : MSG_DONTWAIT;
       if (receive(flags, [this](Client& client) {
-            // An echo may return an older sample: the client waits for its newest.
+            // An echo may return an older sample. The client must wait for its newest.
             if (client.answered == client.sample.index) queue(client);
           })) {
         heard = time;
       } else if (time - heard >= kLost) {
-        // At the start, or after losses: every waiting client sends again.
+        // At the start, or after losses, every waiting client sends again.
         for (Client& client : all) queue(client);
         heard = time;
       }

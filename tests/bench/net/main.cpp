@@ -1,5 +1,6 @@
-// feltwire-netbench: our server under load, compared with bare echoes, on one core with the load on
-// another. Prints tables and bars; the exit status judges nothing.
+// feltwire-netbench compares our server under load with bare echoes. The server uses one core and
+// the load another. The program prints tables and bars. Its exit status does not depend on the
+// results.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -46,7 +47,8 @@ void print_sweep(const Sweep& sweep) {
   const auto& full = sweep.at(kSaturation);
   const auto& one = sweep.at(1);
   std::printf("\n");
-  // 3.5 us when an echo takes 2.05 us, scaled by the cost of this machine's echo.
+  // The limit is 3.5 us for an echo of 2.05 us. It is scaled by the cost of an echo on this
+  // machine.
   constexpr double kBar = 3.5, kBarsEcho = 2.05;
   const double echo = 1e-3 * full.at(HostKind::echo_blocking).cpu;
   print_bar("CPU per sealed answer, saturated [us], at most 3.5 / 2.05 blocking echoes",
@@ -74,7 +76,7 @@ void print_held(const std::map<HostKind, ClientsHeld>& held) {
     std::printf("%-24s %12d %16d\n", name(kind), held.at(kind).altogether,
                 held.at(kind).between_stalls);
   std::printf("\n");
-  constexpr double kBar = 220.0, kShareOfEcho = 0.6;  // sealed
+  constexpr double kBar = 220.0, kShareOfEcho = 0.6;  // for sealed datagrams
   const ClientsHeld& ours = held.at(HostKind::ours_sleeping);
   const ClientsHeld& echo = held.at(HostKind::echo_blocking);
   print_bar("clients held, sleeping", ours.altogether, ">=", kBar);

@@ -12,8 +12,8 @@ namespace feltwire::netbench {
 namespace {
 
 constexpr double kHeld = 1e-3;  // share of the answers that may be late
-constexpr int kTries = 3;       // per step of a search: these machines stall at times
-constexpr int kMostSteps = 24;  // of kClientStep
+constexpr int kTries = 3;  // tries per step of a search, because these machines sometimes stall
+constexpr int kMostSteps = 24;  // number of steps of kClientStep
 constexpr int kScalingClients = 64;
 
 Nanoseconds duration(const Settings& settings) {
@@ -72,7 +72,8 @@ bool holds_between_stalls(const Settings& settings, HostKind kind, int clients) 
   return run(settings, kind, clients).late_share_between_stalls() < kHeld;
 }
 
-/// Bisection, because holding n clients implies holding fewer.
+/// Finds the largest number of clients by bisection, because a server of n clients can also serve
+/// fewer.
 template <class Holds>
 int search(Holds holds_clients) {
   int held = 0, not_held = kMostSteps + 1;
@@ -83,7 +84,7 @@ int search(Holds holds_clients) {
   return held * kClientStep;
 }
 
-/// Each core carries a scene and all of its load.
+/// Each core runs a scene and its complete load.
 double answers_per_second(const Settings& settings, const std::vector<int>& cores) {
   HostOptions host;
   host.scene_file = settings.scene;
@@ -111,7 +112,7 @@ double answers_per_second(const Settings& settings, const std::vector<int>& core
   return sum;
 }
 
-/// A further session has joined but sends nothing: the attacker knows its number.
+/// A further session has joined but sends nothing. The attacker has the number of this session.
 LoadResult run_flooded(const Settings& settings, bool flood) {
   HostOptions host;
   host.scene_file = settings.scene;
@@ -148,7 +149,7 @@ Flooded flooded(const std::vector<LoadResult>& runs) {
 
 struct WatchedRun {
   LoadResult load;
-  double pictures = 0.0;  // [1/s] of a viewer
+  double pictures = 0.0;  // [1/s] pictures of a viewer
 };
 
 WatchedRun run_watched(const Settings& settings, bool viewers) {

@@ -1,4 +1,4 @@
-// Our client's servo loop against our server.
+// Measures our client's servo loop against our server.
 
 #include <arpa/inet.h>
 #include <poll.h>
@@ -19,10 +19,11 @@
 namespace feltwire::netbench {
 namespace {
 
-constexpr double kSecondsForEach = 4.0;  // times Settings::seconds: one client makes few samples
+// times Settings::seconds, because one client makes few samples
+constexpr double kSecondsForEach = 4.0;
 constexpr unsigned long kDefaultSlack = 50'000, kLeastSlack = 1;  // [ns]
 
-/// Alternates between above and inside the table.
+/// Alternates between positions above and inside the table.
 class DippingDevice final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -52,7 +53,7 @@ struct Way {
   unsigned long slack;  // [ns]
   Nanoseconds busy_poll;
   HostKind server;
-  int priority = 0;  // of the client's thread
+  int priority = 0;  // priority of the client's thread
 };
 
 struct Run {
@@ -93,7 +94,7 @@ Run run(const Settings& settings, const Way& way) {
           1e-3 * round_trip.quantile(0.999)};
 }
 
-/// The machine's limit: only a timer to wait for.
+/// Measures the machine's limit: the thread only waits for a timer.
 Run bare_timer(const Settings& settings) {
   constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
   Histogram late;

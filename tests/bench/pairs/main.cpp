@@ -1,12 +1,12 @@
-// feltwire-pairbench: the penetration depth of two convex polyhedra as measured by libraries of
+// feltwire-pairbench measures the penetration depth of two convex polyhedra with libraries of
 // Debian 12, and the time of their queries and of our add_depth() (docs/lab/trade.md has a table).
 // - libccd's EPA compares its tolerance with a squared length, and the default is 1e-4.
-// - Bullet adds a margin of 0.04 to each shape unless told not to.
+// - Bullet adds a margin of 0.04 to each shape by default.
 // - FCL's collide() measures convex shapes by libccd's MPR (GST_LIBCCD), or by its own EPA with the
 //   other sign (GST_INDEP). distance() uses another EPA.
-// - FCL, ODE and MuJoCo give several points for two boxes: the deepest counts.
-// A query also places the tool. For MuJoCo it is the whole of mj_kinematics() and mj_collision();
-// the time of their other work is not subtracted.
+// - FCL, ODE and MuJoCo give several points for two boxes. The deepest point counts.
+// A query also moves the tool. For MuJoCo the time includes mj_kinematics() and mj_collision()
+// completely.
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
@@ -39,8 +39,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kNone = NAN;                            // the depth of no contact
-const Vec3 kAway = Vec3(0.48, 0.60, 0.64).normalized();  // always from the solid to the tool
+constexpr double kNone = NAN;                            // depth without contact
+const Vec3 kAway = Vec3(0.48, 0.60, 0.64).normalized();  // direction from the solid to the tool
 
 /// The tool's pose in the solid's frame, and its depth.
 struct Place {
@@ -48,10 +48,11 @@ struct Place {
   Mat3 rotation = Mat3::Identity();
   Vec3 position = Vec3::Zero();
   double depth = 0.0;
-  Vec3 normal = Vec3::Zero();  // unit: moving the tool by the depth along it ends the contact
+  // unit vector; moving the tool by the depth along it ends the contact
+  Vec3 normal = Vec3::Zero();
 };
 
-/// A pair in its own unit of length: `metre` units are one metre.
+/// A pair with its own unit of length: `metre` units are one metre.
 struct Pair {
   double metre;
   Polyhedron tool, solid;
@@ -60,7 +61,8 @@ struct Pair {
 
 using Query = std::function<double(const Place&)>;  // the depth at a place, or kNone
 
-/// The hull of points on an ellipsoid: each point is a corner. 0 corners: a box.
+/// Returns the hull of points on an ellipsoid. Each point is a corner. With 0 corners it returns a
+/// box.
 Polyhedron random_solid(std::uint64_t corners, double metre, std::uint64_t seed) {
   std::vector<Vec3> points;
   for (std::uint64_t i = 0; i < corners; ++i) {
@@ -83,9 +85,10 @@ double reach(const Polyhedron& of, const Vec3& direction) {
   return most;
 }
 
-/// The faces of the Minkowski difference of the two, with `tool` turned and at the origin: one per
-/// face of both, and one per pair of edges whose arcs on the sphere of normals cross (Gregorius
-/// 2013, The separating axis test). The depth is the tool's least height below a face.
+/// Returns the faces of the Minkowski difference of `solid` and `tool`, with `tool` rotated and at
+/// the origin. Each face of both polyhedra gives a face. Each pair of edges with crossing arcs on
+/// the sphere of normals gives another face (Gregorius 2013, The separating axis test). The depth
+/// is the tool's least height below a face.
 std::vector<HalfSpaceBelow> separating_planes(const Polyhedron& solid, const Polyhedron& tool) {
   std::vector<HalfSpaceBelow> planes;
   for (const auto& [n, offset] : solid.planes) planes.push_back({n, offset + reach(tool, -n)});
@@ -100,15 +103,15 @@ std::vector<HalfSpaceBelow> separating_planes(const Polyhedron& solid, const Pol
       if (left.dot(t_along) * right.dot(t_along) >= 0.0) continue;
       Vec3 normal = along.cross(t_along).normalized();
       if (normal.dot(left + right) < 0.0) normal = -normal;
-      if (normal.dot(t_left + t_right) >= 0.0) continue;  // the arcs are on opposite sides
+      if (normal.dot(t_left + t_right) >= 0.0) continue;  // The arcs are on opposite sides.
       planes.push_back({normal, normal.dot(from - t_from)});
     }
   }
   return planes;
 }
 
-/// `corners`: 0 for boxes. The tool turns once about a swaying axis. At each place it is moved
-/// along kAway until it has the required depth.
+/// `corners`: 0 for boxes. The tool rotates once about a moving axis. At each position the tool
+/// moves along kAway to the required depth.
 Pair pair_of(std::uint64_t corners, double metre) {
   constexpr int kPlaces = 4000;
   Pair pair{metre, random_solid(corners, metre, 1), random_solid(corners, metre, 2), {}};
@@ -195,7 +198,7 @@ Query bullet(const Pair& pair) {
   };
 }
 
-/// For each face, the number of its corners followed by the corners.
+/// Returns the number of corners and the corners of each face.
 template <class Index>
 std::vector<Index> faces(const Polyhedron& of) {
   std::vector<Index> all;
@@ -264,7 +267,7 @@ Query ode(dGeomID tool, dGeomID solid) {
   };
 }
 
-/// The file gives no margin, so each geom's margin is 0.
+/// The file gives no margin, so each geom has the margin 0.
 Query mujoco(const Pair& pair, bool as_boxes) {
   std::string meshes, geoms[2];
   for (const int i : {0, 1}) {
@@ -322,7 +325,7 @@ void print_library(const Pair& pair, const std::string& name, const Query& query
               mm * std::sqrt(squares / found), mm * error, mm * jump, none);
 }
 
-/// If a method's result does not depend on the unit, it is measured in metres only.
+/// Results that do not depend on the unit are measured in metres only.
 void print_libraries(const Pair& pair, const std::string& unit, bool boxes) {
   const FclShape tool = fcl_convex(pair.tool), solid = fcl_convex(pair.solid);
   if (unit == "m" && boxes) {
@@ -346,8 +349,8 @@ void print_libraries(const Pair& pair, const std::string& unit, bool boxes) {
 }
 
 /// Calls add_depth() as a polygonal tool does, in metres: the solid is thickened away from the
-/// tool. Also prints the largest change of the force from place to place, and that of the true
-/// depth times its normal.
+/// tool. Then prints the largest change of the force between positions, and the largest change of
+/// the true depth times its normal.
 void print_own(const Pair& pair) {
   const SolidPart solid = solid_parts({pair.solid.vertices}).parts[0];
   const auto sums_at = [&](const Place& at) {

@@ -1,4 +1,4 @@
-// feltwire-client admin as a user meets it.
+// Tests feltwire-client admin as a program.
 
 #include <gmock/gmock.h>
 
@@ -101,7 +101,8 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   hand.stop.set();
 }
 
-/// Changes law and link of a client in another process, and reads its report and recording.
+/// The admin changes the bounding method and the link of a client in another process. The client's
+/// report and recording must show the changes.
 TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   const std::string token = folder_ / "hand", report = folder_ / "report.json";
   replace_file(token, anna_.text.text(), kPrivate);
@@ -150,7 +151,7 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   EXPECT_GT(said["changes"][1]["time_s"], said["changes"][0]["time_s"]);
   EXPECT_TRUE(said["changes"][0]["refused"].is_null());
   EXPECT_EQ(said["parameters"]["mode"], "contact_frame");
-  EXPECT_NEAR(said["link"]["up"]["delay_ms"], 12.5, 1e-5);  // float32 on the wire
+  EXPECT_NEAR(said["link"]["up"]["delay_ms"], 12.5, 1e-5);  // The wire carries a float32.
   EXPECT_DOUBLE_EQ(said["link"]["down"]["loss_percent"], 25.0);
   EXPECT_GT(said["link"]["up"]["lost"], 0);
   std::vector<std::map<std::string, std::string>> noted;
@@ -165,7 +166,7 @@ TEST_F(AdminProgram, ChangesTheLawAndTheLinkOfARunningClient) {
   EXPECT_THAT(noted[1]["what"], HasSubstr("12.5"));
   EXPECT_LT(std::stoll(noted[0]["time"]), std::stoll(noted[1]["time"]));
 
-  auto fixed = hand({"--link", "delay=0"});  // its owner allowed nothing
+  auto fixed = hand({"--link", "delay=0"});  // The owner of this client allowed no changes.
   EXPECT_EQ(session(2)["laws_taken"], "none");
   EXPECT_THAT(admin({"set", "--session", "2", "--mode", "contact_frame"}).error,
               HasSubstr("takes no other law"));

@@ -27,7 +27,8 @@ TEST(Options, AHandIsProtectedAsFarAsItsModeAllows) {
   const SafetyLimits usual = limits({});
   EXPECT_EQ(usual.force.small, 0.05);
   EXPECT_EQ(usual.force.speed, 1.5);
-  EXPECT_EQ(usual.ramp_up, 0.0);  // a ramp behind a bound would be felt
+  // A bound already limits the force. A ramp would only delay the user's contact.
+  EXPECT_EQ(usual.ramp_up, 0.0);
   EXPECT_TRUE(std::isinf(usual.force.slew));
   EXPECT_TRUE(std::isinf(usual.force.max));
   EXPECT_EQ(limits({"--mode", "none"}).ramp_up, 0.2);
@@ -316,7 +317,8 @@ TEST(Options, HowLongAForceMayStayIsForTheUserToSay) {
   const auto of = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words));
   };
-  EXPECT_EQ(of({}).let_go_after, 0.1);  // the hold time, as nobody holds a simulated hand
+  // The default is the hold time, because nobody holds a simulated device.
+  EXPECT_EQ(of({}).let_go_after, 0.1);
   EXPECT_EQ(of({"--device", "haply"}).let_go_after, 0.0);
   EXPECT_EQ(of({"--let-go-after", "0.02"}).let_go_after, 0.02);
   for (const char* wrong : {"0", "-1", "1.1", "inf", "nan"})
@@ -366,7 +368,8 @@ TEST(Options, WhatTheCommandLineLeavesOutMayBeAVariable) {
   ::setenv("FELTWIRE_CLIENT_CENTER", "1,2,3", 1);
   ::setenv("FELTWIRE_CLIENT_RATE", "500", 1);
   const auto options =
-      parsed({"--rate", "2000", "--profile", "wan"});  // read twice, for the profile
+      // The parser reads the words twice because of the profile.
+      parsed({"--rate", "2000", "--profile", "wan"});
   for (const char* name : {"FELTWIRE_CLIENT_DURATION", "FELTWIRE_CLIENT_LOCAL_MODEL",
                            "FELTWIRE_CLIENT_CENTER", "FELTWIRE_CLIENT_RATE"})
     ::unsetenv(name);
@@ -389,7 +392,7 @@ TEST(Options, ADriverIsChosenByItsKind) {
   EXPECT_THAT(refusal({"--device", "pantograph"}),
               AllOf(HasSubstr("unknown device 'pantograph'"), HasSubstr("simulated"),
                     HasSubstr("replay:FILE.csv")));
-  // A device name in place of its driver's name.
+  // A device name may replace the name of its driver.
   for (const auto& [word, spec, driver] :
        {std::tuple("omega.7", "omega.7", "forcedimension"),
         std::tuple("Omega7", "omega.7", "forcedimension"),
@@ -402,7 +405,8 @@ TEST(Options, ADriverIsChosenByItsKind) {
                 AllOf(HasSubstr(std::string("--device ") + driver),
                       HasSubstr(std::string("--device simulated --spec ") + spec)));
   for (const std::string& spec : device_spec_names()) {
-    if (spec == "simulated" || spec == "falcon") continue;  // these names are drivers too
+    // These names are also names of drivers.
+    if (spec == "simulated" || spec == "falcon") continue;
     EXPECT_THAT(refusal({"--device", spec}), HasSubstr("--device simulated --spec " + spec));
   }
   EXPECT_THAT(refusal({"--device", "replay"}), HasSubstr("write it as replay:FILE.csv"));
@@ -471,8 +475,8 @@ TEST(Options, ABadVariableIsRefusedAsABadOptionIs) {
   ::unsetenv("FELTWIRE_CLIENT_DURATION");
 }
 
-/// Each program has variables of its own: one FELTWIRE_RECORD made server and client write to one
-/// file. A misspelled variable would have no effect, and nobody would notice.
+/// Each program has its own variables. A shared FELTWIRE_RECORD made server and client write to one
+/// file. A misspelled variable must be an error, because it would have no effect.
 TEST(Options, AVariableThatSetsNothingIsRefused) {
   const auto refused_with = [](const char* name) {
     ::setenv(name, "7", 1);
@@ -492,7 +496,7 @@ TEST(Options, AVariableThatSetsNothingIsRefused) {
   }
 }
 
-/// No tick comes within the hold time at such a rate, so a session would end at once.
+/// At such a rate no tick comes within the hold time. The session would end at once.
 TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
   const auto hold = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words)).parameters.hold_time;
@@ -511,7 +515,8 @@ TEST(Options, TheHoldTimeFollowsASlowRateOrIsRefused) {
     EXPECT_THAT(refusal({"--rate", rate}), HasSubstr("--rate must be from 10 to 100000 Hz"));
 }
 
-/// A server changes only what the owner allows, and no admin removes the bound of a hand.
+/// A server may change only parameters that the owner allows. No admin may remove the bound of a
+/// hand.
 TEST(Options, ChangesAreForTheOwnerToAllow) {
   const auto takes = [](const std::vector<std::string>& words) {
     return std::get<ClientOptions>(parsed(words)).takes;

@@ -1,4 +1,4 @@
-// feltwire-client after a system call fails: its exit status and the files it leaves.
+// A system call fails in feltwire-client. Tests the exit status and the files of the program.
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -19,7 +19,7 @@ namespace {
 using testing::kPatience;
 using testing::text_of;
 
-/// The number of open descriptors of a process.
+/// Returns the number of open descriptors of a process.
 rlim_t open_descriptors(pid_t process) {
   const std::filesystem::directory_iterator all("/proc/" + std::to_string(process) + "/fd");
   return static_cast<rlim_t>(std::distance(begin(all), end(all)));
@@ -69,8 +69,8 @@ class ClientProgramFault : public ::testing::Test {
   ServerAccess access_;
 };
 
-/// No attempt to rejoin gets a descriptor. Each counts as a failed attempt, and the run ends when
-/// its patience is over.
+/// No attempt to rejoin gets a descriptor. Each attempt fails, and the run ends after the reconnect
+/// time.
 TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
@@ -89,7 +89,7 @@ TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
   EXPECT_GT(report()["max_force_n"], 0.5);
 }
 
-/// The program cannot wait for the thread that asks for a session, so it ends at once.
+/// The program cannot wait for the thread that requests a session. The program must end at once.
 TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound) {
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
                         {"--connect", to_string(access_.endpoint), "--check", "--duration", "600",
@@ -102,7 +102,8 @@ TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound
   server_.reset();
   const testing::LocalSocket deaf(SOCK_STREAM, port);
   ASSERT_EQ(::listen(deaf.descriptor(), 1), 0);
-  const int asked = ::accept(deaf.descriptor(), nullptr, nullptr);  // and never answered
+  // The server never answers this connection.
+  const int asked = ::accept(deaf.descriptor(), nullptr, nullptr);
   ASSERT_GE(asked, 0);
   program.signal(SIGINT);
   const test::Outcome outcome = program.finish();
@@ -111,7 +112,7 @@ TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound
     EXPECT_THAT(outcome.out, ::testing::HasSubstr(finding));
 }
 
-/// A hang-up of the terminal and its quit key end a session in order.
+/// A hang-up of the terminal or its quit key must end a session in order.
 TEST_F(ClientProgramFault, AHangUpEndsItInOrder) {
   for (const int signal : {SIGHUP, SIGQUIT}) {
     const auto program = start({});

@@ -1,4 +1,4 @@
-// feltwire-client as a user meets it: what it prints, writes and ends with.
+// Tests feltwire-client as a program: its output, its files and its exit status.
 
 #include "tests/support/program.hpp"
 
@@ -28,7 +28,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 using testing::text_of;
 
-/// A server that knows an operator's, an observer's and the tests' own token, all in a file.
+/// A server with three tokens in a file: of an operator, of an observer and of the tests.
 class ClientProgram : public ::testing::Test {
  protected:
   ClientProgram() {
@@ -44,7 +44,7 @@ class ClientProgram : public ::testing::Test {
     access_ = test::access(server_->control_port());
   }
 
-  /// The program's command line with a token of its own and these words.
+  /// Returns the program's command line with a token of its own and these words.
   std::vector<std::string> words(const IssuedToken& token, std::vector<std::string> more) {
     const std::string file = folder_ / "token";
     replace_file(file, token.text.text(), kPrivate);
@@ -53,8 +53,7 @@ class ClientProgram : public ::testing::Test {
                  "--fingerprint", to_string(server_->fingerprint())});
     return more;
   }
-  /// The outcome of a program that finds the server's fingerprint and this token in its
-  /// environment.
+  /// Runs a program with the server's fingerprint and this token in its environment.
   test::Outcome outcome_with_access(const IssuedToken& token, const char* program,
                                     const std::vector<std::string>& words) {
     const std::string file = folder_ / "token", print = folder_ / "fingerprint";
@@ -77,7 +76,7 @@ class ClientProgram : public ::testing::Test {
   ServerAccess access_;
 };
 
-/// On this machine it may pass or fail: the exit status says which.
+/// This machine may pass or fail the check. The exit status must agree with the result.
 TEST_F(ClientProgram, ChecksMachineAndNetworkWithAHandThatTouchesNothing) {
   const std::string report_file = folder_ / "report.json";
   const test::Outcome outcome =
@@ -122,10 +121,11 @@ TEST_F(ClientProgram, AnObserverSaysAndWritesDownWhatItSees) {
   EXPECT_EQ(report()["max_force_n"], 0.0);
 }
 
-/// examples/my_device.cpp: a class and one call.
+/// examples/my_device.cpp is a class and one call.
 TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   ::unsetenv("FELTWIRE_TOKEN_FILE");
-  // Nobody holds this device: a busy machine must not end it after the usual 5 ms without a tick.
+  // Nobody holds this device. A busy machine must not end the run after the usual 5 ms without a
+  // tick.
   const std::string let_go_after = std::to_string(SessionParameters{}.hold_time);
   const std::vector<std::string> words{to_string(access_.endpoint), "floor", "1", let_go_after};
   const test::Outcome lost = test::Program(FELTWIRE_MY_DEVICE, words).finish();
@@ -141,7 +141,7 @@ TEST_F(ClientProgram, ADeviceMakersProgramFeelsTheFloor) {
   EXPECT_THAT(felt.out, HasSubstr("bound violations 0"));
 }
 
-/// examples/my_scene_viewer.cpp: the hand stands where it is, on the map and in words.
+/// examples/my_scene_viewer.cpp must show the hand at its position, on the map and in text.
 TEST_F(ClientProgram, AViewersProgramSeesTheHand) {
   testing::Client hand(access_, "t,x,y,z\n0,0.1,0.05,0.125\n1000,0.1,0.05,0.125\n", {}, "floor");
   hand.start();
@@ -168,7 +168,7 @@ TEST_F(ClientProgram, HoldsTheToolThatItAsksFor) {
   };
   EXPECT_EQ(run({}).status, 0);
   EXPECT_EQ(report()["tool"], "tip");
-  EXPECT_EQ(report()["max_force_n"], 0.0);  // above the floor
+  EXPECT_EQ(report()["max_force_n"], 0.0);  // The tool is above the floor.
   EXPECT_EQ(run({"--tool", "ball"}).status, 0);
   EXPECT_EQ(report()["tool"], "ball");
   EXPECT_GT(report()["max_force_n"], 0.1);
@@ -187,8 +187,8 @@ TEST_F(ClientProgram, AnObserversTokenActsOnNothing) {
   EXPECT_THAT(outcome.error, HasSubstr("this token is for an observer"));
 }
 
-/// A disk that is full when the report is written: its name and why, and the run's last line all
-/// the same.
+/// The disk is full when the program writes the report. The program must name the file and the
+/// error, and still print the last line of the run.
 TEST_F(ClientProgram, AReportThatIsLostIsSaidAndTheRunSummedUp) {
   const test::Outcome outcome =
       test::Program(FELTWIRE_CLIENT_PROGRAM,
@@ -200,7 +200,7 @@ TEST_F(ClientProgram, AReportThatIsLostIsSaidAndTheRunSummedUp) {
   EXPECT_THAT(outcome.out, AllOf(HasSubstr(" samples, "), Not(HasSubstr("report in"))));
 }
 
-/// Nothing that a server or a file says is obeyed by the terminal.
+/// The terminal must not execute control sequences from a server or a file.
 TEST_F(ClientProgram, WhatOthersSayIsShownNotObeyed) {
   const std::string evil = "\x1b]0;owned\x07\u009b31m\xff";
   const test::Outcome refused =
@@ -210,7 +210,7 @@ TEST_F(ClientProgram, WhatOthersSayIsShownNotObeyed) {
   EXPECT_EQ(refused.error.find_first_of("\x1b\x07"), std::string::npos);
 }
 
-/// Not after its patience, which outlasts the test.
+/// The program must not wait for the reconnect time, which is longer than the test.
 TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
   const std::string report_file = folder_ / "report.json";
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
@@ -224,8 +224,8 @@ TEST_F(ClientProgram, ATokenThatIsRevokedEndsItAtOnce) {
   EXPECT_EQ(report()["disconnections"], 1);
 }
 
-/// Nobody asked for it before: the file is in the state folder, and the error and the report name
-/// it.
+/// The user did not request a flight record. The file must be in the state folder, and the error
+/// and the report must name this file.
 TEST_F(ClientProgram, AnEvictedSessionLeavesAFlightRecord) {
   const std::string report_file = folder_ / "report.json";
   ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
@@ -264,7 +264,7 @@ TEST_F(ClientProgram, AnEvictedSessionLeavesAFlightRecord) {
   ::unsetenv("XDG_STATE_HOME");
 }
 
-// Each of these once gave a hand 27 J at its device's full force.
+// In earlier versions each of these parameters gave a hand 27 J at the device's full force.
 TEST_F(ClientProgram, AServerThatTakesTheBoundOffGetsNoHand) {
   SessionParameters none, elsewhere, credited;
   none.mode = "none";
@@ -284,7 +284,7 @@ TEST_F(ClientProgram, AServerThatTakesTheBoundOffGetsNoHand) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.error, AllOf(HasSubstr("granted other parameters than a server may: "),
                                      HasSubstr(difference({}, granted).value())));
-    EXPECT_EQ(outcome.out, "");  // no sample was made
+    EXPECT_EQ(outcome.out, "");  // The client made no sample.
   }
 }
 

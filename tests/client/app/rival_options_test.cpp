@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Sets environment variables of options, and unsets them at the end of its life.
+/// Sets environment variables of options. The destructor unsets them.
 class Environment {
  public:
   void set(const std::string& option, const std::string& value) {
@@ -54,7 +54,7 @@ std::string text(const OptionList& given) {
   return all;
 }
 
-/// True if the parser accepts the words; parsed() adds a fingerprint.
+/// Returns true if the parser accepts the words. parsed() adds a fingerprint.
 bool accepted(const std::vector<std::string>& words) {
   ::testing::internal::CaptureStderr();
   const bool good = std::holds_alternative<ClientOptions>(parsed(words));
@@ -62,7 +62,7 @@ bool accepted(const std::vector<std::string>& words) {
   return good;
 }
 
-/// Options with valid values. An entry with two options is valid only as a pair.
+/// Returns options with valid values. An entry with two options is valid only as a pair.
 std::vector<OptionList> everything() {
   std::vector<OptionList> all = {{{"device", "simulated"}},
                                  {{"device", "replay:hand.csv"}},
@@ -122,9 +122,9 @@ bool names(const OptionList& given, const std::set<std::string>& options) {
   return false;
 }
 
-/// Pairs that stay refused although one option comes from the environment.
+/// Returns true if the pair stays refused, although one option comes from the environment.
 bool stays_refused(const OptionList& said, const OptionList& in_environment) {
-  // An option for something else must not drop a protection of the hand.
+  // Only --check may drop a protection of the hand.
   if (names(in_environment,
             {"slew", "ramp-up", "velocity-limit", "emergency-button", "deadman-button"}))
     return !names(said, {"check"});
@@ -132,7 +132,7 @@ bool stays_refused(const OptionList& said, const OptionList& in_environment) {
   if (names(in_environment, {"robot-button"}) &&
       names(said, {"device", "emergency-button", "deadman-button"}))
     return true;
-  // Only --check opens a device other than the one in the environment.
+  // Only --check may open another device than the environment names.
   if (names(in_environment, {"device"})) return !names(said, {"check"});
   // These pairs need a third option: --local-model or --no-local-model.
   const auto joined = [](const OptionList& one, const OptionList& other) {
@@ -185,13 +185,13 @@ TEST(RivalOptions, EachWayToTrustDropsTheOthers) {
       }
     }
   }
-  // Two rivals of the environment, or two on the command line, stay undecided.
+  // The parser must refuse two conflicting options from the same source.
   Environment environment;
   environment.set("ca", ca);
   environment.set("fingerprint", kPrint);
   EXPECT_THAT(refusal({}, true), HasSubstr("FELTWIRE_FINGERPRINT_FILE"));
   EXPECT_THAT(refusal({"--fingerprint", kPrint, "--ca", ca}, true), HasSubstr("give one"));
-  // A word that looks like an option can be the value of another option.
+  // A word in the form of an option may be the value of another option.
   EXPECT_THAT(refusal({"--name", "--ca"}, true), HasSubstr("give one"));
 }
 

@@ -50,7 +50,7 @@ TEST(Trust, ATokenComesFromAFileOrTheEnvironmentAlone) {
   EXPECT_EQ(credentials_of(parsed({})).token.text(), "fw_of_a_test");
   EXPECT_EQ(credentials_of(parsed({"--token-file", file})).token.text(), "fw_of_a_file");
   EXPECT_THAT(refusal({"--token-file", folder / "none"}), HasSubstr("--token-file"));
-  EXPECT_THAT(refusal({"--token", "fw_x"}), HasSubstr("--token"));  // there is no such option
+  EXPECT_THAT(refusal({"--token", "fw_x"}), HasSubstr("--token"));  // This option does not exist.
   ::unsetenv("FELTWIRE_TOKEN");
   EXPECT_THAT(refusal({"--fingerprint", kPrint}, true),
               AllOf(HasSubstr("--token-file"), HasSubstr("FELTWIRE_TOKEN")));

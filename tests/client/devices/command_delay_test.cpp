@@ -1,4 +1,5 @@
-// The command on the hand, for devices that apply forces late; some devices report it.
+// Tests which command is on the hand, for devices that apply forces late. Some devices report this
+// command.
 
 #include "client/devices/command_delay.hpp"
 
@@ -19,7 +20,7 @@ TEST(CommandDelay, AtOnceItIsWhatTheDeviceSays) {
   EXPECT_TRUE(device.nothing_left());
 }
 
-/// The device returns the command of its write.
+/// This device returns the command of its write.
 TEST(CommandDelay, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
     CommandDelay device(late);
@@ -37,7 +38,7 @@ TEST(CommandDelay, OfADeviceThatCannotTellItIsWhatWasGivenBefore) {
   }
 }
 
-/// The device returns the command on the hand until the next write. A mapping rounds it.
+/// This device returns the command on the hand until the next write. A mapping rounds it.
 TEST(CommandDelay, OfADeviceThatTellsItIsWhatItTells) {
   for (int late = 1; late <= kMostLateTicks; ++late) {
     CommandDelay device(late);
@@ -49,8 +50,8 @@ TEST(CommandDelay, OfADeviceThatTellsItIsWhatItTells) {
   }
 }
 
-/// The device cuts a force but does not say which one. The worst case counts for either direction
-/// of the hand's movement.
+/// The device reduces one of two forces, and its report does not name this force. The worst case
+/// counts for each direction of the hand's movement.
 TEST(CommandDelay, WhereADeviceHoldsLessTheWorstCounts) {
   CommandDelay device(1);
   device.written(push(10), push(10));
@@ -58,7 +59,7 @@ TEST(CommandDelay, WhereADeviceHoldsLessTheWorstCounts) {
   EXPECT_FALSE(device.certain());
   EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(10));
   EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));
-  // The cut force may now be on the hand: 9 N or 4 N.
+  // The reduced force may now be on the hand: 9 N or 4 N.
   device.written(push(2), push(2));
   EXPECT_EQ(device.worst(Vec3(0, 0, 1e-3), Vec3::Zero()), push(9));
   EXPECT_EQ(device.worst(Vec3(0, 0, -1e-3), Vec3::Zero()), push(4));

@@ -33,7 +33,7 @@ TEST(HandPath, PressBeginsOutsideAndEndsAtDepth) {
 TEST(HandPath, SlideFollowsTheSineAlong) {
   HandTask t = task(HandPath::slide);
   t.normal = Vec3::UnitY();
-  t.along = {2.0, 5.0, 0.0};  // only the part perpendicular to the normal counts
+  t.along = {2.0, 5.0, 0.0};  // Only the part perpendicular to the normal counts.
   const IntendedMotion motion(t);
   for (const double time : {0.7, 1.0, 1.3, 2.9}) {
     const Vec3 p = motion.position(time);

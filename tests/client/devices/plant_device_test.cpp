@@ -1,5 +1,6 @@
-// A simulated device with a plant: an ideal plant equals the rig, the integration without a plant.
-// The encoder reads the side that the plant names.
+// Tests a simulated device with a plant: amplifier, transmission and encoder. An ideal plant must
+// match the rig, which is the integration without a plant. The encoder must measure the side that
+// the plant specifies.
 
 #include <gmock/gmock.h>
 
@@ -22,7 +23,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// A usual hand that presses a wall at z = 0 as in the studies; the encoder has no quantum.
+/// Returns a default hand that presses a wall at z = 0. The encoder is not quantized.
 SimulatedHandOptions pressing() {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated");
@@ -32,7 +33,7 @@ SimulatedHandOptions pressing() {
   return o;
 }
 
-/// The force of a wall of 1 kN/m, damped by 2 N s/m, below z = 0.
+/// Returns the force of a wall below z = 0 with 1 kN/m and 2 N s/m.
 Vec3 wall(const Vec3& position, const Vec3& before) {
   if (position.z() >= 0.0) return Vec3::Zero();
   return {0.0, 0.0, -1e3 * position.z() - 2.0 * (position.z() - before.z()) / 1e-3};
@@ -43,7 +44,7 @@ struct Path {
   TrueEnergy energy;
 };
 
-/// Two seconds of a hand against the wall, as its encoder shows it.
+/// Returns the encoder positions of a hand that presses the wall for two seconds.
 Path pressed(SimulatedDevice& device) {
   Path path;
   Vec3 before = device.true_position();
@@ -63,7 +64,7 @@ Path pressed(const SimulatedHandOptions& options) {
   return pressed(device);
 }
 
-/// [m] the largest distance between two paths.
+/// Returns the largest distance [m] between two paths.
 double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double most = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, (a[i] - b[i]).norm());
@@ -79,7 +80,8 @@ TEST(PlantDevice, AnIdealPlantIsTheRigToTheBit) {
   EXPECT_EQ(pressed(with).handle, pressed(pressing()).handle);
 }
 
-/// The press, integrated by PlantMotion, which the device uses for plants that are not ideal.
+/// Integrates the same press with PlantMotion. The device uses PlantMotion for plants that are not
+/// ideal.
 Path pressed_in_motion(const SimulatedHandOptions& o) {
   PlantMotion motion(o.plant, o.spec, o.hand);
   const IntendedMotion task(o.task);
@@ -109,14 +111,15 @@ Path pressed_in_motion(const SimulatedHandOptions& o) {
 TEST(PlantDevice, TheMotionOfAnIdealPlantIsThatOfTheRigToAMicrometre) {
   const Path rig = pressed(pressing()), motion = pressed_in_motion(pressing());
   EXPECT_LT(apart(rig.handle, motion.handle), 1e-6);
-  EXPECT_GT(rig.handle.front().z() - rig.handle.back().z(), 9e-3);  // the press is 9 mm or more
+  // The hand presses at least 9 mm deep.
+  EXPECT_GT(rig.handle.front().z() - rig.handle.back().z(), 9e-3);
   EXPECT_NEAR(motion.energy.given, rig.energy.given, 1e-3 * std::abs(rig.energy.given));
   EXPECT_NEAR(motion.energy.burned, rig.energy.burned, 1e-3 * rig.energy.burned);
   EXPECT_NEAR(motion.energy.to_hand, rig.energy.to_hand, 1e-3 * std::abs(rig.energy.to_hand));
 }
 
-/// The rig integrates with a first-order error: it leads a fast hand by one step of 20 us. With
-/// steps of 1 us it agrees with PlantMotion, so the error is the rig's.
+/// The rig has a first-order integration error: a fast hand is one step of 20 us ahead. With steps
+/// of 1 us, rig and PlantMotion agree. The error therefore belongs to the rig.
 TEST(PlantDevice, WhereTheRigDiffersItIsByOneStepOfItsOwn) {
   SimulatedHandOptions o = pressing();
   o.task.path = HandPath::slide;
@@ -279,7 +282,8 @@ TEST(PlantDevice, TheMotorsEnergyIsThatOfItsTrueForce) {
     device.read(milliseconds(2000));
     const double way = (device.true_position() - start).x();
     const TrueEnergy energy = device.true_energy();
-    // At rest all given energy is burned. The mass held most of it when the force ended.
+    // At rest the device has dissipated all energy. When the force ended, the mass still had most
+    // of the energy.
     EXPECT_NEAR(energy.burned, 0.5 * way, 1e-9);
     EXPECT_NEAR(energy.given, energy.burned, 1e-3 * energy.burned);
     EXPECT_NEAR(energy.made, 0.5 * 1.0 * 1.0 / 0.08 * 0.1 * 0.1, 0.05 * energy.made);
@@ -315,7 +319,7 @@ TEST(PlantDevice, APlantThatDoesNotFitItsDeviceIsRefused) {
                   AllOf(HasSubstr("friction.breakaway"), HasSubstr("give as much or more"))));
 }
 
-// Plant files.
+// Tests of plant files.
 
 void write(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file) << text;
@@ -434,7 +438,8 @@ TEST(PlantFile, ThePlantOfADeviceThatNobodyHoldsHasNoHand) {
   opened.device->read(milliseconds(0));
   opened.device->write({.elastic = Vec3(1, 0, 0)});
   opened.device->read(milliseconds(1000));
-  EXPECT_GT(opened.device->read(milliseconds(1001)).pose.position.x(), 0.5);  // it flies off
+  // The handle moves without resistance.
+  EXPECT_GT(opened.device->read(milliseconds(1001)).pose.position.x(), 0.5);
 }
 
 TEST(PlantFile, TheDriverNamesTheFileOfAPlantThatDoesNotFit) {

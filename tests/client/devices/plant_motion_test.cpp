@@ -1,4 +1,4 @@
-// The plant of a simulated device against closed forms, and its energy.
+// Compares the plant of a simulated device with closed forms, and checks its energy.
 
 #include "client/devices/plant_motion.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTick = 1e-3;  // [s]
 
-/// A device without friction, 0.08 kg.
+/// Returns a device of 0.08 kg without friction.
 DeviceSpec smooth_spec() {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 0.0;
@@ -27,7 +27,7 @@ DeviceSpec smooth_spec() {
   return spec;
 }
 
-/// Runs the plant for `span` [s] while the intended place rests at `intended`.
+/// Runs the plant for `span` [s] with a constant intended position.
 void run(PlantMotion& motion, double begin, double span, const Vec3& intended = Vec3::Zero()) {
   const int steps = static_cast<int>(std::ceil(span / motion.longest_step()));
   for (int i = 0; i < steps; ++i)
@@ -44,7 +44,8 @@ TEST(PlantMotion, TheTransmissionSwingsAsTwoMassesOnASpringDo) {
   constexpr double kMotor = 0.06, kHandle = 0.02, kStiffness = 10e3, kForce = 2.0;
   PlantMotion motion(with_transmission(kStiffness, 0.0, kHandle), smooth_spec(), kNoHand);
   motion.write(0.0, Vec3(kForce, 0, 0));
-  // Their centre moves by F t^2 / (2 (m + M)); the spring swings about F M_h / (k (m + M)).
+  // The centre of mass of motor and handle moves by F t^2 / (2 (m + M)). The spring oscillates
+  // about F M_h / (k (m + M)).
   const double whole = kMotor + kHandle, reduced = kMotor * kHandle / whole;
   const double w = std::sqrt(kStiffness / reduced);
   for (int n = 0; n < 100; ++n) {
@@ -127,11 +128,12 @@ TEST(PlantMotion, JitterStaysWithinItsBoundAndTheNewestForceStays) {
       shown = now;
       if (now == n) soonest = std::min(soonest, (i + 1) * kPart);
     }
-    EXPECT_GE(shown, n - 3.0);  // no force is later than delay plus jitter
+    EXPECT_GE(shown, n - 3.0);  // No force is later than delay plus jitter.
     late += shown < n ? 1 : 0;
   }
   EXPECT_GE(soonest, 0.2e-3);
-  // Each force comes at its own time, even before an older one: 0.8 of 2.5 ms are in its tick.
+  // Each force arrives at its own time, possibly before an older one. In 0.8 / 2.5 of the cases the
+  // force arrives within its own tick.
   EXPECT_NEAR(1.0 - late / 3999.0, 0.8 / 2.5, 0.03);
 }
 
@@ -142,7 +144,7 @@ TEST(PlantMotion, AForceHasTheResolutionOfItsAmplifier) {
   EXPECT_NEAR((amplifier.output() - Vec3(0.008, -1.0, 0.0)).norm(), 0.0, 1e-12);
 }
 
-/// [m] the distance that 0.08 kg coasts from 0.05 m/s, and its least speed on the way.
+/// The distance [m] that 0.08 kg coasts from 0.05 m/s, and the least speed on the way.
 struct Coast {
   double way, least_speed;
 };
@@ -187,7 +189,8 @@ TEST(PlantMotion, ItTakesTheBreakawayForceToMoveAndLessToGoOn) {
   motion.write(0.1, Vec3(0.0801, 0, 0));
   run(motion, 0.1, 0.3);
   EXPECT_GT(motion.motor_velocity().x(), 0.01);
-  // Far above the Stribeck velocity only the device's friction remains: 0.0801 N - 0.04 N pull.
+  // Far above the Stribeck velocity, only the device's friction of 0.04 N opposes the force of
+  // 0.0801 N.
   const double fast = motion.motor_velocity().x();
   run(motion, 0.4, 0.1);
   EXPECT_NEAR(motion.motor_velocity().x() - fast, (0.0801 - 0.04) / 0.08 * 0.1, 1e-9);
@@ -200,7 +203,8 @@ TEST(PlantMotion, TheMotorCrossesTheBacklashAndThenTakesTheHandleWithIt) {
   plant.transmission.backlash = kWidth;
   DeviceSpec spec = smooth_spec();
   PlantMotion motion(plant, spec, Hand{.mass = 0.0, .damping = 20.0, .stiffness = 1e4});
-  // Press softly to one side, then to the other. The hand's spring holds the handle within 0.2 mm.
+  // The motor presses softly to one side, then to the other. The hand's spring holds the handle
+  // within 0.2 mm.
   std::vector<double> gaps;
   for (const double force : {2.0, -2.0}) {
     motion.write(gaps.empty() ? 0.0 : 1.0, Vec3(0, 0, force));
@@ -219,7 +223,7 @@ TEST(PlantMotion, TheMotorCrossesTheBacklashAndThenTakesTheHandleWithIt) {
   EXPECT_GT(free.handle_position().z(), 0.0);
 }
 
-/// A plant with all its effects.
+/// Returns a plant with all effects.
 Plant rich_plant() {
   Plant plant = with_transmission(8e3, 1.5, 0.02);
   plant.transmission.backlash = 30e-6;
@@ -256,7 +260,7 @@ void shake(PlantMotion& motion, double until) {
   shake(motion, until, [] {});
 }
 
-/// The largest error of the energy balance in the run, as a share of the energy that flowed. The
+/// Returns the largest error of the energy balance, relative to the energy that flowed. The
 /// integration must neither make nor lose energy.
 double imbalance(PlantMotion& motion) {
   double worst = 0.0;
@@ -291,8 +295,8 @@ TEST(PlantMotion, WorkInIsWhatIsStoredAndWhatIsBurned) {
   EXPECT_LT(imbalance(matrix), 1e-9);
 }
 
-/// The balance at the hand: the handle gives the hand the motor's energy less what the device
-/// stores and burns.
+/// Energy balance at the hand: the hand gets the motor's energy minus the energy that the device
+/// stores and dissipates.
 TEST(PlantMotion, TheHandGetsWhatTheDeviceDoesNotKeep) {
   DeviceSpec spec = smooth_spec();
   spec.damping = 0.4;
@@ -323,13 +327,13 @@ TEST(PlantMotion, ReflexesPullByTheErrorOfTheirDelayAgo) {
   Plant plant;
   plant.hand.reflex_delay = 0.05;
   plant.hand.reflex_stiffness = 40.0;
-  // Without its own stiffness the hand does not move before its reflexes act.
+  // Without its own stiffness, the hand does not move before its reflexes act.
   PlantMotion motion(plant, smooth_spec(), {.mass = 0.02, .damping = 0.0, .stiffness = 0.0});
   const Vec3 intended(0.01, 0, 0);
   run(motion, 0.0, 0.0499, intended);
   EXPECT_EQ(motion.handle_position(), Vec3::Zero());
   run(motion, 0.0499, 0.0101, intended);
-  // A constant pull of 40 N/m times 10 mm acts for 10 ms on 0.1 kg.
+  // A constant force of 40 N/m times 10 mm acts for 10 ms on 0.1 kg.
   EXPECT_NEAR(motion.handle_position().x(), 0.5 * 4.0 * 0.01 * 0.01, 0.03 * 2e-4);
 }
 
@@ -342,7 +346,7 @@ TEST(PlantMotion, AGripThatTightensHoldsMoreFirmly) {
   EXPECT_NEAR(motion.handle_position().x(), 2.0 / 100.0, 1e-6);
   run(motion, 1.0, 2.0);
   EXPECT_NEAR(motion.handle_position().x(), 2.0 / 400.0, 1e-6);
-  EXPECT_GT(motion.flow().by_arm, 0.0);  // the arm works to tighten the grip
+  EXPECT_GT(motion.flow().by_arm, 0.0);  // The arm does work to tighten the grip.
 }
 
 TEST(PlantMotion, ThePadGivesBetweenHandleAndHand) {
@@ -354,7 +358,7 @@ TEST(PlantMotion, ThePadGivesBetweenHandleAndHand) {
   run(motion, 0.0, 3.0);
   EXPECT_NEAR(motion.hand_position().y(), 2.0 / 250.0, 1e-7);
   EXPECT_NEAR(motion.handle_position().y() - motion.hand_position().y(), 2.0 / 1000.0, 1e-7);
-  // A massless hand is a thread: it has no separate finger.
+  // A hand without mass is only a spring, so hand and handle have one position.
   PlantMotion tether(plant, smooth_spec(), {.mass = 0.0, .damping = 0.0, .stiffness = 30.0});
   EXPECT_EQ(&tether.hand_position(), &tether.handle_position());
 }

@@ -11,7 +11,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A pointed hand without friction or encoder quantum, at the origin.
+/// A hand that follows a pointer, without friction and encoder quantization. The hand starts at the
+/// origin.
 struct Pointed {
   static PointerHandOptions options() {
     PointerHandOptions o;
@@ -26,7 +27,7 @@ struct Pointed {
   void point(const Vec3& target) {
     messages.push({.kind = PointerMessage::Kind::to, .target = target});
   }
-  /// A tick of 1 ms against a wall at z = 0 with this stiffness [N/m]; 0: no wall.
+  /// Runs a tick of 1 ms against a wall at z = 0 with this stiffness [N/m]. Zero means no wall.
   DeviceReading tick(double stiffness = 0.0) {
     const DeviceReading reading = device.read(milliseconds(++ms));
     force = stiffness * std::max(0.0, -reading.pose.position.z());
@@ -36,7 +37,7 @@ struct Pointed {
   Ring<PointerMessage> messages{64};
   PointerDevice device;
   int ms = 0;
-  double force = 0.0;  // [N] from the wall
+  double force = 0.0;  // [N] force of the wall
 };
 
 TEST(PointerDevice, BeginsBeforeTheSurface) {
@@ -56,7 +57,7 @@ TEST(PointerDevice, GoesToTheTargetAtALimitedSpeedHoweverFarItJumps) {
   }
   EXPECT_NEAR((pointed.device.true_position() - target).norm(), 0.0, 1e-6);
   EXPECT_GT(fastest, 0.4);
-  EXPECT_LT(fastest, 0.7);  // 0.5 m/s and the overshoot of the arm
+  EXPECT_LT(fastest, 0.7);  // [m/s] 0.5 m/s and the overshoot of the arm
 }
 
 TEST(PointerDevice, PressesWithTheReachOfItsSpringAtMost) {
@@ -67,20 +68,20 @@ TEST(PointerDevice, PressesWithTheReachOfItsSpringAtMost) {
     pointed.tick(2000.0);
     if (i >= 2000) sum += pointed.force;
   }
-  EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // the hand trembles on an unbounded wall
+  EXPECT_NEAR(sum / 2000, 300.0 * 0.02, 0.5);  // The hand oscillates on a wall without a bound.
 }
 
 TEST(PointerDevice, LetsGoWhenItIsToldNothing) {
   Pointed pointed;
-  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // the beginning allows 5 s
+  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(pointed.tick().ended);  // The start allows 5 s.
   pointed.point(Vec3::Zero());
   for (int i = 0; i < 800; ++i) EXPECT_FALSE(pointed.tick().ended);
-  pointed.point(Vec3::Zero());  // a new pointing restarts the time
+  pointed.point(Vec3::Zero());  // A new pointer position restarts the time.
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(pointed.tick().ended) << i;
   for (int i = 0; i < 3; ++i) pointed.tick();
   EXPECT_TRUE(pointed.tick().ended);
   EXPECT_TRUE(pointed.device.neglected());
-  pointed.point(Vec3::Zero());  // too late
+  pointed.point(Vec3::Zero());  // This position comes too late.
   EXPECT_TRUE(pointed.tick().ended);
 }
 
@@ -102,7 +103,7 @@ TEST(PointerDevice, StaysWhereTheTargetIsNoPlace) {
     EXPECT_FALSE(pointed.tick().ended);
   }
   EXPECT_NEAR(pointed.device.true_position().norm(), 0.0, 1e-12);
-  const Vec3 place(0.0, 0.01, 0.0);  // the bad targets have no later effect
+  const Vec3 place(0.0, 0.01, 0.0);  // Invalid targets must have no later effect.
   for (int i = 0; i < 2000; ++i) {
     pointed.point(place);
     pointed.tick();

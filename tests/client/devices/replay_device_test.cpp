@@ -43,12 +43,12 @@ TEST(Replay, PositionIsLinearBetweenIrregularRows) {
 }
 
 TEST(Replay, OrientationTurnsAtAConstantRate) {
-  // A quarter turn about z in one second; a third of it is 30 degrees.
+  // A quarter turn about z takes one second. A third of this turn is 30 degrees.
   const double h = std::numbers::sqrt2 / 2.0;
   std::ostringstream text;
   text.precision(17);
   text << "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,0,0,0," << -h << ",0,0," << -h
-       << "\n";  // -q is q
+       << "\n";  // The quaternions q and -q are the same orientation.
   ReplayDevice device(recording(text.str()), builtin_device("touch"));
   EXPECT_EQ(device.spec().rotation_sensed, 3);
   EXPECT_TRUE(device.read(seconds(0)).pose.orientation.isApprox(Quaternion::Identity()));
@@ -90,12 +90,12 @@ TEST(Replay, ErrorsNameTheLineAndTheColumn) {
 }
 
 TEST(Replay, NumbersThatNoMovementHasAreRefused) {
-  // The difference of such places or times overflows a double.
+  // Differences between such positions or times overflow a double.
   EXPECT_THAT(complaint("t,x,y,z\n0,0,-1e308,0\n1,0,1e308,0\n"),
               AllOf(StartsWith("r.csv:2: column 'y': "), HasSubstr("1000 m")));
   EXPECT_THAT(complaint("t,x,y,z\n-1e308,0,0,0\n1e308,0,0,0\n"),
               AllOf(StartsWith("r.csv:2: column 't': "), HasSubstr("1e10 s")));
-  // Accept seconds since 1970, and the largest coordinate of a sample.
+  // The loader must accept seconds since 1970 and the largest coordinate of a sample.
   EXPECT_EQ(recording("t,x,y,z\n1.8e9,1000,-1000,0\n").poses.size(), 1u);
 }
 
@@ -105,7 +105,8 @@ TEST(Replay, AMissingFileIsOneClearLine) {
   EXPECT_THAT(text, StartsWith("/nowhere/hand.csv: cannot be opened: No such file or directory"));
 }
 
-/// A pipe that nobody writes to and a device without an end are refused at once.
+/// The loader must not block. It must refuse a pipe without a writer and a device with endless
+/// data.
 TEST(Replay, OnlyRegularFilesAreRead) {
   const testing::TemporaryFolder folder;
   const auto pipe = folder / "hand.csv";

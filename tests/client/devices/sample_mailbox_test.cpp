@@ -1,4 +1,5 @@
-// The mailbox between a device callback and the servo thread: it reports exactly the held force.
+// Tests the mailbox between a device callback and the servo thread. The mailbox must report exactly
+// the held force.
 
 #include "client/devices/sample_mailbox.hpp"
 
@@ -18,7 +19,7 @@ constexpr Nanoseconds kNone{0};
 DeviceReading at(double x) { return {.pose = {.position = Vec3(x, 0, 0)}}; }
 Command pull(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// Runs the servo's half of a tick in another thread and the device's half in this one.
+/// Runs the servo's half of a tick in another thread, and the device's half in this thread.
 template <class Servo>
 Command exchanged(SampleMailbox& mailbox, double x, Servo servo) {
   std::thread other([&] {
@@ -38,14 +39,16 @@ TEST(SampleMailbox, AForceIsUsedInTheTickOfItsReading) {
     EXPECT_EQ(mailbox.write(pull(2)), pull(2));
   });
   EXPECT_EQ(applied, pull(2));
-  EXPECT_FALSE(mailbox.newest().fresh);  // a reading is fresh only once
+  EXPECT_FALSE(mailbox.newest().fresh);  // A reading is fresh only once.
 }
 
-/// A late force is never applied afterwards: the servo was told that it is not held.
+/// The mailbox must drop a late force, because the servo already got the report that this force is
+/// not held.
 TEST(SampleMailbox, AForceThatComesTooLateIsDropped) {
   SampleMailbox mailbox(5);
   exchanged(mailbox, 0, [&](const DeviceReading&) { mailbox.write(pull(2)); });
-  EXPECT_EQ(mailbox.exchange(at(1), kNone), pull(2));  // no answer: the last force is repeated
+  // Without an answer the mailbox repeats the last force.
+  EXPECT_EQ(mailbox.exchange(at(1), kNone), pull(2));
   EXPECT_EQ(mailbox.newest().pose.position.x(), 1.0);
   EXPECT_EQ(mailbox.write(pull(5)).force().z(), mailbox.write(pull(7)).force().z());
   EXPECT_EQ(mailbox.exchange(at(2), kNone), pull(2));
@@ -59,7 +62,7 @@ TEST(SampleMailbox, AServoThatFallsSilentHoldsNothing) {
   exchanged(mailbox, 0, [&](const DeviceReading&) { mailbox.write(pull(2)); });
   for (int n = 0; n < 3; ++n) EXPECT_EQ(mailbox.exchange(at(n), kNone), pull(2)) << n;
   EXPECT_EQ(mailbox.exchange(at(4), kNone), Command{});
-  // Further ticks beyond the capacity change nothing.
+  // Ticks beyond the capacity of the mailbox must change nothing.
   for (int n = 0; n < 200; ++n) EXPECT_EQ(mailbox.exchange(at(n), kNone), Command{}) << n;
 }
 
@@ -67,11 +70,11 @@ TEST(SampleMailbox, ReleaseIsForGood) {
   SampleMailbox mailbox(5);
   exchanged(mailbox, 0, [&](const DeviceReading&) { mailbox.write(pull(2)); });
   mailbox.release();
-  EXPECT_EQ(mailbox.exchange(at(1), kLong), Command{});  // and exchange() does not wait
+  EXPECT_EQ(mailbox.exchange(at(1), kLong), Command{});  // exchange() must not wait.
   EXPECT_EQ(mailbox.write(pull(3)), Command{});
 }
 
-/// The device holds the old force until the new force comes. The reported mean has the energy of
+/// The device holds the old force until the new force arrives. The reported mean has the energy of
 /// both. If the force did not change in a tick, the mean is that force.
 TEST(SampleMailbox, AReadingTellsWhatWasHeldSinceTheOneBefore) {
   SampleMailbox mailbox(5);
@@ -85,17 +88,17 @@ TEST(SampleMailbox, AReadingTellsWhatWasHeldSinceTheOneBefore) {
     mailbox.write(pull(4));
   });
   EXPECT_GT(told, 0.0);
-  EXPECT_LT(told, 4.0);  // 0 N until the answer, 4 N after it
+  EXPECT_LT(told, 4.0);  // [N] mean of 0 N before the answer and 4 N after it
   exchanged(mailbox, 2, [&](const DeviceReading& third) {
     EXPECT_DOUBLE_EQ(third.held.value_or(Command{}).force().z(), 4.0);
     mailbox.write(pull(4));
   });
-  mailbox.cut_to(pull(1));  // as a device does whose amplifier is too hot
+  mailbox.cut_to(pull(1));  // A device with a hot amplifier reduces its force.
   mailbox.exchange(at(3), kNone);
   EXPECT_LT(mailbox.newest().held.value_or(pull(9)).force().z(), 4.0);
 }
 
-/// A fault is reported once, even if the servo thread sleeps through its tick.
+/// The mailbox reports a fault once, even if the servo thread sleeps during the tick of the fault.
 TEST(SampleMailbox, AFaultThatWasSleptThroughIsTold) {
   SampleMailbox mailbox(5);
   DeviceReading faulty = at(1);
@@ -110,8 +113,8 @@ TEST(SampleMailbox, AFaultThatWasSleptThroughIsTold) {
   EXPECT_TRUE(mailbox.newest().ok);
 }
 
-/// Both threads run at full speed, and some answers are late. The device applies the answer to the
-/// current reading, or it keeps the last force. No thread uses the heap.
+/// Both threads run at full speed, and some answers are late. The device must apply the answer to
+/// the current reading or keep the last force. No thread may allocate.
 TEST(SampleMailbox, NoAnswerIsTakenForThatOfAnotherReading) {
   constexpr int kTicks = 20'000;
   SampleMailbox mailbox(kTicks);
@@ -142,7 +145,7 @@ TEST(SampleMailbox, NoAnswerIsTakenForThatOfAnotherReading) {
   over.store(true);
   servo.join();
   EXPECT_EQ(used, 0u);
-  EXPECT_EQ(claimed, in_time);  // write() reported the force that was held
+  EXPECT_EQ(claimed, in_time);  // write() must report the held force.
   EXPECT_GT(in_time, 0);
 }
 

@@ -9,7 +9,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A frictionless, unquantized device held still at the origin by the arm's spring.
+/// Returns a device without friction and quantization. The arm's spring holds the device at the
+/// origin.
 SimulatedHandOptions still_hand() {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated");
@@ -43,7 +44,7 @@ TEST(SimulatedDevice, SwingsWithThePeriodOfAMassOnASpring) {
   o.hand.damping = 0.0;
   SimulatedDevice device(o);
   run(device, {1.0, 0.0, 0.0}, 0, 0);
-  // A step of force makes the mass swing about f/k: x = f/k (1 - cos(w t)).
+  // A force step makes the mass oscillate about f/k: x = f/k (1 - cos(w t)).
   const double w = std::sqrt(o.hand.stiffness / (o.hand.mass + o.spec.apparent_mass));
   for (int ms = 1; ms <= 1000; ++ms) {
     device.read(milliseconds(ms));
@@ -63,7 +64,7 @@ TEST(SimulatedDevice, CoulombFrictionHoldsAndNeverTurnsTheMassRound) {
   run(device, {0.2, 0.0, 0.0}, 501, 600);
   const double speed = device.true_velocity().x();
   const double mass = o.spec.apparent_mass + o.hand.mass;
-  // The force written at 501 ms acts over the 99 ms after it.
+  // The force that was written at 501 ms acts during the next 99 ms.
   EXPECT_NEAR(speed, 0.1 / mass * 0.099, 1e-9) << "the excess accelerates";
   run(device, Vec3::Zero(), 601, 2000);
   EXPECT_EQ(device.true_velocity().x(), 0.0);
@@ -97,7 +98,7 @@ TEST(SimulatedDevice, HoldsNoMoreThanItsMotorsCan) {
 TEST(SimulatedDevice, TwoDegreesOfFreedomStayInTheirPlane) {
   SimulatedHandOptions o = still_hand();
   o.spec.translation_dof = 2;
-  o.task.depth = 0.05;  // the arm still pulls along z
+  o.task.depth = 0.05;  // The arm still has a target along z.
   SimulatedDevice device(o);
   run(device, {1.0, 1.0, 5.0}, 0, 500);
   EXPECT_EQ(device.true_position().z(), 0.0);

@@ -1,4 +1,4 @@
-// A simulated device that turns, against closed forms and its own energy.
+// Compares a simulated rotating device with closed forms, and checks its energy.
 
 #include <gmock/gmock.h>
 
@@ -11,9 +11,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kInertia = 2e-4;  // [kg m^2] of device and hand
+constexpr double kInertia = 2e-4;  // [kg m^2] inertia of device and hand
 
-/// A handle without damping, friction, encoder quantum and wrist.
+/// Returns a handle without damping, friction, encoder quantization and wrist.
 SimulatedHandOptions free_handle() {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated_6dof");
@@ -36,7 +36,8 @@ TEST(TurningDevice, AFreeHandleKeepsItsAngularMomentumAndTurnsEvenly) {
   const Vec3 torque(0.01, -0.02, 0.015);
   step(device, 0, torque);
   step(device, 100, Vec3::Zero());
-  const Vec3 velocity = 0.1 / kInertia * torque;  // the impulse: torque times time over inertia
+  // angular velocity = torque times time over inertia
+  const Vec3 velocity = 0.1 / kInertia * torque;
   EXPECT_NEAR((device.true_angular_velocity() - velocity).norm(), 0.0, 1e-9 * velocity.norm());
   const Quaternion begin = device.true_orientation();
   for (int ms = 101; ms <= 1100; ++ms) {
@@ -70,7 +71,7 @@ TEST(TurningDevice, AWristThatIsPushedSwingsAsTheClosedFormOfSpringAndDamper) {
   }
 }
 
-/// The work of the torque is the kinetic energy plus the loss by damping and friction.
+/// The work of the torque must equal the kinetic energy plus the loss by damping and friction.
 TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
   SimulatedHandOptions o = free_handle();
   const double b = 2e-3, friction = 3e-3;
@@ -80,7 +81,7 @@ TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
   double given = 0.0, burned = 0.0, largest = 0.0;
   Quaternion before = device.true_orientation();
   Vec3 held = Vec3::Zero();
-  constexpr int kFine = 50;  // [us] so fine that the sum is close to the integral
+  constexpr int kFine = 50;  // [us] step that brings the sum close to the integral
   for (int n = 0; n <= 40000; ++n) {
     const double t = 1e-6 * kFine * n;
     device.read(std::chrono::microseconds(kFine * n));
@@ -97,7 +98,8 @@ TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
   EXPECT_LT(largest, 0.01 * burned);
 }
 
-/// Each change of torque is off by half a quantum at most, and so is the energy at the encoder.
+/// At each change of torque, the encoder angle is wrong by half a quantum at most. The energy error
+/// is therefore limited.
 TEST(TurningDevice, EnergyAtTheEncoderIsThatOfTheTrueTurnsToHalfAQuantumAChange) {
   SimulatedHandOptions o = free_handle();
   o.spec.rotational_resolution = 5.75e-4;

@@ -1,4 +1,4 @@
-// The device list of the doctor on made-up machines.
+// Tests the device list of feltwire-doctor on simulated machines.
 
 #include "client/devices/usb_scan.hpp"
 
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A made-up tree of /sys, /dev and /proc.
+/// Builds a simulated tree of /sys, /dev and /proc.
 class PluggedInTest : public ::testing::Test {
  protected:
   void put(const std::string& file, const std::string& text) {

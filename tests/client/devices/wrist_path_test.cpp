@@ -43,7 +43,7 @@ TEST(WristPath, AxesAreThoseOfTheHandsPath) {
     return IntendedTurn({path, 0.6}, task).rotation(t);
   };
   EXPECT_EQ(at(WristPath::still, 1.3), Vec3::Zero());
-  const double quarter = 2.5;  // [s] a = 2 pi + pi / 2
+  const double quarter = 2.5;  // [s] time at which the phase angle is 2 pi + pi / 2
   EXPECT_NEAR((at(WristPath::screwdriver, quarter) - 0.6 * normal).norm(), 0.0, 1e-12);
   for (const WristPath path : {WristPath::tilt, WristPath::scrape, WristPath::roll})
     for (const double t : {0.7, 1.0, 1.9, 2.6}) EXPECT_NEAR(at(path, t).dot(normal), 0.0, 1e-12);
@@ -57,11 +57,12 @@ TEST(WristPath, AToolRollsAsFarAsTheHandSlides) {
   const IntendedMotion motion(task);
   const double angle = 1.5;
   const IntendedTurn turn({WristPath::roll, angle}, task);
-  const double radius = task.radius / angle;  // radius of the rolling tool
+  const double radius = task.radius / angle;  // [m] radius of the rolling tool
   const Vec3 normal = task.normal.normalized();
   for (const double t : {0.6, 0.9, 1.4, 2.2}) {
     const Vec3 way = motion.position(t) - task.center;
-    // No slip: the lowest point of a roller, radius below its axis, moves by way + turn x (-r n).
+    // Rolling without slip: the lowest point of the roller, `radius` below its axis, moves by way +
+    // turn x (-r n).
     const Vec3 slip = way + turn.rotation(t).cross(Vec3(-radius * normal));
     EXPECT_NEAR(slip.norm(), 0.0, 1e-12) << t;
   }

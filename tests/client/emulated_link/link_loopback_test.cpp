@@ -1,4 +1,4 @@
-// A client whose socket emulates a link, against a whole server.
+// Tests a client with an emulated link against a complete server.
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ using testing::Loopback;
 
 class LinkLoopback : public Loopback {};
 
-/// The number of answers to `samples`. Without queue, duplicates and reordering the server answers
-/// each arrived datagram once, and the fate depends only on the datagram's number.
+/// Returns the expected number of answers to `samples`. Without queue, duplicates and reordering,
+/// the server answers each datagram once. The loss of a datagram then depends only on its number.
 std::uint64_t expected_answers(const TwoWayLinkOptions& link, std::uint64_t samples) {
   LinkModel up(link.up, link_key(link.seed, 0, LinkDirection::up));
   LinkModel down(link.down, link_key(link.seed, 0, LinkDirection::down));
@@ -44,17 +44,17 @@ TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
   EXPECT_EQ(up.entered, s.samples);
   EXPECT_EQ(down.entered, up.delivered);  // one answer per datagram
   EXPECT_EQ(down.delivered, s.answered);
-  EXPECT_EQ(up.in_flight + down.in_flight, 0u);  // the client waited for the last ones
+  EXPECT_EQ(up.in_flight + down.in_flight, 0u);  // The client must wait for the last answers.
   EXPECT_GE(up.least_delay, std::chrono::milliseconds(3));
   EXPECT_GE(down.least_delay, std::chrono::milliseconds(3));
-  EXPECT_GE(s.round_trip.quantile(0.0), 6e6 * 0.99);  // a histogram rounds
+  EXPECT_GE(s.round_trip.quantile(0.0), 6e6 * 0.99);  // The histogram rounds its values.
 
-  // Wait for the client's goodbyes: a server that stops first ends the session itself.
+  // Wait for the client's goodbyes, because a server that stops first would end the session itself.
   test::eventually("the end of the session",
                    [&] { return list_scenes(endpoint, testing::kPatience).at(0).sessions == 0; });
   server->stop();
   const auto summary = server->summary();
-  EXPECT_EQ(summary[0].counters.left, 1u);  // the emulated link loses no goodbyes
+  EXPECT_EQ(summary[0].counters.left, 1u);  // The emulated link loses no goodbyes.
   EXPECT_EQ(summary[0].counters.datagrams, up.delivered + 3);
 }
 

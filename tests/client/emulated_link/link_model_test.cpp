@@ -17,7 +17,7 @@ using ::testing::Le;
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 constexpr std::size_t kSize = 200;  // [bytes] of payload
 
-/// Fates of `count` datagrams, which enter one a period.
+/// Returns the fates of `count` datagrams, one per period.
 std::vector<LinkFate> fates(const LinkOptions& options, std::size_t count, std::uint64_t key = 1,
                             Nanoseconds period = kPeriod) {
   LinkModel model(options, key);
@@ -27,7 +27,7 @@ std::vector<LinkFate> fates(const LinkOptions& options, std::size_t count, std::
   return all;
 }
 
-/// Delays [s] of the arrived datagrams; datagram i entered at i periods.
+/// Returns the delays [s] of the datagrams that arrived. Datagram i entered at i periods.
 std::vector<double> delays(const std::vector<LinkFate>& all) {
   std::vector<double> seconds;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -57,13 +57,13 @@ double share_below(const std::vector<double>& values, double limit) {
   return static_cast<double>(below) / static_cast<double>(values.size());
 }
 
-/// Matches within four standard errors of a share p among n independent values.
+/// Matches a measured share within four standard errors of p, for n independent values.
 auto share(double p, double n) {
   const double four = 4.0 * std::sqrt(p * (1.0 - p) / n);
   return AllOf(Ge(p - four), Le(p + four));
 }
 
-// An independent program computed these numbers from the description.
+// An independent program computed these numbers from the specification.
 TEST(LinkModel, TheSameSeedGivesTheseFatesForEver) {
   LinkOptions options;
   options.delay = 25e-3;
@@ -71,7 +71,7 @@ TEST(LinkModel, TheSameSeedGivesTheseFatesForEver) {
   options.keep_order = false;
   options.loss = 0.1;
   options.reorder = options.duplicate = 0.3;
-  std::vector<std::int64_t> arrivals;  // [ns] of both copies if there are two; -1: lost
+  std::vector<std::int64_t> arrivals;  // [ns] arrival of each copy; -1: lost
   for (const LinkFate& fate : fates(options, 14, link_key(3, 0, LinkDirection::up))) {
     arrivals.push_back(lost(fate) ? -1 : fate.arrivals[0].count());
     if (fate.copies == 2) arrivals.push_back(fate.arrivals[1].count());
@@ -122,7 +122,7 @@ TEST(LinkModel, NoTwoDirectionsShareAKey) {
 }
 
 struct Losses {
-  double loss = 0.0, burst = 0.0;  // measured
+  double loss = 0.0, burst = 0.0;  // measured values
   double runs = 0.0, single = 0.0;
 };
 Losses measure(const std::vector<LinkFate>& all) {
@@ -151,10 +151,11 @@ TEST(LinkModel, LossesComeInRunsOfTheLengthAskedFor) {
     options.loss = loss;
     options.burst = burst;
     const Losses m = measure(fates(options, kCount));
-    // Neighbours correlate by r = 1 - 1/B - p/(B (1 - p)), so fewer values are independent.
+    // Neighbours correlate by r = 1 - 1/B - p/(B (1 - p)). The number of independent values is
+    // therefore smaller.
     const double r = 1.0 - 1.0 / burst - loss / (burst * (1.0 - loss));
     EXPECT_THAT(m.loss, share(loss, kCount * (1.0 - r) / (1.0 + r))) << loss << " " << burst;
-    // Run lengths are geometric: mean B, variance B (B - 1), a share 1/B of length 1.
+    // Run lengths are geometric with mean B and variance B (B - 1). A share 1/B has length 1.
     EXPECT_NEAR(m.burst, burst, 4.0 * std::sqrt(burst * (burst - 1.0) / m.runs) + 1e-4);
     EXPECT_THAT(m.single / m.runs, share(1.0 / burst, m.runs));
   }
@@ -165,7 +166,7 @@ TEST(LinkModel, LossesAreIndependentUnlessRunsAreAskedFor) {
   options.loss = 0.3;
   const Losses m = measure(fates(options, 400'000));
   EXPECT_THAT(m.loss, share(0.3, 400'000));
-  EXPECT_NEAR(m.burst, 1.0 / 0.7, 0.01);  // geometric with 1 - p
+  EXPECT_NEAR(m.burst, 1.0 / 0.7, 0.01);  // geometric distribution with 1 - p
 }
 
 TEST(LinkModel, AllIsLostOrNothing) {
@@ -194,7 +195,8 @@ TEST(LinkModel, JitterHasTheSameMeanAndDeviationInEachDistribution) {
     options.distribution = distribution;
     const auto all = delays(fates(options, kCount));
     EXPECT_NEAR(mean(all), 50e-3, 4.0 * kError);
-    // The Pareto's fourth moment is infinite: its deviation is tested by the quantiles below.
+    // The fourth moment of the Pareto distribution is infinite. The next test checks its quantiles
+    // instead.
     if (distribution != Jitter::pareto) {
       EXPECT_NEAR(deviation(all), 4e-3, 8.0 * kError);
     }
@@ -230,7 +232,7 @@ TEST(LinkModel, NoDatagramArrivesBeforeItEntered) {
   options.keep_order = false;
   const auto all = delays(fates(options, 10'000));
   EXPECT_THAT(all, ::testing::Each(Ge(0.0)));
-  // The model moves delays below zero to zero.
+  // The model replaces negative delays by zero.
   EXPECT_THAT(share_below(all, 1e-12), share(0.5 * std::erfc(0.1 / std::numbers::sqrt2), 10'000));
 }
 
@@ -287,13 +289,14 @@ TEST(LinkModel, AShareArrivesTwiceEachWithItsOwnDelay) {
 
 TEST(LinkModel, ABitRateSendsOneAfterTheOther) {
   LinkOptions options;
-  options.rate = 8.0 * static_cast<double>(kSize + kHeadersOnTheWire) * 1e3;  // one datagram a ms
+  // one datagram per millisecond
+  options.rate = 8.0 * static_cast<double>(kSize + kHeadersOnTheWire) * 1e3;
   options.delay = 5e-3;
   const auto all = fates(options, 20, 1, Nanoseconds(0));
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(all[static_cast<std::size_t>(i)].arrivals[0],
               (i + 1) * kPeriod + std::chrono::milliseconds(5));
-  // At the line's own rate no datagram waits.
+  // At the rate of the link no datagram waits.
   for (const double delay : delays(fates(options, 1000))) EXPECT_DOUBLE_EQ(delay, 6e-3);
 }
 
@@ -305,7 +308,7 @@ TEST(LinkModel, AFullQueueDropsWhatComesLast) {
   const auto burst = fates(options, 15, 1, Nanoseconds(0));
   for (std::size_t i = 0; i < burst.size(); ++i)
     EXPECT_EQ(burst[i].loss, i < 10 ? LinkFate::Loss::none : LinkFate::Loss::queue) << i;
-  // At twice the line's rate the full queue drops every second datagram.
+  // At twice the rate of the link, the full queue drops every second datagram.
   const auto twice = fates(options, 2000, 1, kPeriod / 2);
   const auto passed = 2000 - std::count_if(twice.begin(), twice.end(), lost);
   EXPECT_NEAR(static_cast<double>(passed), 1000 + 10, 1);

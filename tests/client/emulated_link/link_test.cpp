@@ -34,7 +34,7 @@ TEST(DelayQueue, GivesByTimeAndThenAsTheyCame) {
 TEST(DelayQueue, HoldsWhatItIsMadeForOverAndOver) {
   std::mt19937_64 random(5);
   DelayQueue queue(16);
-  std::vector<std::pair<Nanoseconds, std::uint8_t>> model;  // sorted as they must leave
+  std::vector<std::pair<Nanoseconds, std::uint8_t>> model;  // sorted by departure
   for (int i = 0; i < 20'000; ++i) {
     if (random() % 2 == 0) {
       const auto mark = static_cast<std::uint8_t>(random());
@@ -74,7 +74,7 @@ TEST(OneWayLink, DatagramsLeaveWhenTheyAreDueUnchanged) {
   EXPECT_EQ(std::vector<std::uint8_t>(left->begin(), left->end()), datagram(7, 33));
   EXPECT_EQ(link.leave(Milliseconds(112)), std::nullopt);
   const LinkStatistics s = link.statistics();
-  EXPECT_EQ(s.least_delay, Milliseconds(12));  // measured, 2 ms more than intended
+  EXPECT_EQ(s.least_delay, Milliseconds(12));  // measured delay, 2 ms above the intended delay
   EXPECT_EQ(s.greatest_delay, Milliseconds(12));
   EXPECT_EQ(s.total_delay, Milliseconds(12));
 }
@@ -110,7 +110,7 @@ TEST(OneWayLink, ReorderedIsWhatComesAfterALaterOne) {
   LinkOptions options;
   options.delay = 10e-3;
   options.reorder = 0.1;
-  options.reorder_delay = 2.5e-3;  // two later datagrams pass it at 1 kHz
+  options.reorder_delay = 2.5e-3;  // At 1 kHz, two later datagrams overtake the delayed datagram.
   OneWayLink link(options, 1, 64);
   std::uint64_t held = 0;
   LinkModel same(options, 1);
@@ -124,7 +124,7 @@ TEST(OneWayLink, ReorderedIsWhatComesAfterALaterOne) {
     while (link.leave(now)) {
     }
   }
-  // A datagram is overtaken unless the next two are held back too.
+  // A delayed datagram is overtaken unless the next two datagrams are delayed too.
   const auto reordered = static_cast<double>(link.statistics().reordered);
   EXPECT_GT(held, 400u);
   EXPECT_LE(reordered, static_cast<double>(held));
@@ -154,7 +154,7 @@ TEST(OneWayLink, AllocatesNothing) {
   options.delay = 20e-3;
   options.jitter = 5e-3;
   options.duplicate = 0.5;
-  OneWayLink link(options, 1, 16);  // small enough to overflow
+  OneWayLink link(options, 1, 16);  // The capacity is small enough for an overflow.
   const auto bytes = datagram(1, 300);
   const std::size_t before = test::allocations();
   for (int i = 0; i < 10'000; ++i) {

@@ -1,4 +1,4 @@
-// The transport with an emulated link; the test sets the time.
+// Tests the transport with an emulated link. The test sets the time.
 
 #include <gtest/gtest.h>
 #include <poll.h>

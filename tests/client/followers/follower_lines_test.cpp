@@ -1,4 +1,4 @@
-// The text lines between feltwire and a robot driver.
+// Tests the text lines between feltwire and a robot driver.
 
 #include "client/followers/follower_lines.hpp"
 
@@ -102,7 +102,7 @@ TEST(FollowerLines, AStateWithAFaultIsNamedAndChangesNothing) {
   expect_fault(fault(kState + " ok=yes"), "ok", "neither 0 nor 1");
   expect_fault(fault(kState + " grip=-1"), "grip", "negative");
   expect_fault(fault(kState + " ok=1 ok=1"), "ok", "twice");
-  expect_fault(fault(kState + "  ok=1"), "", "NAME=VALUE");  // two blanks
+  expect_fault(fault(kState + "  ok=1"), "", "NAME=VALUE");  // The line has two blanks.
   EXPECT_EQ(number, 3u);
   EXPECT_EQ(r.gripper, 0.5);
 }

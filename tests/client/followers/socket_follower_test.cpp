@@ -1,4 +1,4 @@
-// A robot driver in another program: its lines and its failures.
+// Tests a robot driver in another program: its lines and its failures.
 
 #include "client/followers/socket_follower.hpp"
 
@@ -54,7 +54,7 @@ class Driver {
     const std::string place = std::to_string(x) + ",0,0,1,0,0,0";
     say("state " + std::to_string(number) + " pose=" + place + " commanded=" + place + more + "\n");
   }
-  /// All text received so far.
+  /// Returns all text received so far.
   std::string heard() const {
     std::string text(1 << 16, '\0');
     const ssize_t count = ::recv(socket_, text.data(), text.size(), MSG_DONTWAIT);
@@ -94,7 +94,7 @@ TEST_F(SocketFollowerTest, StatesComeInAndTargetsGoOut) {
   const auto follower = joined();
   EXPECT_EQ(follower->spec().stiffness, 800.0);
   EXPECT_FALSE(follower->read(milliseconds(0)).ok);
-  // Before the first state the robot's place is unknown, so nothing is sent.
+  // Before the first state the robot's position is unknown. The follower must send nothing.
   follower->write(target_at(5.0));
   EXPECT_EQ(driver_.heard(), "");
   driver_.state(1, 0.5, " force=1,2,3");
@@ -114,7 +114,7 @@ TEST_F(SocketFollowerTest, ASilentDriverIsNotOkUntilItSpeaks) {
   EXPECT_TRUE(follower->read(milliseconds(1000)).ok);
   EXPECT_TRUE(follower->read(milliseconds(1100)).ok);
   EXPECT_FALSE(follower->read(milliseconds(1101)).ok);
-  // The target is the place that the robot reported.
+  // The target is the position that the robot reported.
   EXPECT_EQ(follower->write(target_at(0.9)).pose.position.x(), 0.5);
   driver_.state(2, 0.5);
   EXPECT_TRUE(follower->read(milliseconds(1105)).ok);
@@ -176,7 +176,7 @@ TEST_F(SocketFollowerTest, ADriverThatHangsUpIsNotOk) {
   EXPECT_TRUE(follower->read(milliseconds(0)).ok);
   driver_.hang_up();
   EXPECT_FALSE(follower->read(milliseconds(1)).ok);
-  follower->write(target_at(0.6));  // no driver is connected, so nothing happens
+  follower->write(target_at(0.6));  // Without a driver this call has no effect.
   follower->hold();
 }
 
@@ -226,7 +226,8 @@ TEST_F(SocketFollowerTest, AllocatesNothing) {
   EXPECT_EQ(test::allocations() - before, 0u);
 }
 
-/// The servo waits for read(). One read takes a part of a flood and answers only some faults.
+/// The servo waits for read(). One read must take only a part of a flood and answer only some
+/// faults.
 TEST_F(SocketFollowerTest, ADriverThatWritesOnlyFaultsGetsFewAnswersAtATime) {
   const auto follower = joined();
   constexpr std::uint64_t kLines = 10'000;
@@ -237,7 +238,7 @@ TEST_F(SocketFollowerTest, ADriverThatWritesOnlyFaultsGetsFewAnswersAtATime) {
   EXPECT_EQ(follower->faults(), std::uint64_t{SocketFollower::kMostFaults});
   const std::string heard = driver_.heard();
   EXPECT_EQ(std::count(heard.begin(), heard.end(), '\n'), SocketFollower::kMostAnswers);
-  // The state behind the flood is not lost: a later read takes it.
+  // A later read must take the state that follows the flood.
   driver_.state(1, 0.5);
   for (std::uint64_t i = 0; i <= kLines / SocketFollower::kMostFaults; ++i)
     follower->read(milliseconds(0));
@@ -291,7 +292,7 @@ TEST(FollowerListenerTest, SaysWhatIsWrongWithAPath) {
   EXPECT_THROW(alone.wait(milliseconds(1)), std::runtime_error);
 }
 
-/// The Python example with its simulated robot follows the target and touches its floor.
+/// The Python example with its simulated robot must follow the target and touch its floor.
 TEST(PythonFollower, FollowsTouchesAndHolds) {
   const test::TemporaryFolder folder;
   FollowerListener listener(folder / "driver");
@@ -315,7 +316,7 @@ TEST(PythonFollower, FollowsTouchesAndHolds) {
   comes("the robot at its target",
         [&] { return (reading.pose.position - target.pose.position).norm() < 1e-4; });
   EXPECT_LT(reading.force.value_or(Vec3::Ones()).norm(), 1e-9);
-  // 30 mm below the floor: 1 kN/m and 2 kN/m in series.
+  // 30 mm below the floor, with 1 kN/m and 2 kN/m in series.
   target.pose.position.z() = -0.03;
   comes("the floor's force",
         [&] { return std::abs(reading.force.value_or(Vec3::Zero()).z() - 20.0) < 0.1; });

@@ -1,4 +1,4 @@
-// Identification gives up on faults and releases the force. Its result becomes a device file.
+// Identification must stop on faults and release the force. It writes its result as a device file.
 
 #include "client/identify/identification.hpp"
 
@@ -165,7 +165,7 @@ TEST(IdentifiedSpec, IsAFileThatTheAccountReads) {
             std::string::npos);
 }
 
-/// A measured lag may be a delay, a first-order lag or both. A lag over one tick becomes a delay.
+/// A measured lag may be a delay, a first-order lag or both. A lag above one tick becomes a delay.
 TEST(IdentifiedSpec, TellsTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);
@@ -184,7 +184,7 @@ TEST(IdentifiedSpec, TellsTheLag) {
   EXPECT_EQ(late.actuation_kind, LagKind::delay);
 }
 
-/// Late ticks include the whole lag. The old value stays if no new one was found.
+/// Late ticks include the complete lag. Without a new value, the old value stays.
 TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);

@@ -1,4 +1,4 @@
-// identify never reports more damping, friction or mass than a device has.
+// identify must never report more damping, friction or mass than a device has.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -17,13 +17,13 @@
 namespace feltwire::identify_test {
 namespace {
 
-/// 0 .. count - 1, at full size from the first device on.
+/// Returns a number from 0 to count - 1. The range does not grow with the test size.
 int any_of(int count) { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, count)); }
-/// A log-uniform value between `least` and `most`.
+/// Returns a log-uniform value between `least` and `most`.
 double between(double least, double most) {
   return least * std::pow(most / least, any_of(1001) / 1000.0);
 }
-/// Zero for one device in four.
+/// Returns zero in one of four cases, or a log-uniform value.
 double sometimes(double least, double most) { return any_of(4) == 0 ? 0.0 : between(least, most); }
 
 HandleTruth random_handle() {
@@ -57,24 +57,25 @@ double least_eigenvalue(const Mat3& m) {
 
 class IdentifyProperty : public ::testing::TestWithParam<int> {};
 
-/// 250 devices in five parts, and 250 more with a fresh seed, to find the rare dangerous devices.
-/// RC_PARAMS does not change their number.
+/// Tests 250 devices in five parts. Another 250 devices with a new seed may reveal rare dangerous
+/// devices. RC_PARAMS does not change the number of devices.
 TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
 #ifdef FELTWIRE_SANITIZED
-  constexpr int kDevices = 2;  // they take fifty times as long there
+  constexpr int kDevices = 2;  // Sanitizers are fifty times as slow.
 #else
   constexpr int kDevices = 50;
 #endif
   rc::detail::TestParams params = rc::detail::configuration().testParams;
   params.maxSuccess = kDevices;
   params.seed += static_cast<std::uint64_t>(GetParam());
-  params.disableShrinking = true;  // shrinking makes a different device
+  params.disableShrinking = true;  // A shrunk input would be another device.
   int measured_well = 0, with_damping = 0;
   const auto result = rc::detail::checkTestable(
       [&] {
         const HandleTruth truth = random_handle();
         const Identification run = measured(truth, spec_of(12.0), 3.0);
-        if (run.state() != Identification::State::done) return;  // gave up: nothing is reported
+        // Identification gave up and reports nothing.
+        if (run.state() != Identification::State::done) return;
         const DeviceEstimate found = run.estimate();
         if (!found.doubts.empty()) return;
         ++measured_well;
@@ -93,7 +94,7 @@ TEST_P(IdentifyProperty, NeverReportsMoreThanTheDeviceHas) {
   std::ostringstream said;
   rc::detail::printResultMessage(result, said);
   ASSERT_TRUE(result.is<rc::detail::SuccessResult>()) << said.str();
-  // Most devices must get a result: an identify that reports nothing would pass, too.
+  // Most devices must get a result. An identify that reports nothing would pass otherwise.
 #ifndef FELTWIRE_SANITIZED
   EXPECT_GT(measured_well, kDevices * 3 / 4);
   EXPECT_GT(with_damping, kDevices / 3);
@@ -112,8 +113,8 @@ TEST(Identify, AHandThatHoldsItIsDoubted) {
   EXPECT_NE(found.doubts.front().find("does somebody hold it"), std::string::npos);
 }
 
-/// A filter of the maker adds damping only while a force is on. Sweeps cannot separate it from the
-/// device's own damping. The decay can.
+/// Some device firmware adds damping only while a force is on. Sweeps cannot separate this damping
+/// from the device's own, but the decay test can.
 TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   HandleTruth truth;
   truth.friction = Vec3::Constant(0.02);
@@ -122,12 +123,12 @@ TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   ASSERT_EQ(free.state(), Identification::State::done) << free.why();
   EXPECT_TRUE(free.estimate().doubts.empty());
   for (const auto& decay : free.estimate().decay) EXPECT_NEAR(decay.value(), 0.5, 0.05);
-  // The decay is a third lower than the sweeps: identify reports a doubt.
+  // The decay shows a third less damping than the sweeps. identify must report a doubt.
   truth.servo_damping = 1.0;
   const DeviceEstimate doubted = measured(truth, spec_of(12.0), 3.0).estimate();
   ASSERT_FALSE(doubted.doubts.empty());
   EXPECT_NE(doubted.doubts.front().find("the decay only"), std::string::npos);
-  // The decay is a little lower: identify lowers the reported number.
+  // The decay shows slightly less damping. identify must lower the reported number.
   truth.servo_damping = 0.1;
   const DeviceEstimate lowered = measured(truth, spec_of(12.0), 3.0).estimate();
   EXPECT_TRUE(lowered.doubts.empty());
@@ -135,8 +136,8 @@ TEST(Identify, ADampingThatComesWithTheForceIsSeenByTheDecay) {
   EXPECT_LT(lowered.damping_bound.maxCoeff(), 0.8 * 0.55);
 }
 
-/// For clean devices (encoder of 10 um, no other effect), half of the reports reach these shares of
-/// the truth.
+/// For clean devices (encoder of 10 um, no other effect), half of the reports must reach these
+/// shares of the true values.
 TEST(Identify, ReportsAGoodShareOfACleanDevice) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a figure, which takes fifty times as long here";

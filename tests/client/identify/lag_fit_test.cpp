@@ -1,4 +1,4 @@
-// identify never reports a motor lag below the true lag.
+// identify must never report a motor lag below the true lag.
 
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@
 namespace feltwire::identify_test {
 namespace {
 
-// The margins were chosen on 500 devices, seeds from 1000 on. Other seeds test them.
+// The margins were chosen on 500 devices with seeds from 1000 on. This test uses other seeds.
 constexpr std::uint64_t kJudged = 2000, kJudgedPlants = 4000;
 
-/// Random numbers of a seed.
+/// Draws random numbers from a seed.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : random_(seed) {}
@@ -25,11 +25,12 @@ class Draws {
   double even(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  /// A log-uniform number.
+  /// Returns a log-uniform number.
   double log(double low, double high) { return low * std::pow(high / low, even(0.0, 1.0)); }
-  /// Zero in one of four cases.
+  /// Returns zero in one of four cases, or a log-uniform number.
   double sometimes(double low, double high) { return even(0, 1) < 0.25 ? 0.0 : log(low, high); }
-  /// Up to 1 ms: a third first-order lag, a third delay, a third both.
+  /// Returns a lag up to 1 ms. A third of the lags is first-order, a third is a pure delay, and a
+  /// third combines both.
   Plant::Amplifier amplifier() {
     const double lag = even(0.0, 1e-3), share = even(0.0, 3.0);
     const double filter = lag * std::clamp(2.0 - share, 0.0, 1.0);
@@ -61,7 +62,8 @@ HandleTruth drawn_handle(std::uint64_t seed) {
 
 double lag_of(const Plant::Amplifier& amplifier) { return amplifier.lag + amplifier.delay; }
 
-/// The excess [s] of each bound over the truth, and the number of devices without a bound.
+/// Stores the excess [s] of each bound over the true lag, and the number of devices without a
+/// bound.
 struct Judged {
   std::vector<double> open;
   int silent = 0;
@@ -80,14 +82,14 @@ struct Judged {
 };
 
 #ifdef FELTWIRE_SANITIZED
-constexpr std::uint64_t kDevices = 4;  // they take fifty times as long there
+constexpr std::uint64_t kDevices = 4;  // Sanitizers are fifty times as slow.
 #else
 constexpr std::uint64_t kDevices = 100;
 #endif
 
 class LagFitPart : public ::testing::TestWithParam<std::uint64_t> {};
 
-/// 500 devices with noise, quantization, gravity, stiction and cogging, in five parts.
+/// Tests 500 devices with noise, quantization, gravity, stiction and cogging, in five parts.
 TEST_P(LagFitPart, NoBoundIsBelowTheTruth) {
   Judged judged;
   for (std::uint64_t n = 0; n < kDevices; ++n) {
@@ -97,7 +99,7 @@ TEST_P(LagFitPart, NoBoundIsBelowTheTruth) {
   }
 #ifndef FELTWIRE_SANITIZED
   EXPECT_LT(judged.median(), 0.1e-3);
-  EXPECT_LT(judged.silent, 15);  // heavy devices with little damping swing too much
+  EXPECT_LT(judged.silent, 15);  // Heavy devices with little damping oscillate too much.
 #endif
 }
 INSTANTIATE_TEST_SUITE_P(Parts, LagFitPart,
@@ -123,7 +125,7 @@ void take_behind_transmission(Judged& judged, std::uint64_t seed) {
   judged.take(measured(truth, spec_of(12.0), 3.0), lag_of(truth.amplifier), seed);
 }
 
-/// Transmissions of 3 to 30 kN/m; the encoder is at the motor or at the handle.
+/// The transmissions have 3 to 30 kN/m. The encoder is at the motor or at the handle.
 TEST(LagFit, NoBoundIsBelowTheTruthBehindATransmission) {
   Judged judged;
   for (std::uint64_t seed = kJudgedPlants; seed < kJudgedPlants + kDevices; seed += 2)
@@ -134,7 +136,8 @@ TEST(LagFit, NoBoundIsBelowTheTruthBehindATransmission) {
 #endif
 }
 
-/// These devices resonate between 10 and 40 Hz. A fit of all frequencies gave too low bounds.
+/// These devices resonate between 10 and 40 Hz. A fit of all frequencies gave bounds below the true
+/// lag.
 TEST(LagFit, AResonanceIsLeftOut) {
   Judged judged;
 #ifdef FELTWIRE_SANITIZED

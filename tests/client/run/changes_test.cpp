@@ -1,4 +1,4 @@
-// A client makes the changes of its server, and limits their number.
+// A client applies the changes that its server requests, and limits the number of changes.
 
 #include "client/run/changes.hpp"
 
@@ -30,7 +30,7 @@ struct Hand {
   }
 };
 
-/// A server that never stops asking gets answers, but the client's memory does not grow.
+/// A server sends requests forever. The client must answer, but its memory must not grow.
 TEST(Changes, AreBoundedWhateverAServerSends) {
   Hand hand;
   std::uint8_t number = 0;
@@ -48,10 +48,11 @@ TEST(Changes, AreBoundedWhateverAServerSends) {
     EXPECT_EQ(ready->refused, i >= Changes::kMost) << i << ": " << done->refusal;
   }
   EXPECT_EQ(hand.changes.done().size(), Changes::kMost);
-  EXPECT_EQ(hand.changes.law(), law_of(hand.started));  // of the last change that was taken
+  // the bounding method of the last accepted change
+  EXPECT_EQ(hand.changes.law(), law_of(hand.started));
 }
 
-/// A change that was meant for the earlier session does not apply to the next one.
+/// A change for an earlier session must not apply to the next session.
 TEST(Changes, OfAnOlderSessionArePassedOver) {
   Hand hand;
   ASSERT_TRUE(hand.changes.wanted().push({hand.wish(1, "shaped"), 0}));

@@ -1,4 +1,4 @@
-// The verdict of --check on measured figures. docs/troubleshooting.md has the limits.
+// Tests the verdict of --check for measured figures. docs/troubleshooting.md has the limits.
 
 #include "client/run/check.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 constexpr std::int64_t kMillisecond = 1'000'000;  // [ns]
 
-/// Ten seconds at 1 kHz on a good machine and a good line.
+/// Returns the figures of ten seconds at 1 kHz on a good machine and network.
 RunFigures good_run() {
   RunFigures run;
   run.end = EndReason::duration;
@@ -34,7 +34,7 @@ MachineFacts good_machine() {
   return {.clock_source = "tsc", .clock_resolution = 1e-9, .wake_latency = 0, .path_mtu = 1500};
 }
 
-/// The result with that name.
+/// Returns the result with this name.
 CheckResult of(std::string_view what, const RunFigures& run,
                const MachineFacts& machine = good_machine()) {
   for (const CheckResult& result : judge(run, machine))
@@ -43,7 +43,7 @@ CheckResult of(std::string_view what, const RunFigures& run,
   return {};
 }
 
-/// A histogram of 10 000 values: `slow_ones` are `slow`, the others are `fast`.
+/// Returns a histogram of 10 000 values: `slow_ones` values are `slow`, and the others are `fast`.
 Histogram with_slow(int slow_ones, std::int64_t slow, std::int64_t fast = 1000) {
   Histogram histogram;
   for (int i = 0; i < 10'000; ++i) histogram.record(i < slow_ones ? slow : fast);
@@ -101,7 +101,7 @@ TEST(Check, Permissions) {
   EXPECT_EQ(of("permissions", run).verdict, Verdict::warn);
 }
 
-/// Processor sleep gets a warning only if ticks are late.
+/// Processor sleep states cause a warning only if ticks are late.
 TEST(Check, ProcessorsThatSleep) {
   RunFigures run = good_run();
   MachineFacts machine = good_machine();
@@ -118,7 +118,7 @@ TEST(Check, Clock) {
   MachineFacts machine = good_machine();
   machine.clock_source = "hpet";
   EXPECT_EQ(of("clock", good_run(), machine).verdict, Verdict::warn);
-  machine.clock_resolution = 4e-3;  // a kernel without high-resolution timers
+  machine.clock_resolution = 4e-3;  // [s] The kernel has no high-resolution timers.
   EXPECT_EQ(of("clock", good_run(), machine).verdict, Verdict::fail);
   machine = good_machine();
   machine.clock_source.clear();

@@ -1,5 +1,5 @@
-// A run in which the hand gets more energy than the device burned. The run reports it, and the
-// next run with that device begins with the debt.
+// In this run the hand gets more energy than the device dissipated. The run must report this debt.
+// The next run with the device must begin with the debt.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using testing::Loopback;
 using testing::TemporaryFolder;
 using testing::text_of;
 
-/// Moves slowly up, and reports its full force as held from tick 50 to tick 150.
+/// Moves up slowly. Reports its full force as held from tick 50 to tick 150.
 class Overdraws final : public Device {
  public:
   explicit Overdraws(bool overdraws) : overdraws_(overdraws) { spec_.name = "overdraws"; }
@@ -50,7 +50,7 @@ TEST_F(Loopback, ADebtEndsTheForceAndTheRunSaysSoAndTheNextOneOwesIt) {
   options.scene = "floor";
   options.device_kind = "one of this test";
   options.duration = 0.3;
-  options.parameters.hold_time = 1.0;  // longer than a busy machine delays a thread
+  options.parameters.hold_time = 1.0;  // [s] longer than a busy machine delays a thread
   options.let_go_after = options.parameters.hold_time;
   options.report = folder / "report.json";
   ::testing::internal::CaptureStderr();

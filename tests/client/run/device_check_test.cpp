@@ -1,4 +1,4 @@
-// Counts the ticks of a device and gives a verdict. docs/devices.md has the limits.
+// The check counts the ticks of a device and gives a verdict. docs/devices.md has the limits.
 
 #include "client/run/device_check.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns ticks without waiting, as scripted: 'n' new reading, 'o' old, 'f' fault, 'm' no tick.
+/// Returns ticks from a script without waiting: 'n' new reading, 'o' old, 'f' fault, 'm' no tick.
 class Scripted final : public Device {
  public:
   explicit Scripted(std::string script, bool paced = true)
@@ -70,7 +70,7 @@ TEST(DeviceCheck, CountsWhatTheDeviceDoesAndPutsNoForceOnTheHand) {
   EXPECT_NEAR(part(ticks.missed), 0.2 * whole, 1.0);
   EXPECT_NEAR(part(ticks.repeated), 0.2 * whole, 1.0);
   EXPECT_NEAR(part(ticks.faults), 0.2 * whole, 1.0);
-  // The servo skips old readings and writes nothing for them.
+  // The servo must skip old readings and write nothing for them.
   EXPECT_EQ(static_cast<std::uint64_t>(device.writes), ticks.ticks - ticks.repeated);
   EXPECT_EQ(ticks.overlong, 0u);
   EXPECT_GT(ticks.span, 0.0);
@@ -113,7 +113,7 @@ TEST(DeviceCheck, JudgesByTheLimits) {
   EXPECT_EQ(of(ticks, "jitter").verdict, Verdict::fail);
 }
 
-/// A device that never ticked fails every figure.
+/// A device that never ticks must fail in each figure.
 TEST(DeviceCheck, NoTickIsNoGoodDevice) {
   for (const char* what : {"rate", "jitter", "readings", "faults"})
     EXPECT_EQ(of({.span = 1.0}, what).verdict, Verdict::fail) << what;

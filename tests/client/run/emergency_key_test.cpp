@@ -1,4 +1,4 @@
-// The keys of a terminal, on a pseudo terminal of another process.
+// Tests the keys of a terminal, on a pseudo terminal of another process.
 
 #include "client/run/emergency_key.hpp"
 
@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kBatches = 6;
 
-/// The child process: writes a letter after each batch of keys. It exits with 0 if the terminal
-/// has its former settings again.
+/// Runs as the child process. It writes a letter after each batch of keys, and exits with 0 if the
+/// terminal has its former settings again.
 [[noreturn]] void obey() {
   const auto stop = std::make_shared<EmergencyStop>();
   termios before{}, after{};
@@ -36,7 +36,7 @@ constexpr int kBatches = 6;
           say(stop->pressed() ? "?" : "r");
           break;
         case EmergencyKey::Turned::nothing:
-          if (keys.descriptor() < 0) ::_exit(2);  // the terminal is gone
+          if (keys.descriptor() < 0) ::_exit(2);  // The terminal is gone.
           say(".");
           break;
       }
@@ -74,11 +74,11 @@ TEST(EmergencyKey, TheSpaceBarStopsAndRStartsAgain) {
     return terminal.hear();
   };
   EXPECT_EQ(answer("x"), '.');
-  EXPECT_EQ(answer("r"), '.');  // already started
+  EXPECT_EQ(answer("r"), '.');  // The hand is already started.
   EXPECT_EQ(answer(" "), 'S');
   EXPECT_EQ(answer("q"), '.');
   EXPECT_EQ(answer("r"), 'r');
-  EXPECT_EQ(answer("r "), 'S');  // a press wins
+  EXPECT_EQ(answer("r "), 'S');  // A stop overrides a start.
   int status = -1;
   ASSERT_EQ(::waitpid(terminal.child, &status, 0), terminal.child);
   EXPECT_TRUE(WIFEXITED(status));

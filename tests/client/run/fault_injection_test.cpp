@@ -1,5 +1,5 @@
-// Each allocation of the client's threads fails in turn, and so do thread creations, in process.
-// The client must release the hand and end the run in order. tests/fault does this to the whole
+// Makes each allocation and each thread creation of the client fail in turn, in process. The client
+// must release the hand and end the run in order. tests/fault has an equal test of the complete
 // programs.
 
 #include <dlfcn.h>
@@ -24,7 +24,7 @@ namespace feltwire::fault_injection_test {
 namespace {
 
 constexpr long kNever = std::numeric_limits<long>::max();
-/// Allocations until one fails once: in this thread, and in each new thread.
+/// Counts allocations in this thread and in each new thread, until an allocation fails.
 thread_local long left = kNever;
 std::atomic<long> left_of_new_threads{kNever};
 std::atomic<int> threads_refused{0};
@@ -73,7 +73,7 @@ void* begin_thread(void* what) {
 }  // namespace
 }  // namespace feltwire::fault_injection_test
 
-/// Replaces the system's function, for std::thread too.
+/// Replaces the system's function. std::thread uses it too.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes,
                               void* (*start)(void*), void* argument) noexcept {
   using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
@@ -105,13 +105,13 @@ class Hand final : public Device {
     return on_hand;
   }
   void release() noexcept override { told.store(0.0); }
-  std::atomic<double> told{0.0}, largest{0.0};  // [N]
+  std::atomic<double> told{0.0}, largest{0.0};  // [N] last and largest force
 
  private:
   DeviceSpec spec_ = builtin_device("simulated");
 };
 
-/// A hand gets 3 N, loses its session and looks for another one in vain.
+/// A hand gets 3 N, loses its session and finds no other session.
 struct LostRun {
   testing::TemporaryFolder folder;
   ScenePeer peer;
@@ -208,7 +208,7 @@ TEST(FaultInjection, EachAllocationOfAnMcapRecordingFailsAndTheRunEndsInOrder) {
   fail_each_allocation_of_the_main_thread("felt.mcap");
 }
 
-/// An attempt without memory does not count as a refusal.
+/// An attempt without memory must not count as a refusal.
 TEST(FaultInjection, EachAllocationOfAnAttemptToJoinFailsAndItIsTriedAgain) {
   long points = 0;
   bool reached = true;
@@ -243,7 +243,7 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
     EXPECT_EQ(reconnector.attempts(), n);
     EXPECT_FALSE(reconnector.asking());
     EXPECT_EQ(reconnector.refusal(), "");
-    reconnector.look(false, now);  // does not retry at once
+    reconnector.look(false, now);  // The reconnector must not retry at once.
     EXPECT_EQ(reconnector.attempts(), n);
   }
   reconnector.look(false, now += 1h);
@@ -251,7 +251,8 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
   while (reconnector.asking()) reconnector.look(true, now);
 }
 
-/// which 0: the system refuses the watch's thread. which 1: an allocation for a thread fails.
+/// `which` 0: the system refuses the stall detector's thread. `which` 1: an allocation for a thread
+/// fails.
 TEST(FaultInjection, AServoThatGetsNoThreadTellsItsDeviceNothing) {
   for (const int which : {0, 1}) {
     LostRun run("felt.csv");

@@ -1,4 +1,4 @@
-// The last seconds of ticks, written when something goes wrong.
+// A flight record has the last seconds of ticks. The client writes it after an error.
 
 #include "client/run/flight_record.hpp"
 
@@ -44,7 +44,7 @@ void push(Records& records, const TickRecord& row) {
 struct Read {
   std::map<std::string, std::string> about;
   std::vector<std::map<std::string, std::string>> changes;
-  std::vector<double> times;  // [s] of the samples
+  std::vector<double> times;  // [s] times of the samples
 };
 Read read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -83,7 +83,7 @@ TEST_F(FlightRecordTest, HasTheLastTenSecondsInTheirOrder) {
   EXPECT_TRUE(std::ranges::is_sorted(seen.times));
 }
 
-/// A lasting debt counts once, and so do further debts within ten seconds of a file.
+/// A lasting debt counts once. Further debts within ten seconds of a file do not count.
 TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
   FlightRecord flight(target, kPeriod);
   flight.add(tick(0));
@@ -100,7 +100,7 @@ TEST_F(FlightRecordTest, OverdrawnAccountIsADebtOnce) {
   EXPECT_EQ(flight.cause(), "the account was overdrawn");
 }
 
-/// Each cause has its own ten seconds: a file for one cause does not suppress another cause.
+/// Each cause has its own ten seconds. A file for one cause must not suppress another cause.
 TEST_F(FlightRecordTest, LostSessionAndDeviceFaultAreCauses) {
   FlightRecord flight(target, kPeriod);
   const auto add = [&](int n, ZeroForceReason reason) {
@@ -147,7 +147,7 @@ TEST_F(FlightRecordTest, HasTheChangesOfItsTime) {
   EXPECT_GE(std::stoll(changes[0].at("time")), now + clock_offset() - 1'000'000'000);
 }
 
-/// A missing default folder is a warning. A missing folder that the user named is an error.
+/// A missing default folder causes a warning. A missing folder from the user is an error.
 TEST_F(FlightRecordTest, FolderThatNobodyNamedMayBeMissing) {
   target.folder = "/dev/null/flights";
   EXPECT_THROW(Records({.flight = target, .servo_period = kPeriod}), FileError);
@@ -166,7 +166,7 @@ TEST_F(FlightRecordTest, FolderIsForItsUserAlone) {
             std::filesystem::perms::owner_all);
 }
 
-/// The signal writes a file, and the program continues.
+/// The signal must write a file without an end of the program.
 TEST_F(FlightRecordTest, ASignalAsksForIt) {
   std::FILE* said = std::tmpfile();
   Records records({.flight = target, .servo_period = kPeriod}, said);
@@ -211,7 +211,7 @@ TEST_F(FlightRecordTest, RecordsWriteADebtAndAnError) {
   std::fclose(said);
 }
 
-/// Each tick is in both files.
+/// Both files must have each tick.
 TEST_F(FlightRecordTest, RecordingGoesOnBesideIt) {
   const auto recording = folder / "hand.mcap";
   Records records(

@@ -1,4 +1,4 @@
-// A whole server and two clients in one process, over real sockets of this machine.
+// Runs a complete server and two clients in one process, over real sockets of this machine.
 
 #include "tests/client/loopback.hpp"
 
@@ -54,7 +54,8 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
     EXPECT_LE(s.answered, s.samples);
     EXPECT_EQ(s.replies_refused, 0u);
     EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
-    // The force is the plane's: along z, at most k times the depth, with friction inside its cone.
+    // The force must be a force of the plane. The normal force is at most k times the depth, and
+    // the friction is inside the friction cone.
     TickRecord row;
     double pressed = 0.0;
     while (client->records.pop(row)) {
@@ -69,14 +70,15 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   }
   EXPECT_EQ(bounded.servo.port().violations(), 0u);
 
-  // Wait for the clients' goodbyes: a server that stops first ends the sessions itself.
+  // Wait for the clients' goodbyes, because a server that stops first would end the sessions
+  // itself.
   test::eventually("the end of the sessions",
                    [&] { return list_scenes(endpoint, kPatience).at(0).sessions == 0; });
   server->stop();
   const auto summary = server->summary();
   ASSERT_EQ(summary.size(), 1u);
   EXPECT_EQ(summary[0].counters.sessions_served, 2u);
-  EXPECT_EQ(summary[0].counters.left, 2u);  // by goodbye, not by silence
+  EXPECT_EQ(summary[0].counters.left, 2u);  // The sessions must end by goodbye.
   EXPECT_EQ(summary[0].counters.silent, 0u);
 }
 
@@ -84,8 +86,8 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   const char* const endless = "t,x,y,z\n0,0,0,-0.001\n1000,0,0,-0.001\n";
   Client client(endpoint, endless, {}, "floor");
   client.start();
-  // Stop the server only once it has answered something: the first record with a command's age
-  // shows it.
+  // The client needs an answer before the server stops. A record with the answer's age shows that
+  // an answer arrived.
   client.next_tick("an answer", [](const TickRecord& row) { return row.age >= 0.0; });
   server->stop();
   client.finish();
@@ -94,7 +96,7 @@ TEST_F(Loopback, AServerThatStopsSaysGoodbye) {
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
 }
 
-/// Enters the surface from outside again and again.
+/// Returns strokes that enter the surface from outside repeatedly.
 std::string strokes() {
   std::string rows = "t,x,y,z\n";
   for (int n = 0; n < 4000; ++n)
@@ -102,8 +104,8 @@ std::string strokes() {
   return rows;
 }
 
-/// A network address translator between client and server. When told, it forgets its mapping, and
-/// the client's datagrams then come from another port. It serves one client and one scene.
+/// A network address translator between a client and a scene. On request it drops its mapping, and
+/// the client's datagrams then come from another port.
 class Translator {
  public:
   explicit Translator(std::uint16_t scene_port) : scene_port_(scene_port) {
@@ -118,7 +120,7 @@ class Translator {
 
   const Address& address() const { return inside_.address(); }
   void forget() { wanted_.fetch_add(1); }
-  /// The number of datagrams that came back through this mapping.
+  /// Returns the number of datagrams that came back through this mapping.
   std::uint64_t answers(std::size_t mapping) const { return answers_.at(mapping).load(); }
 
  private:
@@ -139,7 +141,8 @@ class Translator {
       if (waiting[0].revents != 0) return;
       if (wanted_.load() != mapping) {
         outside =
-            std::make_unique<testing::LocalSocket>(SOCK_DGRAM);  // in-flight datagrams are lost
+            // Datagrams in the network are lost.
+            std::make_unique<testing::LocalSocket>(SOCK_DGRAM);
         ++mapping;
         continue;
       }
@@ -169,8 +172,8 @@ class Translator {
   std::thread thread_;
 };
 
-// The client's address changes three times while the hand continues. The session stays, only
-// datagrams in flight are lost, and the hand gets force through each address.
+// The client's address changes three times during the run. The session must continue, and the hand
+// must get force through each address.
 TEST_F(Loopback, AClientsAddressMayChange) {
   Translator translator(server->scenes()[0].udp_port);
   Client client(endpoint, strokes().c_str(), {}, "floor", nullptr, &translator.address());
@@ -211,7 +214,8 @@ TEST(Ipv6, AHandFeelsOverIpv6) {
   EXPECT_EQ(client.servo.port().violations(), 0u);
 }
 
-// The server ends, and its successor has another address. The hand then feels again.
+// The server ends, and another server with another address replaces it. The hand must then get
+// force again.
 TEST_F(Loopback, AnotherServerTakesOver) {
   Client client(endpoint, strokes().c_str(), {}, "floor");
   Ring<SessionAddress> sessions(4);

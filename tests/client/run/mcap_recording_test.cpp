@@ -24,7 +24,7 @@ using testing::text_of;
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kOffset = 1'700'000'000'000'000'000;  // [ns] late in 2023
 
-/// A tick each millisecond of a pressing hand.
+/// Returns one tick per millisecond of a hand that presses.
 TickRecord tick(int n) {
   const double depth = 1e-3 * std::sin(0.01 * n);
   return {.time = 0.001 * n,
@@ -105,12 +105,12 @@ TEST(McapRecording, HasAllOfEachTick) {
     ++n;
   }
   EXPECT_EQ(n, 1000);
-  // A second of pictures.
+  // A second has 60 pictures.
   EXPECT_EQ(count(file, "/hand/pose"), 60u);
   EXPECT_EQ(count(file, "/hand/picture"), 60u);
 }
 
-/// The file is complete except for at most the last second, as after a kill.
+/// A reader must find all but the last second, as after a kill of the program.
 TEST(McapRecording, IsReadableWhileItIsWritten) {
   const testing::TemporaryFolder folder;
   McapRecording recording({.file = folder / "open.mcap"}, kOffset);
@@ -121,7 +121,7 @@ TEST(McapRecording, IsReadableWhileItIsWritten) {
   EXPECT_GE(samples_of(file).size(), 2500u);
 }
 
-/// A second of views at 100 Hz with a hand and a body; then the hand leaves.
+/// A second of scene views at 100 Hz shows a hand and a body. The hand then leaves.
 TEST(McapRecording, HasWhatAnObserverSees) {
   const testing::TemporaryFolder folder;
   int asked = 0;
@@ -152,7 +152,7 @@ TEST(McapRecording, HasWhatAnObserverSees) {
   std::vector<ReadMessage> seen;
   for (const ReadMessage& message : file.messages)
     if (message.topic == "/scene/picture") seen.push_back(message);
-  // 60 Hz out of views at 100 Hz gives 50 or 60 pictures, and one more removes the hand.
+  // 60 Hz pictures from 100 Hz views are 50 or 60 pictures. One more picture removes the hand.
   EXPECT_GE(seen.size(), 50u);
   EXPECT_LE(seen.size(), 62u);
   EXPECT_THAT(seen.front().data, ::testing::HasSubstr("hand 7"));
@@ -192,7 +192,7 @@ TEST(McapRecording, FilesAreNumberedBySize) {
   std::size_t n = 0;
   for (std::size_t part = 1; part <= folder.entries(); ++part) {
     const auto path = folder / ("sized-000" + std::to_string(part) + ".mcap");
-    // Allow an extra chunk and the end of the file.
+    // The limit allows an extra chunk and the end of the file.
     EXPECT_LT(std::filesystem::file_size(path), kMebibytes * (1 << 20) + 150'000.0);
     n += samples_of(read(path)).size();
   }
@@ -218,7 +218,7 @@ TEST(McapRecording, SaysWhyItCannotBeWritten) {
               ::testing::HasSubstr("No space left"));
 }
 
-/// Chunks that were complete before the disk was full stay readable.
+/// Complete chunks must stay readable after the disk is full.
 TEST(McapRecording, OnAFullDiskKeepsWholeRecords) {
   const testing::TemporaryFolder folder;
   const auto path = folder / "full.mcap";
@@ -239,7 +239,7 @@ TEST(McapRecording, OnAFullDiskKeepsWholeRecords) {
   EXPECT_GT(samples_of(file).size(), 100u);
 }
 
-/// The schema and the report use the same names.
+/// The schema and the report must use the same names.
 TEST(McapRecording, TheReasonsAreThoseOfTheReport) {
   const std::string proto =
       text_of(std::string(FELTWIRE_SOURCE_DIR) + "/core/recording/feltwire.proto");

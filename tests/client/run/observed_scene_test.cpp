@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using testing::text_of;
 
-/// A view with these hands and bodies at a fixed place.
+/// Returns a view with these hands and bodies at a fixed position.
 SceneView view_of(std::uint32_t from, std::uint32_t end, const std::vector<std::uint32_t>& hands,
                   const std::vector<std::uint16_t>& bodies = {}) {
   SceneView view;
@@ -46,7 +46,7 @@ TEST(ObservedScene, IsPutTogetherFromParts) {
 TEST(ObservedScene, WhoWasPassedOverIsGone) {
   ObservedScene scene;
   scene.take(view_of(0, SceneView::kLastHand, {1, 3, 4, 9}, {2, 3}));
-  scene.take(view_of(2, 5, {4}));  // 1 and 9 are outside this view's range
+  scene.take(view_of(2, 5, {4}));  // This view excludes the hands 1 and 9.
   EXPECT_THAT(scene.hands_gone(), ElementsAre(3));
   EXPECT_THAT(numbers(scene), ElementsAre(1, 4, 9));
   EXPECT_EQ(scene.bodies().size(), 2u);
@@ -67,7 +67,7 @@ TEST(ObservedScene, TheNewestPlaceCounts) {
   EXPECT_EQ(scene.hands().at(7).pose.position.x(), 0.75);
 }
 
-/// A server sends ever new hands and bodies.
+/// A server sends new hands and bodies forever.
 TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
   ObservedScene scene;
   std::uint32_t number = 0;
@@ -76,7 +76,7 @@ TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
   for (int round = 0; round < 2000; ++round) {
     SceneView view;
     view.present = true;
-    view.hands_from = number + 1;  // excludes earlier hands, so none is removed
+    view.hands_from = number + 1;  // The view excludes earlier hands, so none is removed.
     view.bodies_from = static_cast<std::uint16_t>(object + 1);
     for (; view.hand_count < SceneView::kMaxHands; ++view.hand_count)
       view.hand[view.hand_count].number = ++number;
@@ -91,7 +91,7 @@ TEST(ObservedScene, KeepsNoMoreThanItsLimitsAndCountsTheRest) {
     ASSERT_LE(scene.bodies().size(), ObservedScene::kMostBodies);
   }
   EXPECT_EQ(scene.left_out(), shown - ObservedScene::kMostHands - ObservedScene::kMostBodies);
-  // A leaving hand makes room again. A known hand is still updated.
+  // A hand that leaves makes room. The view still updates a known hand.
   SceneView view = view_of(1, 11, {5, 6});
   view.hand[0].pose.position.x() = 0.75;
   scene.take(view);

@@ -1,4 +1,5 @@
-// Two hands and an observer, whole clients over real sockets: the observer sees their places.
+// Two hands and an observer run as complete clients over real sockets. The observer must see both
+// hands.
 
 #include <gmock/gmock.h>
 
@@ -12,7 +13,7 @@ namespace {
 
 using testing::kPatience;
 
-/// An observer without a servo loop: it sends a sample and takes the view of the reply.
+/// An observer without a servo loop. It sends a sample and takes the view of the reply.
 struct ObserverClient {
   ObserverClient(const ServerAccess& server, const std::string& of)
       : joined(join(server, {"eye", of, builtin_device("simulated"), fast(), Role::observer},
@@ -20,7 +21,7 @@ struct ObserverClient {
         transport({joined.datagrams, joined.accepted.session, joined.keys},
                   joined.accepted.parameters, false) {}
 
-  /// A short servo period lets it look as often as it likes.
+  /// A short servo period allows frequent views.
   static SessionParameters fast() {
     SessionParameters parameters;
     parameters.servo_period = 1e-5;
@@ -31,7 +32,8 @@ struct ObserverClient {
     Sample sample;
     sample.index = ++index;
     sample.client_time = Nanoseconds(static_cast<std::int64_t>(1'000'000 * index));
-    sample.pose.position = {0, 0, -0.1};  // deep in the floor; an observer feels nothing
+    // The position is deep in the floor, but an observer gets no force.
+    sample.pose.position = {0, 0, -0.1};
     transport.send(sample);
     Reply reply;
     GoodbyeReason reason{};
@@ -74,7 +76,7 @@ TEST(Observing, TwoHandsAndWhatMoves) {
   EXPECT_EQ(eye.scene.hands().at(2).pose.position, Vec3(0.5, 0, 0.125));
   ASSERT_EQ(eye.scene.bodies().size(), 1u);
   EXPECT_EQ(eye.scene.bodies().begin()->first, 1u);
-  // The ball falls straight down. The observer's hand in the floor does not hold it up.
+  // The ball falls straight down. The observer's hand in the floor must not support it.
   double height = eye.scene.bodies().at(1).pose.position.z();
   test::eventually("a fall of 0.1 m", [&] {
     const Vec3 at = eye.look().bodies().at(1).pose.position;
@@ -91,8 +93,8 @@ TEST(Observing, TwoHandsAndWhatMoves) {
   left.stop.set();
 }
 
-/// The servo loop passes the views on when they come, read or not. The observer's hand deep in the
-/// floor gets no force.
+/// The servo loop passes the views on when they arrive, even if the test does not read. The
+/// observer's hand deep in the floor must get no force.
 TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
   std::vector<Scene> scenes;
   scenes.push_back(testing::floor_scene());
@@ -108,13 +110,13 @@ TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
   double before = 0.0;
   test::eventually("a hand in sight", [&] {
     if (!eye.views.pop(shown)) return false;
-    EXPECT_GE(shown.time, before);  // views taken together share one time
+    EXPECT_GE(shown.time, before);  // Views that arrive together share one time.
     before = shown.time;
     scene.take(shown.view);
     return !scene.hands().empty();
   });
   EXPECT_EQ(scene.hands().at(1).pose.position, Vec3(0.25, 0, 0.125));
-  const std::uint64_t enough = 16 + 1;  // more than the ring holds
+  const std::uint64_t enough = 16 + 1;  // more views than the ring can hold
   for (std::uint64_t rows = 0; rows < 20 * enough; ++rows) {
     const TickRecord row = eye.next_tick("a tick", [](const TickRecord&) { return true; });
     EXPECT_EQ(row.elastic, Vec3::Zero());
@@ -127,7 +129,7 @@ TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
   EXPECT_EQ(eye.transport.statistics().dropped, TransportStatistics{}.dropped);
   hand.stop.set();
   hand.finish();
-  EXPECT_FALSE(hand.views.pop(shown));  // an operator gets no views
+  EXPECT_FALSE(hand.views.pop(shown));  // An operator gets no views.
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(WriteWhole, ReplacesInOneStepAndLeavesNothingBeside) {
   write_whole(file, "old");
   struct stat before, after;
   ASSERT_EQ(::stat(file.c_str(), &before), 0);
-  std::ifstream reader(file);  // opened before: it must still read the old text
+  std::ifstream reader(file);  // This stream was opened earlier and must still read the old text.
   write_whole(file, "new and longer");
   ASSERT_EQ(::stat(file.c_str(), &after), 0);
   EXPECT_NE(before.st_ino, after.st_ino);
@@ -36,7 +36,8 @@ TEST(WriteWhole, ReplacesInOneStepAndLeavesNothingBeside) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-/// A report has personal data: only its owner may read it, whatever the old mode and the umask.
+/// A report contains personal data. Only its owner may read it, independent of the old mode and the
+/// umask.
 TEST(WriteWhole, IsForItsOwnerAlone) {
   const TemporaryFolder folder;
   const auto file = folder / "report.json";
@@ -57,7 +58,7 @@ TEST(WriteWhole, FollowsLinks) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.json"));
 }
 
-/// A link to a missing file stays, and the write creates the file.
+/// The write must keep a link to a missing file, and create this file.
 TEST(WriteWhole, FollowsLinksToFilesThatAreYetToBe) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("real.json", folder / "link.json");

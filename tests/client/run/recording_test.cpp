@@ -32,7 +32,7 @@ TEST(CsvRecording, HoldsWholeLinesAfterEachBatchAndReplays) {
              .held = {-0.25, 0, 1.25},
              .age = 0.0005});
   file.write(rows);
-  // Read while the file is open, as after a kill.
+  // The test reads the open file, as after a kill of the program.
   EXPECT_EQ(text_of(path),
             "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,age\n"
             "0,0.01,-0.02,1e-07,0,0,0,0,0,0,0,0,0,-1\n"
@@ -76,7 +76,7 @@ class FullDisk {
   rlimit before_{};
 };
 
-/// The rest of a file can be replayed wherever in a line the disk was full.
+/// The disk may be full anywhere in a line. The rest of the file must be replayable.
 TEST(CsvRecording, OnAFullDiskEndsWithAWholeLine) {
   const testing::TemporaryFolder folder;
   for (rlim_t most = 100; most < 190; ++most) {
@@ -99,7 +99,7 @@ TEST(CsvRecording, OnAFullDiskEndsWithAWholeLine) {
   }
 }
 
-/// The failing file is named once. The other file continues.
+/// The program must name the failing file once and continue the other file.
 TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
   const testing::TemporaryFolder folder;
   std::FILE* said = std::tmpfile();
@@ -131,7 +131,7 @@ TEST(Records, OneFileThatFailsDoesNotEndTheOther) {
   char line[512];
   ASSERT_NE(std::fgets(line, sizeof line, said), nullptr);
   EXPECT_THAT(line, ::testing::HasSubstr("run.csv ends here: File too large"));
-  EXPECT_EQ(std::fgets(line, sizeof line, said), nullptr);  // once
+  EXPECT_EQ(std::fgets(line, sizeof line, said), nullptr);  // The error appears only once.
   std::fclose(said);
 }
 

@@ -25,7 +25,7 @@ Rehearsal rehearsed(const DeviceSpec& spec, const SessionParameters& parameters 
   return rehearse(spec, parameters, protect_hand(parameters), 0.0).value();
 }
 
-/// A device that burns much shows the usual walls in full. Lag reduces the stiff ones.
+/// A device with much damping displays the usual walls completely. Lag reduces the stiff walls.
 TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   DeviceSpec spec = builtin_device("omega.7");
   const Rehearsal quick = rehearsed(spec);
@@ -41,7 +41,7 @@ TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   EXPECT_LE(late.whole.wall, quick.whole.wall);
 }
 
-/// The law counts on no mass if none is known. The line names the remedy.
+/// The bounding method assumes no mass if the device file has none. The line must name the remedy.
 TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
   DeviceSpec spec = builtin_device("lambda.7");
   ASSERT_EQ(spec.least_mass, 0.0);
@@ -56,7 +56,7 @@ TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
   EXPECT_THAT(rehearsal_text(with), Not(HasSubstr("least_mass")));
 }
 
-/// Without a law a light hand swings on a wall that is too stiff for its device.
+/// Without a bounding method, a light hand oscillates on a wall that is too stiff for its device.
 TEST(Rehearsal, AHandSwingsWithoutALaw) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 0.01;
@@ -68,7 +68,7 @@ TEST(Rehearsal, AHandSwingsWithoutALaw) {
   EXPECT_GT(rehearsed(spec).calm.wall, none.calm.wall);
 }
 
-/// A handle that only sinks does not swing: its own damping slows it.
+/// A handle that only sinks does not oscillate, because its own damping slows it.
 TEST(Rehearsal, AHandleThatSinksDoesNotSwing) {
   DeviceSpec spec = builtin_device("simulated");
   spec.damping = 500.0;
@@ -90,7 +90,7 @@ TEST(Rehearsal, TheSameAgain) {
   EXPECT_EQ(rehearsal_text(rehearsed(spec)), rehearsal_text(rehearsed(spec)));
 }
 
-/// The client does not know the law of a server or of a robot's far side.
+/// The client cannot predict the bounding method of a server, or of the site of a remote robot.
 TEST(Rehearsal, NothingIsSaidOfALawThatIsNotKnown) {
   const DeviceSpec& spec = builtin_device("simulated");
   SessionParameters p = session();
@@ -107,7 +107,7 @@ TEST(Rehearsal, NothingIsSaidOfALawThatIsNotKnown) {
 TEST(Rehearsal, ARunThatEndsDoesNotWaitForIt) {
   const SessionParameters p = session();
   RehearsalThread thread(builtin_device("simulated"), p, protect_hand(p), 0.0);
-  thread.finish();  // with or without a result
+  thread.finish();  // The thread may already have a result or not.
   int looks = 0;
   const auto goes_on = [&looks] { return ++looks < 3; };
   EXPECT_FALSE(rehearse(builtin_device("simulated"), p, protect_hand(p), 0.0, goes_on));

@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-/// A servo that has made three samples, of which two were answered.
+/// Returns a servo with three samples. Two of them were answered.
 std::unique_ptr<Servo> used_servo() {
   SessionParameters p;
   p.mode = "none";
@@ -32,7 +32,8 @@ std::unique_ptr<Servo> used_servo() {
     reply.command.elastic = Vec3(0, 0, 2);
     reply.delivered.elastic = 0.5;
     if (i != 2)
-      servo->take(reply, now + std::chrono::microseconds(100 * i * i * i));  // 100 us and 2.7 ms
+      // round trips of 100 us and 2.7 ms
+      servo->take(reply, now + std::chrono::microseconds(100 * i * i * i));
   }
   return servo;
 }
@@ -59,7 +60,7 @@ TEST(Report, NamesTheFlightRecords) {
                             {"file": "flights/b.mcap", "cause": "asked for"}])"));
 }
 
-/// The energy at the true ports of a simulated device.
+/// The report contains the energy at the true ports of a simulated device.
 TEST(Report, HasTheTrueEnergyOfASimulatedDevice) {
   const auto servo = used_servo();
   EXPECT_TRUE(report(*servo)["true_energy"].is_null());
@@ -70,7 +71,7 @@ TEST(Report, HasTheTrueEnergyOfASimulatedDevice) {
                             "to_hand_j": 0.125})"));
 }
 
-/// The time after which the watch releases the device, and the call that stood still.
+/// The report contains the time until the stall detector releases the device, and the blocked call.
 TEST(Report, SaysWhenTheDeviceIsLetGo) {
   const auto servo = used_servo();
   LoopResult result;
@@ -110,8 +111,8 @@ TEST(Report, SaysWhatTheHandHeld) {
   EXPECT_EQ(json::parse(report_json(run, *servo, {}, {}))["tool"], "key");
 }
 
-/// A hand jumps while its device reports no jump: it counts as a strong hand. A hand that swings
-/// on a wall gets less credit.
+/// A hand jumps while its device reports no jump. The energy account must count a hand of excess
+/// strength. A hand that oscillates on a wall must get less credited damping.
 TEST(Report, SaysWhatAccountAndShapingSaw) {
   SessionParameters p;
   p.mode = "shaped";
@@ -143,7 +144,7 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
 }
 
-/// Each change of state between the hand and its robot, with its time.
+/// The report contains each change of state between the hand and its robot, with its time.
 TEST(Report, SaysTheStatesOfTheRobot) {
   SessionParameters p;
   p.local_model = true;
@@ -268,7 +269,8 @@ TEST(Report, HoldsWhatWasCounted) {
   EXPECT_EQ(r["dropped"]["malformed"], 4);
   EXPECT_EQ(r["parameters"]["mode"], "none");
   EXPECT_EQ(r["parameters"]["side"], "client");
-  EXPECT_FALSE(r["server_last_reply"].contains("bound_violations"));  // this side has it
+  // The client itself counts the violations.
+  EXPECT_FALSE(r["server_last_reply"].contains("bound_violations"));
   EXPECT_EQ(r["server_last_reply"]["energy_delivered_j"]["elastic"], 0.5);
 }
 
@@ -322,8 +324,8 @@ TEST(Report, TellsWhereTheForceCameFrom) {
   EXPECT_EQ(r["local_model"]["models"], 1);
   EXPECT_EQ(r["local_model"]["mean_patches"], 2.0);
   EXPECT_EQ(r["local_model"]["samples_from_model"], 1);    // at 20 mm
-  EXPECT_EQ(r["local_model"]["samples_from_both"], 1);     // 40 mm
-  EXPECT_EQ(r["local_model"]["samples_beyond_reach"], 2);  // 60 and 80 mm
+  EXPECT_EQ(r["local_model"]["samples_from_both"], 1);     // at 40 mm
+  EXPECT_EQ(r["local_model"]["samples_beyond_reach"], 2);  // at 60 and 80 mm
 }
 
 TEST(Report, CountsHowOftenWhatMovesWasPutBack) {
@@ -342,7 +344,7 @@ TEST(Report, CountsHowOftenWhatMovesWasPutBack) {
   EXPECT_EQ(report(servo)["scene_resets"], 0);
   hear(1, false);
   hear(3, true);
-  hear(2, false);  // an overtaken reply is ignored
+  hear(2, false);  // The report must ignore a reordered reply.
   hear(4, true);
   EXPECT_EQ(report(servo)["scene_resets"], 1);
   EXPECT_EQ(report(servo)["server_last_reply"]["recovering"], true);
@@ -365,7 +367,7 @@ TEST(Report, WhatThereIsNoNumberForIsNull) {
 TEST(Report, SaysWhyThereWasNoForceAndHowItFelt) {
   const json some = report(*used_servo());
   EXPECT_TRUE(some["no_force"]["run"].is_null());
-  EXPECT_EQ(some["no_force"]["samples"]["no_reply"], 0);  // a force was held, answered or not
+  EXPECT_EQ(some["no_force"]["samples"]["no_reply"], 0);  // A force was held in each sample.
   EXPECT_TRUE(some["oscillation_um"].is_null());
   EXPECT_TRUE(some["displayed_stiffness_n_per_m"].is_null());
   Servo idle(builtin_device("simulated"), {});
@@ -393,7 +395,8 @@ TEST(Report, SaysWhatTheSafetyStageDid) {
   Servo servo(builtin_device("simulated"), p,
               {.safety = {.force = {.max = 1.0, .slew = 400.0, .small = 0.1}, .ramp_up = 0.0}});
   Nanoseconds now{0};
-  // It waits twice, a small force ends the wait, then the force rises by 0.4, 0.8, 1.0 N.
+  // The servo waits twice, until the scene's force is small. The force then rises by 0.4, 0.8, 1.0
+  // N.
   for (const double newtons : {3.0, 3.0, 0.0, 3.0, 3.0, 3.0, 3.0}) {
     now += std::chrono::milliseconds(1);
     servo.hold(servo.render({}, now));
@@ -418,7 +421,8 @@ TEST(Report, SaysWhatTheSafetyStageDid) {
 }
 
 TEST(Report, WarnsOfScenesThatTheEncodersDoNotStand) {
-  const Servo servo(builtin_device("simulated"), {});  // 23 um, 0.1 N: 2 f_c / quantum = 8696 N/m
+  // quantum 23 um, f_c 0.1 N: 2 f_c / quantum = 8696 N/m
+  const Servo servo(builtin_device("simulated"), {});
   const json stood = report(servo, {}, "anna", 8695.0)["encoder"];
   EXPECT_EQ(stood["quantum_m"], 23e-6);
   EXPECT_EQ(stood["coulomb_friction_n"], 0.1);
@@ -428,7 +432,8 @@ TEST(Report, WarnsOfScenesThatTheEncodersDoNotStand) {
   const json too_stiff = report(servo, {}, "anna", 8697.0)["encoder"];
   for (const char* said : {"8697 N/m", "8695.65 N/m", "0.1 N", "23 um", "simulated", "soften"})
     EXPECT_THAT(too_stiff["warning"].get<std::string>(), HasSubstr(said));
-  EXPECT_TRUE(report(servo)["encoder"]["scene_stiffness_n_per_m"].is_null());  // none given
+  // no scene stiffness given
+  EXPECT_TRUE(report(servo)["encoder"]["scene_stiffness_n_per_m"].is_null());
 
   DeviceSpec exact = builtin_device("simulated");
   exact.position_resolution = 0.0;

@@ -1,4 +1,4 @@
-// Every scene that comes with feltwire, with the client's default options.
+// Runs each scene that comes with feltwire, with the client's default options.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 namespace feltwire::shipped_scenes_test {
 namespace {
 
-/// Finds the scenes, so a new scene in the folder or a subfolder is tested too.
+/// Finds all scenes of the folder and its subfolders, including new ones.
 std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
@@ -30,8 +30,8 @@ std::vector<std::filesystem::path> shipped() {
 class ShippedScene : public ::testing::TestWithParam<std::filesystem::path> {};
 
 struct PressResult {
-  double peak = 0.0;   // [N] held
-  double share = 0.0;  // of the scene's command, limited by the device
+  double peak = 0.0;   // [N] largest held force
+  double share = 0.0;  // share of the scene's command, limited by the device
 };
 
 PressResult felt_in(const std::string& record) {
@@ -68,7 +68,7 @@ TEST_P(ShippedScene, IsFelt) {
   const ServerAccess access = test::access(server.control_port());
   const std::string token = folder / "token", record = folder / "record.csv";
   replace_file(token, test::admin_token().text.text(), kPrivate);
-  // On a loaded machine late answers cost force, so the best of several runs counts.
+  // On a busy machine late answers reduce the force. The best of several runs therefore counts.
   PressResult best;
   for (int run = 0; run < 5 && (best.peak < kLeastPeak || best.share < least_share); ++run) {
     const test::Outcome outcome =

@@ -70,7 +70,7 @@ TEST(DeviceWords, ASlowDeviceGetsARemedy) {
       times.read.record(read);
       times.write.record(write);
     }
-    times.read.record(400'000'000);  // a single long call is no fault
+    times.read.record(400'000'000);  // A single long call is no fault.
     return slow_device(times, 1e-3, paced);
   };
   EXPECT_EQ(words(2'000, 1'000, false), "");
@@ -93,7 +93,8 @@ TEST(StatusLine, SaysWhetherTheRobotFollows) {
   EXPECT_THAT(text(now, {}), HasSubstr("  robot left aligning, turn by 0.42 rad"));
 }
 
-/// Oscillation since the last line and stiffness of the run; no text without a measurement.
+/// The line has the oscillation since the last line and the stiffness of the run. It omits missing
+/// measurements.
 TEST(StatusLine, SaysHowItFeels) {
   LiveStatus before = under_way(), now = before;
   before.oscillation = {1.0, 1000};
@@ -119,7 +120,8 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
   EXPECT_THAT(text(now, now), EndsWith("near, 72 % of the force, asked 0.30 ms farther ahead"));
 }
 
-/// The balance, and the share of ticks with an account cut since the last line.
+/// The line has the balance of the energy account. It also has the share of ticks since the last
+/// line in which the account reduced the force.
 TEST(StatusLine, SaysWhatTheAccountHas) {
   LiveStatus before = under_way(), now = before;
   EXPECT_THAT(text(now, before), Not(HasSubstr("account")));
@@ -132,7 +134,7 @@ TEST(StatusLine, SaysWhatTheAccountHas) {
   EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J, cuts 34 % of the ticks"));
 }
 
-/// The share since the last status line; the final line has the total.
+/// The line has the share since the last line. The final line has the total.
 TEST(StatusLine, SaysThatContactIsCutOff) {
   LiveStatus before = under_way(), now = before;
   before.contact_cuts = now.contact_cuts = 70;
@@ -156,9 +158,9 @@ TEST(StatusLine, SaysWhyThereIsNoForce) {
 TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {
   LiveStatus before = under_way(), now = before;
   now.samples += 10;
-  now.lost += 400;  // also passes over older answers that were on their way
+  now.lost += 400;  // The increase includes older answers that are still in the network.
   EXPECT_THAT(text(now, before), HasSubstr("lost 100.0 %"));
-  now.lost = before.lost - 5;  // late answers came
+  now.lost = before.lost - 5;  // Late answers arrived.
   EXPECT_THAT(text(now, before), HasSubstr("lost 0.0 %"));
 }
 

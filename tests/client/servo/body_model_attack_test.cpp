@@ -1,4 +1,4 @@
-// A server sends arbitrary body models: the six-degree-of-freedom port must not make energy.
+// A hostile server sends arbitrary body models. The six-degree-of-freedom port must stay passive.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 
-/// A valid model near the hand, with stiff planes and any springs.
+/// Returns a valid body model near the hand, with stiff planes and random springs.
 BodyModel any_model(test::Random& random, const Pose& about) {
   BodyModel m;
   m.tool = moved(about, 0.002 * random.direction(), 0.1 * random.direction());
@@ -48,7 +48,7 @@ BodyModel any_model(test::Random& random, const Pose& about) {
 
 constexpr std::uint64_t kTicks = test::rounds(1500);
 
-/// A body that make_prefetched_tool() accepts, with any solids and any mass.
+/// Returns a random body that make_prefetched_tool() accepts.
 FetchedScene any_body(test::Random& random) {
   BodyData body;
   body.coupling = {std::pow(10.0, random.uniform(1, 5)), std::pow(10.0, random.uniform(-2, 2)),
@@ -76,7 +76,8 @@ FetchedScene any_body(test::Random& random) {
   return {.objects = {0, 1, 2}, .surfaces = nullptr, .body = make_prefetched_tool(1, body, solids)};
 }
 
-/// `told`: the device description that the servo gets.
+/// Returns the largest energy [J] that the port made. `told` is the device specification that the
+/// servo gets.
 double energy_made(std::string_view mode, std::uint64_t seed, double* most_torque,
                    const DeviceSpec& told = builtin_device("simulated_6dof")) {
   test::Random random(seed);
@@ -106,7 +107,8 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     reply.command.elastic = random.uniform(0.0, 20.0) * random.direction();
     reply.body = any_model(random, servo.sample().pose);
     reply.body.scene = static_cast<std::uint32_t>(n / 200);
-    if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;  // a version unknown here
+    // The client has not fetched this version.
+    if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;
     servo.take(reply, now);
   }
   EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);
@@ -118,10 +120,10 @@ TEST(BodyModelAttack, NoModelMakesThePortGiveEnergy) {
   double torque = 0.0;
   for (const std::uint64_t seed : test::seeds(1, 48, 0))
     EXPECT_LE(energy_made(kSessionMethod, seed, &torque), 1e-9) << seed;
-  EXPECT_GT(torque, 0.02);  // [N m] the attack made a torque
+  EXPECT_GT(torque, 0.02);  // [N m] The attack must produce a torque.
 }
 
-/// An account without a known mass treats every hand as massless.
+/// Without a known mass, the energy account assumes a massless hand.
 TEST(BodyModelAttack, NorWhereNoMassIsKnown) {
   double torque = 0.0;
   for (const std::uint64_t seed : test::seeds(1, 12, 0))

@@ -1,4 +1,4 @@
-// A server or client polls for datagrams instead of sleeping: its behaviour stays otherwise equal.
+// Busy polling of a server or client must not change its behaviour.
 
 #include <atomic>
 #include <filesystem>
@@ -59,13 +59,13 @@ TEST_P(BusyServer, AnswersHandsAndRequests) {
   hand.finish();
   EXPECT_EQ(hand.result->end, EndReason::device_ended);
   EXPECT_GT(hand.servo.statistics().answered, 0u);
-  EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // less on a busy machine
+  EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // [N] A busy machine reduces the force.
   EXPECT_EQ(hand.transport.statistics().dropped, TransportStatistics{}.dropped);
 }
 
 TEST_P(BusyServer, ASilentSessionEnds) {
   ServerConfig impatient = config();
-  impatient.silence_timeout = 1.0;  // [s] enough for the first sample on a busy machine
+  impatient.silence_timeout = 1.0;  // [s] long enough for the first sample on a busy machine
   const auto served = server(impatient);
   Client hand(test::access(served->control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
@@ -88,7 +88,7 @@ TEST_P(BusyServer, StopsWithAGoodbye) {
   EXPECT_EQ(reason, GoodbyeReason::shutting_down);
 }
 
-/// A peer that keeps the socket full must not block requests or the server's end.
+/// A peer that keeps the socket full must not block requests or the server's shutdown.
 TEST_P(BusyServer, AFloodKeepsNobodyOut) {
   const auto served = server(config());
   const ServerAccess endpoint = test::access(served->control_port());
@@ -115,7 +115,7 @@ TEST_P(BusyServer, AFloodKeepsNobodyOut) {
 
 INSTANTIATE_TEST_SUITE_P(BusyPoll, BusyServer, ::testing::Values(0.0, 50.0, HUGE_VAL));
 
-/// The number of other threads of this process that run.
+/// Returns the number of other running threads of this process.
 int threads_awake() {
   int awake = 0;
   const std::string self = std::filesystem::read_symlink("/proc/thread-self").filename();
@@ -124,7 +124,7 @@ int threads_awake() {
     std::ifstream file(task.path() / "stat");
     std::string line;
     std::getline(file, line);
-    const std::size_t name_end = line.rfind(')');  // the state follows the name
+    const std::size_t name_end = line.rfind(')');  // The thread state follows the name.
     if (name_end != std::string::npos && line.size() > name_end + 2 && line[name_end + 2] == 'R')
       ++awake;
   }
@@ -139,7 +139,7 @@ TEST(BusyPoll, ABoundedOneSleepsWhenNothingComes) {
   Server server(config, std::move(scenes), test::security());
   Client hand(test::access(server.control_port()), kStroke, {}, "floor");
   hand.transport.send(still(1));
-  // All threads must sleep at many looks in a row, so that a single look is no accident.
+  // All threads must sleep in many consecutive checks. A single check could succeed by chance.
   const auto end = std::chrono::steady_clock::now() + kPatience;
   constexpr int kTimes = 100;
   for (int asleep = 0; asleep < kTimes;) {
@@ -148,7 +148,7 @@ TEST(BusyPoll, ABoundedOneSleepsWhenNothingComes) {
   }
 }
 
-/// The parameter is the client's busy_poll; all other tests use 0.
+/// The parameter is the client's busy_poll. All other tests use 0.
 class BusyClient : public ::testing::TestWithParam<Nanoseconds> {};
 
 TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
@@ -161,7 +161,7 @@ TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
   EXPECT_EQ(hand.result->end, EndReason::device_ended);
   EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
   EXPECT_EQ(hand.servo.statistics().samples, hand.result->wakeup_late.count() + 1);
-  EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // less on a busy machine
+  EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // [N] A busy machine reduces the force.
 }
 
 TEST_P(BusyClient, ServesAnEmulatedLink) {
@@ -177,7 +177,8 @@ TEST_P(BusyClient, ServesAnEmulatedLink) {
   EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
   const Histogram& round_trip = hand.servo.statistics().round_trip;  // [ns]
   EXPECT_GE(round_trip.quantile(0.0), 5.9e6);
-  EXPECT_LT(round_trip.quantile(0.5), 20e6);  // the client takes the reply before its next tick
+  // [ns] The client must take a reply before its next tick.
+  EXPECT_LT(round_trip.quantile(0.5), 20e6);
 }
 
 TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
@@ -189,7 +190,7 @@ TEST_P(BusyClient, EndsWhenAskedOrLeftAlone) {
   Client left(endpoint, "t,x,y,z\n0,0,0,0.005\n100,0,0,0.005\n", {}, "floor");
   asked.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   left.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
-  // The server needs the client's address for its goodbye.
+  // The server sends its goodbye to the sender of the samples.
   TickRecord row;
   test::eventually("an answer", [&] { return left.records.pop(row) && row.age >= 0.0; });
   asked.stop.set();

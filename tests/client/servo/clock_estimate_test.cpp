@@ -12,8 +12,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// The true server clock, to judge the estimate: `offset` away from the client's clock and fast by
-/// `drift`.
+/// The true server clock. It differs from the client's clock by `offset` and runs fast by `drift`.
 struct Truth {
   std::int64_t offset = 0;  // [ns] at client time 0
   double drift = 0.0;       // [s/s]
@@ -26,14 +25,14 @@ struct Truth {
 
 Nanoseconds at(double t) { return Nanoseconds(std::llround(1e9 * t)); }
 
-/// Delays [s] with a heavy tail.
+/// Generates random delays [s] with a heavy-tailed distribution.
 class Path {
  public:
   Path(double least, double jitter, std::uint64_t seed)
       : least_(least), jitter_(jitter), engine_(seed) {}
   double delay() {
     const double u = (static_cast<double>(engine_() >> 11) + 1.0) * 0x1p-53;
-    return least_ + jitter_ * (std::pow(u, -1.0 / 3.0) - 1.0);  // Pareto
+    return least_ + jitter_ * (std::pow(u, -1.0 / 3.0) - 1.0);  // Pareto distribution
   }
 
  private:
@@ -59,7 +58,7 @@ TEST(ClockEstimate, FindsOffsetAndDriftThroughJitter) {
       Exchange e;
       e.sent = at(t);
       e.arrived = at(t + delay_up + delay_down);
-      // The server's clock may overflow.
+      // Unsigned arithmetic lets the server's clock overflow without undefined behaviour.
       e.received = e.answered = Nanoseconds(static_cast<std::int64_t>(
           static_cast<std::uint64_t>(truth.offset) +
           static_cast<std::uint64_t>(std::llround(1e9 * (t + delay_up) * (1.0 + truth.drift)))));
@@ -69,7 +68,7 @@ TEST(ClockEstimate, FindsOffsetAndDriftThroughJitter) {
     EXPECT_NEAR(clock.drift(), truth.drift, 5e-6);
     EXPECT_LE(clock.error_bound(), 5.2e-3);
     if (std::abs(truth.offset) < std::int64_t{1} << 60) {
-      // The fastest exchanges define the offset, so its error is far below the jitter.
+      // The fastest exchanges determine the offset. Its error is therefore far below the jitter.
       EXPECT_NEAR(clock.offset(at(t)), truth.offset_at(t), 100e-6);
       const Nanoseconds back = clock.to_client(truth.server(t));
       EXPECT_NEAR(static_cast<double>((back - at(t)).count()), 0.0, 1e5);
@@ -121,7 +120,7 @@ TEST(ClockEstimate, EachWayTakesNoLessThanZeroAndNoMoreThanTheRoundTrip) {
 TEST(ClockEstimate, JitterIsTheMeanVariationOfTheDelay) {
   const Truth truth{0, 0.0};
   ClockEstimate clock;
-  clock.take(exchange(truth, 0.0, 1e-3, 1e-3));  // the fastest exchange defines the offset
+  clock.take(exchange(truth, 0.0, 1e-3, 1e-3));  // The fastest exchange determines the offset.
   for (int n = 1; n < 400; ++n) clock.take(exchange(truth, 1e-3 * n, n % 2 ? 2e-3 : 3e-3, 1.5e-3));
   EXPECT_NEAR(clock.jitter_up(), 1e-3, 1e-5);
   EXPECT_NEAR(clock.jitter_down(), 0.0, 1e-5);
@@ -130,10 +129,13 @@ TEST(ClockEstimate, JitterIsTheMeanVariationOfTheDelay) {
 TEST(ClockEstimate, WhatCannotBeIsLeftOut) {
   ClockEstimate clock;
   clock.take(
-      {milliseconds(5), milliseconds(0), milliseconds(0), milliseconds(4)});  // before it left
+      // arrived before it was sent
+      {milliseconds(5), milliseconds(0), milliseconds(0), milliseconds(4)});
   clock.take(
-      {milliseconds(0), milliseconds(5), milliseconds(4), milliseconds(9)});  // answered first
-  clock.take({milliseconds(0), milliseconds(0), milliseconds(3), milliseconds(2)});  // longer there
+      // answered before it was received
+      {milliseconds(0), milliseconds(5), milliseconds(4), milliseconds(9)});
+  // The server's time exceeds the round trip.
+  clock.take({milliseconds(0), milliseconds(0), milliseconds(3), milliseconds(2)});
   clock.take({milliseconds(0), milliseconds(0), milliseconds(0), std::chrono::hours(1)});
   clock.take({Nanoseconds::min(), Nanoseconds::max(), Nanoseconds::min(), Nanoseconds::max()});
   EXPECT_EQ(clock.impossible(), 5u);
@@ -152,7 +154,7 @@ TEST(ClockEstimate, AServerThatWasStartedAnewIsANewClock) {
 }
 
 TEST(ClockEstimate, OldBucketsAreForgotten) {
-  // The path becomes slower for good: after the horizon only the new round trip counts.
+  // The path becomes permanently slower. After the horizon, only the new round trip counts.
   const Truth truth{0, 0.0};
   ClockEstimate clock;
   double t = 0.0;

@@ -1,5 +1,6 @@
-// A server cannot make a tick long. Contact that takes more than the work of a tick is cut off,
-// the servo uses the reply's command, and the hand gets no energy from that.
+// A server must not make a client's tick too long. The servo stops a contact computation that
+// exceeds its budget, and uses the reply's command. This change of the command must give the hand
+// no energy.
 
 #include "core/local_model/contact_budget.hpp"
 
@@ -41,8 +42,8 @@ struct Attack {
   double held = 0.0;  // [N] the largest force
 };
 
-/// A hand presses and then takes the most energy from the force. `model` fills in replies that say
-/// that the hand touches a surface there. A cut tick must use the reply's command.
+/// A hand presses, and then extracts as much energy as possible from the force. `model` adds a
+/// touched surface to each reply. A tick over its budget must use the reply's command.
 template <class Model>
 Attack attacked(Bench& bench, test::Random& random, Model model) {
   constexpr int kTicks = test::rounds(600), kPress = 20;
@@ -97,7 +98,7 @@ TEST(ContactBudget, NoSurfaceMakesATickLong) {
       for (const std::string_view mode : {kSessionMethod, std::string_view("contact_frame")}) {
         const FetchedScene scene =
             limited({.objects = {0}, .surfaces = mesh_surfaces(kVersion, {lie}), .body = nullptr});
-        Bench bench(modelled(mode), without_known_mass());  // this hand has no mass
+        Bench bench(modelled(mode), without_known_mass());  // The simulated hand has no mass.
         bench.servo.use(&scene);
         test::Random random(3);
         const Attack attack = attacked(bench, random, mark_as_touched);
@@ -131,9 +132,9 @@ TEST(ContactBudget, NoBodyMakesATickLong) {
   }
 }
 
-/// The usual method counts on the device's mass, but this hand moves as if there were none, so it
-/// is too strong. It gets energy once. Account and counter agree on the energy, the account names
-/// the cause, and the force ends.
+/// The `shaped` method relies on the device's mass, but the simulated hand has none. The hand gets
+/// too much energy once. The energy account must measure the same energy as the counter, report a
+/// hand of excess strength, and end the force.
 TEST(ContactBudget, AHandWithoutTheMassThatWasToldGetsOneDebtThatIsCalledAStrongHand) {
   const FetchedScene scene =
       limited({.objects = {},
@@ -152,7 +153,7 @@ TEST(ContactBudget, AHandWithoutTheMassThatWasToldGetsOneDebtThatIsCalledAStrong
   EXPECT_EQ(bench.servo.held(), Command{});
 }
 
-/// Planes need no fetched geometry. A fast servo has at least 100 us for them.
+/// Planes need no prefetched geometry. A fast servo has at least 100 us per tick for planes.
 TEST(ContactBudget, NoPlanesMakeATickLong) {
   EXPECT_EQ(plane_work(1e-3), units_within(250e-6));
   EXPECT_EQ(plane_work(1e-4), units_within(100e-6));

@@ -1,5 +1,6 @@
-// The debts of the account. A stall is paid for, or it ends the force. A change of the law, a lost
-// session or a new run does not remove the debt.
+// Debts of the energy account. The account is in debt after the device delivered more energy than
+// its damping dissipated, for example in a stall. The device must dissipate the missing energy, or
+// the force must end. A new bounding method, a lost session or a new run must keep the debt.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +31,7 @@ SessionParameters with_model(std::string_view mode) {
   return p;
 }
 
-/// A simulated hand on a floor, with a server and the energy at the true port.
+/// Simulates a hand on a floor and its server, and measures the energy at the true port.
 struct Hand {
   explicit Hand(std::string_view mode, double stiffness = 5e3, const ServoOptions& options = {},
                 const feltwire::Hand& held_by = {}, HandPath path = HandPath::taps)
@@ -57,7 +58,8 @@ struct Hand {
     return Scene("floor", {plane});
   }
 
-  /// Moves the handle on under this force. Counts what its damping burns for `least` [s] or longer.
+  /// Moves the handle for the time `after` under this force. Assumes a duration of at least `least`
+  /// [s] for the energy that the damping dissipates.
   DeviceReading move(Nanoseconds after, const Vec3& force, double least = 0.0) {
     now += after;
     const DeviceReading reading = device->read(now);
@@ -83,7 +85,7 @@ struct Hand {
     laws.emplace_back(spec, law, servo_options);
     servo.adopt(laws.back());
   }
-  /// Ticks until the hand moves out of the floor under at least this force.
+  /// Ticks until the hand moves out of the floor under at least this force [N].
   bool comes_out(double force) {
     for (int n = 0; n < 4000; ++n) {
       const double before = place.z();
@@ -103,18 +105,19 @@ struct Hand {
   std::deque<ServoLaw> laws;
   Nanoseconds now = seconds(100.0);
   Vec3 place;
-  double left = 0.0, made = 0.0;  // [J] at the true port: burned less delivered; the largest excess
-  double felt = 0.0;              // [N]
+  // [J] at the true port: dissipated minus delivered energy; largest excess of the delivered energy
+  double left = 0.0, made = 0.0;
+  double felt = 0.0;  // [N] largest force on the hand
 };
 
-/// Stalls a hand until it owes some microjoules or more.
+/// Stalls the servo until the account has a debt of some microjoules or more.
 void overdraw(Hand& hand, double stall) {
   ASSERT_TRUE(hand.comes_out(0.5));
   hand.tick(seconds(stall));
 }
 
-/// Stalls of up to two seconds at any moment, with changes of the law and lost sessions. The hand
-/// gets at most the cost of a single stall, and then no more force.
+/// The servo stalls for up to two seconds at random moments, and methods and sessions change. The
+/// hand may get the energy of a single stall at most. The force must then end.
 TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
   int ended = 0, paid = 0;
   double worst_after = 0.0;
@@ -124,7 +127,7 @@ TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
     const NamedHand& who = kEightHands[seed % kEightHands.size()];
     Hand hand(any(), random.chance(0.5) ? 5e3 : 40e3, {}, who.hand,
               random.chance(0.5) ? HandPath::taps : HandPath::slide);
-    std::optional<double> made;  // [J] when the force ended
+    std::optional<double> made;  // [J] excess energy when the force ended
     for (int n = 0; n < 6000; ++n) {
       const bool stalls = random.chance(0.002);
       const std::uint64_t debts = hand.servo.account()->statistics().overdrawn;
@@ -147,8 +150,8 @@ TEST(Debt, OfAStallIsPaidOrEndsTheForce) {
   EXPECT_GT(paid, 10);
 }
 
-/// [J] The most energy that one of eight hands gets beyond what the device burns, in a stall of two
-/// seconds during contact. The device holds the last force for `held` [s].
+/// Returns the most energy [J] that one of eight hands gets beyond the device's dissipation, in a
+/// stall of two seconds during contact. The device holds the last force for `held` [s].
 double made_in_a_stall(const char* law, double stiffness, double held) {
   double made = 0.0;
   std::uint64_t seed = 0;
@@ -162,7 +165,7 @@ double made_in_a_stall(const char* law, double stiffness, double held) {
         if (n > 4000) break;
         hand.tick();
       }
-      // Short steps follow what the device burns.
+      // Short steps resolve the dissipation of the device.
       constexpr Nanoseconds kStep = std::chrono::microseconds(100);
       const Vec3 force = hand.servo.held().force();
       for (Nanoseconds t{0}; t < seconds(held); t += kStep) hand.move(kStep, force);
@@ -174,8 +177,8 @@ double made_in_a_stall(const char* law, double stiffness, double held) {
   return made;
 }
 
-/// The watch releases the device a few periods after a late tick, however long the stall lasts
-/// (client/servo/stall_detector.hpp). The device must burn enough until then.
+/// The stall detector releases the device a few periods after a late tick, however long the stall
+/// lasts (client/servo/stall_detector.hpp). The device must dissipate enough until then.
 TEST(Debt, NoneIsMadeInTheTimeUntilTheWatchLetsGo) {
   const double held = let_go_time(1e-3, 0.1, 0.0, true);
   for (const char* law : kLaws)
@@ -183,8 +186,8 @@ TEST(Debt, NoneIsMadeInTheTimeUntilTheWatchLetsGo) {
       EXPECT_LE(made_in_a_stall(law, stiffness, held), 1e-12) << law << ' ' << stiffness;
 }
 
-/// A server can delay a tick: contact takes up to a quarter of it, and a burst of replies less than
-/// another quarter. It may do so every third tick or seldom. Longer delays come from the machine.
+/// A server can delay a tick: contact takes up to a quarter of a period, and a burst of replies
+/// takes less than another quarter. Only the machine causes longer delays.
 TEST(Debt, NoneIsMadeByTicksThatAServerMakesLate) {
   constexpr double kLate = 0.65;  // [T]
   for (const char* law : {"shaped", "contact_frame"})
@@ -205,7 +208,7 @@ TEST(Debt, NoneIsMadeByTicksThatAServerMakesLate) {
         }
 }
 
-/// Without real-time scheduling the watch waits longer.
+/// Without real-time scheduling the stall detector waits longer.
 TEST(Debt, SomeIsMadeInTwentyPeriods) {
   const double held = let_go_time(1e-3, 0.1, 0.0, false);
   EXPECT_GT(made_in_a_stall("shaped", 40e3, held), 1e-4);
@@ -217,7 +220,7 @@ TEST(Debt, OutlivesALawThatTheServerChanges) {
       SCOPED_TRACE(std::string(before) + " -> " + after);
       Hand hand(before, 5e3, {}, {}, HandPath::taps);
       overdraw(hand, 0.3);
-      if (!hand.servo.account()->in_debt()) continue;  // the energy sufficed
+      if (!hand.servo.account()->in_debt()) continue;  // The dissipated energy was sufficient.
       const double owed = hand.servo.owed();
       ASSERT_GT(owed, 0.0);
       hand.change_to(after);
@@ -228,7 +231,7 @@ TEST(Debt, OutlivesALawThatTheServerChanges) {
     }
 }
 
-/// A change of the law keeps the energy that the device had burned.
+/// A new bounding method keeps the balance of dissipated energy.
 TEST(Debt, WhatIsLeftOutlivesALawToo) {
   Hand hand("shaped");
   for (int n = 0; n < 700; ++n) hand.tick();
@@ -243,7 +246,7 @@ TEST(Debt, WhatIsLeftOutlivesALawToo) {
   EXPECT_EQ(hand.servo.port().violations(), 0u);
 }
 
-/// The law between has no account, so nothing is counted under it.
+/// The second method has no account. The debt must neither increase nor decrease.
 TEST(Debt, OutlivesALawWithoutAnAccount) {
   Hand hand("contact_frame");
   overdraw(hand, 0.3);
@@ -281,7 +284,8 @@ TEST(Debt, AboveAFewMicrojoulesIsAFaultThatIsTold) {
   EXPECT_TRUE(hand.servo.let_go());
 }
 
-/// Ticks that are microseconds late make a small debt. It is burned, and the force continues.
+/// Ticks that are microseconds late make a small debt. The device repays the debt by dissipation,
+/// and the force continues.
 TEST(Debt, ThatIsSmallerIsRepaid) {
   Hand hand("contact_frame");
   std::uint64_t overdrawn = 0;
@@ -291,7 +295,8 @@ TEST(Debt, ThatIsSmallerIsRepaid) {
   EXPECT_GT(hand.felt, 1.0);
 }
 
-/// A run that begins with an earlier debt gives no force until it is burned, and has no fault.
+/// A run that begins with a debt gives no force until the debt is repaid. The run must report no
+/// fault.
 TEST(Debt, OfAnEarlierRunIsBurnedBeforeAnyForce) {
   constexpr double kOwed = 2e-3;  // [J]
   Hand hand("shaped", 5e3, {.safety = {}, .owed = kOwed});

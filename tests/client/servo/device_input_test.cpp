@@ -1,4 +1,4 @@
-// The first stage of a tick alone: readings become movements or faults.
+// Tests the first stage of a tick alone: readings become movements or faults.
 
 #include "client/servo/device_input.hpp"
 
@@ -73,18 +73,18 @@ TEST(DeviceInput, AFaultHidesTheMovementAcrossIt) {
 TEST(DeviceInput, AJumpIsAFaultThatNamesItself) {
   Input all;
   all.take(at(0.0));
-  const DeviceMovement jump = all.take(at(0.05));  // 50 m/s
+  const DeviceMovement jump = all.take(at(0.05));  // a speed of 50 m/s
   EXPECT_TRUE(jump.jumped);
   EXPECT_FALSE(jump.read);
   EXPECT_EQ(all.statistics.jumps, 1u);
   EXPECT_EQ(all.statistics.device_faults, 1u);
   EXPECT_EQ(all.input.pose().position.x(), 0.0) << "the place before stays";
   DeviceReading judged = at(0.0);
-  judged.jumped = true;  // the driver knows better
+  judged.jumped = true;  // The driver itself has already checked this jump.
   EXPECT_TRUE(all.take(judged).jumped);
 }
 
-/// A clutched or withheld device gives no force for a reason of its own.
+/// A device with a clutch or a withheld force reports its own reason for zero force.
 TEST(DeviceInput, AReasonOfTheDeviceIsNoFault) {
   Input all;
   all.take(at(0.0));

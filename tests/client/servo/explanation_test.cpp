@@ -1,4 +1,4 @@
-// The last stage of a tick alone: reasons, trouble of the device, and what the hand felt.
+// Tests the last stage of a tick alone: reasons for zero force, device trouble and statistics.
 
 #include "client/servo/explanation.hpp"
 
@@ -14,7 +14,7 @@ constexpr double kPeriod = 1e-3;  // [s]
 
 Command up(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// All stages pass a command on.
+/// Returns a trail in which each stage passes the command on unchanged.
 ForceTrail passed(const Command& c) {
   ForceTrail trail;
   trail.answered = true;
@@ -93,13 +93,13 @@ TEST(Explanation, CountsHowLongADeviceKeepsTheForce) {
   Told told;
   for (int n = 0; n < 7; ++n) told.tick(passed(up(1)), {});
   EXPECT_NEAR(told.explanation.not_held_for(), 7 * kPeriod, 1e-12);
-  told.tick(passed({}), {});  // nothing to hold: it says nothing of the device
+  told.tick(passed({}), {});  // A zero command does not show whether the device holds forces.
   EXPECT_NEAR(told.explanation.not_held_for(), 7 * kPeriod, 1e-12);
   told.tick(passed(up(1)), up(1));
   EXPECT_EQ(told.explanation.not_held_for(), 0.0);
 }
 
-/// A hand presses by 1 mm into a wall of 500 N/m, and feels it turned by 30 degrees.
+/// A hand presses 1 mm into a wall of 500 N/m. The device turns the force by 30 degrees.
 TEST(Explanation, MeasuresStiffnessAndDirection) {
   Told told;
   const double angle = 30.0;  // [deg]

@@ -1,4 +1,4 @@
-// Oscillation and displayed stiffness against closed forms.
+// Compares measured oscillation and displayed stiffness with closed forms.
 
 #include "client/servo/feel_metrics.hpp"
 
@@ -17,7 +17,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 const Vec3 kUp(0, 0, 1);
 
-/// A hand on a surface at places that the test sets; the held force does not matter.
+/// Simulates a hand on a surface. The test sets the positions of the hand, and the held force has
+/// no effect.
 struct Hand {
   double period;
   FeelMetrics measures{period};
@@ -30,7 +31,7 @@ struct Hand {
   void at(const Vec3& position, const Vec3& elastic = kUp) { at(position, elastic, elastic); }
 };
 
-/// The share of a sinusoid that the filter passes (core/base/centred_highpass.hpp).
+/// Returns the gain of the filter for a sinusoid (core/base/centred_highpass.hpp).
 double share(double frequency, std::size_t window, double period) {
   const double w = static_cast<double>(window);
   return std::abs(1.0 - std::sin(kPi * frequency * w * period) /
@@ -72,7 +73,7 @@ TEST(Oscillation, OfSlowAndSidewaysMovementIsNothing) {
   EXPECT_LT(*slow.measures.oscillation(), 0.005 * 1e-3);
 }
 
-/// Rounding errors must not accumulate: a million samples far from the start of the contact.
+/// Rounding errors must not accumulate over a million samples far from the start of the contact.
 TEST(Oscillation, KeepsItsDigits) {
   CentredHighPass filter(51);
   std::optional<double> last;
@@ -80,8 +81,8 @@ TEST(Oscillation, KeepsItsDigits) {
   EXPECT_NEAR(*last, 0.0, 1e-11);
 }
 
-/// A hand that bounces a hundred times a second oscillates most. A hand that leaves the surface
-/// does not oscillate.
+/// A hand that bounces a hundred times a second has the largest oscillation. A hand that leaves the
+/// surface has none.
 TEST(Oscillation, OfAHandThatChattersIsMeasuredAndOfOneThatLeavesNot) {
   Hand chatters{0.001}, leaves{0.001};
   constexpr double kAmplitude = 1e-3;
@@ -104,14 +105,15 @@ TEST(Oscillation, NeedsAWholeWindowOfContact) {
   EXPECT_FALSE(hand.measures.oscillation());
 }
 
-/// Presses into a spring repeatedly; `share` of the force is given, `delay` ticks late.
+/// Presses into a spring repeatedly. The device gives `share` of the force, `delay` ticks late.
 FeelMetrics pressed(double stiffness, double share, int delay, double speed) {
   Hand hand{0.001};
   const auto height = [&](int n) {
     constexpr int kPeriod = 400;
     const int phase = ((n % kPeriod) + kPeriod) % kPeriod;
     const int up = phase < kPeriod / 2 ? kPeriod / 2 - phase : phase - kPeriod / 2;
-    return 1e-3 + speed * (up * 0.001) - speed * 0.1;  // a triangle wave, half of it above
+    // A triangle wave, half of it above the surface
+    return 1e-3 + speed * (up * 0.001) - speed * 0.1;
   };
   for (int n = 0; n < 4000; ++n) {
     const double depth = std::max(0.0, -height(n - delay));
@@ -131,14 +133,14 @@ TEST(DisplayedStiffness, IsWhatIsGivenNotWhatIsAskedFor) {
   EXPECT_NEAR(*pressed(800.0, 0.25, 0, 0.05).displayed_stiffness(), 200.0, 1e-3);
 }
 
-/// A delay shifts the force of a steady press but keeps the slope, even if the contact is noticed
-/// late.
+/// A delay shifts the force of a steady press but keeps its slope. The slope stays correct even if
+/// contact detection is late.
 TEST(DisplayedStiffness, DoesNotDependOnTheDelayOfASteadyPress) {
   for (const int delay : {1, 5, 20})
     EXPECT_NEAR(*pressed(500.0, 1.0, delay, 0.05).displayed_stiffness(), 500.0, 1e-3) << delay;
 }
 
-/// Slides round a ball at constant depth: that is no press.
+/// A hand slides around a ball at constant depth. The measure must not count this as a press.
 TEST(DisplayedStiffness, SlidingIsNoPress) {
   Hand hand{0.001};
   for (int n = 0; n < 3000; ++n) {
@@ -149,7 +151,7 @@ TEST(DisplayedStiffness, SlidingIsNoPress) {
   EXPECT_FALSE(hand.measures.displayed_stiffness());
 }
 
-/// Encoder quanta of 30 um change the slope by a few percent only.
+/// Encoder steps of 30 um may change the measured slope by a few percent only.
 TEST(DisplayedStiffness, StandsEncoderQuanta) {
   Hand hand{0.001};
   constexpr double kQuantum = 30e-6;
@@ -161,7 +163,7 @@ TEST(DisplayedStiffness, StandsEncoderQuanta) {
   EXPECT_NEAR(*hand.measures.displayed_stiffness(), 1000.0, 30.0);
 }
 
-/// A whole servo: a simulated hand presses a spring of 400 N/m without bound and delay.
+/// In a complete servo, a simulated hand presses a spring of 400 N/m without bound and delay.
 TEST(DisplayedStiffness, OfAServoOnASpring) {
   SimulatedDevice device({.spec = builtin_device("simulated"), .hand = {}, .task = {}});
   Servo servo(device.spec(), testing::servo::parameters("none"));
@@ -181,7 +183,7 @@ TEST(DisplayedStiffness, OfAServoOnASpring) {
   EXPECT_LT(*servo.measures().oscillation(), 100e-6);
 }
 
-/// A servo whose simulated hand presses a spring of 400 N/m, for some seconds.
+/// A servo with a simulated hand that presses a spring of 400 N/m.
 struct Pressing {
   explicit Pressing(const ServoOptions& options = {})
       : device({.spec = builtin_device("simulated"), .hand = {}, .task = {}}),
@@ -209,7 +211,7 @@ struct Pressing {
   Nanoseconds now{0};
 };
 
-/// At the end the force fades and the hand sinks: that is no press.
+/// At the end the force fades and the hand sinks. The measure must not count this as a press.
 TEST(DisplayedStiffness, TheEndOfARunDoesNotCount) {
   Pressing hand;
   hand.run(2.5);

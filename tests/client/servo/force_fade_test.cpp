@@ -1,4 +1,4 @@
-// The share of a command that is left while it ages, and while the force must end.
+// Tests how a command fades with its age, and how a force ends.
 
 #include "client/servo/force_fade.hpp"
 
@@ -11,7 +11,7 @@ constexpr double kHold = 0.1, kTick = 1e-3;  // [s]
 
 Nanoseconds at(double time) { return from_seconds(time); }
 
-/// In full until half the hold time, zero at the hold time, a straight line between.
+/// The command is complete until half the hold time, then falls linearly to zero at the hold time.
 TEST(ForceFade, FollowsTheAgeOfTheCommand) {
   for (int n = 0; n <= 120; ++n) {
     ForceFade fade;
@@ -25,7 +25,7 @@ TEST(ForceFade, FollowsTheAgeOfTheCommand) {
 TEST(ForceFade, AnEndTakesHalfTheHoldTimeHoweverFreshTheCommand) {
   ForceFade fade;
   fade.begin(at(1.0));
-  fade.begin(at(1.02));  // it falls already
+  fade.begin(at(1.02));  // The force is already fading.
   for (int n = 0; n <= 60; ++n) {
     const double share = fade.step(at(1.0 + n * kTick), 0.0, kTick, kHold);
     EXPECT_NEAR(share, std::max(0.0, 1.0 - 20.0 * n * kTick), 1e-6) << n;
@@ -34,7 +34,7 @@ TEST(ForceFade, AnEndTakesHalfTheHoldTimeHoweverFreshTheCommand) {
   EXPECT_TRUE(fade.ending());
 }
 
-/// The way back is as long as the way down.
+/// The force rises at the rate at which it fell.
 TEST(ForceFade, ComesBackNoFasterThanItWent) {
   ForceFade fade;
   fade.begin(at(1.0));
@@ -53,7 +53,8 @@ TEST(ForceFade, AClockThatIsSetBackTakesTheBeginningWithIt) {
   EXPECT_NEAR(fade.step(at(10.025), 0.0, kTick, kHold), 0.5, 1e-6);
 }
 
-/// A command far above the device's force is taken as the device's force, so it falls at once.
+/// The device's largest force clamps a larger command before the fade. The force therefore starts
+/// to fall at once.
 TEST(ForceFade, FadesFromTheForceOfTheDevice) {
   const Command far{.elastic = Vec3(0, 0, 100), .torque = Vec3(10, 0, 0)};
   const Command half = faded(far, 0.5, 8.0, 0.4);

@@ -1,4 +1,4 @@
-// The fourth stage of a tick alone: from a command to the force for the hand.
+// Tests the fourth stage of a tick alone: it turns a command into the force for the hand.
 
 #include "client/servo/force_law.hpp"
 
@@ -22,7 +22,7 @@ struct Law {
                const ServoOptions& options = {})
       : spec(device), law(spec, session(mode), options) {}
 
-  /// A tick: the hand moved by `way`, and the scene asks for `asked`. Returns the force.
+  /// Runs a tick: the hand moved by `way`, and the scene commands `asked`. Returns the force.
   Command tick(const Vec3& way, const Command& asked, bool known = true, double share = 1.0) {
     BoundingStep step;
     step.hold_time = kPeriod;
@@ -54,7 +54,8 @@ TEST(ForceLaw, WithoutABoundTheCommandPasses) {
   EXPECT_FALSE(none.law.law().account);
 }
 
-/// The hand is pushed out again and again: it never gets more than the device has burned.
+/// The force pushes the hand out repeatedly. The hand must never get more energy than the device
+/// dissipated.
 TEST(ForceLaw, GivesNoMoreThanWasBurned) {
   for (const char* mode : {"contact_frame", "per_axis", "total_energy", "shaped"}) {
     Law bound(mode);
@@ -74,7 +75,7 @@ TEST(ForceLaw, AShareOfZeroLeavesNothingWhateverTheBoundKeeps) {
   EXPECT_TRUE(bound.tick(Vec3::Zero(), {}, true, 0.0).force().isZero(0.0));
 }
 
-/// The device tells that it held less than it was given: that is what counts.
+/// The device reports a held force below the command. The account must use the held force.
 TEST(ForceLaw, AccountsForWhatTheDeviceHeld) {
   Law none("none");
   none.tick(Vec3::Zero(), kPush);
@@ -100,7 +101,7 @@ TEST(ForceLaw, ALateDeviceHoldsWhatWasGivenBefore) {
   EXPECT_FALSE(late.law.holds());
 }
 
-/// The exchange forgives nothing, and a law without an account keeps the debt.
+/// A change of the method keeps the debt, even if the method in between has no account.
 TEST(ForceLaw, ADebtOutlivesItsLaw) {
   ServoOptions options;
   options.owed = 1e-3;

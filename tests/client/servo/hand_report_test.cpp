@@ -1,4 +1,4 @@
-// A client's report about its hand, for observers.
+// Tests a client's report about its hand for observers.
 
 #include "protocol/wire/hand_report.hpp"
 
@@ -19,7 +19,7 @@ bool says(const Bench& bench, HandReason reason) {
   return (bench.servo.report().reasons & bit(reason)) != 0;
 }
 
-/// A servo whose first sample got this command.
+/// A servo that got this command as the answer to its first sample.
 struct BenchAfterCommand : Bench {
   explicit BenchAfterCommand(const Command& command, std::string_view mode = "none",
                              const ServoOptions& options = {})
@@ -36,7 +36,7 @@ TEST(HandReport, SaysNothingOfAHandThatFeelsAll) {
   BenchAfterCommand told(kTwo);
   EXPECT_EQ(told.servo.report().reasons, bit(HandReason::late));
   EXPECT_FALSE(told.servo.report().has_account);
-  EXPECT_EQ(BenchAfterCommand({}).servo.report().reasons, 0u);  // touches nothing
+  EXPECT_EQ(BenchAfterCommand({}).servo.report().reasons, 0u);  // no contact
 }
 
 TEST(HandReport, SaysWhatTakesForceOff) {
@@ -47,10 +47,11 @@ TEST(HandReport, SaysWhatTakesForceOff) {
   EXPECT_TRUE(says(cut, HandReason::limits));
   EXPECT_FALSE(says(cut, HandReason::bound));
   EXPECT_TRUE(
-      says(BenchAfterCommand(kTwo, "midpoint"), HandReason::account));  // no energy burned yet
+      // The device has not dissipated energy yet.
+      says(BenchAfterCommand(kTwo, "midpoint"), HandReason::account));
 }
 
-/// `limits` is set too, for older viewers.
+/// The report also sets `limits` for older viewers.
 TEST(HandReport, NamesTheSafetyLimit) {
   const auto limited = [](const ChannelLimits& force, double ramp_up = 0.0) {
     ServoOptions options;
@@ -72,7 +73,7 @@ TEST(HandReport, NamesTheSafetyLimit) {
   EXPECT_EQ(reasons(fast), limits | bit(HandReason::velocity_limit));
 }
 
-/// The hand is deep in a floor that is far too stiff, so the force rises in steps.
+/// The hand is deep in a floor. The floor is too stiff for the bound, so the force rises in steps.
 TEST(HandReport, NamesTheShaping) {
   SessionParameters shaped = parameters("shaped");
   shaped.local_model = true;
@@ -104,7 +105,7 @@ TEST(HandReport, SaysThatTheAccountIsInDebt) {
   ASSERT_GT(told.servo.held().force().z(), 0.1);
   EXPECT_FALSE(says(told, HandReason::debt));
   told.tick(surely_at(0, 0, 0.05),
-            from_seconds(0.09));  // the force moved it between the ticks
+            from_seconds(0.09));  // The force moved the hand between the ticks.
   EXPECT_LT(told.servo.report().balance, 0.0);
   EXPECT_TRUE(says(told, HandReason::debt));
 }
@@ -140,7 +141,7 @@ TEST(HandReport, HasTheAccountsBalance) {
 
 TEST(HandReport, SaysThatAnOldAnswerFades) {
   BenchAfterCommand told(kTwo);
-  told.tick({}, from_seconds(0.08));  // hold_time is 0.1 s
+  told.tick({}, from_seconds(0.08));  // The hold time is 0.1 s.
   EXPECT_TRUE(says(told, HandReason::faded));
   EXPECT_FALSE(says(told, HandReason::reconnecting));
 }

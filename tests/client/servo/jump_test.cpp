@@ -1,4 +1,4 @@
-// A reading too far away for any hand counts as a device fault.
+// A position jump beyond the speed of any hand is a device fault.
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ SessionParameters usual(double rate) {
   return p;
 }
 
-/// A servo of the usual mode with the usual protection. A plane z = 0 of 600 N/m answers each
-/// sample at once.
+/// A servo with the default method and the default protection. A plane z = 0 of 600 N/m answers
+/// each sample at once.
 struct Hand {
   explicit Hand(double rate, DeviceSpec of_device = builtin_device("simulated"), double scale = 1.0)
       : spec(std::move(of_device)), parameters(usual(rate)), servo(spec, parameters, [&] {
@@ -65,7 +65,7 @@ struct Hand {
   SessionParameters parameters;
   Servo servo;
   Nanoseconds now = seconds(100.0);
-  double most = 0.0;  // [N]
+  double most = 0.0;  // [N] largest force
 };
 
 Recording recording(const std::string& rows) {
@@ -84,7 +84,7 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
       EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << way;
       EXPECT_EQ(hand.servo.statistics().device_faults, 1u);
       EXPECT_LE(hand.balance(), before);
-      // The scene's force is then withheld, as for a hand that begins in contact.
+      // After the jump the servo withholds the scene's force, as for a hand that begins in contact.
       hand.rest({0, 0, 0.005 - way}, 0.3);
       EXPECT_LT(hand.most, 1e-9) << rate << " " << way;
       EXPECT_EQ(hand.servo.no_force(), ZeroForceReason::waiting);
@@ -95,7 +95,7 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
   }
 }
 
-/// The reading jumps to and fro, at each tick or less often.
+/// The reading alternates between two positions, at each tick or less often.
 TEST(Jump, AReadingThatFlickersGivesNoForceAndNoCredit) {
   for (const double rate : kRates) {
     for (const int every : {1, 2, 7}) {
@@ -127,25 +127,25 @@ TEST(Jump, OfTheOrientationIsAFaultToo) {
   }
 }
 
-/// A hand may move on during a stall, but no faster than a hand can.
+/// A hand may move during a stall, but not faster than a hand's largest speed.
 TEST(Jump, AfterAStallTheTimeOfTheStallCounts) {
   for (const double rate : kRates) {
     for (const double stall : {0.005, 0.02, 0.08}) {
       Hand honest(rate), lying(rate);
       honest.rest({0, 0, 0.1}, 0.1);
       lying.rest({0, 0, 0.1}, 0.1);
-      honest.tick(at(0, 0, 0.1 - 2.0 * stall), stall);  // 2 m/s
+      honest.tick(at(0, 0, 0.1 - 2.0 * stall), stall);  // a speed of 2 m/s
       EXPECT_EQ(honest.servo.statistics().jumps, 0u) << rate << " " << stall;
       lying.tick(at(0, 0, 0.1 - 10.5 * (stall + 1.0 / rate)), stall);
       EXPECT_EQ(lying.servo.statistics().jumps, 1u) << rate << " " << stall;
-      // The tick after a stall has no extra time.
+      // The tick after a stall has the usual limit again.
       honest.tick(at(0, 0, 0.1 - 2.0 * stall - 0.05));
       EXPECT_EQ(honest.servo.statistics().jumps, 1u) << rate << " " << stall;
     }
   }
 }
 
-/// Strokes of 3 m/s into a stop; the velocity limit allows no force at this speed.
+/// The hand strikes a stop at 3 m/s. The velocity limit allows no force at this speed.
 TEST(Jump, AFastHandIsNone) {
   for (const double rate : kRates) {
     Hand hand(rate);
@@ -162,7 +162,7 @@ TEST(Jump, AFastHandIsNone) {
   }
 }
 
-/// A mapping that scales the movement by ten also scales the speed by ten.
+/// A mapping that scales positions by ten also scales the allowed speed by ten.
 TEST(Jump, AMappedToolMayMoveAsFarAsItsMappingSays) {
   for (const double scale : {0.1, 10.0}) {
     const MappedDevice device(
@@ -180,9 +180,9 @@ TEST(Jump, AMappedToolMayMoveAsFarAsItsMappingSays) {
   }
 }
 
-// Recordings.
+// Tests with recordings.
 
-/// A hand that sinks slowly, at 1 kHz, with a jump of `way` [m] after a second.
+/// A hand sinks slowly, recorded at 1 kHz. It jumps by `way` [m] after a second.
 Recording sinking(double way) {
   std::ostringstream rows;
   for (int n = 0; n < 2500; ++n)
@@ -203,7 +203,7 @@ TEST(Jump, ARecordingsJumpIsFoundAtEveryRate) {
       }
       EXPECT_GE(hand.servo.statistics().jumps, 1u) << rate << " " << way;
       EXPECT_LE(hand.servo.statistics().jumps, std::ceil(rate / 1000.0) + 1.0) << rate;
-      // It sinks 3 mm more, and the force fits that depth.
+      // The hand sinks 3 mm more. The force must match that depth.
       EXPECT_LE(hand.most, 600.0 * 3e-3 + 0.1) << rate << " " << way;
     }
     ReplayDevice device(sinking(0.0), builtin_device("simulated"));
@@ -211,8 +211,8 @@ TEST(Jump, ARecordingsJumpIsFoundAtEveryRate) {
   }
 }
 
-/// Rows as a mouse writes them: irregular, 10 to 60 times a second, with strokes of 4 m/s that
-/// begin within a row. At 10 kHz, too, they must pass as a hand.
+/// A mouse records irregular rows, 10 to 60 times a second. Its strokes of 4 m/s begin within a
+/// row. The servo must accept them as hand movements, even at 10 kHz.
 TEST(Jump, ARecordingOfAMouseIsAHandAtEveryRate) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);

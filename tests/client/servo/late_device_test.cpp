@@ -1,6 +1,6 @@
-// A device that applies forces late and cannot report the held force: it does not use the plugin
-// ABI's held_force and declares late_ticks. Eight hands press walls of 5 and 40 kN/m; the test
-// measures the energy at the true port.
+// Tests a device that applies forces late and does not report the held force. The device declares
+// the delay as late_ticks instead. Eight hands press walls of 5 and 40 kN/m, and the test measures
+// the energy at the true port.
 
 #include <gtest/gtest.h>
 
@@ -36,8 +36,9 @@ struct Wall {
 };
 
 struct LateDeviceResult {
-  double made = 0.0;     // [J] most delivered less burned energy at the true port
-  double largest = 0.0;  // [N]
+  // [J] at the true port: largest excess of the delivered over the dissipated energy
+  double made = 0.0;
+  double largest = 0.0;  // [N] largest force
   std::uint64_t violations = 0;
 };
 
@@ -118,7 +119,8 @@ TEST(LateDevice, NorBehindOtherLawsNorLaterThanThat) {
           << late << ' ' << hand.name;
 }
 
-/// A device that is late but does not declare it must make energy: the measure can fail.
+/// A late device that does not declare its delay must make energy. This shows that the measurement
+/// can fail.
 TEST(LateDevice, ThatDoesNotSaySoWouldMakeIt) {
   double most = 0.0;
   for (const NamedHand& hand : kEightHands)

@@ -1,4 +1,5 @@
-// A law changes under a hand: the held force fades, no force steps up, and no energy is made.
+// The bounding method changes under a hand. The held force must fade, no force may step up, and the
+// port must stay passive.
 
 #include <gtest/gtest.h>
 
@@ -34,14 +35,14 @@ Scene floor(double stiffness) {
   return Scene("floor", {plane});
 }
 
-/// A hand on a floor, with the server beside it.
+/// A hand on a floor and its server.
 struct Hand {
   explicit Hand(const SessionParameters& p, const ServoOptions& options = {})
       : parameters(p),
         servo_options(options),
         bench(p, options),
         session({"tester", "floor", bench.spec, p}, scene.views().front()) {}
-  /// The force on the hand at this height [m].
+  /// Returns the force on the hand at this height [m].
   double at_height(double z) {
     const Command given = bench.tick(at(0.0, 0.0, z));
     SampleBatch batch;
@@ -50,7 +51,7 @@ struct Hand {
     bench.servo.take(session.take(batch, bench.now).reply, bench.now);
     return given.force().norm();
   }
-  /// Comes down slowly to a depth and stays.
+  /// Moves down slowly to a depth and stays there. Returns the last force.
   double press(double depth, int ticks = 400) {
     double force = 0.0;
     for (int n = 1; n <= ticks; ++n)
@@ -77,7 +78,7 @@ struct Hand {
   std::deque<ServoLaw> laws;
 };
 
-/// Every ordered pair of the listed laws; a protected hand rests in the floor.
+/// Each ordered pair of the methods is tested. A protected hand rests in the floor.
 TEST(LawChange, FadesThenWaitsAndTheAccountGoesOn) {
   for (const char* before : kBounded)
     for (const char* after : kBounded) {
@@ -93,26 +94,26 @@ TEST(LawChange, FadesThenWaitsAndTheAccountGoesOn) {
       int ticks = 0;
       for (; hand.bench.servo.changes_law() && ticks < 1000; ++ticks) {
         const double next = hand.at_height(-0.002);
-        EXPECT_LE(next, force + 1e-9);                // never rises,
-        EXPECT_GE(next, force - 1.01 * fade - 1e-9);  // and falls no faster than a fade
+        EXPECT_LE(next, force + 1e-9);                // The force never rises.
+        EXPECT_GE(next, force - 1.01 * fade - 1e-9);  // The force falls no faster than a fade.
         force = next;
       }
-      EXPECT_LE(ticks, 52);  // half the hold time, and the ticks at both ends
+      EXPECT_LE(ticks, 52);  // Half the hold time and the ticks at both ends
       EXPECT_EQ(force, 0.0);
       EXPECT_EQ(hand.bench.servo.parameters().mode, after);
       EXPECT_GT(hand.bench.servo.account()->balance(), 0.0);
       EXPECT_LE(hand.bench.servo.account()->balance(), hand.bench.servo.port().margin() + 1e-12);
-      // The account could pay for a force now, but it must not throw the hand out.
+      // The account now covers a force. The servo must still not push the hand out.
       for (int n = 0; n < 100; ++n) EXPECT_LE(hand.at_height(-0.002), 0.05);
-      // Out of the floor and in again, the hand feels the floor.
+      // After leaving and entering the floor again, the hand must feel the floor.
       for (int n = 0; n < 100; ++n) hand.at_height(-0.002 + 4e-5 * n);
       EXPECT_GT(hand.press(0.002), 0.3);
       EXPECT_EQ(hand.bench.servo.port().violations(), 0u);
     }
 }
 
-/// Random changes under a random hand. No force steps up beyond what the laws allow, and the hand
-/// never gets more energy than the device burned.
+/// The methods change at random under a random hand. No force may step up beyond the limits of the
+/// methods. The hand never gets more energy than the device dissipated.
 TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
   int changes = 0;
   for (const std::uint64_t seed : test::seeds(1, 40, 20)) {
@@ -130,8 +131,9 @@ TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
       const bool waits = hand.bench.servo.changes_law();
       const double force = hand.at_height(z);
       if (waits) {
-        // A share of the floor's force where the method asks the scene: half a tick ahead of a
-        // moving hand. For a resting hand that place is between two encoder readings.
+        // While the change fades, the force may reach a part of the floor's command. The method
+        // evaluates this command half a tick ahead of a moving hand. For a resting hand, the method
+        // evaluates the command between two encoder readings.
         const double left = std::max(0.0, 1.0 - (n - since) / 50.0);
         const double quantum = hand.bench.spec.position_resolution;
         const double most = 800.0 * (std::max(0.0, -z) + 2.0 * speed + 1.5 * quantum) * left;
@@ -150,7 +152,8 @@ TEST(LawChange, BringsNoEnergyWhateverTheHandDoes) {
   EXPECT_GT(changes, test::rounds(300));
 }
 
-/// Without a bound the whole force would step up, so a protected hand must leave the floor first.
+/// Without a bound the complete force would step up. A protected hand must therefore leave the
+/// floor first.
 TEST(LawChange, ToNoBoundWaitsForASmallForce) {
   Hand hand(with_model("shaped"), protect_hand(with_model("shaped")));
   hand.press(0.002);
@@ -175,7 +178,7 @@ TEST(LawChange, TakesNoMemoryInTheServo) {
   EXPECT_FALSE(hand.bench.servo.changes_law());
 }
 
-/// The change is reported, and it continues in spite of a lost session.
+/// The client reports the change. The change continues after a lost session.
 TEST(LawChange, IsToldAndOutlivesALostSession) {
   Hand hand(with_model("shaped"));
   hand.press(0.002);

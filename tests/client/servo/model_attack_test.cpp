@@ -1,5 +1,5 @@
-// Hostile models: a server sends any surfaces, which jump from reply to reply. The hand must not
-// take more energy than the device burns.
+// A hostile server sends random surfaces that jump from reply to reply. The hand must not get more
+// energy than the device dissipates.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -34,7 +34,7 @@ std::vector<SessionParameters> laws() {
   return all;
 }
 
-/// Any patch that PROTOCOL.md lets a receiver accept, near the hand or far from it.
+/// Returns a random patch that PROTOCOL.md allows, near the hand or far from it.
 SurfacePatch any_patch(Random& random, const Vec3& hand) {
   SurfacePatch p;
   p.point = hand + random.vector(-6.0, -1.0);
@@ -62,14 +62,14 @@ SurfacePatch any_patch(Random& random, const Vec3& hand) {
 
 struct Attack {
   std::uint64_t violations = 0, modelled = 0;
-  double rendered = 0.0;  // [N] summed
+  double rendered = 0.0;  // [N] sum over all ticks
 };
 
-/// A hand takes the most energy from the held force. Every few ticks a reply brings another model,
-/// which `next` makes for the hand's place.
+/// A hand extracts as much energy as possible from the held force. Every few ticks a reply brings a
+/// new local model, which `next` makes for the hand's position.
 template <class Next>
 Attack attacked(const SessionParameters& parameters, Random& random, int every, Next next) {
-  Bench bench(parameters, testing::servo::without_known_mass());  // this hand has no mass
+  Bench bench(parameters, testing::servo::without_known_mass());  // The simulated hand has no mass.
   const double damping = bench.spec.damping.least();
   Vec3 position = Vec3::Zero();
   Attack attack;
@@ -91,7 +91,7 @@ Attack attacked(const SessionParameters& parameters, Random& random, int every, 
   return attack;
 }
 
-/// A random valid model.
+/// Fills the reply with a random valid local model.
 void random_model(Random& random, Reply& reply, const Vec3& hand) {
   reply.command.elastic = random.vector(-2.0, 2.0);
   reply.model.center = hand + random.vector(-6.0, -2.0);
@@ -100,7 +100,7 @@ void random_model(Random& random, Reply& reply, const Vec3& hand) {
   for (SurfacePatch& patch : reply.model.patches) patch = any_patch(random, hand);
 }
 
-/// A wall around the hand, at another height in every reply.
+/// Puts a wall near the hand, at a new height in every reply.
 void jumping_wall(Random& random, Reply& reply, const Vec3& hand) {
   reply.model.center = hand;
   reply.model.reach = 0.1;
@@ -124,7 +124,7 @@ RC_GTEST_PROP(ModelAttack, NoModelGivesTheHandMoreThanWasBurned, ()) {
   RC_ASSERT(attack.violations == 0u);
 }
 
-// These hands must win without a bound, or the property above cannot fail.
+// Without a bound these hands must extract energy. Otherwise the test above could not fail.
 TEST(ModelAttackMutant, WithoutABoundTheSameModelsOverdraw) {
   SessionParameters bounded = laws()[0], unbounded = laws()[0];
   unbounded.mode = "none";

@@ -1,5 +1,4 @@
-// A servo paced by the device's tick: stale readings, forces that the device held differently, and
-// missing ticks.
+// The device's tick paces the servo. Tests stale readings, differing held forces and missing ticks.
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -23,7 +22,7 @@ using testing::servo::kPeriod;
 using testing::servo::parameters;
 using testing::servo::reply;
 
-/// Returns the reading that the test set, and counts the writes.
+/// Returns the reading that the test sets, and counts the writes.
 class ScriptedReadings final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -43,7 +42,7 @@ class ScriptedReadings final : public Device {
 };
 
 DeviceReading stale() {
-  DeviceReading reading = at(9, 9, 9);  // the servo must ignore it
+  DeviceReading reading = at(9, 9, 9);  // The servo must ignore this position.
   reading.fresh = false;
   return reading;
 }
@@ -63,7 +62,7 @@ struct PacedServo : ::testing::Test {
   Command force = elastic(0, 0, 2);
 };
 
-/// 2 N held over two periods and 3 mm: 6 mJ, as if the reading had come in time.
+/// A force of 2 N over two periods and 3 mm does 6 mJ of work, as with a reading in time.
 TEST_F(PacedServo, AStaleReadingIsNoTick) {
   tick(at(0, 0, 0));
   tick(at(0, 0, 0));
@@ -91,7 +90,7 @@ TEST_F(PacedServo, ADeviceThatTellsNothingNewForLongHasAFault) {
   EXPECT_GT(servo.statistics().device_faults, 0u);
 }
 
-/// The servo accounts the movement with the force that the device reports as held.
+/// The servo multiplies the movement by the force that the device reports as held.
 TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
   tick(at(0, 0, 0));
   force = elastic(0, 0, 4);
@@ -100,7 +99,8 @@ TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
   ASSERT_EQ(servo.held().force(), Vec3(0, 0, 4));
   const double before = servo.port().delivered().total();
   DeviceReading late = at(0, 0, 1e-3);
-  late.held = elastic(0, 0, 2.5);  // 2 N for three quarters of the tick, then 4 N
+  // mean of 2 N for three quarters of the tick and 4 N for the rest
+  late.held = elastic(0, 0, 2.5);
   tick(late);
   EXPECT_DOUBLE_EQ(servo.port().delivered().total() - before, 2.5e-3);
   EXPECT_EQ(servo.statistics().forces_corrected, 1u);
@@ -111,15 +111,15 @@ TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
   EXPECT_EQ(servo.statistics().device_faults, 1u);
 }
 
-/// A force held longer than the servo assumed is charged to the account, so it cannot pay for more
-/// force.
+/// The device holds a force longer than the servo assumed. The account must subtract the energy of
+/// this time from the balance.
 TEST_F(PacedServo, TheAccountPaysForWhatWasReallyHeld) {
   SessionParameters shaped = parameters("shaped");
   Servo counted(device.spec(), shaped, {}), corrected(device.spec(), shaped, {});
   ASSERT_TRUE(counted.account());
   for (Servo* one : {&counted, &corrected}) {
     now = testing::servo::seconds(5.0);
-    for (int n = 0; n < 20; ++n) {  // free movement adds energy
+    for (int n = 0; n < 20; ++n) {  // Free movement dissipates energy and fills the account.
       device.next = at(0, 0, 1e-4 * n);
       one->tick(device, now += kPeriod);
     }
@@ -130,7 +130,7 @@ TEST_F(PacedServo, TheAccountPaysForWhatWasReallyHeld) {
   EXPECT_NEAR(counted.account()->balance() - corrected.account()->balance(), 1e-4, 1e-9);
 }
 
-/// Ticks a given number of times, or every millisecond until it pulls.
+/// Ticks a given number of times, or every millisecond until it has a force.
 class Paced final : public Device {
  public:
   explicit Paced(int ticks) : left_(ticks) {}
@@ -204,9 +204,9 @@ WithoutTicks run_without_ticks() {
           .device_faults = task->servo.statistics().device_faults};
 }
 
-/// A device that returns at once without a tick is late, but its servo thread does not stand still.
-/// The servo removes the force at a quarter of the hold time, later than the watch would. A busy
-/// machine can delay the thread that long, but not every time.
+/// A device that returns without a tick is late, but its servo thread runs. The servo removes the
+/// force at a quarter of the hold time, and the stall detector removes it later. A busy machine may
+/// delay the thread longer. The test therefore has several attempts.
 TEST(PacedLoop, ADeviceWithoutTicksIsNoStandstill) {
   WithoutTicks run = run_without_ticks();
   for (int again = 0; again < 5 && run.stood_still; ++again) run = run_without_ticks();
@@ -216,7 +216,7 @@ TEST(PacedLoop, ADeviceWithoutTicksIsNoStandstill) {
   EXPECT_GT(run.device_faults, 0u);
 }
 
-/// Unplugged: the force ends long before the hold time, and the loop continues.
+/// The device is unplugged. The force ends long before the hold time, and the loop continues.
 TEST(PacedLoop, ADeviceWithoutTicksHasAFaultAndHoldsNothing) {
   ScenePeer peer;
   Transport transport(peer.session(), {}, false);
@@ -243,7 +243,7 @@ TEST(PacedLoop, ADeviceWithoutTicksHasAFaultAndHoldsNothing) {
   loop.join();
   EXPECT_EQ(result->end, EndReason::requested);
   EXPECT_GT(servo.statistics().device_faults, 1u);
-  EXPECT_LT(servo.statistics().device_faults, 1000u);  // the servo rests between its reads
+  EXPECT_LT(servo.statistics().device_faults, 1000u);  // The servo sleeps between its reads.
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A scene changes under a hand. The force never jumps, whatever the old and new scenes are.
+// A scene changes under a hand. The force must never jump, for any old and new scene.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Material material(Random& random) {
   return m;
 }
 
-/// A scene of one to three solids with surfaces near the origin.
+/// Returns a scene with one to three solids. Their surfaces are near the origin.
 Scene scene(Random& random) {
   std::vector<Object> objects;
   const int count = 1 + static_cast<int>(random.uniform(0.0, 2.999));
@@ -61,7 +61,8 @@ Scene scene(Random& random) {
   return Scene("s", objects);
 }
 
-/// These solids with other stiffnesses and with surfaces some millimetres away; rarely a new scene.
+/// Changes stiffnesses and moves surfaces by some millimetres, or returns a new scene in rare
+/// cases.
 Scene changed(const Scene& before, Random& random) {
   if (random.chance(0.2)) return scene(random);
   std::vector<Object> objects = before.objects();
@@ -75,7 +76,7 @@ Scene changed(const Scene& before, Random& random) {
   return Scene("s", objects);
 }
 
-/// A hand that moves to places near the surfaces and sometimes rests.
+/// Simulates a hand that moves to places near the surfaces and sometimes rests.
 class Hand {
  public:
   explicit Hand(Random& random) : random_(random) {}
@@ -99,7 +100,7 @@ class Hand {
   bool rests_ = false;
 };
 
-/// This scene with another material for an object.
+/// Returns this scene with another material for an object.
 Scene remade(const Scene& before, std::size_t object, Random& random) {
   Scene next = before;
   next.set_material(object, material(random));
@@ -108,18 +109,18 @@ Scene remade(const Scene& before, std::size_t object, Random& random) {
 
 struct ReloadResult {
   int reloads = 0, risen = 0;
-  double steepest = 0.0;  // as a share of the bound
+  double steepest = 0.0;  // largest rise of the force divided by its limit
 };
 
 enum class By : std::uint8_t { reload, live_change };
 
-/// Random reloads, or random live changes of materials, under a hand.
+/// Applies random reloads or random live changes of materials under a hand.
 void play(std::uint64_t seed, Storage storage, ReloadResult& seen, By by = By::reload) {
   Random random(seed);
   SessionParameters p = parameters("contact_frame");
   p.storage = storage;
   Bench bench(p);
-  std::vector<std::unique_ptr<Scene>> all;  // the last one is the session's
+  std::vector<std::unique_ptr<Scene>> all;  // The session uses the last scene.
   all.push_back(std::make_unique<Scene>(scene(random)));
   Session session({"tester", "s", bench.spec, p}, *all.back());
   const double c = 2.0 * bench.spec.damping.least() / p.servo_period;  // [N/m]
@@ -128,7 +129,8 @@ void play(std::uint64_t seed, Storage storage, ReloadResult& seen, By by = By::r
   Hand hand(random);
   Vec3 force = Vec3::Zero(), before = Vec3::Zero();
   Command held;
-  double pressed = 0.0, rubbed = 0.0;  // [J] that the hand put into this contact
+  // [J] work of the hand in this contact: normal and frictional
+  double pressed = 0.0, rubbed = 0.0;
   Vec3 commanded = Vec3::Zero();
   bool known = false;
   for (int n = 0; n < 3000; ++n) {
@@ -148,16 +150,17 @@ void play(std::uint64_t seed, Storage storage, ReloadResult& seen, By by = By::r
     const double moved = known ? (place - before).norm() : 0.0;
     const Command given = bench.tick(at(place.x(), place.y(), place.z()));
     const Vec3 felt = given.force();
-    // (C) lets the force rise by c |dx| as the hand moves, and a change adds the slew, however
-    // stiff and deep the new surface is. Elastic storage shows its stored force at once, but no
-    // more.
+    // Condition (C) of docs/bounding.md lets the force rise by c |dx| as the hand moves. A scene
+    // change may add the slew limit, for any stiffness and depth. Elastic storage may display its
+    // stored force at once.
     if (storage == Storage::minimal) {
       const double rise = felt.norm() - force.norm(), most = c * moved + slew * kTick;
       ASSERT_LE(rise, 1.001 * most + 1e-9) << "seed " << seed << " tick " << n;
       seen.steepest = std::max(seen.steepest, rise / most);
       seen.risen += rise > 1e-6 && moved == 0.0 ? 1 : 0;
     } else {
-      // Split the work by the bound's channels: sliding along a surface is no press.
+      // The work has a normal and a frictional part, as in the bound's channels. Sliding along a
+      // surface stores no elastic energy.
       const Vec3 way = known ? Vec3(place - before) : Vec3::Zero();
       pressed = std::max(0.0, pressed - held.elastic.dot(way)) + 0.5 * c * moved * moved;
       rubbed = std::max(0.0, rubbed - held.frictional.dot(way));
@@ -184,8 +187,8 @@ TEST(ReloadForce, NeverJumpsWhateverTheSceneBecomes) {
   for (const std::uint64_t seed : test::seeds(1, 60, 30))
     ASSERT_NO_FATAL_FAILURE(play(seed, Storage::minimal, seen));
   EXPECT_GT(seen.reloads, test::rounds(1000));
-  EXPECT_GT(seen.risen, test::rounds(100));  // resting hands feel changes,
-  EXPECT_GT(seen.steepest, 0.9);             // which come at the full slew
+  EXPECT_GT(seen.risen, test::rounds(100));  // Resting hands must feel changes.
+  EXPECT_GT(seen.steepest, 0.9);             // Changes must use the full slew limit.
 }
 
 TEST(ReloadForce, NeverNeedsMoreThanTheHandHasPressedWhereElasticStorageKeepsIt) {
@@ -204,9 +207,9 @@ TEST(ReloadForce, NeverJumpsWhateverALiveChangeMakesOfAMaterial) {
   EXPECT_GT(seen.steepest, 0.9);
 }
 
-/// A usual session shapes the force of its local model. A hand rests in a floor whose stiffness
-/// changes up and down a hundredfold. The force rises no faster than a fade falls, and the port
-/// delivers no more than it burns.
+/// A default session shapes the force of its local model. A hand rests in a floor, and the floor's
+/// stiffness changes a hundredfold up and down. The force must not rise faster than a fade falls,
+/// and the port must stay passive.
 TEST(ReloadForce, AShapedHandThatRestsFeelsAStiffnessComeInSteps) {
   for (const std::uint64_t seed : test::seeds(3001, 20, 10)) {
     Random random(seed);
@@ -229,7 +232,8 @@ TEST(ReloadForce, AShapedHandThatRestsFeelsAStiffnessComeInSteps) {
         all.back()->set_material(0, m);
         session.adopt(*all.back()->view(""), 0);
       }
-      const double z = std::max(-0.002, 0.001 - 1e-5 * n);  // down into the floor, and there
+      // Moves down into the floor and stays there
+      const double z = std::max(-0.002, 0.001 - 1e-5 * n);
       const double felt = bench.tick(at(0.0, 0.0, z)).force().norm();
       if (n > 500) {
         ASSERT_LE(felt - before, 1.001 * slew * kTick + 1e-9) << "seed " << seed << " tick " << n;

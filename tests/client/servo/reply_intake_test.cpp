@@ -1,4 +1,4 @@
-// The second stage of a tick alone: which reply counts, and what is counted.
+// Tests the second stage of a tick alone. This stage selects the newest reply and counts replies.
 
 #include "client/servo/reply_intake.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3, kHold = 0.1;  // [s]
 
-/// A sample each millisecond, each the newest of a datagram.
+/// Sends a sample each millisecond. Each sample is the newest of its datagram.
 struct Intake {
   explicit Intake(bool point = false) : intake(kPeriod, point) {}
   void sample() {
@@ -60,13 +60,14 @@ TEST(ReplyIntake, RefusesWhatNobodyAskedForAndWhatIsNoForce) {
 TEST(ReplyIntake, TellsAgeAndRoundTrip) {
   Intake all;
   for (int n = 0; n < 10; ++n) all.sample();
-  all.take(Intake::reply(7, 1.0));  // its sample is 3 ms old
+  all.take(Intake::reply(7, 1.0));  // The reply's sample is 3 ms old.
   EXPECT_NEAR(all.intake.round_trip(), 3e-3, 1e-12);
   EXPECT_NEAR(all.intake.age(all.now + std::chrono::milliseconds(4)), 4e-3, 1e-12);
   EXPECT_EQ(all.statistics.late, 1u);
 }
 
-/// After a pause nobody knows when a reply arrived, so it counts as old as it can be.
+/// After a pause the arrival time of a reply is unknown. The stage must assume the oldest possible
+/// reply.
 TEST(ReplyIntake, AReplyFromBeforeAPauseIsOutOfDate) {
   Intake all;
   all.sample();
@@ -137,7 +138,7 @@ TEST(ReplyIntake, ExtrapolatesForTheKeepAliveAtMost) {
   EXPECT_NEAR(force(500), 1.5, 1e-9);
 }
 
-/// A hand that leads a robot meets it with a point.
+/// A client that leads a robot has a point as its tool.
 TEST(ReplyIntake, APointReadsNoModelOfABody) {
   Intake body, point(true);
   for (Intake* all : {&body, &point}) {
@@ -158,7 +159,7 @@ TEST(ReplyIntake, WithheldAnswersAreNotLost) {
   all.take(reply);
   EXPECT_EQ(all.intake.lost_so_far(all.statistics), 3u);
   reply.sample_index = 11;
-  reply.withheld = 1000;  // a lie
+  reply.withheld = 1000;  // an impossible count
   all.sample();
   all.take(reply);
   EXPECT_EQ(all.statistics.withheld, all.statistics.datagrams);

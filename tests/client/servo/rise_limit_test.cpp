@@ -1,4 +1,4 @@
-// A force that the client makes must not step.
+// A force that the client itself makes must not step.
 
 #include "client/servo/rise_limit.hpp"
 
@@ -38,7 +38,7 @@ TEST(RiseLimit, APressIntoTheSurfaceIsFeltWhole) {
     depth += way;
     EXPECT_EQ(risen(limit, 4e4 * depth, model, way), 4e4 * depth);
   }
-  // It may fall at any rate.
+  // The force may fall at any rate.
   EXPECT_EQ(risen(limit, 1.0, model, 0.0), 1.0);
   EXPECT_NEAR(risen(limit, 5.0, model, 0.0), 1.1, 1e-12);
 }
@@ -60,7 +60,7 @@ TEST(RiseLimit, ItGoesOnFromWhatIsOnTheHand) {
   EXPECT_NEAR(risen(limit, 9.0, floor_of(1e3), 0.0), 3.1, 1e-12);
 }
 
-/// A tool of 50 mm on a spring of 1 N/mm and 2 N m/rad.
+/// A tool with a radius of 50 mm on a spring of 1 N/mm and 2 N m/rad.
 BodyModel body() {
   BodyModel model;
   model.coupling = {1000.0, 2.0, 8.0, 0.5};
@@ -72,12 +72,15 @@ TEST(RiseLimit, ATorqueOfABodyIsLimitedAsItsForceIs) {
   constexpr double kTorqueSlew = 10.0;  // [N m/s]
   const Command command{.elastic = Vec3(0, 0, 8), .torque = Vec3(0, 0.5, 0)};
   RiseLimit rests(kSlew, kTorqueSlew);
-  for (int n = 1; n <= 100; ++n) {  // torque lags: 0.5 N m take 50 ms, 8 N take 80 ms
+  // The torque limit is lower: 0.5 N m takes 50 ms, and 8 N take 80 ms.
+  for (int n = 1; n <= 100; ++n) {
     const Command given = rests.apply(command, body(), 0.0, 0.0, kTick);
     EXPECT_NEAR(given.force().norm(), std::min(8.0, 0.1 * n), 1e-9);
-    EXPECT_NEAR(given.torque.norm(), 0.5 * given.force().norm() / 8.0, 1e-9);  // a common scale
+    // A common scale reduces force and torque.
+    EXPECT_NEAR(given.torque.norm(), 0.5 * given.force().norm() / 8.0, 1e-9);
   }
-  // A move adds the spring's force times the radius to the torque. A turn adds the spring's torque.
+  // A translation changes the torque by the spring's force times the radius. A rotation changes it
+  // by the spring's torque.
   RiseLimit moves(kSlew, kTorqueSlew);
   EXPECT_NEAR(moves.apply({.torque = Vec3(1, 0, 0)}, body(), 1e-3, 0.0, kTick).torque.x(),
               0.01 + 2.0 * 1000.0 * 0.05 * 1e-3, 1e-9);

@@ -1,4 +1,4 @@
-// A scene changes while a hand presses: this is the force that the hand gets.
+// A scene changes while a hand presses. Tests the resulting force.
 
 #include "client/servo/scene_change_gate.hpp"
 
@@ -24,11 +24,11 @@ Scene wall(double stiffness) {
   return Scene("wall", {object});
 }
 
-/// A hand and a session without a network; the test sets the hand's place.
+/// A hand and a session without a network. The test sets the hand's position.
 struct Hand {
   Bench bench;
   Session session;
-  double slowest = 1e300, fastest = 0.0;  // [N/s] change of the force
+  double slowest = 1e300, fastest = 0.0;  // [N/s] smallest and largest rate of the force
   double force = 0.0;                     // [N]
 
   Hand(const SessionParameters& p, const Scene& scene)
@@ -52,8 +52,9 @@ struct Hand {
   const PortEnergy& port() const { return bench.servo.port(); }
 };
 
-/// The stiffness rises to the geometric mean of the old one and the bound's own, c = 2 b / T. The
-/// work k d^2 / 2 pressed into the old wall pays for the stored energy (k' d)^2 / (2 c).
+/// The displayed stiffness k' rises to the geometric mean of the old stiffness k and the bound's
+/// stiffness c = 2 b / T. The work k d^2 / 2 of the hand in the old wall covers the stored energy
+/// (k' d)^2 / (2 c).
 TEST(SceneChangeGate, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
   const Scene soft = wall(100.0), stiff = wall(900.0), middle = wall(250.0);
   for (const Storage storage : {Storage::minimal, Storage::elastic}) {
@@ -63,7 +64,7 @@ TEST(SceneChangeGate, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     Hand hand(p, soft);
     hand.press(kDepth);
     hand.rest(kDepth);
-    // The force is a tick late. No more force is admitted once the hand rests.
+    // The force is a tick late. A resting hand gets no larger force.
     ASSERT_NEAR(hand.force, 100.0 * kDepth, 2e-3);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
 
@@ -72,7 +73,8 @@ TEST(SceneChangeGate, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     hand.rest(kDepth);
     EXPECT_NEAR(hand.force, 250.0 * kDepth, 1e-6);  // 250 < sqrt(100 c) = 316
     EXPECT_FALSE(hand.bench.servo.withholds_change());
-    // Minimal storage lets the force rise no faster than a fade; elastic storage shows it at once.
+    // With minimal storage the force rises no faster than a fade falls. With elastic storage the
+    // force rises at once.
     if (storage == Storage::minimal) {
       EXPECT_LE(hand.fastest, 1.001 * hand.bench.spec.max_force / (0.5 * p.hold_time));
     }
@@ -84,7 +86,7 @@ TEST(SceneChangeGate, AHandThatRestsFeelsAStifferWallAsFarAsItsOwnWorkPays) {
     EXPECT_TRUE(hand.bench.servo.withholds_change());
     EXPECT_EQ(hand.port().violations(), 0u);
 
-    // After release and a new touch the hand feels the whole stiffness.
+    // After a release and a new touch, the hand feels the complete stiffness.
     hand.rest(-1e-3, 10);
     EXPECT_FALSE(hand.bench.servo.withholds_change());
     hand.press(kDepth);
@@ -103,11 +105,12 @@ TEST(SceneChangeGate, ASofterWallIsFeltAtOnce) {
   EXPECT_FALSE(hand.bench.servo.withholds_change());
 }
 
-/// Energy that the device burned before, in free space, must not count.
+/// Energy that the device dissipated earlier in free space must not count.
 TEST(SceneChangeGate, AHandThatASceneClosesRoundIsNotFlungOut) {
   const Scene nothing = wall(1e-3), stiff = wall(900.0);
   Hand hand(parameters("contact_frame"), nothing);
-  for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);  // burns 0.07 J a time
+  // Each iteration dissipates 0.07 J.
+  for (int i = 0; i < 200; ++i) hand.tick(i % 2 == 0 ? -0.02 : -0.001);
   hand.press(kDepth);
   ASSERT_GT(hand.port().margin(), 1.0);
   hand.session.enter(Session::Place(stiff, nullptr));

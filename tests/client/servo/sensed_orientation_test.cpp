@@ -1,5 +1,5 @@
-// Servo and session in one process, with encoded datagrams between them: devices that sense six
-// degrees of freedom and actuate three, and a device that connects inside an object.
+// Connects servo and session in one process by encoded datagrams. Tests devices that sense six
+// degrees of freedom but actuate three, and devices that connect inside an object.
 
 #include <gtest/gtest.h>
 
@@ -26,15 +26,15 @@ Scene floor_scene() {
   return Scene("floor", {plane});
 }
 
-/// A client, a server and their datagrams, tick by tick.
+/// Runs a client and a server with their datagrams, tick by tick.
 struct Pair {
   DeviceSpec spec;
   Scene scene = floor_scene();
   Session session;
   Servo servo;
   Nanoseconds now{0};
-  SampleBatch received;  // at the server
-  Reply reply;           // at the client
+  SampleBatch received;  // the server's copy
+  Reply reply;           // the client's copy
 
   Pair(const DeviceSpec& device, const SessionParameters& parameters,
        const ServoOptions& options = {})
@@ -62,21 +62,23 @@ struct Pair {
   Encoder encoder_;
 };
 
-/// A tool turned about kAxis.
+/// A tool that turns about kAxis.
 struct Turning {
   std::mt19937_64 random{7};
   double angle = kPi - 0.05;  // [rad]
   Quaternion exact = at(angle);
 
   static Quaternion at(double angle) { return Quaternion(Eigen::AngleAxisd(angle, kAxis)); }
-  /// Turns by 0, 1e-4, 1e-2 or nearly half a turn either way; returns the rotation vector's length.
+  /// Turns by 0, 1e-4, 1e-2 or nearly half a turn in either direction. Returns the signed angle
+  /// [rad].
   double turn() {
     constexpr std::array kSteps = {0.0, 1e-4, 1e-2, -1e-2, kPi - 1e-3, -(kPi - 1e-3)};
     const double step = kSteps[random() % kSteps.size()];
     exact = at(angle += step);
     return step;
   }
-  /// A driver's possible report of the orientation: either sign, a norm within `tolerance` of 1.
+  /// Returns the orientation as a driver may report it: either sign, and a norm within `tolerance`
+  /// of 1.
   Quaternion told(double tolerance) {
     std::uniform_real_distribution<double> norm(1.0 - tolerance, 1.0 + tolerance);
     Quaternion q = exact;
@@ -93,7 +95,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
     ASSERT_EQ(pair.spec.rotation_sensed, 3);
     ASSERT_EQ(pair.spec.rotation_actuated, 0);
     Turning turning;
-    const Vec3 pressed(0.01, 0.02, -0.001);  // 2 N at a fixed place while the tool turns
+    const Vec3 pressed(0.01, 0.02, -0.001);  // The fixed position gives 2 N while the tool turns.
     for (int n = 0; n < 3000; ++n) {
       turning.turn();
       const Command given = pair.tick({pressed, turning.told(1e-3)});
@@ -103,7 +105,7 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
       ASSERT_TRUE(pair.received.rotation);
       ASSERT_EQ(pair.received.samples[0].pose.orientation.coeffs(), sent.orientation.coeffs());
       ASSERT_EQ(pair.received.samples[0].pose.position, pressed);
-      // The floor's force does no work, and neither side has a torque.
+      // The floor's force does no work, and neither side computes a torque.
       if (n > 0) {
         ASSERT_NEAR(given.force().z(), 2.0, 1e-12);
       }
@@ -132,7 +134,8 @@ TEST(SensedOrientation, TravelsAndMovesNothing) {
   }
 }
 
-/// The server: the work of a held torque shows the rotation that it assumes, at each sample.
+/// The server integrates the work of a constant torque. This work reveals the rotation that the
+/// server assumes at each sample.
 TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
   for (const char* name : {"touch", "omega.7"}) {
     const Scene scene = floor_scene();
@@ -147,7 +150,8 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
       Sample& sample = batch.samples[0];
       sample.index = n;
       sample.client_time = static_cast<std::int64_t>(n) * kPeriod;
-      sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};  // the wire allows this error
+      // The protocol allows this error.
+      sample.pose = {Vec3(0.01, 0.02, 0.03), turning.told(4e-4)};
       sample.held = {.elastic = Vec3(1, 2, 3), .torque = 2.0 * kAxis};
       const BatchResult taken = session.take(batch, sample.client_time);
       ASSERT_EQ(taken.drop, DropReason::none);
@@ -156,7 +160,8 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
       ASSERT_EQ(work.elastic, 0.0);
       last = work.torque;
 
-      // A norm farther from 1 is no rotation: the sample is dropped and changes nothing.
+      // A quaternion with a larger error of its norm is no rotation. The server must drop the
+      // sample without a change of state.
       sample.index = n + 1;
       for (const double norm : {1.0 + 1e-3, 1.0 - 1e-3}) {
         sample.pose.orientation.coeffs() = norm * turning.exact.coeffs();
@@ -166,7 +171,7 @@ TEST(SensedOrientation, TheServerSeesTheTurnAndNothingElse) {
   }
 }
 
-/// The client: the same measure at each sample, with a device that actuates torque.
+/// The client integrates the same work at each sample, with a device that actuates torque.
 TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
   DeviceSpec spec = builtin_device("omega.7");
   spec.rotation_actuated = 3;
@@ -183,7 +188,8 @@ TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
     servo.hold(
         servo.render({.pose = {Vec3(0.01, 0.02, 0.03), turning.told(1e-3)}, .jumped = false}, now));
     const double work = servo.port().delivered().torque;
-    ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;  // held from tick 2 on
+    // The device holds the torque from tick 2 on.
+    ASSERT_NEAR(work - last, n > 2 ? 2.0 * turned : 0.0, 1e-9) << n;
     ASSERT_EQ(servo.port().delivered().elastic, 0.0);
     last = work;
     Reply reply;
@@ -193,7 +199,8 @@ TEST(SensedOrientation, TheServoSeesTheTurnAndNothingElse) {
   }
 }
 
-/// A free device, 4 mm inside the floor at connect: 8 N on 50 g.
+/// Returns the largest speed of a free device that connects 4 mm inside the floor. The force of 8 N
+/// acts on 50 g.
 double fastest_when_let_go(Pair& pair) {
   double z = -0.004, velocity = 0.0, fastest = 0.0;
   for (int n = 0; n < 300; ++n) {
@@ -214,15 +221,17 @@ TEST(ConnectingInside, GivesNoKick) {
       parameters.side = side;
       Pair pair(builtin_device("simulated"), parameters, protect_hand(parameters));
       EXPECT_EQ(fastest_when_let_go(pair), 0.0) << mode << " " << name(side);
-      // A hand moves inside. It feels only the depth beyond its least depth, plus the force that
-      // the moved way lets in. After it moves out and in again, it feels the floor.
+      // A hand moves inside the object. The servo subtracts the force at the smallest depth so far.
+      // As the hand travels, the servo returns a part of the subtracted force. After the hand left
+      // and touched again, it must feel the complete floor.
       double z = -0.004, least_depth = -z, way = 0.0;
       for (const double by : {-1e-4, 1e-4, 1e-4, -1e-4})
         for (int n = 0; n < 20; ++n) {
           const double force = pair.tick({.position = Vec3(0, 0, z += by)}).force().z();
           way += std::abs(by);
           least_depth = std::min(least_depth, -z);
-          // [N] the part let in by the way, and a sample of delay of the reply.
+          // [N] force that returned with the travelled distance, plus the effect of one sample of
+          // reply delay
           const double let_in = 0.05 * way / SafetyLimits::kFloorWay + 2000.0 * std::abs(by);
           EXPECT_GE(force, 0.0);
           EXPECT_LE(force, bounding_method(mode).admits_reduction
@@ -239,7 +248,7 @@ TEST(ConnectingInside, GivesNoKick) {
   }
 }
 
-// Without protection the device must be thrown, or the test above proves nothing.
+// Without protection the device must accelerate. Otherwise the test above proves nothing.
 TEST(ConnectingInside, UnprotectedItIsThrown) {
   SessionParameters parameters;
   parameters.mode = "none";

@@ -1,4 +1,5 @@
-// A hand takes the most energy, and the network helps it: the servo must limit it.
+// A hand extracts as much energy as possible from a session with a bad network. The servo must
+// limit this energy.
 
 #include <gtest/gtest.h>
 
@@ -15,10 +16,10 @@ namespace {
 
 using namespace testing::servo;
 
-/// The hand moves so as to extract the most energy (dx = f h / 2b), and sometimes elsewhere. The
-/// device holds less than asked, fails and recovers. Random replies over six decades come late, get
-/// lost, overtake and repeat, and the scene changes often. Each force is held for half a period to
-/// a period, plus at most `late` [s].
+/// The hand mostly makes the movement that extracts the most energy (dx = f h / 2b). The device
+/// holds less force than commanded, fails and recovers. Random replies over six decades are late,
+/// lost, reordered or repeated, and the scene changes often. The device holds each force for half a
+/// period to a period, plus at most `late` [s].
 std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::uint64_t seed,
                                               int ticks, double late = 0.0,
                                               const ServoOptions& options = {}) {
@@ -46,7 +47,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     std::erase_if(under_way, [&](const auto& entry) {
       if (entry.first > now) return false;
       servo.take(entry.second, entry.first);
-      return !chance(0.05);  // some come twice
+      return !chance(0.05);  // Some replies arrive twice.
     });
     DeviceReading reading{.pose = {.position = position}, .ok = !chance(0.002)};
     Command given = servo.render(reading, now);
@@ -60,7 +61,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     under_way.emplace_back(now + seconds(0.05 * unit(random)), answer);
   }
   EXPECT_GT(servo.statistics().answered, 0u);
-  EXPECT_GT(servo.statistics().max_force, 0.1);  // the attack made a force
+  EXPECT_GT(servo.statistics().max_force, 0.1);  // [N] The attack must produce a force.
   return servo.port().violations();
 }
 
@@ -73,7 +74,7 @@ TEST(ServoAdversary, NoNetworkNoHandAndNoFaultGetsEnergyOutOfTheContactFrame) {
   }
 }
 
-// No machine wakes a thread exactly on time.
+// No real machine wakes a thread exactly on time.
 TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
   for (const BoundingSide side : {BoundingSide::client, BoundingSide::both, BoundingSide::server})
     for (const Storage storage : {Storage::minimal, Storage::elastic})
@@ -86,19 +87,19 @@ TEST(ServoAdversary, TicksThatAreLateGiveItNothing) {
       }
 }
 
-// The bound credits the damping that an operator claims. The account counts only the energy that
-// the device burns.
+// The bound includes the damping that an operator claims. The account includes only the energy that
+// the device dissipates.
 TEST(ServoAdversary, AnOperatorWhoIsNotThereIsSeenInTheAccount) {
   for (const double claimed : {0.5, 5.0, 100.0}) {
     SessionParameters p = parameters("contact_frame");
     p.operator_damping = claimed;
     EXPECT_GT(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
-    p.side = BoundingSide::server;  // the guard gives only what the device burned
+    p.side = BoundingSide::server;  // The client's account gives only what the device dissipated.
     EXPECT_EQ(violations_against_an_adversary(p, 1, 4000), 0u) << claimed;
   }
 }
 
-// A constant force carries the hand along, so the bound stays at its limit.
+// A constant force moves the hand. The bound therefore stays at its limit.
 TEST(ServoAdversary, AConstantForceIsNoViolationBecauseTicksAreNotExact) {
   for (const double late : {20e-9, 5e-6, 60e-6}) {
     std::mt19937_64 random(7);
@@ -124,11 +125,11 @@ TEST(ServoAdversary, WithoutABoundTheSameAdversaryGetsIt) {
   EXPECT_GT(violations_against_an_adversary(parameters("none", BoundingSide::server), 1, 4000), 0u);
 }
 
-/// This includes the papers' laws: some are not passive by themselves, and no law is passive when a
-/// tick is late.
+/// The test includes published methods. Some are not passive by themselves, and no method is
+/// passive if a tick is late.
 TEST(ServoAdversary, BehindItsAccountNoModeGivesMoreThanWasBurned) {
   for (const BoundingMethod* method : bounding_methods()) {
-    // shaped_adversary_test.cpp attacks accounts that count on the hand's mass and force.
+    // shaped_adversary_test.cpp attacks accounts that use the hand's mass and force.
     if (method->name == kUnbounded || method->shapes || stands_beside_scene(*method)) continue;
     for (const double late : {0.0, 50e-6, 400e-6})
       for (const std::uint64_t seed : test::seeds(1, 4, 0))

@@ -1,5 +1,5 @@
-// A whole tick with its datagrams allocates nothing. The test counts calls of operator new, which
-// a sanitizer replaces.
+// A complete tick with its datagrams must not allocate. The test counts calls of operator new, but
+// a sanitizer replaces this operator.
 
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
   EXPECT_GT(servo.statistics().max_force, 0.0);
 
   const std::size_t before = test::allocations();
-  const std::unique_ptr<int> proof(new int(1));  // the counter works
+  const std::unique_ptr<int> proof(new int(1));  // The counter must count this allocation.
   EXPECT_EQ(test::allocations() - before, 1u);
 #endif
 }

@@ -1,4 +1,4 @@
-// A fault makes the force fade without a step (PROTOCOL.md, "Faults").
+// After a fault the force must fade without a step (PROTOCOL.md, "Faults").
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@ namespace {
 using namespace testing::servo;
 
 constexpr double kHoldTime = 0.1;  // [s] the default
-constexpr int kHalf = 50;          // ticks in half of it
+constexpr int kHalf = 50;          // [ticks] half the hold time
 
 ServoOptions wait_for_small_force() { return {.safety = {.force = {.small = 0.05}}}; }
 
-/// A servo that holds `force` [N] upwards after a fresh answer.
+/// Returns a servo that holds `force` [N] upwards after a fresh answer.
 Bench holding(double force, const ServoOptions& options = {}, std::string_view mode = "none") {
   Bench bench(parameters(mode), options);
   bench.tick();
@@ -37,7 +37,7 @@ TEST(ServoFault, AReleasedHandIsLetGoWithinHalfTheHoldTime) {
   for (int n = 1; n <= kHalf; ++n) {
     EXPECT_NEAR(bench.tick().force().z(), 2.0 * (kHalf - n) / kHalf, 1e-9) << n;
     EXPECT_EQ(bench.servo.let_go(), n == kHalf) << n;
-    answer(bench, 7.0);  // the servo no longer needs it
+    answer(bench, 7.0);  // The servo must ignore this answer.
   }
   for (int n = 0; n < 10; ++n) {
     answer(bench, 7.0);
@@ -48,14 +48,15 @@ TEST(ServoFault, AReleasedHandIsLetGoWithinHalfTheHoldTime) {
 
 TEST(ServoFault, AReleaseLatePutsNothingOff) {
   Bench bench = holding(2.0);
-  for (int n = 0; n < 80; ++n) bench.tick();  // silence: 20 ms, or 40 % of the fade, remain
+  // After 80 silent ticks, 20 ms or 40 % of the fade remain.
+  for (int n = 0; n < 80; ++n) bench.tick();
   EXPECT_NEAR(bench.tick().force().z(), 2.0 * 0.36, 1e-9);
   bench.servo.release();
   for (int n = 0; n < 18; ++n) bench.tick();
   EXPECT_TRUE(bench.servo.let_go());
 }
 
-/// The scene asks for far more than the device can do. The fade begins at the device's limit.
+/// The scene commands far more force than the device's limit. The fade must begin at this limit.
 TEST(ServoFault, AnEnormousCommandFadesAsLongAsAnyOther) {
   Bench bench = holding(1e5);
   const double most = bench.spec.max_force;
@@ -65,7 +66,8 @@ TEST(ServoFault, AnEnormousCommandFadesAsLongAsAnyOther) {
     EXPECT_NEAR(bench.tick().force().z(), most * (kHalf - n) / kHalf, 1e-9) << n;
 }
 
-/// Laws that bound a force from below would keep some of it on a moving hand.
+/// Some methods bound a force from below. Such a method must not keep force on a moving hand at the
+/// end.
 TEST(ServoFault, AtTheEndNoLawHoldsOnToAnything) {
   for (const std::string_view mode : {"total_energy", "per_axis", "per_axis_projected"}) {
     for (const bool release : {true, false}) {
@@ -78,7 +80,7 @@ TEST(ServoFault, AtTheEndNoLawHoldsOnToAnything) {
       }
       EXPECT_GT(bench.servo.held().force().z(), 1.0) << mode;
       if (release) bench.servo.release();
-      // Move out slowly: the law lets the force fall by at most c1 per metre.
+      // The hand moves out slowly. The method lets the force fall by at most c1 per metre.
       for (int n = 0; n < 2 * kHalf - 2; ++n) bench.tick(at(0, 0, z += 1e-6));
       if (!release && mode != "total_energy") {
         EXPECT_GT(bench.servo.held().force().z(), 1.0) << mode;
@@ -95,20 +97,20 @@ TEST(ServoFault, AReconnectedHandIsLetGoThenWaits) {
   EXPECT_EQ(bench.servo.held().force().z(), 2.0);
   bench.servo.reconnected(true);
   for (int n = 1; n <= kHalf; ++n) {
-    answer(bench, 8.0);  // the new session's first replies
+    answer(bench, 8.0);  // first replies of the new session
     EXPECT_NEAR(bench.tick().force().z(), 2.0 * (kHalf - n) / kHalf, 1e-9) << n;
   }
   for (int n = 0; n < kHalf; ++n) {
     answer(bench, 8.0);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero());
   }
-  answer(bench, 0.0);  // the hand is out
+  answer(bench, 0.0);  // The hand is outside.
   bench.tick();
   answer(bench, 3.0);
   EXPECT_EQ(bench.tick().force().z(), 3.0);
 }
 
-/// A reply about the hand's former place does not end the wait at its present place.
+/// A reply to an earlier sample must not end the wait for a small force.
 TEST(ServoFault, NoWordFromBeforeEndsTheWait) {
   const auto reconnect = [](Bench& bench) { bench.servo.reconnected(true); };
   const auto fail = [](Bench& bench) { bench.tick({.pose = {}, .ok = false}); };
@@ -118,7 +120,8 @@ TEST(ServoFault, NoWordFromBeforeEndsTheWait) {
     bench.tick();
     device ? fail(bench) : reconnect(bench);
     for (int n = 0; n < 3; ++n) bench.tick();
-    EXPECT_TRUE(bench.servo.take(reply(before, {}), bench.now));  // a reply in flight
+    // a reply that the server sent before the fault
+    EXPECT_TRUE(bench.servo.take(reply(before, {}), bench.now));
     bench.tick();
     answer(bench, 8.0);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << device;
@@ -146,7 +149,7 @@ TEST(ServoFault, AfterADeviceFaultTheLimitsBeginAnew) {
   for (int n = 0; n < 10; ++n) EXPECT_NEAR(ramped.tick().force().z(), 0.2 * n, 1e-9) << n;
 }
 
-/// The hand moved on during the outage, and the scene asks for more force.
+/// The hand moved during the outage. The scene then commands more force.
 TEST(ServoFault, AForceThatFadedForWantOfAnswersWaitsAnewHoweverShortTheOutage) {
   for (const double outage : {0.1, 0.101, 0.15, 0.5, 1.0, 1.9}) {
     for (const bool stood_still : {false, true}) {
@@ -161,7 +164,7 @@ TEST(ServoFault, AForceThatFadedForWantOfAnswersWaitsAnewHoweverShortTheOutage) 
         EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << outage << " " << n;
       }
       EXPECT_EQ(bench.servo.no_force(), ZeroForceReason::waiting) << outage;
-      answer(bench, 0.0);  // the hand is out
+      answer(bench, 0.0);  // The hand is outside.
       bench.tick();
       answer(bench, 3.0);
       EXPECT_EQ(bench.tick().force().z(), 3.0) << outage;
@@ -183,7 +186,7 @@ TEST(ServoFault, ARampBeginsAnewAfterAnOutage) {
   }
 }
 
-/// Answers about the time before the hand moved on end no wait.
+/// An answer to a sample from the outage must not end the wait for a small force.
 TEST(ServoFault, AnAnswerFromTheOutageEndsNoWait) {
   Bench bench = holding(2.0, wait_for_small_force());
   for (int n = 0; n < 150; ++n) bench.tick();
@@ -195,7 +198,7 @@ TEST(ServoFault, AnAnswerFromTheOutageEndsNoWait) {
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());
 }
 
-/// A force that faded partly rises again no faster than it fell.
+/// A partly faded force must not rise faster than its fade.
 TEST(ServoFault, AForceThatFadedInPartComesBackSlowly) {
   for (const int silent : {60, 75, 90, 97}) {
     Bench bench = holding(2.0, wait_for_small_force());
@@ -211,7 +214,7 @@ TEST(ServoFault, AForceThatFadedInPartComesBackSlowly) {
   }
 }
 
-/// The device gives no more force, so the run must not end as a success.
+/// The device stops giving force. The run must not end as a success.
 TEST(ServoFault, ADeviceThatGivesNothingIsInTrouble) {
   Bench bench = holding(2.0);
   EXPECT_FALSE(bench.servo.device_trouble());
@@ -244,20 +247,20 @@ TEST(ServoFault, ADeviceThatHoldsNothingIsInTrouble) {
   refuse(30);
   ASSERT_TRUE(bench.servo.device_trouble());
   EXPECT_EQ(bench.servo.device_trouble()->reason, ZeroForceReason::not_held);
-  // A clutch, or a device that withholds its force, is no trouble.
+  // A clutch or a withheld force is no device trouble.
   Bench clutched = holding(2.0);
   for (int n = 0; n < 100; ++n) clutched.tick({.pose = {}, .clutched = true});
   EXPECT_FALSE(clutched.servo.device_trouble());
 }
 
-/// A process is suspended for seconds: old replies are dropped, and new ones are used.
+/// The process is suspended for seconds. The servo must drop old replies and use new ones.
 TEST(ServoFault, ASuspendedProcessTakesNoOldReplyForAFreshOne) {
   for (const int backlog : {0, 1, 5}) {
     Bench bench = holding(2.0);
     for (int n = 0; n < 20; ++n) bench.tick();
     const std::uint64_t before = bench.servo.sample().index;
     bench.now += seconds(3.0);
-    // The socket is read before the tick and again after it.
+    // The test delivers replies before the tick and after the tick.
     for (int n = 10; n > backlog; --n)
       bench.servo.take(reply(before - static_cast<std::uint64_t>(n), elastic(0, 0, 5)), bench.now);
     EXPECT_EQ(bench.tick({}, Nanoseconds(0)).force(), Vec3::Zero());
@@ -266,14 +269,15 @@ TEST(ServoFault, ASuspendedProcessTakesNoOldReplyForAFreshOne) {
                        bench.now);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero()) << backlog;
     EXPECT_TRUE(answer(bench, 1.0));
-    EXPECT_NEAR(bench.tick().force().z(), 1.0 / kHalf, 1e-9);  // it rises as slowly as it fades
+    // The force rises at the rate of a fade.
+    EXPECT_NEAR(bench.tick().force().z(), 1.0 / kHalf, 1e-9);
   }
 }
 
 TEST(ServoFault, AStumbleIsCountedAsAge) {
   Bench bench = holding(2.0);
   bench.now += seconds(0.08);
-  answer(bench, 2.0);  // its arrival may be any time since the last tick
+  answer(bench, 2.0);  // The answer may have arrived at any time since the last tick.
   EXPECT_NEAR(bench.tick({}, Nanoseconds(0)).force().z(), 2.0 * (0.1 - 0.078) / 0.05, 1e-9);
 }
 
@@ -308,9 +312,9 @@ TEST(ServoFault, RepliesThatCannotBeLeaveTheOldOneToFade) {
   EXPECT_EQ(bench.servo.statistics().replies_refused, 10u * kHalf);
 }
 
-/// A scene asks for a constant force; a hand presses or rests; every kind of fault occurs. The
-/// force rises no faster than the slew limit, and falls no faster than the largest force in half
-/// the hold time. Only a failed reading removes it at once. `most` gets the largest held force.
+/// A scene commands a constant force, a hand presses or rests, and all kinds of faults occur. The
+/// force must not rise faster than the slew limit. The force must not fall faster than the largest
+/// force in half the hold time, except after a failed reading. `most` gets the largest held force.
 void expect_no_step(const SessionParameters& p, SafetyLimits limits, std::uint64_t seed,
                     double& most) {
   constexpr double kSlew = 120.0;  // [N/s]
@@ -363,7 +367,7 @@ TEST(ServoFault, NothingSteps) {
     for (const SessionParameters& p : all_parameters) {
       double most = 0.0;
       for (const std::uint64_t seed : test::seeds(1, 60, 6)) expect_no_step(p, limits, seed, most);
-      EXPECT_GT(most, 5.0) << p.mode;  // the attack made a force
+      EXPECT_GT(most, 5.0) << p.mode;  // [N] The attack must produce a force.
     }
   }
 }

@@ -14,7 +14,7 @@ namespace {
 
 using testing::ScenePeer;
 
-/// Stands still, keeps the last command, and ends after some readings.
+/// A device that does not move and keeps the last command. It ends the run after some readings.
 class StillDevice final : public Device {
  public:
   explicit StillDevice(std::uint64_t readings) : readings_left_(readings) {}
@@ -39,7 +39,7 @@ class StillDevice final : public Device {
     ++released;
   }
   int steps_to_lower = 0, asked_to_lower = 0, writes = 0, writes_at_release = 0;
-  int pulled_at = 0;  // the newest write with a force
+  int pulled_at = 0;  // number of the newest write with a force
   bool pulled_when_asked = false;
   int released = 0;
   double largest = 0.0;
@@ -50,7 +50,7 @@ class StillDevice final : public Device {
   std::uint64_t readings_left_;
 };
 
-/// A loop in its own thread; the test answers as its peer.
+/// Runs a servo loop in its own thread. The test answers as the server.
 struct LoopRun {
   ScenePeer peer;
   Transport transport{peer.session(), {}, false};
@@ -82,7 +82,7 @@ struct LoopRun {
     p.servo_period = 2e-3;
     return p;
   }
-  /// Answers every sample until the client says goodbye; returns the last sample.
+  /// Answers every sample until the client sends a goodbye. Returns the last sample.
   Sample answer_until_goodbye(const std::function<void(const Sample&)>& answer) {
     Sample last;
     while (true) {
@@ -100,7 +100,7 @@ struct LoopRun {
   }
 };
 
-/// From row to row the force falls no faster than 3 N in half the hold time.
+/// Between two rows the force must not fall faster than 3 N in half the hold time.
 void expect_no_step_down(Ring<TickRecord>& records) {
   const double fastest = 3.0 / (0.5 * SessionParameters{}.hold_time);  // [N/s]
   TickRecord row, before;
@@ -129,9 +129,10 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   EXPECT_EQ(last.held.force(), Vec3::Zero());
   const ServoStatistics& s = run.servo.statistics();
   EXPECT_EQ(last.index, s.samples);
-  EXPECT_EQ(s.answered, s.samples);  // the loop waited for the last reply
+  EXPECT_EQ(s.answered, s.samples);  // The loop must wait for the last reply.
   EXPECT_EQ(s.samples,
-            run.result->wakeup_late.count() + 1);  // a tick per kept deadline, and the release
+            // one tick per kept deadline, and one for the release
+            run.result->wakeup_late.count() + 1);
   EXPECT_EQ(run.transport.statistics().sent, s.samples + 3);
 
   std::uint64_t rows = 0;
@@ -147,7 +148,8 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   ASSERT_TRUE(run.statuses.pop(status));
 }
 
-/// The loop lets a tool down before the release, tick by tick, after the servo's own force is gone.
+/// The loop first fades the servo's own force. It then lowers the tool tick by tick, and releases
+/// the device last.
 TEST(ServoLoop, LetsAToolDownBeforeTheRelease) {
   LoopRun run({.duration = std::chrono::milliseconds(60)}, 1u << 20, 20);
   run.answer_until_goodbye([&](const Sample& s) { run.push_back(s); });
@@ -195,7 +197,7 @@ TEST(ServoLoop, EndsWithTheServersGoodbye) {
   expect_no_step_down(run.records);
 }
 
-/// The loop does not wait for a device that always reports a held force.
+/// The loop must not wait for a device that always reports a held force.
 TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
   class Stuck final : public Device {
    public:
@@ -219,7 +221,7 @@ TEST(ServoLoop, EndsWithADeviceThatDoesNotLetGo) {
   EXPECT_TRUE(device.released);
 }
 
-/// Replies to samples that nobody sent are no sign that the server is there.
+/// Replies to samples that the client never sent must not count as signs of life.
 TEST(ServoLoop, RepliesToSamplesNeverSentAreSilence) {
   LoopRun run({.silence_timeout = std::chrono::milliseconds(40)});
   run.answer_until_goodbye([&](const Sample& s) {
@@ -245,7 +247,7 @@ TEST(ServoLoop, EndsWhenTheServerFallsSilent) {
 }
 
 TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
-  // A reading takes twenty periods; the loop must not make up for them.
+  // A reading takes twenty periods. The loop must skip the missed deadlines.
   class SlowOnce final : public Device {
    public:
     const DeviceSpec& spec() const override { return spec_; }
@@ -271,7 +273,7 @@ TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {
   const auto result = std::make_unique<LoopResult>();
   run_servo_loop(device, servo, transport, {}, stop, {}, *result);
   EXPECT_EQ(result->end, EndReason::device_ended);
-  EXPECT_EQ(servo.statistics().samples, 7u);  // six readings and the release, however late
+  EXPECT_EQ(servo.statistics().samples, 7u);  // The loop makes six readings and one release.
   EXPECT_GE(result->overruns, 1u);
   EXPECT_GE(result->missed_deadlines, 18u);
 }
@@ -288,7 +290,7 @@ TEST(ServoLoop, RecordsThatFindNoRoomAreCounted) {
   EXPECT_EQ(result->records_dropped, servo.statistics().samples - 4);
 }
 
-/// Each tick and each answer so far is counted in exactly one class.
+/// Each tick and each answer is counted in exactly one class.
 TEST(ServoLoop, CountsItsWakeUpsAndRoundTripsForThoseWhoLookOn) {
   LoopRun run({});
   const auto total = [](const HandTimes::Counts& counts) {
@@ -312,8 +314,8 @@ TEST(ServoLoop, CountsItsWakeUpsAndRoundTripsForThoseWhoLookOn) {
   }
 }
 
-/// Each session numbers its changes from 1. The loop must not report a former session's change to
-/// the next server, which would take it for its own.
+/// Each session numbers its changes from 1. The loop must not report a change of the former session
+/// to the next server, because both sessions use equal numbers.
 TEST(ServoLoop, AChangeOfTheSessionBeforeIsNotReportedToTheNext) {
   ScenePeer first, second;
   Transport transport(first.session(), {}, false);

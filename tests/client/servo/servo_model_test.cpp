@@ -1,4 +1,4 @@
-// The forces of a servo with a local model between the replies.
+// Tests the servo's forces from a local model between the replies.
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@ SessionParameters modelled(std::string_view mode = "none") {
   return p;
 }
 
-/// A floor at z = 0 with a model that is valid within 40 mm of the tool.
+/// Returns a reply with a floor at z = 0. Its local model is valid within 40 mm of the tool.
 Reply floor_reply(std::uint64_t index, double z, double stiffness = 1000.0) {
-  Reply r = reply(index, elastic(0, 0, 7));  // no tick at another height may give this
+  Reply r = reply(index, elastic(0, 0, 7));  // No tick at another height may use this force.
   r.modelled = true;
   r.model.center = {0, 0, z};
   r.model.reach = 0.04;
@@ -34,7 +34,7 @@ TEST(ServoModel, RendersTheModelWhereTheDeviceIsNow) {
   Bench bench(modelled());
   bench.tick(at(0, 0, 1e-3));
   bench.servo.take(floor_reply(1, 1e-3), bench.now);
-  EXPECT_EQ(bench.tick(at(0, 0, 1e-3)).force(), Vec3::Zero());  // not touched yet
+  EXPECT_EQ(bench.tick(at(0, 0, 1e-3)).force(), Vec3::Zero());  // no contact yet
   for (const double depth : {1e-4, 1e-3, 2e-3, 5e-4}) {
     const Command given = bench.tick(at(1e-3, 0, -depth));
     EXPECT_NEAR(given.elastic.z(), 1000.0 * depth, 1e-12);
@@ -56,7 +56,8 @@ TEST(ServoModel, FadesAsCommandsDo) {
   }
 }
 
-// Over the last quarter of the reach the force blends into the reply's command without a step.
+// Over the last quarter of the model's radius, the force blends into the reply's command without a
+// step.
 TEST(ServoModel, HandsOverToTheReplyWithoutAStep) {
   Bench bench(modelled());
   bench.tick();
@@ -93,7 +94,7 @@ TEST(ServoModel, AReplyWithoutOneEndsIt) {
   EXPECT_EQ(bench.tick(at(0, 0, -1e-3)).elastic, Vec3(0, 3, 0));
   bench.servo.take(floor_reply(3, 0.0), bench.now);
   EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).elastic.z(), 1.0, 1e-12);
-  bench.servo.reconnected(true);  // a lost session also drops it, after a fade
+  bench.servo.reconnected(true);  // A lost session must also drop the model, after a fade.
   double before = 1.0;
   for (int i = 0; i < 50; ++i) {
     const double now = bench.tick(at(0, 0, -1e-3)).elastic.z();
@@ -113,7 +114,8 @@ TEST(ServoModel, WithoutLocalModelItIsNotLookedAt) {
   EXPECT_EQ(bench.tick(at(0, 0, -1e-3)).elastic.z(), 7.0);
 }
 
-// The model shows the scene's own force even if the server's bound reduces its replies.
+// The local model gives the scene's own force, even if the server's bound reduces the force in the
+// replies.
 TEST(ServoModel, EndsTheWaitForSmallForce) {
   ServoOptions options;
   options.safety.force.small = 0.05;
@@ -122,18 +124,19 @@ TEST(ServoModel, EndsTheWaitForSmallForce) {
   Reply r = floor_reply(1, -2e-3);
   r.active = true;
   bench.servo.take(r, bench.now);
-  EXPECT_EQ(bench.tick(at(0, 0, -2e-3)).force(), Vec3::Zero());   // waits: began inside
-  EXPECT_EQ(bench.tick(at(0, 0, 0.2e-3)).force(), Vec3::Zero());  // outside: free
+  // The hand began inside and must wait.
+  EXPECT_EQ(bench.tick(at(0, 0, -2e-3)).force(), Vec3::Zero());
+  EXPECT_EQ(bench.tick(at(0, 0, 0.2e-3)).force(), Vec3::Zero());  // The hand is outside.
   EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).elastic.z(), 1.0, 1e-12);
 }
 
-// A conveyor rises at 0.1 m/s: the floor is rendered at its present height.
+// A conveyor rises at 0.1 m/s. The servo must render the floor at its present height.
 TEST(ServoModel, MovesSurfacesByTheAgeOfTheirState) {
   Bench bench(modelled());
   bench.tick();
   Reply r = floor_reply(1, 0.0);
   r.model.patches[0].velocity = {0, 0, 0.1};
-  // The round trip is 8 ms: the server's state is 4 ms old when the reply comes.
+  // The round trip is 8 ms. The server's state is therefore 4 ms old when the reply arrives.
   r.server_receive_time = r.server_send_time = seconds(50.0);
   for (int i = 0; i < 8; ++i) bench.tick();
   bench.servo.take(r, bench.now);
@@ -148,7 +151,8 @@ TEST(ServoModel, DampingAndViscosityGoByTheVelocityHere) {
   r.model.patches[0].material.damping = 2.0;
   r.model.patches[0].material.viscous_friction = 3.0;
   bench.servo.take(r, bench.now);
-  const Command given = bench.tick(at(2e-4, 0, -1.1e-3));  // 0.2 m/s along, 0.1 m/s in
+  // velocity: 0.2 m/s tangential, 0.1 m/s into the floor
+  const Command given = bench.tick(at(2e-4, 0, -1.1e-3));
   EXPECT_NEAR(given.elastic.z(), 1.1, 1e-12);
   EXPECT_NEAR(given.frictional.x(), -3.0 * 0.2, 1e-9);
   EXPECT_NEAR(given.frictional.z(), 2.0 * 0.1, 1e-9);

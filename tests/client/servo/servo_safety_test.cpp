@@ -1,4 +1,4 @@
-// The safety stage between the servo's bound and the device.
+// Tests the safety stage between the servo's bound and the device.
 
 #include <gmock/gmock.h>
 
@@ -32,7 +32,7 @@ TEST(ServoSafety, SlewStartsFromWhatTheDeviceHeld) {
   bench.servo.take(reply(1, elastic(0, 0, 5)), bench.now);
   for (int i = 0; i < 4; ++i) bench.tick();
   bench.servo.render({}, bench.now += kPeriod);
-  bench.servo.hold({});  // a skipped write
+  bench.servo.hold({});  // The device skipped a write.
   EXPECT_NEAR(bench.tick().force().norm(), 0.5, 1e-12);
 }
 
@@ -105,7 +105,7 @@ TEST(ServoSafety, WhatProtectsAHandGoesWithEveryMode) {
     }
 }
 
-/// Only a small force of the scene itself ends the wait.
+/// Only a small force of the scene itself may end the wait.
 TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
   const auto spoilt = [](auto spoil) {
     Reply r = reply(0, {});
@@ -113,24 +113,25 @@ TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
     return r;
   };
   const Reply not_it[] = {
-      spoilt([](Reply& r) { r.active = true; }),     // the server's bound reduced it
-      spoilt([](Reply& r) { r.saturated = true; }),  // a limit reduced it
+      spoilt([](Reply& r) { r.active = true; }),     // The server's bound reduced the force.
+      spoilt([](Reply& r) { r.saturated = true; }),  // A limit reduced the force.
       spoilt([](Reply& r) { r.refused = true; }),
       spoilt([](Reply& r) { r.command.elastic.x() = kNan; }),
   };
   for (const Reply& nothing : not_it) {
     Bench bench(parameters("none"), {.safety = {.force = {.small = 0.05}}});
-    for (int i = 0; i < 10; ++i) bench.tick();  // ticks without an answer do not end it
+    for (int i = 0; i < 10; ++i) bench.tick();  // Ticks without an answer must not end the wait.
     Reply r = nothing;
     r.sample_index = bench.servo.sample().index;
     bench.servo.take(r, bench.now);
     bench.tick();
     bench.servo.take(reply(bench.servo.sample().index, {}), bench.now);
-    bench.tick({.pose = {}, .ok = false});  // the reply's place is unknown after a fault
+    // After a fault, the position that the reply answered is unknown.
+    bench.tick({.pose = {}, .ok = false});
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero());
     EXPECT_EQ(bench.servo.statistics().waiting, 1u);
-    // This small force ends the wait.
+    // This small force must end the wait.
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 0.05)), bench.now);
     bench.tick();
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);

@@ -27,14 +27,14 @@ TEST(Servo, SamplesAreCountedFromOneAndCarryWhatIsHeld) {
   bench.servo.take(reply(1, elastic(0, 0, 4)), bench.now);
   bench.now += kPeriod;
   bench.servo.render(at(1, 2, 3), bench.now);
-  sample = bench.servo.hold(elastic(0, 0, 3));  // the device gave less than asked
+  sample = bench.servo.hold(elastic(0, 0, 3));  // The device gave less force than commanded.
   EXPECT_EQ(sample->index, 2u);
   EXPECT_EQ(sample->held.elastic, Vec3(0, 0, 3));
   EXPECT_EQ(bench.servo.statistics().max_force, 3.0);
   EXPECT_EQ(bench.servo.statistics().samples, 2u);
 }
 
-/// The server sends a line: 2 N that fall by 40 N/s, but never below zero.
+/// The server predicts a line: 2 N that fall by 40 N/s, but never below zero.
 TEST(Servo, ACommandIsCarriedOnAlongItsRatesForKeepAliveAtMost) {
   SessionParameters p = parameters("none");
   p.keep_alive = 0.02;
@@ -73,21 +73,21 @@ TEST(Servo, WithheldIsNotLost) {
     bench.tick();
     bench.servo.sent();
   }
-  EXPECT_EQ(bench.servo.lost(), 5u);  // five may be withheld
+  EXPECT_EQ(bench.servo.lost(), 5u);  // The server may have withheld five answers.
   EXPECT_EQ(bench.servo.lost_so_far(), 0u);
   answer(1, 0);
-  answer(8, 4);  // of 2 to 7 four are withheld and two lost
+  answer(8, 4);  // The server withheld four of the answers 2 to 7, and two were lost.
   EXPECT_EQ(bench.servo.statistics().withheld, 4u);
   EXPECT_EQ(bench.servo.lost_so_far(), 2u);
-  EXPECT_EQ(bench.servo.lost(), 2u);  // 9 and 10 may be withheld
+  EXPECT_EQ(bench.servo.lost(), 2u);  // The server may have withheld 9 and 10.
   EXPECT_TRUE(bench.servo.awaits_answer());
 
-  bench.servo.reconnected(true);  // the new server counts from zero
+  bench.servo.reconnected(true);  // The new server counts from zero.
   bench.tick();
   bench.servo.sent();
   answer(11, 0);
   EXPECT_EQ(bench.servo.statistics().withheld, 4u);
-  EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // includes 9 and 10 of the old session
+  EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // The sum includes 9 and 10 of the old session.
   answer(11, ~std::uint64_t{0});
   EXPECT_LE(bench.servo.lost(), 11u);
 }
@@ -122,14 +122,14 @@ TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
   EXPECT_TRUE(bench.servo.take(reply(2, elastic(0, 0, 2)), bench.now));
   const Nanoseconds arrived = bench.now;
   bench.tick({}, seconds(0.075));
-  EXPECT_FALSE(bench.servo.take(reply(1, elastic(9, 9, 9)), bench.now));  // older
-  EXPECT_FALSE(bench.servo.take(reply(2, elastic(9, 9, 9)), bench.now));  // a repetition
+  EXPECT_FALSE(bench.servo.take(reply(1, elastic(9, 9, 9)), bench.now));  // an older reply
+  EXPECT_FALSE(bench.servo.take(reply(2, elastic(9, 9, 9)), bench.now));  // a repeated reply
   const Command given = bench.tick({}, Nanoseconds(0));
   EXPECT_EQ(bench.now - arrived, seconds(0.075));
   EXPECT_TRUE(given.elastic.isApprox(Vec3(0, 0, 1)));
   EXPECT_EQ(bench.servo.statistics().replies_stale, 2u);
   EXPECT_TRUE(bench.servo.take(reply(3, elastic(0, 3, 0)), bench.now));
-  // It rises as slowly as it faded: 40 % in 20 ms.
+  // The force rises at the rate of the fade: 40 % in 20 ms.
   EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 0.9 * 3, 0)));
   EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 3, 0)));
 }
@@ -145,7 +145,7 @@ TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
   EXPECT_EQ(bench.servo.statistics().replies_refused, 4u);
   EXPECT_EQ(bench.servo.statistics().answered, 0u);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());
-  // None of these blocks the true reply.
+  // The refused answers must not block the true reply.
   EXPECT_TRUE(bench.servo.take(reply(1, elastic(0, 0, 1)), bench.now));
   EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 1));
 }
@@ -183,7 +183,7 @@ TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
     EXPECT_EQ(bench.tick(reading).force(), Vec3::Zero());
     EXPECT_EQ(bench.servo.sample().pose.position, Vec3(1, 2, 3));
     EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
-    // The hand moved during the fault. The work of that jump is unknown, so none is counted.
+    // The hand moved during the fault. The work of this jump is unknown and must not count.
     const double before = bench.servo.port().delivered().total();
     bench.tick(at(9, 9, 9));
     EXPECT_EQ(bench.servo.port().delivered().total(), before);
@@ -196,7 +196,8 @@ TEST(Servo, AJumpAcrossAFaultEarnsNoForce) {
   bench.tick(at(0, 0, 0));
   bench.servo.take(reply(1, elastic(0, 0, 50)), bench.now);
   bench.tick({.pose = {}, .ok = false});
-  EXPECT_EQ(bench.tick(at(0, 0, -0.05)).force(), Vec3::Zero());  // would allow c * 50 mm = 50 N
+  // The bound would allow c * 50 mm = 50 N.
+  EXPECT_EQ(bench.tick(at(0, 0, -0.05)).force(), Vec3::Zero());
   EXPECT_GT(bench.tick(at(0, 0, -0.051)).force().z(), 0.0);
 }
 
@@ -227,7 +228,7 @@ TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
     const Command given = bench.servo.render(at(0, 0, -1e-3), bench.now += kPeriod);
     ASSERT_GT(given.force().z(), 0.0);
     bench.servo.hold(share * given);
-    // At rest the law allows exactly the force that was held.
+    // At rest the method allows exactly the held force.
     EXPECT_NEAR(bench.tick(at(0, 0, -1e-3)).force().z(), share * given.force().z(), 1e-12);
   }
 }
@@ -244,7 +245,7 @@ TEST(Servo, TheDevicesEndGivesNoForce) {
 }
 
 TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
-  // k = c = 2 b / T: press and release along a constant normal.
+  // k = c = 2 b / T: the hand presses and releases along a constant normal.
   Bench bench(parameters("contact_frame"));
   constexpr double kStiffness = 1000.0;
   double z = 0.0;
@@ -262,12 +263,12 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   Bench bench(parameters("contact_frame", BoundingSide::server));
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
-  EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // no energy burned yet
+  EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // The device has not dissipated energy yet.
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   EXPECT_EQ(bench.servo.account_cut(), 1.0);
   for (int n = 1; n <= 30; ++n) bench.tick(at(2e-3 * n, 0, 0));
   EXPECT_EQ(bench.tick(at(0.06, 0, 0)).force(),
-            Vec3(0, 0, 7));  // a client's bound allows none at rest
+            Vec3(0, 0, 7));  // A client's bound would allow no force at rest.
   EXPECT_EQ(bench.servo.account_cut(), 0.0);
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
   EXPECT_TRUE(
@@ -285,7 +286,7 @@ TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
   EXPECT_EQ(given.force(), Vec3(1, 0, 0));
   EXPECT_EQ(given.torque, Vec3::Zero());
   flat.hold(given);
-  EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // the direction is right
+  EXPECT_EQ(flat.statistics().direction_error.max(), 0u);  // The direction error is zero.
 }
 
 TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
@@ -294,7 +295,7 @@ TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
   const Nanoseconds last = bench.now;
   bench.servo.take(reply(4, {}), last + std::chrono::microseconds(200));
   bench.servo.take(reply(2, {}),
-                   last + std::chrono::microseconds(300));  // 2.3 ms: late, but an answer
+                   last + std::chrono::microseconds(300));  // 2.3 ms: late, but a valid answer
   bench.servo.take(reply(2, {}), last + std::chrono::microseconds(400));
   bench.servo.take(reply(4, {}), last + std::chrono::microseconds(400));
   const ServoStatistics& s = bench.servo.statistics();
@@ -310,9 +311,9 @@ TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 2)), bench.now);
   bench.servo.render({}, bench.now += kPeriod);
-  bench.servo.hold(elastic(1, 0, 1));  // the device pulls 45 degrees aside
+  bench.servo.hold(elastic(1, 0, 1));  // The device's force has a direction error of 45 degrees.
   bench.servo.render({}, bench.now += kPeriod);
-  bench.servo.hold(elastic(0, 0, 1e-7));  // too small to have a direction
+  bench.servo.hold(elastic(0, 0, 1e-7));  // too small for a direction
   const Histogram& h = bench.servo.statistics().direction_error;
   EXPECT_EQ(h.count(), 1u);
   EXPECT_NEAR(h.mean(), 45e6, 1.0);

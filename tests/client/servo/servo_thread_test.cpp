@@ -1,4 +1,4 @@
-// If a servo thread stands still, ends or crashes, the device gets released.
+// If a servo thread stops, ends or crashes, the program must release the device.
 
 #include "client/servo/servo_thread.hpp"
 
@@ -28,8 +28,8 @@ using Verdict = StallDetector::Verdict;
 constexpr Nanoseconds kLate = std::chrono::milliseconds(5), kHold = std::chrono::milliseconds(100);
 constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
 
-/// Calls the watch as its thread does, late by a given time. The servo thread ticks until it stands
-/// still.
+/// Calls the stall detector as its thread does, late by a given time. The servo thread ticks until
+/// it stalls.
 struct Looks {
   StallDetector watch{kLate, kHold};
   Nanoseconds now = std::chrono::hours(3);
@@ -39,13 +39,13 @@ struct Looks {
     now += watch.pause() + late;
     return watch.look(now, life);
   }
-  /// The servo thread ticked in every period so far.
+  /// Lets the servo thread tick in each period until the check.
   Verdict look_at_ticks(Nanoseconds late = {}) {
     now += watch.pause() + late;
     for (; life.tick + kTick <= now; life.tick += kTick) life.calls += 2;
     return watch.look(now, life);
   }
-  /// The time from the newest tick to the verdict that it stands still, with looks late by `late`.
+  /// Returns the time from the newest tick to the verdict of a stall. Each check is late by `late`.
   Nanoseconds until_it_stands_still(Nanoseconds late = {}) {
     while (look(late) == Verdict::ticks && now < life.tick + std::chrono::minutes(1)) continue;
     return now - life.tick;
@@ -61,10 +61,10 @@ TEST(StallDetector, LetsGoWhenATickIsLateBySomePeriods) {
   while (looks.look() == Verdict::stands_still) continue;
   EXPECT_EQ(looks.now - still, StallDetector::kGrace);
   ++looks.life.calls;
-  EXPECT_EQ(looks.look(), Verdict::gone);  // a later tick changes nothing
+  EXPECT_EQ(looks.look(), Verdict::gone);  // A later tick must not change the verdict.
 }
 
-/// A tick that is less late does not count, however often it happens.
+/// A shorter delay is no stall, even if such delays are frequent.
 TEST(StallDetector, LateTicksThatComeAreNoStandstill) {
   Looks looks;
   Nanoseconds next = looks.now;
@@ -83,12 +83,12 @@ TEST(StallDetector, LateTicksThatComeAreNoStandstill) {
 TEST(StallDetector, ACallThatAlwaysTakesLongIsFound) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
-  looks.life.calls += 1;  // the write after a read of 20 ms returned; the next read began
+  looks.life.calls += 1;  // The write after a read of 20 ms returned, and the next read began.
   looks.life.tick = looks.now;
   EXPECT_EQ(looks.until_it_stands_still(), kLate);
 }
 
-/// It wakes once in several ticks, not at every tick.
+/// The stall detector wakes once in several ticks.
 TEST(StallDetector, LooksSeldom) {
   Looks looks;
   const Nanoseconds began = looks.now;
@@ -96,7 +96,7 @@ TEST(StallDetector, LooksSeldom) {
   EXPECT_GE((looks.now - began) / 1000, kLate - kTick);
 }
 
-/// Late looks do not add up: only the last one delays the verdict.
+/// Late checks must not add up. Only the last check may delay the verdict.
 TEST(StallDetector, AWatchThatIsWokenLateIsLateOnlyOnce) {
   for (const int late : {100, 1000, 3000, 5000}) {
     const Nanoseconds by = std::chrono::microseconds(late);
@@ -108,7 +108,7 @@ TEST(StallDetector, AWatchThatIsWokenLateIsLateOnlyOnce) {
   }
 }
 
-/// The whole program was stopped. The servo thread gets some time to tick, but only once.
+/// The complete program was stopped. The servo thread gets time for a tick, but only once.
 TEST(StallDetector, AProgramThatWasStoppedAsAWholeGoesOn) {
   Looks looks;
   ASSERT_EQ(looks.look_at_ticks(), Verdict::ticks);
@@ -118,11 +118,11 @@ TEST(StallDetector, AProgramThatWasStoppedAsAWholeGoesOn) {
   const Nanoseconds woke = looks.now;
   looks.until_it_stands_still();
   EXPECT_EQ(looks.now - woke, kLate);
-  Looks starved;  // the watch is always woken late
+  Looks starved;  // The stall detector always wakes late.
   ASSERT_EQ(starved.look_at_ticks(), Verdict::ticks);
   ASSERT_EQ(starved.look(4 * kLate), Verdict::ticks);
   EXPECT_EQ(starved.look(4 * kLate), Verdict::stands_still);
-  Looks ticked;  // it ticked between the last look and the stop
+  Looks ticked;  // The thread ticked between the last check and the stop.
   ASSERT_EQ(ticked.look_at_ticks(), Verdict::ticks);
   ticked.life.tick = ticked.now;
   ticked.life.calls += 2;
@@ -154,7 +154,7 @@ TEST(StallDetector, AForceThatComesLateIsHeldNoLonger) {
   Looks looks;
   looks.life.pulls = false;
   for (int n = 0; n < 50; ++n) ASSERT_EQ(looks.look(), Verdict::ticks);
-  looks.life.pulls = true;  // this write does not return
+  looks.life.pulls = true;  // This write does not return.
   const Nanoseconds began = looks.now;
   looks.until_it_stands_still();
   EXPECT_LE(looks.now - began, kLate);
@@ -170,7 +170,7 @@ TEST(StallDetector, TheTimeIsAFewPeriodsUnlessTheUserHasAnother) {
   EXPECT_DOUBLE_EQ(let_go_time(0.1, 0.1, 0.0, true), 0.2);
 }
 
-/// Holds the last force, and runs a function of the test within read() or write().
+/// A driver that keeps the last force. It calls a function of the test in read() or write().
 class Driver final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
@@ -183,7 +183,7 @@ class Driver final : public Device {
     told.store(on_hand.force().norm());
     return on_hand;
   }
-  /// Does not block later writes as a driver should: the guard does that.
+  /// The guard must block later writes, because this driver does not block them.
   void release() noexcept override { told.store(0.0); }
 
   std::function<void()> in_read, in_write;
@@ -222,7 +222,7 @@ TEST(GuardedDevice, AWriteThatWasUnderWayIsTakenBack) {
   EXPECT_EQ(driver.told, 0.0);
 }
 
-/// The last force stays on the hand until the zero write has returned.
+/// The last force stays on the hand until the zero write returns.
 TEST(GuardedDevice, PullsWhileTheForceIsBeingTakenOff) {
   Driver driver;
   GuardedDevice guard(driver);
@@ -234,12 +234,12 @@ TEST(GuardedDevice, PullsWhileTheForceIsBeingTakenOff) {
   EXPECT_FALSE(guard.pulls());
 }
 
-/// A thread whose loop gets 3 N from a peer until its device blocks.
+/// Runs a loop in a thread. A peer commands 3 N until the device blocks.
 struct StuckRun {
   ScenePeer peer;
   Driver* driver = new Driver;
   std::shared_ptr<ServoTask> task;
-  /// Shared, for the thread may outlive the test.
+  /// The thread may outlive the test, so both share this state.
   struct Turns {
     std::binary_semaphore stuck{0}, go_on{0};
     std::atomic<bool> taken{false};
@@ -249,13 +249,13 @@ struct StuckRun {
   StuckRun() {
     SessionParameters p;
     p.mode = "none";
-    p.hold_time = 1.0;  // longer than a busy machine keeps a thread waiting
+    p.hold_time = 1.0;  // [s] longer than a busy machine delays a thread
     task = std::make_shared<ServoTask>(std::unique_ptr<Device>(driver),
                                        std::make_shared<Transport>(peer.session(), p, false), p,
                                        ServoOptions{});
     task->let_go_after = p.hold_time;
   }
-  /// The next read or write after the first force does not return.
+  /// Returns a function that blocks the first read or write after a force.
   std::function<void()> block() {
     return [turns = turns, driver = driver] {
       if (driver->told.load() == 0.0 || turns->taken.exchange(true)) return;
@@ -279,7 +279,7 @@ struct StuckRun {
     EXPECT_EQ(driver->told, 0.0);
     EXPECT_EQ(task->result.end, EndReason::failed);
     EXPECT_TRUE(task->result.stood_still);
-    turns->go_on.release();  // the guard then blocks it for good
+    turns->go_on.release();  // The guard must now block further writes permanently.
     EXPECT_EQ(driver->told, 0.0);
   }
 };
@@ -302,14 +302,15 @@ TEST(ServoThread, ADeviceThatDoesNotWriteIsLetGo) {
   run.expect_let_go(thread, DeviceCall::write);
 }
 
-/// A thread returns later than the hold time, but in time for an orderly end. It gets no more
-/// force, and the run has failed.
+/// A thread returns after the hold time, but in time for an orderly end. It must get no more force,
+/// and the run must fail.
 TEST(ServoThread, AThreadThatComesBackLateEndsWithoutForce) {
   StuckRun run;
   run.driver->in_write = run.block();
   ServoThread thread(run.task);
   run.answer_until_stuck();
-  while (run.driver->told != 0.0) std::this_thread::yield();  // the watch has let go
+  // The stall detector has released the device.
+  while (run.driver->told != 0.0) std::this_thread::yield();
   run.turns->go_on.release();
   EXPECT_TRUE(thread.end());
   EXPECT_EQ(run.driver->told, 0.0);
@@ -350,7 +351,7 @@ class SharedDevice final : public Device {
   std::atomic<double>* force_;
 };
 
-#ifndef FELTWIRE_SANITIZED  // a sanitizer has its own handlers
+#ifndef FELTWIRE_SANITIZED  // A sanitizer has its own signal handlers.
 TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGUSR1, SIGALRM}) {
     SharedDevice device;
@@ -366,15 +367,15 @@ TEST(CrashReleaseDeathTest, ACrashTakesTheForceOffAndStaysACrash) {
   }
 }
 
-/// True for signals whose default action ends the program.
+/// Returns true for signals with a default action that ends the program.
 bool ends_programs(int signal) {
   constexpr std::array kOthers = {SIGKILL,  SIGSTOP, SIGCHLD, SIGCONT, SIGURG,
                                   SIGWINCH, SIGTSTP, SIGTTIN, SIGTTOU, SIGXFSZ};
   return std::ranges::find(kOthers, signal) == kOthers.end();
 }
 
-/// Another process sends the signal, as `kill -NUMBER` does. The C library ignores its own signals
-/// (32 and 33), so the device keeps its force.
+/// Another process sends the signal, as `kill -NUMBER` does. The C library reserves signals 32 and
+/// 33, so the device keeps its force.
 TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
   for (int signal = 1; signal <= 64; ++signal) {
     if (!ends_programs(signal)) continue;
@@ -400,7 +401,8 @@ TEST(CrashReleaseDeathTest, EverySignalThatEndsTheProgramTakesTheForceOff) {
   }
 }
 
-/// The handler of another part of the program stays, and afterwards all handlers are restored.
+/// The signal handler of another part of the program stays in use. All handlers are restored
+/// afterwards.
 TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
   SharedDevice device;
   EXPECT_EXIT(
@@ -421,7 +423,8 @@ TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
       ::testing::KilledBySignal(SIGIO), "");
 }
 
-/// The driver's library has no call that is safe in a signal handler: its thread removes the force.
+/// The driver's library has no call that is safe in a signal handler. The thread of the driver must
+/// remove the force.
 class LettingGoDevice final : public Device {
  public:
   explicit LettingGoDevice(SharedDevice& device)

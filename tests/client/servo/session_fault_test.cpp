@@ -1,5 +1,5 @@
-// Servo, datagrams and server in one process with a simulated clock: a hand and its session under
-// each fault (PROTOCOL.md, "Faults").
+// Connects servo, datagrams and server in one process with a simulated clock. Applies each fault to
+// a hand and its session (PROTOCOL.md, "Faults").
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -20,10 +20,10 @@ namespace {
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 constexpr Nanoseconds kSilence = std::chrono::seconds(2);
 constexpr std::uint64_t kSession = 0x700, kOther = 0x800;
-constexpr int kHoldTicks = 100;  // in the hold time
+constexpr int kHoldTicks = 100;  // the hold time in ticks
 
 using Datagram = std::vector<std::uint8_t>;
-/// A fault changes a datagram, or returns nothing to lose it.
+/// A fault changes a datagram. An empty result means that the datagram is lost.
 using Fault = std::function<Datagram(const Datagram&)>;
 
 const Fault kNone = [](const Datagram& d) { return d; };
@@ -39,13 +39,13 @@ Scene floor_scene() {
   return Scene("floor", {plane});
 }
 
-/// A hand that presses slowly into the floor.
+/// A hand presses slowly into the floor.
 struct Hand {
   DeviceSpec spec = builtin_device("simulated");
   Servo servo;
   DatagramSession datagrams;
   double z = 1e-3;
-  double fastest_fall = 0.0;  // [N] from one tick to the next
+  double fastest_fall = 0.0;  // [N] largest fall from one tick to the next
   Reply reply;
   GoodbyeReason reason = GoodbyeReason::leaving;
   std::uint64_t answers = 0, goodbyes = 0;
@@ -53,7 +53,7 @@ struct Hand {
   Hand(std::uint64_t session, const SessionParameters& parameters)
       : servo(spec, parameters), datagrams(session, test::keys(session), parameters, false) {}
 
-  /// The datagram of a tick.
+  /// Runs a tick and returns its datagram.
   Datagram tick(Nanoseconds now) {
     const double before = servo.held().force().norm();
     z = std::max(z - 1e-5, -5e-3);
@@ -166,8 +166,8 @@ std::vector<Case> faults() {
           {"replies to samples never sent", kNone, reply_to_the_future}};
 }
 
-// Whatever stops the answers, the force fades within the hold time without a step. A session whose
-// answers come back in time goes on.
+// Without answers the force must fade within the hold time and without a step. The session must
+// continue if answers return in time.
 TEST(SessionFault, WithoutAnswersTheForceFadesAndASessionInTimeGoesOn) {
   for (const Case& fault : faults()) {
     for (const BoundingSide side : {BoundingSide::server, BoundingSide::both}) {
@@ -176,7 +176,7 @@ TEST(SessionFault, WithoutAnswersTheForceFadesAndASessionInTimeGoesOn) {
       world.up = fault.up;
       world.down = fault.down;
       world.run(kHoldTicks / 2 - 1);
-      EXPECT_GT(world.hand.force(), 1.0) << fault.name;  // not at once
+      EXPECT_GT(world.hand.force(), 1.0) << fault.name;  // The force must not end at once.
       world.run(kHoldTicks / 2 + 2);
       EXPECT_EQ(world.hand.force(), 0.0) << fault.name;
       EXPECT_LE(world.hand.fastest_fall, world.hand.spec.max_force / (0.5 * kHoldTicks) + 1e-9)
@@ -214,7 +214,7 @@ TEST(SessionFault, WhatIsDroppedIsCountedUnderItsName) {
 TEST(SessionFault, SilenceIsEvictedAndSaysSo) {
   World world;
   press(world);
-  world.up = with_nan;  // dropped samples are no sign of life
+  world.up = with_nan;  // Dropped samples must not count as signs of life.
   world.run(1999);
   EXPECT_EQ(world.server->size(), 1u);
   world.run(1);
@@ -223,7 +223,8 @@ TEST(SessionFault, SilenceIsEvictedAndSaysSo) {
   EXPECT_EQ(world.hand.reason, GoodbyeReason::evicted);
 }
 
-/// A restarted server does not know the session, so it does not answer and the force fades.
+/// A restarted server has no record of the session. The server does not answer, and the force must
+/// fade.
 TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   World world;
   press(world);
@@ -231,7 +232,7 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   world.run(kHoldTicks + 1);
   EXPECT_EQ(world.hand.force(), 0.0);
   EXPECT_EQ(world.drops(DropReason::session), static_cast<std::uint64_t>(kHoldTicks + 1));
-  // The next session is new. The hand keeps its sample count.
+  // The client joins a new session. The client must continue its sample count.
   world.join(kOther);
   world.hand.datagrams.resume(kOther, test::keys(kOther));
   world.hand.servo.reconnected(true);
@@ -240,7 +241,8 @@ TEST(SessionFault, AServerThatWasStartedAnewAnswersNoOldSession) {
   EXPECT_EQ(world.hand.answers, before + 50);
 }
 
-/// A jump forwards is a gap: one long step. After a jump backwards all samples are stale.
+/// A jump forwards is a gap, which counts as one long step. After a jump backwards all samples are
+/// stale.
 TEST(SessionFault, SampleIndicesThatJump) {
   World forward;
   press(forward);
@@ -272,7 +274,7 @@ TEST(SessionFault, SampleIndicesThatJump) {
   backward.run(kHoldTicks + 1);
   EXPECT_EQ(backward.hand.force(), 0.0);
   EXPECT_EQ(backward.drops(DropReason::stale), static_cast<std::uint64_t>(kHoldTicks + 1));
-  backward.run(249);  // then the count has caught up
+  backward.run(249);  // After this run the sample count has reached its former value.
   const std::uint64_t before = backward.hand.answers;
   backward.down = [](const Datagram& d) {
     return changed(d, [](Reply& r) { r.sample_index += 350; });
@@ -281,8 +283,8 @@ TEST(SessionFault, SampleIndicesThatJump) {
   EXPECT_EQ(backward.hand.answers, before + 10);
 }
 
-/// Client times stand still, run back or are absurd. The server answers with finite forces, no
-/// larger than for good times.
+/// Client times are constant, decreasing or absurd. The server's forces must be finite and no
+/// larger than with correct times.
 TEST(SessionFault, ClientTimesThatRunBackEarnNothing) {
   World good, bad;
   std::uint64_t n = 0;
@@ -308,7 +310,7 @@ TEST(SessionFault, ClientTimesThatRunBackEarnNothing) {
   EXPECT_EQ(bad.hand.servo.port().violations(), 0u);
 }
 
-/// A server clock that runs back evicts no session.
+/// A server clock that runs backwards must not evict a session.
 TEST(SessionFault, AServersClockThatRunsBackEvictsNobody) {
   World world;
   press(world);
@@ -318,8 +320,8 @@ TEST(SessionFault, AServersClockThatRunsBackEvictsNobody) {
 
 // Two programs use one session by mistake.
 
-/// The second starts when the first is far ahead. The server answers none of its datagrams, and the
-/// first feels no difference.
+/// The second program starts when the first is far ahead. The server must not answer the second,
+/// and the first hand must feel no difference.
 TEST(TwoOfOneSession, WhoComesLaterIsNotHeard) {
   World both, alone;
   Hand late(kSession, both.parameters);
@@ -337,11 +339,12 @@ TEST(TwoOfOneSession, WhoComesLaterIsNotHeard) {
   EXPECT_EQ(both.server->counters().samples.duplicates, 500u);
 }
 
-/// Both start together. The server answers the earlier datagram of each number and counts the other
-/// as a duplicate. Neither hand gets more than it burned.
+/// Both programs start together. The server answers the earlier datagram of each number and counts
+/// the later one as a duplicate. Neither hand may get more energy than its device dissipated.
 TEST(TwoOfOneSession, OfTwoAtOnceTheFasterIsAnswered) {
   test::Random random(11);
-  for (const double share : {0.0, 0.5, 1.0}) {  // of the ticks in which the second is earlier
+  // share of the ticks in which the second program is earlier
+  for (const double share : {0.0, 0.5, 1.0}) {
     World world;
     Hand second(kSession, world.parameters);
     second.z = -2e-3;  // at another depth
@@ -371,7 +374,7 @@ TEST(TwoOfOneSession, OfTwoAtOnceTheFasterIsAnswered) {
   }
 }
 
-/// A name is no identity: two clients with one name have two sessions.
+/// Two clients may have the same name. Each has a session of its own.
 TEST(TwoOfOneName, AreTwoSessions) {
   World both, alone;
   both.join(kOther);  // equal name, device and scene

@@ -1,8 +1,8 @@
-// Session and servo over a lossy link: it delays, loses, doubles and reorders both ways, while the
-// parameters change and the hand takes the most energy. The port must not deliver more than it
-// burns.
+// Runs session and servo over a link that delays, loses, duplicates and reorders datagrams. The
+// parameters change, and the hand extracts as much energy as possible. The port must not deliver
+// more energy than it dissipates.
 //
-// ctest runs it with seed 1 and with a random seed; tests/core/script.hpp has the other options.
+// ctest uses seed 1 and a random seed. tests/core/script.hpp has more options.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -21,11 +21,11 @@
 namespace feltwire {
 namespace test {
 
-/// The events of a servo period.
+/// Events of a servo period.
 struct NetworkTick {
-  double share = 0.0;                  // of the greediest movement
-  Vec3 moves = Vec3::Zero();           // [m] added to it
-  int up = 0, down = 0;                // [ticks] late; -1: lost
+  double share = 0.0;                  // share of the movement that extracts the most energy
+  Vec3 moves = Vec3::Zero();           // [m] added to this movement
+  int up = 0, down = 0;                // [ticks] delay; -1: lost
   int up_again = -1, down_again = -1;  // [ticks] delay of a duplicate; -1: no duplicate
   int change = -1;                     // index of the server's next parameters; -1: none
   friend bool operator==(const NetworkTick&, const NetworkTick&) = default;
@@ -130,7 +130,7 @@ DeviceSpec arm() {
   return spec;
 }
 
-/// Parameters that promise that no hand takes more energy than was burned.
+/// Returns the parameters that guarantee passivity for each hand.
 std::vector<SessionParameters> passive(BoundingSide side) {
   std::vector<SessionParameters> all;
   for (const Projection projection : {Projection::joint, Projection::cone})
@@ -145,7 +145,7 @@ std::vector<SessionParameters> passive(BoundingSide side) {
     p.mode = mode;
     all.push_back(p);
   }
-  // With fewer datagrams the client itself makes the force between them.
+  // With fewer datagrams, the client itself computes the force between them.
   const SessionParameters usual;
   for (const Predictor predictor : {Predictor::level, Predictor::linear})
     for (const int interval : {1, 4}) {
@@ -163,7 +163,7 @@ std::vector<SessionParameters> passive(BoundingSide side) {
   return all;
 }
 
-/// Any parameters that a server may get meanwhile, independent of the client.
+/// Returns parameters that the server may switch to, independently of the client.
 std::vector<SessionParameters> anything() {
   std::vector<SessionParameters> all;
   for (const std::string_view mode :
@@ -183,14 +183,15 @@ std::vector<SessionParameters> anything() {
   return all;
 }
 
-/// Moves the hand while `held` acts on it, within 0.2 m of the origin.
+/// Moves the hand within 0.2 m of the origin while `held` acts on it.
 Vec3 moved(const NetworkTick& t, const Vec3& position, const Vec3& held, double damping) {
   Vec3 to = position + t.share * greediest(held, 1e-3, damping) + t.moves;
   if (to.norm() > 0.2) to *= 0.2 / to.norm();
   return to;
 }
 
-/// Plays the script; returns how often the hand had taken more than was burned.
+/// Plays the script. Returns how often the hand had extracted more energy than the device
+/// dissipated.
 std::uint64_t violations(const NetworkScript& script, const SessionParameters& at_client,
                          double* rendered = nullptr) {
   const Scene scene = room();
@@ -252,7 +253,7 @@ RC_GTEST_PROP(SessionProperty, NoLinkAndNoChangeGivesTheHandMoreThanWasBurned, (
   }
 }
 
-// These hands must win without a bound, or the property above cannot fail.
+// Without a bound these hands must extract energy. Otherwise the test above could not fail.
 TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   SessionParameters nobody = passive(BoundingSide::server)[0];
   nobody.mode = "none";
@@ -270,10 +271,10 @@ TEST(SessionMutant, WithoutABoundAtTheClientTheSameHandsWin) {
   EXPECT_GT(lost, 0u);
   EXPECT_EQ(kept, 0u);
   EXPECT_GT(from_model, 100.0);
-  EXPECT_GT(rendered, 100.0);  // [N] summed: without any force the test proves nothing
+  EXPECT_GT(rendered, 100.0);  // [N] sum over all ticks: without force the test proves nothing
 }
 
-// The device holds each server command at once. Only the server's bound acts, while the law changes
+// The device holds each server command at once, so only the server's bound acts. The method changes
 // under a held force.
 RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   const auto laws = passive(BoundingSide::server);
@@ -300,12 +301,12 @@ RC_GTEST_PROP(SessionProperty, ChangingTheLawAtTheServerGivesNoEnergy, ()) {
   }
 }
 
-/// The answers to a hand that presses straight down. The law changes at sample 21.
+/// Collects the answers to a hand that presses straight down. The method changes at sample 21.
 TEST(SessionChange, ANewLawIsNotCreditedTheMovementThatTheOldOneHasPaidFor) {
   for (const SessionParameters& next : passive(BoundingSide::server)) {
     const Scene scene = room();
     SessionParameters first = passive(BoundingSide::server)[1];
-    first.operator_damping = 0.2;  // so that every law differs
+    first.operator_damping = 0.2;  // With this damping all methods differ.
     Session session({"tester", "room", arm(), first}, scene);
     Sample sample;
     const auto press = [&] {

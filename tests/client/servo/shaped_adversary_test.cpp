@@ -1,6 +1,6 @@
-// The usual session, `shaped` with its account, against a hostile hand. It has a server, a link
-// that loses, delays and doubles, a servo, and a handle that moves by Newton's law. The test sums
-// the hand's energy over the whole path itself and does not use the servo's observer.
+// Attacks the default session, `shaped` with its energy account. The session has a server, a link
+// that loses, delays and duplicates, a servo, and a handle that obeys Newton's law. The test itself
+// integrates the hand's energy over the complete path.
 
 #include <gtest/gtest.h>
 
@@ -23,25 +23,25 @@ using test::Grip;
 constexpr double kPeriod = 1e-3;  // [s]
 constexpr int kTicks = 1500;
 #ifdef FELTWIRE_SANITIZED
-constexpr int kSessions = 60;  // forty times as slow there
+constexpr int kSessions = 60;  // Sanitizers are forty times as slow.
 #else
 constexpr int kSessions = 240;
 #endif
 
-/// Ratios of the numbers that the session is told to the true numbers.
+/// Ratios of the declared numbers to the true ones.
 struct AssumedNumbers {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
-  double damping = 0.0;           // [N s/m] of the operator, claimed as the device's
-  double operator_damping = 0.0;  // [N s/m] claimed as the operator's
+  double damping = 0.0;           // [N s/m] operator's damping that is declared as the device's
+  double operator_damping = 0.0;  // [N s/m] declared operator damping
 };
 
 /// Further disturbances of a session.
 struct Trouble {
-  double strength = 1.0;  // the hand's largest force over its true limit
+  double strength = 1.0;  // the hand's largest force divided by its declared limit
   double longest = 1.0;   // [T] longest hold
 };
 
-/// Any device and hand, with numbers over three decades.
+/// Returns a random device and hand, with numbers over three decades.
 DeviceSpec any_device(Random& random) {
   DeviceSpec spec;
   spec.name = "any";
@@ -65,7 +65,7 @@ DeviceSpec as_told(DeviceSpec spec, const AssumedNumbers& told) {
   return spec;
 }
 
-/// A stiff, rough floor with a wall on it, and a ball in the corner.
+/// A stiff, rough floor with a wall and a ball in the corner.
 Scene any_room(Random& random) {
   Object floor;
   floor.name = "floor";
@@ -85,7 +85,7 @@ Scene any_room(Random& random) {
   return Scene("room", {floor, wall, ball}, {.position = {0.0, 0, 0}, .normal = {0, 0, 2}});
 }
 
-/// A one-way link that delays, loses and doubles.
+/// A one-way link that delays, loses and duplicates.
 template <class Datagram>
 class OneWayLink {
  public:
@@ -111,16 +111,18 @@ class OneWayLink {
 };
 
 struct Outcome {
-  double least = 0.0;      // [J] least of burned minus delivered, over the whole path
-  double exchanged = 0.0;  // [J]
-  double rendered = 0.0;   // [N] summed
+  // [J] smallest value of dissipated minus delivered energy on the complete path
+  double least = 0.0;
+  double exchanged = 0.0;  // [J] exchanged energy
+  double rendered = 0.0;   // [N] sum over all ticks
   std::uint64_t near = 0, late = 0, cut = 0, violations = 0;
   AccountStatistics account;
   bool force_in_debt = false;
-  double share_of_excess = 0.0;  // largest debt over the most that a too strong hand can overdraw
+  // largest debt divided by its limit, for a hand with excess strength
+  double share_of_excess = 0.0;
 };
 
-/// The hand's force. Without a held force it moves to the surfaces.
+/// Returns the hand's force. Without a held force the hand moves towards the surfaces.
 Vec3 hand(Grip grip, Random& random, const Vec3& held, const Vec3& to_surface, double strength,
           double part) {
   if (held.isZero(0.0)) return strength * to_surface;
@@ -142,7 +144,7 @@ SessionParameters any_change(Random& random, const SessionParameters& usual) {
   return p;
 }
 
-/// Forces and surfaces that no scene would give, in another direction in each reply.
+/// Replaces the reply by impossible forces and surfaces, with a new direction each time.
 void make_hostile(Random& random, Reply& reply, const Vec3& position) {
   reply.command = random_command(random);
   reply.command.torque.setZero();
@@ -219,7 +221,8 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, const Trouble& tr
     Command given = servo.render(device, now);
     outcome.force_in_debt |=
         in_debt_before && servo.account()->in_debt() && !given.force().isZero(0.0);
-    if (random.chance(0.05)) given = random.uniform(0.0, 1.0) * given;  // the device gives less
+    // The device gives less than commanded.
+    if (random.chance(0.05)) given = random.uniform(0.0, 1.0) * given;
     const Sample* sample = servo.hold(given);
     outcome.rendered += given.force().norm();
     strongest = std::max(strongest, given.force().norm());
@@ -249,10 +252,10 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, const Trouble& tr
 }
 
 struct Sum {
-  double worst = 0.0;     // least balance over the exchanged energy
+  double worst = 0.0;     // smallest balance divided by the exchanged energy
   double rendered = 0.0;  // [N] mean
   double share_of_excess = 0.0;
-  int losers = 0;  // sessions in which energy was made
+  int losers = 0;  // sessions in which the hand gained energy
   std::uint64_t near = 0, late = 0, cut = 0, violations = 0, overdrawn = 0, strong_hand = 0;
   bool force_in_debt = false;
 };
@@ -277,7 +280,7 @@ Sum attack_all(int sessions, const AssumedNumbers& told, const Trouble& trouble 
   return sum;
 }
 
-// Greedy, reversing and noisy hands with the declared strength, in sessions with link faults,
+// Greedy, reversing and noisy hands have the declared strength. The sessions have link faults,
 // device faults, reloads, changes of the server's bound and a hostile server.
 TEST(ShapedAdversary, NoSessionGivesTheHandMoreThanWasBurned) {
   const Sum sum = attack_all(kSessions, {});
@@ -286,7 +289,7 @@ TEST(ShapedAdversary, NoSessionGivesTheHandMoreThanWasBurned) {
   EXPECT_EQ(sum.violations, 0u);
   EXPECT_EQ(sum.overdrawn, 0u);
   EXPECT_EQ(sum.strong_hand, 0u);
-  // Force must have been rendered and limited, or the run proves nothing.
+  // The session must render and limit forces. Otherwise the run proves nothing.
   EXPECT_GT(sum.rendered, 0.05);
   EXPECT_GT(sum.near, 1000u);
   EXPECT_GT(sum.late, 1000u);
@@ -299,7 +302,7 @@ TEST(ShapedAdversary, AnOperatorsDampingIsNoneOfTheAccounts) {
   EXPECT_EQ(sum.violations, 0u);
 }
 
-// Errors of the declared numbers to the safe side only cost force.
+// Conservative errors of the declared numbers must only reduce the force.
 TEST(ShapedAdversary, ALighterHandleAndAStrongerHandThanIsTrueAreSafe) {
   const Sum sum = attack_all(kSessions / 2, {.mass = 0.75, .hand = 1.25, .quantum = 2.0});
   EXPECT_EQ(sum.losers, 0);
@@ -307,7 +310,7 @@ TEST(ShapedAdversary, ALighterHandleAndAStrongerHandThanIsTrueAreSafe) {
 }
 
 TEST(ShapedAdversary, AHandThatIsTooStrongOverdrawsABoundedDebtAndIsSeen) {
-  constexpr int kEnough = 240;  // 60 sessions are too few
+  constexpr int kEnough = 240;  // 60 sessions are too few for a debt.
   const Sum sum = attack_all(kEnough, {}, {.strength = 1.5});
   EXPECT_GT(sum.overdrawn, 0u);
   EXPECT_GT(sum.strong_hand, 0u);
@@ -321,8 +324,9 @@ TEST(ShapedAdversary, AHoldOfFiftyPeriodsIsADebtThatIsRepaidBeforeAnyForce) {
   EXPECT_FALSE(sum.force_in_debt);
 }
 
-// --- Mutants: with one false number the hands must win, which shows that the tests above can fail.
-// Few sessions reach the limit (3 of 960, 7 of 480), so a sanitizer would take too long.
+// Mutants: with one false number the hands must gain energy. This shows that the tests above can
+// fail. Few sessions reach the limit (3 of 960, 7 of 480), so the tests are too slow with a
+// sanitizer.
 
 #ifndef FELTWIRE_SANITIZED
 TEST(ShapedAdversaryMutant, AMassThatIsToldAQuarterTooLargeLoses) {

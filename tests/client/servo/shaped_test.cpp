@@ -1,5 +1,5 @@
-// A servo with a shaping method: it asks the local model half a sample ahead, the account is the
-// last stage, and the force does not step.
+// Tests a servo with a shaping method. It evaluates the local model half a sample ahead, the
+// account is its last stage, and the force must not step.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ SessionParameters modelled(std::string_view mode = "shaped") {
   return p;
 }
 
-/// A floor at z = 0 with a model that is valid within `reach` of the origin.
+/// Returns a reply with a floor at z = 0. Its local model is valid within `reach` [m] of the
+/// origin.
 Reply floor_reply(std::uint64_t index, double stiffness = kStiffness, double reach = 0.04) {
   Reply r = reply(index, elastic(0, 0, 1));
   r.modelled = true;
@@ -34,7 +35,7 @@ Reply floor_reply(std::uint64_t index, double stiffness = kStiffness, double rea
   return r;
 }
 
-/// Moves the hand to and fro in free space, so that the device burns energy, and ends at z = 0.
+/// Moves the hand to and fro in free space, and ends at z = 0. The device dissipates energy.
 void burn(Bench& bench) {
   for (int n = 0; n < 400; ++n) bench.tick(at(0, 0, 0.01 * (1.0 + std::cos(0.05 * n))));
   for (int n = 100; n > 0; --n) bench.tick(at(0, 0, 1e-4 * n));
@@ -55,7 +56,7 @@ TEST(Shaped, AsksTheLocalModelHalfASampleAhead) {
     EXPECT_EQ(bench.servo.statistics().account_cut, 0u);
     EXPECT_EQ(bench.servo.port().violations(), 0u);
   }
-  // A method that bounds by itself asks at the device's place.
+  // A method with its own bound evaluates the model at the device's position.
   Bench plain(modelled("none"));
   plain.tick();
   plain.servo.take(floor_reply(1), plain.now);
@@ -67,7 +68,7 @@ TEST(Shaped, ADeviceThatHasBurnedNothingGivesNothing) {
   bench.tick(at(0, 0, 1e-6));
   bench.servo.take(floor_reply(1, 4e4), bench.now);
   bench.tick(at(0, 0, 1e-6));
-  EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // the scene asks for 0.14 N
+  EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // [N] The scene commands 0.14 N.
   EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
   EXPECT_GT(bench.servo.account_cut(), 0.9);
   EXPECT_LE(bench.servo.account_cut(), 1.0);
@@ -81,7 +82,7 @@ TEST(Shaped, BeyondTheModelItIsCreditedWithTheDampingOfAHand) {
   bench.tick(at(0, 0, 0));
   EXPECT_TRUE(bench.servo.near());
   const std::uint64_t before = bench.servo.statistics().hand_overs;
-  // The reply's 1 N alone; it rises by 2 (b + a) / T per metre.
+  // Only the reply's 1 N remains. This force rises by 2 (b + a) / T per metre.
   const double c = 2.0 * (0.5 + 1.5) / 1e-3;
   EXPECT_EQ(bench.tick(surely_at(0.01, 0, 0)).elastic.z(), 0.0);
   EXPECT_FALSE(bench.servo.near());
@@ -99,10 +100,10 @@ TEST(Shaped, TheStiffestSurfaceLimitsHowFastALateForceRises) {
   for (const bool reloaded : {false, true}) {
     Bench bench(parameters("credited"), options);
     burn(bench);
-    for (int n = 0; n < 2; ++n) bench.tick(at(0, 0, 0));  // the hand rests
+    for (int n = 0; n < 2; ++n) bench.tick(at(0, 0, 0));  // The hand rests.
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 1)), bench.now);
     bench.tick(at(0, 0, 0));
-    if (reloaded) {  // the new surfaces are unknown
+    if (reloaded) {  // The new surfaces are unknown.
       Reply next = reply(bench.servo.sample().index, elastic(0, 0, 1));
       next.reloads = 1;
       bench.servo.take(next, bench.now);
@@ -139,7 +140,7 @@ TEST(Shaped, ALateCornerRisesWallByWall) {
   const auto force_of = [](bool told) {
     Bench bench(parameters("shaped"));
     burn(bench);
-    for (int n = 0; n < 2; ++n) bench.tick(at(0, 0, 0));  // the hand rests
+    for (int n = 0; n < 2; ++n) bench.tick(at(0, 0, 0));  // The hand rests.
     Reply corner = reply(bench.servo.sample().index, elastic(1, 0, 1));
     if (told) {
       corner.normals.add(Vec3::UnitX());
@@ -180,8 +181,8 @@ TEST(Shaped, AWallThatBecomesStifferUnderAHandThatRestsRisesSlowly) {
   EXPECT_TRUE(whole);
 }
 
-// The servo remembers a late tick for seconds. If the balance were spent to its limit, the reserve
-// for holds of 2 T would cost most of the force.
+// For seconds after a late tick, the servo keeps an energy reserve for hold times of 2 T. If the
+// balance were empty, this reserve would cost most of the force.
 TEST(Shaped, ALateTickCostsLittleForce) {
   Bench bench(modelled());
   bench.tick(at(0, 0, 1e-3));
@@ -194,13 +195,14 @@ TEST(Shaped, ALateTickCostsLittleForce) {
     }
     return force;
   };
-  while (z > -2e-3) {  // without burned energy, so that the account cuts
+  // The account must reduce the force, because the device has dissipated no energy.
+  while (z > -2e-3) {
     z -= 2e-5;
     rest(1);
   }
   const double before = rest(20);
   EXPECT_GT(before, 0.5);
-  EXPECT_LT(before, 40.0);  // of 80 N
+  EXPECT_LT(before, 40.0);  // [N] of 80 N
   rest(1, 3 * kPeriod / 2);
   EXPECT_GT(rest(5), 0.85 * before);
   EXPECT_EQ(bench.servo.account()->statistics().overdrawn, 0u);
@@ -214,7 +216,7 @@ TEST(Shaped, AFaultLosesTheBalance) {
   lost.ok = false;
   bench.tick(lost);
   EXPECT_EQ(bench.servo.account()->balance(), 0.0);
-  bench.tick(at(0, 0, 0.2));  // the movement during the fault is unknown
+  bench.tick(at(0, 0, 0.2));  // The movement during the fault is unknown.
   EXPECT_EQ(bench.servo.account()->balance(), 0.0);
   bench.tick(at(0, 0, 0.2001));
   EXPECT_GT(bench.servo.account()->balance(), 0.0);
@@ -229,7 +231,7 @@ TEST(Shaped, TheAccountKnowsNothingOfTheOperatorsDamping) {
   EXPECT_EQ(told.servo.hand_credit()->damping, 5.0);
   EXPECT_EQ(told.servo.account()->balance(), bench.servo.account()->balance());
   EXPECT_EQ(told.servo.port().burned(), bench.servo.port().burned());
-  // A bound that counts on it does not change the account either.
+  // The account must also ignore the operator's damping under a bound that uses this damping.
   claimed.mode = "contact_frame";
   Bench bound(claimed);
   burn(bound);
@@ -259,13 +261,13 @@ TEST(Shaped, TheAccountStandsBehindEveryModeThatBounds) {
   EXPECT_THROW(stands("shaped", BoundingSide::client, without), std::invalid_argument);
   SessionParameters credited = parameters("per_axis");
   credited.operator_damping = 1.0;
-  const Bench relies(credited);  // on the hand's largest force
+  const Bench relies(credited);  // This account uses the hand's largest force.
   EXPECT_EQ(relies.servo.account()->outside_force(), relies.spec.hand_force);
   EXPECT_THROW(Bench(credited, without), std::invalid_argument);
 }
 
-/// Eq. (2) leaves M >= sum F^2 T/(2b), twice what any hand can take of the force. total_energy
-/// leaves nothing.
+/// Eq. (2) of docs/bounding.md leaves M >= sum F^2 T/(2b) in the port, twice the energy that any
+/// hand can extract from the force. total_energy leaves nothing.
 TEST(Shaped, PerAxisNeedsNoAccount) {
   const auto cuts = [](const char* mode) {
     Bench bench(parameters(mode));
@@ -274,8 +276,8 @@ TEST(Shaped, PerAxisNeedsNoAccount) {
     Vec3 position = Vec3::Zero();
     bench.tick(at(0, 0, 0));
     for (int n = 0; n < 4000; ++n) {
-      // The hand presses walls of 3 kN/m on each axis and shakes. Every third tick the force
-      // moves it.
+      // The hand presses walls of 3 kN/m on each axis and shakes. Every third tick the force moves
+      // the hand.
       const Vec3 way =
           n % 3 == 0 ? Vec3(1e-3 * bench.servo.held().force())
                      : Vec3(3e-4 * normal(random), 3e-4 * normal(random), 3e-4 * normal(random));

@@ -1,4 +1,4 @@
-// The third stage of a tick alone: the scene's command at a pose, from reply and local model.
+// Tests the third stage of a tick alone: the scene's command at a pose, from reply and local model.
 
 #include "client/servo/virtual_environment.hpp"
 
@@ -19,7 +19,8 @@ SessionParameters modelled() {
   return p;
 }
 
-/// A floor at z = 0, valid within 40 mm of the origin. The reply's own command is 7 N.
+/// Returns a floor at z = 0 that is valid within 40 mm of the origin. The reply's own command is 7
+/// N.
 Reply floor_reply() {
   Reply reply;
   reply.sample_index = 1;
@@ -97,7 +98,8 @@ TEST(VirtualEnvironment, WhatIsForgottenAnswersNoMore) {
   EXPECT_EQ(floor.at({0, 0, -1e-3}).elastic.z(), 7.0);
 }
 
-/// A force of the model that begins while the tool stands rises no faster than a fade falls.
+/// If the model's force begins while the tool rests, the force must not rise faster than a fade
+/// falls.
 TEST(VirtualEnvironment, AForceThatComesUnderARestingHandRisesSlowly) {
   Floor floor;
   floor.at({0, 0, -3e-3});

@@ -1,4 +1,4 @@
-// Each reason for a zero force.
+// Tests each reason for a zero force.
 
 #include "client/servo/zero_force_reason.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing::servo;
 
-/// An unbounded servo whose first sample got this command.
+/// A servo that got this command as the answer to its first sample.
 struct BenchAfterCommand : Bench {
   explicit BenchAfterCommand(const Command& command, const ServoOptions& options = {},
                              std::string_view mode = "none",
@@ -61,7 +61,8 @@ TEST(ZeroForceReason, TheSceneAsksForTooLittle) {
   EXPECT_EQ(BenchAfterCommand(elastic(0, 0, 0.006)).why(), ZeroForceReason::felt);
 }
 
-/// The hand begins in contact, under each bound. One bound gives a resting hand no force anyway.
+/// The hand begins in contact. The test uses each bound, because one bound gives a resting hand no
+/// force in any case.
 TEST(ZeroForceReason, WaitsBecauseItBeganInContact) {
   for (const std::string_view mode : {"none", "contact_frame"}) {
     BenchAfterCommand told(kTwo, limited({.small = 0.05}), mode);
@@ -70,7 +71,7 @@ TEST(ZeroForceReason, WaitsBecauseItBeganInContact) {
   }
 }
 
-/// The wait is the named reason even if a hundredth of the force is left.
+/// The servo reports the wait as the reason even if a hundredth of the force remains.
 TEST(ZeroForceReason, AWaitThatLeavesNextToNothingIsSaid) {
   ForceTrail trail{.answered = true, .stage_waits = true};
   trail.asked = trail.actuated = trail.faded = trail.bounded = elastic(0, 0, 6);
@@ -162,7 +163,7 @@ TEST(ZeroForceReason, TheGuardOfAServersForce) {
 TEST(ZeroForceReason, AnAbsurdMovementIsRefused) {
   BenchAfterCommand told(kTwo, {}, "contact_frame");
   DeviceReading far = at(1e200, 0, 0);
-  far.jumped = false;  // the driver says that a hand moved there
+  far.jumped = false;  // The driver confirms the movement.
   EXPECT_EQ(told.why(far), ZeroForceReason::refused);
 }
 
@@ -183,7 +184,7 @@ TEST(ZeroForceReason, EachHasANameAndWordsOfItsOwn) {
   EXPECT_EQ(names.count(""), 0u);
 }
 
-/// A reason that withheld a force prevails over the time in free space.
+/// A reason that withheld a force has priority over the time in free space.
 TEST(ZeroForceReason, OfAWholeRun) {
   using Ticks = std::array<std::uint64_t, kZeroForceReasons>;
   const auto of = [](std::initializer_list<std::pair<ZeroForceReason, std::uint64_t>> counts) {

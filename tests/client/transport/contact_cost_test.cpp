@@ -1,5 +1,5 @@
-// The client measures contact with fetched geometry before the servo uses it. It refuses geometry
-// that takes too long.
+// The client measures contact with fetched geometry before the servo uses it. The client must
+// refuse geometry that takes too long.
 
 #include "client/transport/contact_cost.hpp"
 
@@ -28,10 +28,10 @@ FetchedScene ring() {
   return {.objects = {3}, .surfaces = mesh_surfaces(1, {data}), .body = nullptr};
 }
 
-/// A clock on which each evaluation takes this time and a reading takes none.
+/// Returns a clock on which each evaluation takes this time. Reading the clock takes no time.
 ComputingClock each_takes(Nanoseconds time) {
   return [=, now = Nanoseconds(0), reads = 0]() mutable {
-    // The first readings measure the clock itself; then every second one ends an evaluation.
+    // The first readings measure the clock itself. Then every second reading ends an evaluation.
     constexpr int kFirst = 9;
     if (++reads > kFirst && (reads - kFirst) % 2 == 0) now += time;
     return now;
@@ -53,13 +53,13 @@ TEST(ContactCost, WhatTakesLongerIsRefusedWithItsTimeItsPlaceAndARemedy) {
   EXPECT_THAT(too_costly(cost, kPeriod),
               Optional(AllOf(HasSubstr("object 3 "), HasSubstr("250 us"), HasSubstr("312 us"),
                              HasSubstr("fewer triangles"), HasSubstr("--rate"))));
-  // Accept this time for a slower servo, and refuse it for a faster one.
+  // A slower servo accepts this time, and a faster servo refuses it.
   EXPECT_EQ(too_costly(cost, 2 * kPeriod), std::nullopt);
   const ContactCost fast = contact_cost(ring(), 1e-4, each_takes(std::chrono::microseconds(30)));
   EXPECT_THAT(too_costly(fast, 1e-4), Optional(HasSubstr("25 us")));
 }
 
-/// A slow machine's work units take longer, so fewer of them fit into a tick.
+/// A work unit takes longer on a slow machine. Fewer units fit into a tick.
 TEST(ContactCost, AUnitIsAsLongAsItWasMeasured) {
   const ContactCost fast = contact_cost(ring(), kPeriod, each_takes(Nanoseconds(1)));
   EXPECT_EQ(fast.unit, kUsualUnit);
@@ -70,7 +70,8 @@ TEST(ContactCost, AUnitIsAsLongAsItWasMeasured) {
             units_within(contact_budget(kPeriod)));
 }
 
-/// Geometry that the servo would cut off is refused, however fast the machine claims to be.
+/// The client must refuse geometry that exceeds the servo's budget, even if the measured time is
+/// short.
 TEST(ContactCost, WhatALyingServerSendsIsRefusedOnEveryMachine) {
   constexpr std::size_t kTriangles = 20'000;
   SurfaceData ball = test::through_a_point(kTriangles);

@@ -114,13 +114,14 @@ TEST(Join, AnswersThatMakeNoSenseAreRefused) {
     const char* said;
   };
   const std::vector<Case> cases = {
-      {{}, "no answer"},                              // closed without an answer
-      {{8, 0, 0, 0, 1, 2}, "no answer"},              // cut off
-      {{0, 0, 0, 0}, "no feltwire message"},          // empty
-      {{255, 255, 255, 255}, "no feltwire message"},  // far too long
+      {{}, "no answer"},                      // The connection was closed without an answer.
+      {{8, 0, 0, 0, 1, 2}, "no answer"},      // The answer is cut off.
+      {{0, 0, 0, 0}, "no feltwire message"},  // The answer is empty.
+      {{255, 255, 255, 255}, "no feltwire message"},  // The answer is far too long.
       {framed({1, 2, 3, 4, 5, 6, 7, 8}), "no feltwire message"},
       {{'H', 'T', 'T', 'P', '/', '1', '.', '1'}, "no feltwire message"},
-      {control::encode(control::SceneList{}), "no feltwire message"},  // answers another question
+      // The answer belongs to another request.
+      {control::encode(control::SceneList{}), "no feltwire message"},
       {control::encode(portless), "no feltwire message"},
       {control::encode(impossible), "granted parameters that cannot be: hold_time"},
   };
@@ -144,7 +145,7 @@ TEST(Join, AnUnreachableServerIsSaid) {
 }
 
 TEST(Join, AServerThatNeverAnswersTimesOut) {
-  // A bound, listening socket that never accepts: the connection exists, but no answer comes.
+  // A listening socket that never accepts a connection. The connection exists, but no answer comes.
   const testing::LocalSocket deaf(SOCK_STREAM);
   ::listen(deaf.descriptor(), 1);
   EXPECT_THAT(refusal(test::access(deaf.port()), milliseconds(20)), HasSubstr("within 20 ms"));

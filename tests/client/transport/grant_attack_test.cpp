@@ -1,4 +1,4 @@
-// A trusted server lies: it grants another session than the client asked for.
+// A trusted server grants a session that differs from the client's request.
 
 #include <gmock/gmock.h>
 
@@ -40,7 +40,7 @@ control::JoinAccepted offer(const SessionParameters& parameters = {}) {
   return offered;
 }
 
-/// The error of join() for an offer; empty if it takes the offer.
+/// Returns the error of join() for an offer, or an empty text if join() accepts the offer.
 std::string said_of(const control::JoinAccepted& offered, const control::JoinRequest& wanted,
                     const GrantLimits& limits = {}) {
   ControlPeer peer(control::encode(offered));
@@ -107,7 +107,7 @@ TEST(LyingServer, ALongerHoldTimeIsRefusedWithTheOptionThatAllowsIt) {
       said_of(offer(longer), request()),
       AllOf(HasSubstr("hold_time: asked 0.1, granted 0.3"), HasSubstr("--longest-hold-time")));
   EXPECT_EQ(said_of(offer(longer), request(), {.hold_time = 0.3}), "");
-  longer.mode = "none";  // the option applies only to a bounded mode
+  longer.mode = "none";  // The option applies only to a bounded mode.
   EXPECT_THAT(said_of(offer(longer), request(), {.hold_time = 0.3}), HasSubstr("mode: "));
 }
 
@@ -119,7 +119,7 @@ TEST(LyingServer, ASessionWithoutANumberIsNone) {
               HasSubstr("no feltwire message"));
 }
 
-// A hand's loop keeps its parameters, so a rejoined session must have all of them. That includes
+// A hand's loop keeps its parameters. A rejoined session must have all of them, including
 // parameters that a first join leaves to the server.
 TEST(LyingServer, ASessionJoinedAnewHasTheParametersOfTheOneBefore) {
   for (const auto& change : test::parameter_changes()) {

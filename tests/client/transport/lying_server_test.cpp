@@ -1,5 +1,5 @@
-// A server lies or answers without end. The client's questions and memory have bounds, and the
-// client names the reason.
+// A server lies or answers without end. The client must limit its requests and its memory, and name
+// the reason.
 
 #include <gmock/gmock.h>
 
@@ -28,7 +28,7 @@ using ::testing::Lt;
 
 constexpr std::uint64_t kSession = 7;
 
-/// A part with distinct points.
+/// Returns a part with distinct points.
 control::SurfacePart part(std::size_t vertices, std::size_t triangles) {
   control::SurfacePart made;
   for (std::size_t i = 0; i < vertices; ++i)
@@ -69,8 +69,8 @@ struct Offer {
 
 class FetchAttack : public ::testing::Test {
  protected:
-  /// Asks once if a question is due, and takes the outcome. The clock advances by an hour, so the
-  /// fetch never waits.
+  /// Sends a due request and takes the result. The clock advances by an hour, so the fetch never
+  /// waits.
   void ask(SceneFetch& fetch, const ScenePlace& place = {kSession, 0}) {
     fetch.look(place, now_ += 1h);
     test::eventually("the end of the questions", [&] {
@@ -78,7 +78,7 @@ class FetchAttack : public ::testing::Test {
       return !fetch.asking();
     });
   }
-  /// Fetches, and expects this number of requests for parts and no more.
+  /// Fetches, and expects exactly this number of requests for parts.
   void expect_refused(const Offer& offer, std::size_t parts, const std::string& reason) {
     AnsweringPeer peer(offer);
     SceneFetch fetch(peer.access(), ready_, {.timeout = 5s});
@@ -103,7 +103,7 @@ class FetchAttack : public ::testing::Test {
 TEST_F(FetchAttack, AMeshThatNeverEndsIsNotFetched) {
   struct Lie {
     control::SurfacePart part;
-    std::size_t parts;  // requests for parts
+    std::size_t parts;  // number of requests for parts
     const char* reason;
   };
   for (const Lie& lie : {Lie{part(1, 0), 4, "more vertices of object 3 than the 3"},
@@ -137,11 +137,11 @@ TEST_F(FetchAttack, AnObjectThatIsListedTwiceIsNotFetched) {
 TEST_F(FetchAttack, ASceneThatCannotBeIsNotFetchedAgain) {
   Offer offer;
   offer.surfaces.surfaces = {surface(3, 3, 2)};
-  offer.part = part(3, 2);  // both with equal corners
+  offer.part = part(3, 2);  // Both triangles have equal corners.
   expect_refused(offer, 1, "sent a scene that cannot be: the surface of object 3");
 }
 
-/// The client does not ask for announced geometry that has no room.
+/// The client must not request announced geometry that is too large for its limits.
 TEST_F(FetchAttack, AnnouncedCountsTakeNoMemory) {
   constexpr std::uint32_t kAll = 0xFFFFFFFF, kMost = FetchRoom::kMostTriangles;
   for (const auto& [vertices, triangles] : {std::pair{kAll, kAll}, std::pair{3u, kMost + 1},
@@ -178,8 +178,8 @@ TEST_F(FetchAttack, GridsOfManySmallMeshesHaveABound) {
   EXPECT_EQ(objects.size(), FetchRoom::kMostGrids);
 }
 
-/// The client keeps scenes that the servo does not use yet. A server with a new scene per question
-/// must not fill the memory.
+/// The client keeps scenes that the servo does not use yet. A server that sends a new scene with
+/// each answer must not fill the memory.
 TEST_F(FetchAttack, ScenesThatAreHeldHaveABound) {
   std::uint32_t version = 0;
   AnsweringPeer peer([&version](const control::Message& question) -> control::Message {
@@ -204,7 +204,7 @@ TEST_F(FetchAttack, ScenesThatAreHeldHaveABound) {
   EXPECT_EQ(fetched(10), 1u);
 }
 
-/// An honest server of a wavy surface of the largest size that a client fetches.
+/// An honest server with a wavy surface of the largest size that a client fetches.
 class HonestServer {
  public:
   HonestServer() {
@@ -244,7 +244,7 @@ class HonestServer {
   std::vector<Triangle> triangles_;
 };
 
-/// A server of a surface of the largest announced size, which sends parts of these sizes.
+/// A server that announces a surface of the largest size, and sends parts of these sizes.
 AnsweringPeer::Answer endless(std::size_t vertices, std::size_t triangles) {
   Offer offer;
   offer.surfaces.surfaces = {surface(0, 3 * FetchRoom::kMostTriangles, FetchRoom::kMostTriangles)};
@@ -260,7 +260,7 @@ AnsweringPeer::Answer endless_points() {
   return offer;
 }
 
-/// As many surfaces as allowed; each has an equal share of the room.
+/// The largest allowed number of surfaces. Each has an equal share of the limit.
 AnsweringPeer::Answer many_surfaces() {
   constexpr std::uint32_t kEach = FetchRoom::kMostTriangles / control::kMaxSurfaces;
   Offer offer;
@@ -270,8 +270,8 @@ AnsweringPeer::Answer many_surfaces() {
   return offer;
 }
 
-/// [bytes] The peak of the heap during `work`, less the heap before it. The test's server is in
-/// this process.
+/// Returns the peak of the heap [bytes] during `work`, minus the heap before. The test's server
+/// runs in this process.
 template <class Work>
 std::size_t taken_by(const char* name, const AnsweringPeer& peer, Work work) {
   const std::size_t before = test::heap_held();
@@ -303,7 +303,7 @@ TEST_F(FetchAttack, NoLieTakesMuchMoreMemoryThanAnHonestSurface) {
   EXPECT_THAT(taken("triangles without end", endless(0, control::kMaxPart)), below(1.0));
   EXPECT_THAT(taken("a hundred vertices of 200 surfaces", many_surfaces()), below(1.0));
   EXPECT_THAT(taken("points without end", endless_points()), below(1.0));
-  // This surface is complete, with as many vertices as its triangles can have.
+  // This surface is complete, with the largest number of vertices for its triangles.
   EXPECT_THAT(taken("all triangles on the same corners", endless(control::kMaxPart, 400)),
               below(1.5));
 }
@@ -332,7 +332,8 @@ TEST(LyingLists, SessionsWithoutEndAreNotKept) {
   EXPECT_LE(peer.questions().size(), kRoomOfServer / (kOfOne * std::size_t{4000}) + 1);
 }
 
-/// The program takes some 14 MB without the lists, and less than 1.5 times that with them.
+/// The program takes some 14 MB without the lists. With the lists it must take less than 1.5 times
+/// as much.
 constexpr std::size_t kMostOfLists = 5'000'000;  // [bytes]
 
 TEST(LyingLists, SessionsWithoutEndTakeLittleMemory) {
@@ -357,7 +358,7 @@ TEST(LyingLists, SessionsWithoutEndTakeLittleMemory) {
   }
 }
 
-/// The printed text of as many sessions as have room.
+/// The program prints the largest possible number of sessions.
 TEST(LyingLists, AsManySessionsAsHaveRoomArePrintedInLittleMemory) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer has an allocator of its own";
@@ -431,7 +432,8 @@ TEST(LyingLists, MoreScenesThanAServerHasAreNone) {
               HasSubstr("listed 257 scenes"));
 }
 
-/// A server whose scene grows with each answer, and which describes `materials` objects at a time.
+/// A server with a scene that grows with each answer. The server describes `materials` objects at a
+/// time.
 struct Described {
   std::uint32_t objects, more_objects;
   std::size_t materials;
@@ -450,8 +452,8 @@ TEST(LyingLists, MaterialsWithoutEndAreNotKept) {
     std::size_t asked, got;
     const char* reason;
   };
-  for (const Case& c : {Case{{3, 0, 1}, 3, 3, ""},        // honest, one at a time
-                        Case{{1000, 1, 1000}, 1, 0, ""},  // a scene of another size
+  for (const Case& c : {Case{{3, 0, 1}, 3, 3, ""},        // honest, one material at a time
+                        Case{{1000, 1, 1000}, 1, 0, ""},  // another number of objects
                         Case{{3, 1, 1}, 2, 0, ""},        // a growing scene
                         Case{{3, 0, 4}, 1, 0, "described 4 materials"},
                         Case{{3, 0, 2}, 2, 0, "described 2 materials of scene 'floor', where 1"},

@@ -1,4 +1,4 @@
-// Some refusals end a client at once; it waits others out.
+// Some refusals end a client at once. After other refusals the client tries again.
 
 #include "client/transport/reconnector.hpp"
 
@@ -21,7 +21,8 @@ using ::testing::IsEmpty;
 
 control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
 
-/// Looks, hours apart by its clock, until it gives up or asks again; returns the refusal.
+/// Calls the reconnector with hours between the calls until it gives up or sends a request. Returns
+/// the refusal.
 std::string given_up(const ServerAccess& access) {
   Ring<SessionAddress> sessions(2);
   Reconnector reconnector(access, anyone(), sessions, {.timeout = 10s});
@@ -30,7 +31,7 @@ std::string given_up(const ServerAccess& access) {
     reconnector.look(false, now += 1h);
     return !reconnector.refusal().empty() || reconnector.attempts() >= 2;
   });
-  test::eventually("the end of the last attempt", [&] {  // it runs in its own thread
+  test::eventually("the end of the last attempt", [&] {  // The attempt runs in its own thread.
     if (!reconnector.asking()) return true;
     reconnector.look(true, now);
     return false;
@@ -89,7 +90,8 @@ TEST(Reconnector, OtherParametersEndIt) {
                         "asked 3, granted 2)"));
 }
 
-/// The law changed after the request, so the granted session has the old law: it is not taken.
+/// The bounding method changed after the request. The client must not take the granted session,
+/// because this session has the old method.
 TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   control::JoinAccepted accepted;
   accepted.session = 7;
@@ -118,7 +120,7 @@ TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   }
 }
 
-/// An attempt that gets no descriptors has failed like others, and the next one follows.
+/// An attempt without file descriptors counts as failed. The next attempt must follow.
 TEST(Reconnector, WithoutDescriptorsItIsTriedAgain) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";

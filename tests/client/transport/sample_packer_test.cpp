@@ -1,4 +1,4 @@
-// Selects the samples to send, by packet_interval and by the deadband.
+// The packer selects the samples to send, by packet_interval and by the deadband.
 
 #include "client/transport/sample_packer.hpp"
 
@@ -103,7 +103,7 @@ TEST(SamplePacker, ABatchIsEvenlySpacedWithTheNewest) {
   EXPECT_EQ(batch->previous, 3u);
 }
 
-/// The codec's checks and PROTOCOL.md hold for all parameters.
+/// All parameters must satisfy the codec's checks and PROTOCOL.md.
 TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
   for (int interval : {1, 2, 3, 7, 20})
     for (int batch = 1; batch <= std::min(interval, kMaxRedundancy + 1); ++batch)
@@ -113,7 +113,7 @@ TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
           p.position_deadband = fraction;
           p.keep_alive = 0.05;
           SamplePacker packer(p, false);
-          std::vector<std::uint64_t> travelled;  // ascending
+          std::vector<std::uint64_t> travelled;  // ascending sample indices
           for (std::uint64_t i = 1; i <= 300; ++i) {
             const Vec3 position(0.05 * std::sin(0.02 * static_cast<double>(i)), 0, 0);
             const SampleBatch* made = packer.add(sample(i, position));
@@ -124,7 +124,7 @@ TEST(SamplePacker, EveryTrafficKeepsTheProtocol) {
             if (!travelled.empty()) {
               ASSERT_GE(i - travelled.back(), static_cast<unsigned>(interval));
             }
-            // A batch has its new samples first, then the newest known samples without a gap.
+            // A batch begins with its new samples. The newest known samples follow without a gap.
             std::size_t fresh = 0;
             while (fresh < all.size() && (travelled.empty() || all[fresh] > travelled.back()))
               ++fresh;
@@ -156,7 +156,7 @@ TEST(SamplePacker, ANewSessionHasMissedNothing) {
   EXPECT_THAT(indices(*batch), ElementsAre(13u, 12u, 10u));
 }
 
-/// The indices of a movement's samples that are sent.
+/// Returns the indices of the sent samples of a movement.
 std::set<std::uint64_t> sent(const SessionParameters& p, const PositionScale& scale,
                              const std::function<Sample(std::uint64_t)>& at, int count,
                              bool rotation = false) {
@@ -169,7 +169,7 @@ std::set<std::uint64_t> sent(const SessionParameters& p, const PositionScale& sc
 
 TEST(PositionDeadband, AHandAtRestIsHeardOfOnceAKeepAlive) {
   const PositionScale scale{1e-5, 1000.0};
-  // The hand rests at the edge between two quanta.
+  // The hand rests at the border between two encoder steps.
   const auto rest = [](std::uint64_t i) {
     return sample(i, Vec3(0, 0, 1e-5 * static_cast<double>(i % 2)));
   };
@@ -182,7 +182,8 @@ TEST(PositionDeadband, AHandAtRestIsHeardOfOnceAKeepAlive) {
   EXPECT_EQ(all.size(), 51u);
 }
 
-/// In free space the level predictor sends k tau after the last sent position, at any speed.
+/// In free space the level predictor sends the next sample k tau after the last sample, at any
+/// speed.
 TEST(PositionDeadband, InFreeSpaceTheServerIsLateByKTau) {
   for (const double k : {0.13, 0.22, 0.47})
     for (const double speed : {0.05, 0.5}) {
@@ -201,7 +202,7 @@ TEST(PositionDeadband, InFreeSpaceTheServerIsLateByKTau) {
     }
 }
 
-/// The position that the server does not know changes the force by at most k of the felt force.
+/// The unsent movement must change the force by at most a fraction k of the felt force.
 TEST(PositionDeadband, InContactTheElasticForceIsWithinKOfWhatIsFelt) {
   const double stiffness = 800.0, force = 2.0, k = 0.1;
   SamplePacker packer(deadband(k, 0.05), false, {1e-6, stiffness});
@@ -236,14 +237,14 @@ TEST(PositionDeadband, ALineIsSilentWhileTheHandMovesEvenly) {
   p.predictor = Predictor::linear;
   p.local_model = true;
   validate(p);
-  const auto turn = [](std::uint64_t i) {  // even; back from sample 100 on
+  const auto turn = [](std::uint64_t i) {  // The rotation is uniform, and reverses at sample 100.
     const double way = static_cast<double>(std::min<std::uint64_t>(i, 100)) -
                        static_cast<double>(std::max<std::uint64_t>(i, 100) - 100);
     return sample(i, Vec3(2e-4 * way, 0, 0));
   };
   const auto all = sent(p, {1e-6, 1000.0}, turn, 150);
   EXPECT_LE(all.size(), 12u);
-  EXPECT_GE(all.count(101) + all.count(102), 1u);  // the reversal is sent
+  EXPECT_GE(all.count(101) + all.count(102), 1u);  // The packer must send the reversal.
   p.predictor = Predictor::level;
   EXPECT_GT(sent(p, {1e-6, 1000.0}, turn, 150).size(), 45u);
 }
@@ -256,7 +257,7 @@ TEST(PositionDeadband, ATurningToolIsHeardOf) {
     return s;
   };
   const auto all = sent(deadband(0.1, 0.05), {1e-5, 1000.0}, turning, 301, true);
-  EXPECT_GE(all.size(), 75u);  // every 1 mrad, at 0.5 rad/s
+  EXPECT_GE(all.size(), 75u);  // one sample per 1 mrad, at 0.5 rad/s
   EXPECT_LT(all.size(), 155u);
   EXPECT_LE(sent(deadband(0.1, 0.05), {1e-5, 1000.0}, turning, 301, false).size(), 8u);
 }

@@ -1,5 +1,5 @@
-// A client fetches the meshes or solids of its scene while it renders the scene, from a whole
-// server over real sockets.
+// A client fetches the meshes or solids of its scene during rendering. The test uses a complete
+// server and real sockets.
 
 #include "client/transport/scene_fetch.hpp"
 
@@ -19,10 +19,10 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Client;
 
-/// The clock stands still, so a busy machine does not count as slow.
+/// The clock does not advance. A busy machine therefore does not count as slow.
 const SceneFetchOptions kQuick{.servo_period = 1e-3, .clock = [] { return Nanoseconds(0); }};
 
-/// Rests over a ball of 5120 triangles until the test ends.
+/// The hand rests over a ball of 5120 triangles until the test ends.
 constexpr const char* kRest = "t,x,y,z\n0,0.03,0,0.046\n600,0.03,0,0.046\n";
 
 Scene ball_scene() {
@@ -33,12 +33,12 @@ Scene ball_scene() {
 }
 
 #ifdef FELTWIRE_SANITIZED
-constexpr std::size_t kSolids = 1;  // a mesh's grid takes minutes there
+constexpr std::size_t kSolids = 1;  // With a sanitizer, the grid of a mesh takes minutes.
 #else
 constexpr std::size_t kSolids = 2;
 #endif
 
-/// A box of 2500 points in three parts, held against a ring beside a bunny.
+/// A box of 2500 points in three parts, with a ring and a bunny as solids.
 Scene ring_scene() {
   const std::string bunny =
       kSolids > 1 ? R"(, { "name": "bunny", "mesh": { "file": "bunny.obj", "scale": 0.01 },
@@ -59,11 +59,11 @@ SessionParameters modelled() {
   return parameters;
 }
 
-/// The statuses of a client; they outlive its thread.
+/// Holds the statuses of a client, and outlives its thread.
 struct Statuses {
   Ring<LiveStatus> statuses{16};
 };
-/// A client whose servo renders the fetched geometry.
+/// A client that renders the fetched geometry.
 struct FeelingClient : Statuses, Client {
   FeelingClient(const ServerAccess& server, const char* scene, Ring<const FetchedScene*>& fetched)
       : Client(server, kRest, modelled(), scene) {
@@ -73,8 +73,8 @@ struct FeelingClient : Statuses, Client {
                      {.status = &statuses, .record = &records}, *result);
     });
   }
-  /// Waits until it has rendered a fetched scene for kTicks. Its first model may be older and then
-  /// does not come from the fetched scene.
+  /// Waits until the client has rendered a fetched scene for kTicks. The first model may be older
+  /// than the fetched scene.
   LiveStatus renders(SceneFetch& fetch) {
     constexpr std::uint64_t kTicks = 500;
     LiveStatus status;
@@ -98,7 +98,8 @@ class SceneFetchTest : public ::testing::Test {
     server = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
     endpoint = test::access(server->control_port());
   }
-  /// Looks until the condition holds. The clock advances an hour a look, so nothing waits.
+  /// Calls the fetch until the condition holds. The clock advances by an hour per call, so nothing
+  /// waits.
   template <class Until>
   void look(SceneFetch& fetch, const ScenePlace& place, const char* what, Until until) {
     test::eventually(what, [&] {
@@ -119,10 +120,10 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of the surface",
        [&] { return fetch.known() == 1; });
   const LiveStatus status = client.renders(fetch);
-  // It does not ask again while the scene stays.
+  // The client must not send a second request while the scene stays.
   for (int i = 0; i < 10; ++i) fetch.look({client.joined.accepted.session, 0}, now += 1h);
   EXPECT_FALSE(fetch.asking());
-  // After a change that keeps the shapes it asks again, but does not fetch again.
+  // After a change that keeps the shapes, the client sends a request but fetches nothing.
   look(fetch, {client.joined.accepted.session, 1}, "a question", [&] { return fetch.asking(); });
   look(fetch, {client.joined.accepted.session, 1}, "its answer", [&] { return !fetch.asking(); });
   EXPECT_EQ(fetch.known(), 1u);
@@ -137,8 +138,8 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   EXPECT_EQ(status.contact_cuts, 0u);
 }
 
-/// On a slow machine the servo does not get the surface, and the user is told. The server still
-/// sends patches, because the client does not report the surface.
+/// On a slow machine the servo must not get the surface, and the user gets a message. The server
+/// still sends patches, because the client does not report the surface.
 TEST_F(SceneFetchTest, WhatTakesTooLongHereIsRefused) {
   Client client(endpoint, kRest, modelled(), "ball");
   SceneFetchOptions slow;
@@ -148,7 +149,7 @@ TEST_F(SceneFetchTest, WhatTakesTooLongHereIsRefused) {
   look(fetch, place, "a refusal", [&] { return !fetch.refusal().empty(); });
   EXPECT_NE(fetch.refusal().find("near object 0 it takes more than the 250 us"), std::string::npos);
   for (int i = 0; i < 10; ++i) fetch.look(place, now += 1h);
-  EXPECT_FALSE(fetch.asking());  // it does not fetch again
+  EXPECT_FALSE(fetch.asking());  // The client does not fetch again.
   const FetchedScene* none = nullptr;
   EXPECT_FALSE(ready.pop(none));
   EXPECT_EQ(fetch.known(), 0u);
@@ -181,7 +182,8 @@ TEST_F(SceneFetchTest, ASceneWithoutMeshesHasNothingToFetch) {
   EXPECT_EQ(fetch.known(), 0u);
 }
 
-/// Another session may belong to another server, whose scenes have equal version numbers.
+/// Another session may belong to another server. The scenes of both servers may have equal version
+/// numbers.
 TEST_F(SceneFetchTest, AnotherSessionFetchesAnew) {
   SceneFetch fetch(endpoint, ready, kQuick);
   const FetchedScene *first = nullptr, *second = nullptr;
@@ -195,11 +197,11 @@ TEST_F(SceneFetchTest, AnotherSessionFetchesAnew) {
   EXPECT_EQ(first->surfaces->version(), second->surfaces->version());
 }
 
-/// A server that sends wrong answers gives the servo nothing.
+/// Wrong answers of a server must not reach the servo.
 TEST_F(SceneFetchTest, ABadServerGivesNothing) {
   control::SurfaceEntry entry{.surface = {}, .vertices = 3, .triangles = 1};
   for (const control::Message& answer :
-       {control::Message(control::SurfaceList{1, {entry}}),  // then no SurfacePart
+       {control::Message(control::SurfaceList{1, {entry}}),  // A SurfacePart does not follow.
         control::Message(control::Refused{control::RefusalCode::malformed, "no"}),
         control::Message(control::SolidList{.version = 1}),
         control::Message(control::SurfacesTaken{1})}) {

@@ -40,7 +40,7 @@ struct Link {
 
   explicit Link(int redundancy = 3, bool rotation = false)
       : transport(peer.session(), repeating(redundancy), rotation) {
-    transport.send(sample(1));  // tells the peer the client's address
+    transport.send(sample(1));  // The peer gets the client's address from this sample.
     peer.receive();
   }
   Arrival receive() { return transport.receive(reply, reason); }
@@ -120,7 +120,7 @@ TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
   batch.count = 1;
   batch.samples[0] = sample(1);
   link.peer.send_bytes(
-      bytes(encoder.samples(ScenePeer::kSession, 902, batch)));  // a kind that only a server takes
+      bytes(encoder.samples(ScenePeer::kSession, 902, batch)));  // Only a server accepts this kind.
   auto cut = bytes(encoder.reply(ScenePeer::kSession, 903, good));
   cut.resize(cut.size() - 30);
   link.peer.send_bytes(cut);
@@ -144,7 +144,7 @@ TEST(Transport, BadDatagramsAreCountedAndWhatFollowsIsTaken) {
   EXPECT_EQ(link.dropped(DropReason::malformed), 1u);
   EXPECT_EQ(link.dropped(DropReason::not_finite), 1u);
   EXPECT_EQ(link.dropped(DropReason::packet_number), 1u);
-  EXPECT_EQ(link.dropped(), 9u);  // and for no other reason
+  EXPECT_EQ(link.dropped(), 9u);  // The transport drops no other datagram.
   EXPECT_EQ(link.transport.statistics().received, 10u);
 }
 
@@ -163,7 +163,7 @@ TEST(Transport, ForeignSendersAreNotHeard) {
             0);
   EXPECT_EQ(link.receive(), Arrival::nothing);
   EXPECT_EQ(link.transport.statistics().received, 0u);
-  // The client takes these bytes from the peer: only the sender was wrong.
+  // The client takes these bytes from the peer. Only the sender's address was wrong.
   link.peer.send_bytes(forged);
   EXPECT_EQ(link.receive(), Arrival::goodbye);
   EXPECT_EQ(link.reason, GoodbyeReason::evicted);
@@ -184,7 +184,7 @@ TEST(Transport, AFloodIsTakenInPortions) {
             static_cast<std::uint64_t>(DatagramPort::kBurst + 11));
 }
 
-/// A sender that mixes valid replies into a flood does not make a wake-up longer.
+/// A sender that mixes valid replies into a flood must not prolong a wake-up.
 TEST(Transport, AFloodAroundRepliesCountsAsAWhole) {
   Link link;
   constexpr int kMost = 64;
@@ -231,8 +231,8 @@ TEST(Transport, FromAnotherPortTheConversationGoesOn) {
   EXPECT_EQ(link.transport.statistics().rerouted, 1u);
 }
 
-/// Nobody reads for a while. The full socket buffer loses datagrams, the rest is taken in portions,
-/// and then the newest reply comes.
+/// The transport does not read for some time. The full socket buffer loses datagrams. The transport
+/// then takes the rest in portions, and the newest reply arrives.
 TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
   Link link;
   constexpr std::uint64_t kPile = 5000;
@@ -244,7 +244,7 @@ TEST(Transport, WhatPiledUpUnreadIsTakenOrLost) {
   link.peer.send(ScenePeer::reply_to(sample(7)));
   EXPECT_EQ(link.receive(), Arrival::reply);
   EXPECT_EQ(link.reply.sample_index, 7u);
-  // The system lost the others: the transport dropped no datagram.
+  // The system lost the other datagrams. The transport must drop none.
   EXPECT_EQ(link.transport.statistics().received, taken + 1);
   EXPECT_EQ(link.dropped(), 0u);
 }
@@ -289,9 +289,9 @@ int send_through_a_narrow_path() {
     count = received.batch.count;
     newest = received.batch.samples[0].index;
   }
-  // As many samples as fit: fewer than asked for, but more than one.
+  // The batch has the largest number of samples that fits: fewer than requested, but more than one.
   if (newest != 40 || count < 2 || count > kMaxRedundancy) return 4;
-  // Another session measures the path anew.
+  // A new session measures the path again.
   transport.resume(peer.session());
   for (std::uint64_t n = 41; n <= 60; ++n) transport.send(sample(n));
   return transport.statistics().too_long == 2 * s.too_long ? 0 : 5;
@@ -321,8 +321,8 @@ TEST(Transport, AClosedPortIsCountedNotFatal) {
   Reply reply;
   GoodbyeReason reason;
   EXPECT_EQ(transport.receive(reply, reason), Arrival::nothing);
-  // The system reports the closed port at the second send and does not send it. That is no reason
-  // to reroute.
+  // The system reports the closed port at the second send, and does not send the datagram. The
+  // transport must not reroute.
   const TransportStatistics s = transport.statistics();
   EXPECT_EQ(s.sent, 1u);
   EXPECT_EQ(s.send_failed, 1u);

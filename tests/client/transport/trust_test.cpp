@@ -1,4 +1,4 @@
-// Trust between client and server: certificates, tokens and roles over real sockets.
+// Tests trust between client and server: certificates, tokens and roles over real sockets.
 
 #include <gmock/gmock.h>
 
@@ -81,7 +81,8 @@ TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
   access.credentials.key = stranger.key;
   EXPECT_THAT(refusal(access), HasSubstr("does not take the certificate in --certificate"));
   access.credentials.certificate = client.certificate;
-  EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));  // the key of another certificate
+  // This key belongs to another certificate.
+  EXPECT_THAT(refusal(access), HasSubstr("cannot be used"));
   access.credentials.key = client.key;
   // A certificate does not replace the token.
   access.credentials.token = issue_token("x", "*", Role::admin, std::nullopt).text;
@@ -90,7 +91,7 @@ TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
   EXPECT_NO_THROW(join(access, request(), kPatience));
 }
 
-/// The client refuses a server with an older TLS version.
+/// The client must refuse a server with an older TLS version.
 TEST(Tls, NothingOlderIsSpoken) {
   testing::LocalSocket socket(SOCK_STREAM);
   ::listen(socket.descriptor(), 1);
@@ -105,7 +106,7 @@ TEST(Tls, NothingOlderIsSpoken) {
 }
 
 TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
-  // Join with feltwire's client, and with OpenSSL alone.
+  // The first join uses feltwire's client. The others use OpenSSL directly.
   const Joined ours = join(endpoint, request(), kPatience);
   test::ControlClient raw(server->control_port());
   const test::JoinedBy one = raw.join(request()), two = raw.join(request());
@@ -114,7 +115,7 @@ TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
                                  one.keys.down, two.keys.up,    two.keys.down};
   for (std::size_t i = 0; i < keys.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(keys[i], keys[j]);
-  // The keys depend on the suite: a changed suite in the answer gives other keys.
+  // The keys depend on the cipher suite. A changed suite in the answer must give other keys.
   const auto other = one.accepted.suite == CipherSuite::aes_256_gcm ? CipherSuite::chacha20_poly1305
                                                                     : CipherSuite::aes_256_gcm;
   EXPECT_NE(export_keys(*raw.tls().native(), one.accepted.session, other).up, one.keys.up);
@@ -270,7 +271,7 @@ TEST(Limits, SessionsAndJoinsOfAClient) {
   const std::uint64_t session = join(here, request(), kPatience).accepted.session;
   join(here, request(), kPatience);
   EXPECT_THAT(refusal(here), HasSubstr("client 'tester' joins too often"));
-  // Others can still join.
+  // Other clients can still join.
   EXPECT_NO_THROW(
       join(test::access(slow.control_port(), "127.0.0.1", berta.text), request(), kPatience));
   // Parameter changes have a separate limit.
@@ -283,10 +284,10 @@ TEST(Limits, SessionsAndJoinsOfAClient) {
   EXPECT_EQ(slow.control_summary().requests.too_many, 2u);
 }
 
-/// Wrong tokens of another client behind the same address do not lock out a good token.
+/// Another client behind the same address uses wrong tokens. A correct token must still work.
 TEST(Limits, WrongTokensKeepNoGoodOneOut) {
   ServerConfig config = testing::any_ports();
-  config.join_burst = 6;  // of a network; one host has half of it
+  config.join_burst = 6;  // limit of a network; a host has half of this limit
   config.join_rate = 0.001;
   Server server(config, floor(), test::security());
   const ServerAccess guess = test::access(server.control_port(), "127.0.0.1",
@@ -301,7 +302,7 @@ TEST(Limits, WrongTokensKeepNoGoodOneOut) {
   EXPECT_EQ(server.control_summary().requests.too_many, 20u);
 }
 
-/// A revoked token ends its session. A bad token file before that changes nothing.
+/// A revoked token must end its session. An earlier invalid token file must change nothing.
 TEST(Revocation, EndsASessionThatRuns) {
   const TemporaryFolder folder;
   const auto file = folder / "tokens.json";
@@ -319,7 +320,7 @@ TEST(Revocation, EndsASessionThatRuns) {
   EXPECT_EQ(hand.result->end, EndReason::server_goodbye);
   EXPECT_EQ(hand.result->goodbye, GoodbyeReason::evicted);
   EXPECT_THAT(refusal(access), HasSubstr("needs a token"));
-  // An open connection loses its access, too.
+  // An open connection must lose its access too.
   EXPECT_EQ(open.ask<control::Refused>(control::ListScenes{}).code,
             control::RefusalCode::unauthenticated);
   EXPECT_TRUE(open.closed());

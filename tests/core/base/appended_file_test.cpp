@@ -1,4 +1,4 @@
-// A file with a person's data: only its owner may read it.
+// Tests a file with a person's data. Only its owner may read it.
 
 #include "core/base/appended_file.hpp"
 
@@ -37,7 +37,7 @@ TEST(AppendedFile, ClosesToOthersOneThatWasOpenToThem) {
   }
 }
 
-/// The mode of a pipe or a device stays unchanged.
+/// The mode of a pipe or a device must stay unchanged.
 TEST(AppendedFile, LeavesADeviceAsItIs) {
   const auto before = mode_of("/dev/null");
   AppendedFile("/dev/null", "the recording", "--record").append("hand");

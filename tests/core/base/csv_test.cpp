@@ -16,7 +16,7 @@ using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// All rows of t,x (and optionally y); throws as the reader does.
+/// Returns all rows of t,x (and optionally y). Throws the reader's errors.
 std::vector<std::array<double, 3>> rows(
     const std::string& text, CsvReader::NotFinite not_finite = CsvReader::NotFinite::reject) {
   std::istringstream in(text);
@@ -77,7 +77,7 @@ TEST(Csv, OnlyWholeNumbersAreNumbers) {
 }
 
 TEST(Csv, StreamsRowByRow) {
-  // The reader gives the first row before it meets the error in the second.
+  // The reader must return the first row before the error in the second row.
   std::istringstream in("t,x\n1,2\n3,oops\n");
   CsvReader reader(in, "f.csv", {"t", "x"});
   std::array<double, 2> row{};

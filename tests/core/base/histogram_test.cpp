@@ -12,7 +12,7 @@ namespace {
 
 TEST(Histogram, QuantilesAgreeWithSortedDataWithinTheStatedError) {
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> exponent(0.0, 39.0);  // every octave equally likely
+  std::uniform_real_distribution<double> exponent(0.0, 39.0);  // Every octave is equally likely.
   std::vector<std::int64_t> data;
   Histogram histogram;
   double sum = 0.0;

@@ -109,7 +109,7 @@ TEST(JsonDocument, WritesWhatTheTextSays) {
     EXPECT_TRUE(flatbuffers::GenerateText(parser, document.buffer(), &text));
     return text;
   };
-  // The document reads and writes these as FlatBuffers itself does.
+  // The document must read and write these texts in the same way as FlatBuffers.
   for (const char* same : {
            R"({"title": "", "parts": [], "large": 18446744073709551615,
                "part": {"port": 65535, "offset": -2147483648, "ratio": 0.1, "level": "loud",
@@ -148,10 +148,11 @@ TEST(JsonDocument, KnowsTheLineOfEveryValue) {
   EXPECT_EQ(document.line_of("parts"), 4);
   EXPECT_EQ(document.line_of("parts[0]"), 5);
   EXPECT_EQ(document.line_of("parts[1].offset"), 7);
-  EXPECT_EQ(document.line_of("parts[1].ratio"), 6);  // not in the text: its nearest parent
+  // The text lacks this value, so the document must report the line of the parent.
+  EXPECT_EQ(document.line_of("parts[1].ratio"), 6);
   EXPECT_EQ(document.line_of("parts[7].ratio"), 4);
   EXPECT_EQ(document.line_of("nothing.at.all"), 1);
-  EXPECT_EQ(document.line_of("parts[].[..]"), 5);  // nonsense is survived
+  EXPECT_EQ(document.line_of("parts[].[..]"), 5);  // an invalid path
   try {
     document.fail("parts[1].offset", "is odd; make it even");
     FAIL() << "fail() must throw";

@@ -22,7 +22,7 @@ TEST(Parallel, EveryIndexOnce) {
 
 TEST(Parallel, TwoCallsRunAtTheSameTime) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "this machine has one core";
-  // Each call waits for the other. On one thread the first would wait for ever, so it gives up.
+  // Each call waits for the other. On one thread the first call stops after a timeout.
   std::promise<void> arrived[2];
   std::atomic<int> met{0};
   parallel_for(2, [&](std::size_t i) {

@@ -1,4 +1,5 @@
-// A file replaced in one step, on a system that interrupts, writes in part, or has no room.
+// Replaces a file in one step, on a system that interrupts calls, writes in part, or has a full
+// disk.
 
 #include "core/base/pending_file.hpp"
 
@@ -18,7 +19,7 @@
 namespace feltwire::pending_file_test {
 namespace {
 
-bool interrupting = false;  // every other call is interrupted, and a write takes three bytes
+bool interrupting = false;  // Every second call is interrupted, and a write accepts three bytes.
 bool interrupted_last = false;
 int folders_synchronized = 0;
 
@@ -34,7 +35,7 @@ bool interrupts() {
 
 namespace test_of = feltwire::pending_file_test;
 
-// Replace the functions of the C library in this program.
+// These functions replace the C library's functions in this program.
 extern "C" ssize_t write(int descriptor, const void* data, std::size_t size) {
   if (test_of::interrupts()) return -1;
   if (test_of::interrupting && size > 3) size = 3;
@@ -62,7 +63,7 @@ mode_t mode_of(const fs::path& file) {
   return status.st_mode & 0777u;
 }
 
-/// Sets the umask of this process until it is destroyed.
+/// Sets the umask of this process. The destructor restores it.
 class Umask {
  public:
   explicit Umask(mode_t mask) : before_(::umask(mask)) {}
@@ -157,7 +158,7 @@ TEST(PendingFile, ReplacesOnlyRegularFiles) {
   EXPECT_EQ(folder.entries(), 2u);
 }
 
-/// Leftovers of other files and files with similar names stay.
+/// Temporary files of other names must stay.
 TEST(PendingFile, LeftoversOfOneFileAreRemoved) {
   const TemporaryFolder folder;
   for (const char* name : {"state", "state.part-000000", "state.part-a9Xk2Z", "state.part-1",

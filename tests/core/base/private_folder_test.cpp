@@ -1,4 +1,4 @@
-// A folder that only its owner may read.
+// Tests a folder that only its owner may read.
 
 #include "core/base/private_folder.hpp"
 

@@ -33,7 +33,7 @@ TEST(RegularFile, IsReadByteForByteUpToItsLimit) {
   EXPECT_THAT(error_of(file), HasSubstr("is larger than 1000 bytes; is it the right file?"));
 }
 
-/// To read these would block or never end.
+/// Reading such a file would block or never end.
 TEST(RegularFile, PipesDevicesAndFoldersAreRefusedAtOnce) {
   const testing::TemporaryFolder folder;
   const auto pipe = folder / "pipe";
@@ -44,7 +44,7 @@ TEST(RegularFile, PipesDevicesAndFoldersAreRefusedAtOnce) {
             (folder / ".").string() + ": is a directory; name a regular file");
 }
 
-/// A sparse file of 1 TB is refused before it is read.
+/// A sparse file of 1 TB must be refused before it is read.
 TEST(RegularFile, AHugeFileIsRefusedByItsSize) {
   const testing::TemporaryFolder folder;
   const auto file = folder / "huge";
@@ -53,7 +53,7 @@ TEST(RegularFile, AHugeFileIsRefusedByItsSize) {
   EXPECT_THAT(error_of(file), HasSubstr("is larger than 1000 bytes"));
 }
 
-/// The system gives the size of this file as 0, yet the file has content.
+/// The system reports size 0 for this file, but the file has content.
 TEST(RegularFile, WhatTheSystemMakesUpIsReadToItsEnd) {
   EXPECT_THAT(read_regular_file("/proc/self/status", 1 << 20), HasSubstr("VmRSS"));
   EXPECT_THAT(testing::error_of<FileError>([] { read_regular_file("/proc/self/status", 10); }),

@@ -11,7 +11,7 @@ namespace feltwire::ring_test {
 namespace {
 
 TEST(Ring, FullRefusesAndNothingIsLostOrReordered) {
-  Ring<int> ring(3);  // rounded up to 4
+  Ring<int> ring(3);  // The capacity is rounded up to 4.
   int value = 0;
   EXPECT_FALSE(ring.pop(value));
   for (int round = 0; round < 5; ++round) {
@@ -25,7 +25,7 @@ TEST(Ring, FullRefusesAndNothingIsLostOrReordered) {
   }
 }
 
-/// A value that wipes itself in its destructor.
+/// A value that clears itself in its destructor.
 struct Key {
   explicit Key(int given = 0) : secret(given) {}
   Key(const Key&) = default;

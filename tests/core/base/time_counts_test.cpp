@@ -1,4 +1,4 @@
-// Counts of times by class.
+// Tests counts of times by class.
 
 #include "core/base/time_counts.hpp"
 

@@ -1,4 +1,4 @@
-// Rotation vectors, lengths and directions, and the velocity estimate.
+// Tests rotation vectors, lengths, directions and the velocity estimate.
 
 #include "core/base/types.hpp"
 
@@ -34,7 +34,7 @@ TEST(RotationBetween, IsAxisTimesAngleInTheWorldFrame) {
     const Vec3 rotation = rotation_between(from, to);
     EXPECT_LT((rotation - angle * axis).norm(), 1e-13);
     EXPECT_LT((rotation_between(to, from) + rotation).norm(), 1e-13);
-    // The sign and the norm of a quaternion do not change the rotation.
+    // The sign and the norm of a quaternion must not change the rotation.
     const Quaternion minus_to(-to.coeffs()), long_from(3.0 * from.coeffs()),
         short_to(1e-3 * to.coeffs());
     EXPECT_LT((rotation_between(from, minus_to) - rotation).norm(), 1e-13);

@@ -26,19 +26,19 @@ TEST(VisibleText, WhatMisleadsAReaderIsWrittenOut) {
 
 TEST(VisibleText, WhatIsNotUtf8IsWrittenOutByteByByte) {
   EXPECT_EQ(visible("\xff"), "\\xff");
-  EXPECT_EQ(visible("a\xc3"), "a\\xc3");         // ends too early
-  EXPECT_EQ(visible("\xc3("), "\\xc3(");         // no second byte
-  EXPECT_EQ(visible("\xc0\x9b"), "\\xc0\\x9b");  // ESC in two bytes: not the shortest
+  EXPECT_EQ(visible("a\xc3"), "a\\xc3");         // The sequence ends too early.
+  EXPECT_EQ(visible("\xc3("), "\\xc3(");         // The second byte is missing.
+  EXPECT_EQ(visible("\xc0\x9b"), "\\xc0\\x9b");  // ESC in two bytes is not the shortest form.
   EXPECT_EQ(visible("\xe0\x82\x9b"), "\\xe0\\x82\\x9b");
   EXPECT_EQ(visible("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // a surrogate
-  EXPECT_EQ(visible("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond the last
+  EXPECT_EQ(visible("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond the last code point
 }
 
 TEST(VisibleText, LinesStayWhereTheyAreWanted) {
   EXPECT_EQ(visible_lines("a\n\tb\x1b"), "a\n\\x09b\\x1b");
 }
 
-/// For any bytes the result is UTF-8 without a control byte, and a second pass leaves it unchanged.
+/// For any bytes the result must be UTF-8 without a control byte. A second pass must not change it.
 TEST(VisibleText, AnyBytesComeOutPrintable) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> byte(0, 255), size(0, 40);

@@ -1,5 +1,6 @@
-// Hands that try to take more from the account than the device burned: random devices over three
-// decades, walls and unphysical commands, encoders, delays and late ticks.
+// The energy account must give a hand no more energy than the device dissipated. The attack uses
+// random devices over three decades, walls and unphysical commands, encoders, delays and late
+// ticks.
 
 #include <gtest/gtest.h>
 
@@ -16,18 +17,19 @@ using namespace test;
 
 constexpr double kPeriod = 1e-3;  // [s]
 #ifdef FELTWIRE_SANITIZED
-constexpr int kDevices = 80;  // sanitizers make a run forty times as slow
+constexpr int kDevices = 80;  // Sanitizers make a run forty times as slow.
 constexpr double kShareOfExcess = 0.03;
 #else
 constexpr int kDevices = 800;
-constexpr double kShareOfExcess = 0.1;  // of all these, the worst reaches so far
+// The largest debt of all runs must exceed this share of the limit.
+constexpr double kShareOfExcess = 0.1;
 #endif
 
-/// The numbers that the account is told, as shares of the truth.
+/// Parameters of the account, as fractions of the true values.
 struct AssumedNumbers {
   double mass = 1.0, hand = 1.0, quantum = 1.0;
-  double operator_damping = 0.0;  // [N s/m] told on top of the device's own
-  bool late = true;               // whether the account knows how late the device takes forces up
+  double operator_damping = 0.0;  // [N s/m] declared in addition to the device's own damping
+  bool late = true;               // The account gets the device's delay.
 };
 
 struct Device {
@@ -57,7 +59,7 @@ struct Device {
   }
 };
 
-/// The source of commands: a stiff wall that answers late, or random unphysical commands.
+/// The source of commands: a stiff wall with delayed answers, or random unphysical commands.
 struct Environment {
   bool wall;
   double stiffness;   // [N/m]
@@ -77,17 +79,18 @@ struct Environment {
 };
 
 struct Outcome {
-  double least = 0.0;      // [J] of the balance, by the truth's own sums
-  double exchanged = 0.0;  // [J]
-  double rendered = 0.0;   // [N] sum of magnitudes: an account that renders nothing proves nothing
+  double least = 0.0;      // [J] smallest balance, from the true values
+  double exchanged = 0.0;  // [J] exchanged energy
+  // [N] sum of magnitudes. The account must render some force, otherwise the test proves nothing.
+  double rendered = 0.0;
   AccountStatistics seen;
   bool force_in_debt = false;
-  double share_of_excess = 0.0;  // largest debt over what a hand that is too strong can overdraw
+  // largest debt divided by its limit, for a hand with excess strength
+  double share_of_excess = 0.0;
 };
 
-/// `strength`: the hand's largest force as a share of the device's outside_force. `lag`: the
-/// samples by which the device takes forces up late. `promised` [T]: the hold time that the
-/// account reckons with.
+/// `strength`: the hand's largest force as a share of the device's outside_force. `lag`: the delay
+/// of the device [samples]. `promised`: the hold time that the account assumes [T].
 Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, double longest,
                std::size_t lag, double promised) {
   Random random(seed);
@@ -101,8 +104,8 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, 
   Outcome outcome;
   Vec3 shown = encoded(device.handle.position, q);
   Command held;
-  // The true sums over the whole path: the least that viscous damping burned (from the encoder's
-  // readings), the path for dry friction, and the delivered energy.
+  // True sums over the complete path: the least energy that viscous damping dissipated (from
+  // encoder readings), the path for dry friction, and the delivered energy.
   double burned = 0.0, delivered = 0.0, dry_path = 0.0, strongest = 0.0;
   Grip grip = Grip::none;
   for (int n = 0; n < 1500; ++n) {
@@ -116,7 +119,7 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, 
       device.handle.move(held.force() + hand, hold / kParts);
       dry_path += (device.handle.position - before).norm();
     }
-    // The workspace of a hand is limited: it turns back at 0.1 m.
+    // The workspace is limited. The hand turns back at 0.1 m.
     if (device.handle.position.norm() > 0.1) grip = Grip::push;
     const Vec3 now = encoded(device.handle.position, q);
     const Vec3 dx = now - shown;
@@ -134,7 +137,7 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, 
     coming.push_back(given);
     held = coming.front();
     coming.pop_front();
-    if (random.chance(0.1)) {  // a device that gives less
+    if (random.chance(0.1)) {  // The device gives less than commanded.
       held = random.uniform(0.0, 1.0) * held;
       account.set_held(held);
     }
@@ -142,7 +145,7 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, 
     strongest = std::max(strongest, held.force().norm());
   }
   outcome.seen = account.statistics();
-  // f (F - F_h) 3 T^2 / (2 m): the energy from the reach beyond the one that was told.
+  // f (F - F_h) 3 T^2 / (2 m): the energy from the displacement beyond the assumed limit.
   const double excess = hand_force_limit - device.truth.outside_force;
   outcome.share_of_excess = outcome.seen.largest_debt /
                             (strongest * excess * 1.5 * kPeriod * kPeriod / device.truth.mass);
@@ -150,11 +153,11 @@ Outcome attack(std::uint64_t seed, const AssumedNumbers& told, double strength, 
 }
 
 struct Sum {
-  double worst = 0.0;  // least balance over what was exchanged
+  double worst = 0.0;  // smallest balance divided by the exchanged energy
   double share_of_excess = 0.0;
-  double rendered = 0.0;  // [N] mean
+  double rendered = 0.0;  // [N] mean force
   std::uint64_t overdrawn = 0, strong_hand = 0;
-  int losers = 0;  // devices whose port gave energy
+  int losers = 0;  // number of devices with excess energy at the port
   bool force_in_debt = false;
 };
 
@@ -184,7 +187,7 @@ TEST(AccountAttack, NoHandTakesMoreThanTheDeviceBurned) {
   EXPECT_GT(sum.rendered, 0.1);
 }
 
-/// The device takes forces up late, and the account knows it.
+/// The device applies forces late, and the account gets this delay.
 TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
   for (const std::size_t lag : {1U, 2U, 4U}) {
     const Sum sum = attack_all(kDevices / 2, {}, 1.0, 1.0, lag);
@@ -196,7 +199,7 @@ TEST(AccountAttack, NorFromADeviceThatTakesForcesUpLate) {
   }
 }
 
-/// Ticks are late, but no later than the account reckons with.
+/// Ticks are late, but not later than the account assumes.
 TEST(AccountAttack, NorFromTicksThatAreAsLateAsTheyLatelyWere) {
   for (const double longest : {1.3, 1.5, 2.0}) {
     const Sum sum = attack_all(kDevices / 2, {}, 1.0, longest, 0, longest);

@@ -1,5 +1,5 @@
-// Motors that follow their commands with a lag: the true force gives the hand no more than the
-// device burned, whatever the hand and the commands do.
+// A motor follows its commands with a lag. The true force must give the hand no more energy than
+// the device dissipated, for all hands and commands.
 
 #include <gtest/gtest.h>
 
@@ -19,25 +19,25 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// How a true motor follows its command. Each response stays within a MotorLag.
+/// The response of the true motor to its command. Each response stays within a MotorLag.
 enum class Response { delay, mean, jitter, filter, mixed };
 
-/// A motor in continuous time. It holds commands as they were written.
+/// A motor in continuous time. The motor holds each command until the next.
 class Motor {
  public:
-  /// `delayed`: the part of a mixed lag that is a pure delay.
+  /// `delayed` [s]: the pure delay in a mixed lag.
   Motor(Response response, double lag, double delayed)
       : response_(response), lag_(lag), delayed_(delayed) {}
 
   void write(double now, const Vec3& force, double random) {
-    // A varying delay never lets an older command overtake a newer one.
+    // With a varying delay, an older command must not overtake a newer one.
     delay_ = response_ == Response::jitter  ? random * lag_
              : response_ == Response::mixed ? delayed_
                                             : lag_;
     written_.push_back({now, std::max(now + delay_, acts_), force});
     acts_ = written_.back().acts;
   }
-  /// The force at `now`. `step` [s]: the time since the last call.
+  /// Returns the force at `now`. `step` [s]: the time since the last call.
   Vec3 force(double now, double step) {
     while (written_.size() > 1 && written_[1].acts <= now - lag_) written_.pop_front();
     if (response_ == Response::filter) {
@@ -72,14 +72,14 @@ class Motor {
   Vec3 filtered_ = Vec3::Zero();
 };
 
-/// A random device, with a hand and commands that try to make energy at its motor.
+/// A random device with a hand and commands that try to produce energy at its motor.
 struct Adversary {
   std::mt19937_64 random;
   AccountConfig config;
   double friction, hand;
   Response response;
   double true_lag, delayed;
-  bool flat;  // movements along a single line only
+  bool flat;  // All movements are on a single line.
 
   double draw(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -92,7 +92,8 @@ struct Adversary {
     config.translation.mass = draw_log(0.02, 0.5);
     config.translation.coulomb_friction = friction = draw(0.0, 1.0) < 0.5 ? 0.0 : draw(0.01, 0.3);
     config.translation.outside_force = draw(2.0, 15.0);
-    hand = 0.9 * config.translation.outside_force;  // a margin: the motion is integrated in steps
+    // The margin covers the integration error of the motion.
+    hand = 0.9 * config.translation.outside_force;
     response = static_cast<Response>(seed % 5);
     const bool filter = response == Response::filter, mixed = response == Response::mixed;
     const double lag = draw(0.05, filter || mixed ? 0.9 : 2.5) * kPeriod;
@@ -105,7 +106,7 @@ struct Adversary {
     flat = draw(0.0, 1.0) < 0.5;
   }
 
-  /// [J] the most that the motor gave beyond what the device burned, up to any time.
+  /// Returns the largest excess [J] of the motor's energy over the dissipated energy, at any time.
   double most_made(AccountStatistics& statistics) {
     constexpr int kSteps = 100, kSamples = 480;
     constexpr double kStep = kPeriod / kSteps;
@@ -122,7 +123,8 @@ struct Adversary {
       seen = x;
       const Command given = account.step(sample(moved, wanted(n, moved, v, line)));
       motor.write(n * kPeriod, given.force(), draw(0.0, 1.0));
-      const int turn = static_cast<int>(draw(0.0, kSteps));  // within the sample
+      // integration step of the reversal within the sample
+      const int turn = static_cast<int>(draw(0.0, kSteps));
       for (int i = 0; i < kSteps; ++i) {
         const double now = n * kPeriod + (i + 0.5) * kStep;
         const Vec3 force = motor.force(now, kStep);
@@ -145,7 +147,7 @@ struct Adversary {
     const Vec3 any(draw(-1, 1), flat ? 0.0 : draw(-1, 1), flat ? 0.0 : draw(-1, 1));
     return flat ? Vec3(Vec3::UnitX()) : direction(any);
   }
-  /// Commands by turns: along the movement, a spring, along the velocity, or random.
+  /// Commands alternate: along the movement, a spring, along the velocity, or random.
   Command wanted(int n, const Vec3& moved, const Vec3& v, const Vec3& line) {
     constexpr double kMost = 10.0;
     switch ((n / 60) % 4) {
@@ -160,7 +162,7 @@ struct Adversary {
     }
   }
   static Command push_of(const Vec3& force) { return test::push(force); }
-  /// The hand swings, follows the motor's force or turns against it within the sample.
+  /// The hand oscillates, follows the motor's force or reverses against it within the sample.
   Vec3 pushes(double now, double swing, double reaction, const Vec3& force, const Vec3& v,
               const Vec3& line) {
     if (draw(0.0, 1.0) < reaction) return hand * direction(draw(0.0, 1.0) < 0.5 ? force : v);
@@ -172,7 +174,8 @@ struct Adversary {
   Vec3 seen_ = Vec3::Zero();
 };
 
-/// 480 devices: delay, mean, jitter, filter and mixed, up to 2.5 periods, each up to the told lag.
+/// Tests 480 devices with delay, mean, jitter, filter and mixed response. The true lag is at most
+/// the declared lag of up to 2.5 periods.
 TEST(AccountLag, NoMotorWithinItsLagMakesEnergy) {
   std::uint64_t reduced = 0;
   for (std::uint64_t seed = 0; seed < 480; ++seed) {
@@ -186,11 +189,11 @@ TEST(AccountLag, NoMotorWithinItsLagMakesEnergy) {
     EXPECT_EQ(statistics.strong_hand, 0u) << seed;
     reduced += statistics.reduced;
   }
-  EXPECT_GT(reduced, 480u * 100u);  // the commands exceed the bound often
+  EXPECT_GT(reduced, 480u * 100u);  // The commands must often exceed the bound.
 }
 
-/// The mean share of a step that is still missing over a sample of `time` that begins `age` after
-/// the step. `delayed` is the pure delay; the rest of the lag is first-order.
+/// Returns the mean missing share of a step over a sample of `time` [s] that begins `age` [s] after
+/// the step. `delayed` [s] is the pure delay. The rest of the lag is first-order.
 double share_left(double age, double time, double lag, double delayed) {
   const double full = std::clamp(delayed - age, 0.0, time), from = std::max(age, delayed);
   if (!(age + time > from) || !(lag - delayed > 1e-12)) return full / time;
@@ -207,7 +210,7 @@ TEST(AccountLag, AMixedLagIsWorstAtOneEnd) {
     const LaggingForces forces({.time = lag, .kind = LagKind::mixed});
     for (int k = 0; k <= 60; ++k) {
       const double age = 4.0 * kPeriod * k / 60;
-      if (age >= forces.lag().rest()) break;  // later the account counts it as nothing
+      if (age >= forces.lag().rest()) break;  // The account ignores older forces.
       for (int i = 0; i <= kParts; ++i)
         EXPECT_LE(share_left(age, kPeriod, lag, lag * i / kParts),
                   forces.share(age, 0.0, kPeriod) + 1e-12)
@@ -216,18 +219,19 @@ TEST(AccountLag, AMixedLagIsWorstAtOneEnd) {
   }
 }
 
-/// [J] that a change of the force by `change` [N] can give in a share of a period.
+/// Returns the energy [J] that a change of the force by `change` [N] can give in a share of a
+/// period.
 double turn_energy(const PortBalance& port, double change, double strongest, double share) {
   return port.turn_limit(strongest, kPeriod).energy(change, TurnLimit::spread(share));
 }
 
-/// A delay of 0.3 T: over an even movement the older force acts for three tenths. The account
-/// charges on top what a hand adds that turns within the sample.
+/// With a delay of 0.3 T, the older force acts for three tenths of a uniform movement. The account
+/// also subtracts the extra energy of a hand that reverses within the sample.
 TEST(AccountLag, AnEvenMovementIsChargedByShares) {
   AccountConfig config = handle(2.0);
   config.lag = {.time = 0.3 * kPeriod};
   PortAccount account(config);
-  account.step(sample(Vec3(1e-3, 0, 0), {}));  // burns 2 mJ
+  account.step(sample(Vec3(1e-3, 0, 0), {}));  // dissipates 2 mJ
   const Command first = account.step(sample(Vec3::Zero(), push(Vec3(0.5, 0, 0))));
   ASSERT_EQ(first.elastic.x(), 0.5);
   const Command second = account.step(sample(Vec3::Zero(), push(Vec3(0.2, 0, 0))));
@@ -239,7 +243,7 @@ TEST(AccountLag, AnEvenMovementIsChargedByShares) {
   EXPECT_GT(turns, 0.0);
   EXPECT_NEAR(account.balance(),
               before + 2.0 * dx * dx / kPeriod - (0.7 * 0.2 + 0.3 * 0.5) * dx - turns, 1e-15);
-  // When the force grows, the account charges the newer one.
+  // When the force grows, the account uses the newer force.
   const Command third = account.step(sample(Vec3::Zero(), push(Vec3(0.5, 0, 0))));
   ASSERT_EQ(third.elastic.x(), 0.5);
   const double then = account.balance();
@@ -248,18 +252,19 @@ TEST(AccountLag, AnEvenMovementIsChargedByShares) {
               then + 2.0 * dx * dx / kPeriod - 0.5 * dx - turn_energy(port, 0.5, 0.5, 0.3), 1e-15);
 }
 
-/// A hand against a pure delay d and a force that changes by c at the right time gets at most
-/// c^2 h/(4 b) d/h (1 - d/h) beyond the mean: the closed form.
+/// A hand acts against a pure delay d, and the force changes by c at the best time. In closed form,
+/// the hand gets at most c^2 h/(4 b) d/h (1 - d/h) beyond the mean.
 TEST(AccountLag, ATurnWithinASampleGivesWhatIsCharged) {
   const double b = 0.5, change = 3.0;
   AccountConfig config;
   config.translation.damping = b;
   const PortBalance port(config.translation, kPeriod);
   for (const double share : {0.1, 0.3, 0.5, 0.8, 1.0}) {
-    double most = 0.0;  // over delays up to `share` and both speeds of a hand, out and back
+    double most = 0.0;  // maximum over delays up to `share` and both speeds of a hand
     for (int d = 1; d <= 100; ++d) {
       const double delay = std::min(share, 0.01 * d) * kPeriod;
-      const double out = change / (2.0 * b) * (1.0 - delay / kPeriod);  // [m/s] the best speed
+      // [m/s] the best speed for the hand
+      const double out = change / (2.0 * b) * (1.0 - delay / kPeriod);
       const double way = out * delay;
       most = std::max(most, change * way - b * way * way * (1.0 / delay + 1.0 / (kPeriod - delay)));
     }
@@ -291,7 +296,7 @@ TEST(AccountLag, TheSpecificationOfTheDeviceTells) {
   }
 }
 
-/// Cross-check: the same hands win when the account does not know the lag.
+/// Without the lag in the account, the same hands must gain energy.
 TEST(AccountLag, UntoldItMakesEnergy) {
   int won = 0;
   for (std::uint64_t seed = 0; seed < 480; ++seed) {

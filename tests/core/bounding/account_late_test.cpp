@@ -1,4 +1,5 @@
-// Devices that take a force up samples late: the account first pays for all coming forces.
+// A device applies a force samples after its command. The account must first cover all forces that
+// the device got but did not apply yet.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// A device with only its damping known, which takes forces up `late` samples late.
+/// Returns a device with known damping only. The device applies forces `late` samples late.
 AccountConfig damped(int late) {
   AccountConfig config;
   config.period = kPeriod;
@@ -24,7 +25,7 @@ AccountConfig damped(int late) {
   return config;
 }
 
-/// [J] that a force needs against any hand.
+/// Returns the energy [J] that a force needs against any hand.
 double need(double force) { return force * force * kPeriod / (4.0 * 0.5); }
 
 TEST(AccountLate, AForceIsOnTheHandSamplesAfterItIsGiven) {
@@ -46,7 +47,7 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
   PortAccount account(damped(1));
   account.step(sample(Vec3(2e-3, 0, 0), {}));
   const double balance = account.balance();
-  // First ask for a third of the balance, then for more than the rest.
+  // The first force needs a third of the balance. The second command exceeds the rest.
   const double first = std::sqrt(balance / 3.0 * 4.0 * 0.5 / kPeriod);
   const Command given = account.step(sample(Vec3::Zero(), push(Vec3(first, 0, 0))));
   EXPECT_EQ(given.elastic.x(), first);
@@ -56,8 +57,8 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
   EXPECT_NEAR(need(third.elastic.x()), 0.5 * balance, 1e-9 * balance) << "and so it stays";
 }
 
-/// A hand that stands still asks for far more than the balance pays for: the force settles. When
-/// the account shared by the needs of the wanted force, the force swung by 20 to 55 %.
+/// A resting hand commands far more force than the balance covers. The force must settle. In an
+/// earlier version the force oscillated by 20 to 55 %.
 TEST(AccountLate, AForceAtItsLimitDoesNotSwing) {
   for (DeviceSpec spec : builtin_devices()) {
     if (!(spec.least_mass > 0.0)) continue;
@@ -88,7 +89,8 @@ TEST(AccountLate, WhereTheComingOnesNeedAllNothingIsGiven) {
   const double most = std::sqrt(0.499 * account.balance() * 4.0 * 0.5 / kPeriod);
   account.step(sample(Vec3::Zero(), push(Vec3(most, 0, 0))));
   account.step(sample(Vec3::Zero(), push(Vec3(most, 0, 0))));
-  // The hand takes all that the first force can give: the second needs the rest of the balance.
+  // The hand extracts all energy of the first force. The second force needs the rest of the
+  // balance.
   const double worst = most * kPeriod / (2.0 * 0.5);
   const Command given = account.step(sample(Vec3(worst, 0, 0), push(Vec3(most, 0, 0))));
   EXPECT_LT(given.elastic.x(), 0.1 * most);
@@ -97,7 +99,8 @@ TEST(AccountLate, WhereTheComingOnesNeedAllNothingIsGiven) {
   EXPECT_EQ(account.statistics().overdrawn, 0u);
 }
 
-/// A coming force may raise the speed, and so lengthens the reach of those after it.
+/// A force that the device will apply soon may raise the speed. A higher speed enlarges the
+/// reachable displacement of the following forces.
 TEST(AccountLate, TheReachGrowsByWhatTheComingForcesDrive) {
   const AccountConfig config = handle(0.05);
   PortBalance port(config.translation, kPeriod);

@@ -1,5 +1,4 @@
-// A tick is late while a hand stands still and the account pays for its force to the limit: the
-// force stays.
+// A tick is late while a hand rests and the account limits its force. The force must stay constant.
 
 #include <gtest/gtest.h>
 
@@ -18,14 +17,14 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// The largest change of the force from one sample to the next, as a share of it.
+/// The largest relative change of the force from one sample to the next.
 struct Notch {
   double deepest = 0.0, highest = 0.0;
   double force = 0.0;  // [N] before the late tick
 };
 
-/// A hand that stands still asks for `most`; `energy` [J] is there to pay for it. A single tick is
-/// `late` [T]; the next comes at its deadline, or a period later.
+/// A resting hand commands `most`, and the account has `energy` [J]. A single tick is `late` [T].
+/// The next tick comes at its deadline, or a period later.
 Notch stand(const AccountConfig& config, const Command& most, double energy, double late,
             bool deadlines, bool knows_hand) {
   PortAccount account(config);
@@ -64,9 +63,10 @@ std::vector<DeviceSpec> known_devices() {
   return devices;
 }
 
-constexpr double kForces[] = {0.1, 0.2, 0.45, 1.0, 2.0, 4.0, 8.0};  // [N] that the energy pays for
+// [N] forces that the energy covers
+constexpr double kForces[] = {0.1, 0.2, 0.45, 1.0, 2.0, 4.0, 8.0};
 
-/// The wanted and the paid command, in the same direction.
+/// The command and the covered command. Both have the same direction.
 struct Commands {
   Command most, paid;
 };
@@ -79,7 +79,7 @@ void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool know
     for (const bool deadlines : {true, false}) {
       const Notch notch = stand(config, commands.most, need_at_rest(config, commands.paid), late,
                                 deadlines, knows_hand);
-      // The share that the account keeps back costs a small force little.
+      // The reserve of the account may reduce a small force only a little.
       EXPECT_GT(notch.force, 0.94 * wanted) << spec.name << ' ' << spec.late_ticks;
       EXPECT_LT(notch.force, (1.0 + 1e-9) * wanted) << spec.name << ' ' << spec.late_ticks;
       EXPECT_LT(notch.deepest, 0.05) << spec.name << ' ' << spec.late_ticks << " late " << late
@@ -89,14 +89,16 @@ void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool know
     }
 }
 
-/// On a device that takes forces up late, all coming forces change with the reach. Small forces
-/// need most of their energy for the reach of a strong hand.
+/// On a device that applies forces late, the reachable displacement affects all forces that the
+/// device got. Small forces need most of their energy for the reachable displacement of a strong
+/// hand.
 TEST(AccountNotch, AHandThatStandsStillFeelsNoTickThatIsLate) {
   for (DeviceSpec spec : known_devices())
     for (spec.late_ticks = 0; spec.late_ticks <= 2; ++spec.late_ticks)
       for (const Vec3& along : {Vec3(0, 0, 1), Vec3(0, -0.6, 0.8), Vec3(0.6, -0.64, 0.48)})
         for (const double force : kForces)
-          // A device that is not late keeps no share back: its small forces fall by more.
+          // Without a delay of the device the account has no reserve. Small forces then fall
+          // further.
           if (force < spec.max_force && (spec.late_ticks > 0 || (force >= 1.0 && along.z() == 1.0)))
             expect_no_notch(spec, {{.elastic = spec.max_force * along}, {.elastic = force * along}},
                             true);
@@ -114,7 +116,7 @@ TEST(AccountNotch, NorDoesOneThatATorqueTurns) {
   }
 }
 
-/// The account knows nothing of this hand.
+/// The account has no data about this hand.
 TEST(AccountNotch, NorDoesAnyOtherHand) {
   for (DeviceSpec spec : builtin_devices())
     for (spec.late_ticks = 0; spec.late_ticks <= 2; ++spec.late_ticks)
@@ -125,7 +127,8 @@ TEST(AccountNotch, NorDoesAnyOtherHand) {
                           false);
 }
 
-/// A device on which a shorter reach cannot be felt keeps no share back.
+/// On some devices a shorter reachable displacement has no noticeable effect. On such devices the
+/// account must have no reserve.
 TEST(AccountNotch, OnlyWhatIsNeededIsKept) {
   for (const char* name : {"simulated", "impulse_engine_2000"}) {
     const AccountConfig config = account_config(builtin_device(name), kPeriod);

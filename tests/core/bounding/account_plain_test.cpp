@@ -1,5 +1,5 @@
-// The account skips what cannot change its result, stores what seldom changes and multiplies by
-// stored reciprocals. Its results equal those of its arithmetic written out.
+// The account skips terms without effect, stores values that seldom change, and multiplies by
+// stored reciprocals. Its results must equal the unoptimized arithmetic.
 
 #include <gtest/gtest.h>
 
@@ -17,9 +17,10 @@ namespace {
 using namespace test;
 
 constexpr std::uint64_t kAccounts = rounds(400);
-constexpr double kOff = 1e-9;  // share of the command and of the balance
+constexpr double kOff = 1e-9;  // tolerance as a share of the command and of the balance
 
-/// Random knowledge: damping of each kind or none; every other quantity known or not.
+/// Returns random knowledge of a port: damping of each kind or none, and every other quantity known
+/// or unknown.
 PortKnowledge any_knowledge(Random& random, double scale) {
   PortKnowledge known;
   const auto some = [&](double least, double most) {
@@ -41,7 +42,7 @@ PortKnowledge any_knowledge(Random& random, double scale) {
   return known;
 }
 
-/// A hand, seen by an encoder, that mostly goes on as before.
+/// A hand that mostly repeats its last step. The encoder rounds each position.
 struct Movement {
   Vec3 step = Vec3::Zero();
   Vec3 next(Random& random, double quantum) {
@@ -64,7 +65,7 @@ void play(std::uint64_t seed, LimitCounts& seen) {
   if (random.chance(0.5)) config.cap = std::abs(random.decades(-4.0, 0.0));
   config.looks_ahead = random.chance(0.7);
   config.learns_outside_force = random.chance(0.3);
-  const bool even = random.chance(0.4);  // every sample lasts a period
+  const bool even = random.chance(0.4);  // Every sample lasts a period.
   const double longest = config.period * random.uniform(1.0, 5.0);
   PortAccount account(config);
   PlainAccount plain(config);

@@ -1,4 +1,4 @@
-// The account of a handle with a known largest speed.
+// Tests the account of a handle with a known largest speed.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,8 @@ using namespace test;
 
 constexpr double kPeriod = kSamplePeriod;
 
-/// A force above 2 b v needs f v T - b v^2 T, a smaller one the storage of any hand.
+/// A force above 2 b v needs the energy f v T - b v^2 T. A smaller force needs the energy for a
+/// hand of any speed.
 TEST(Account, AHandOfKnownSpeedTakesNoMoreThanItsWay) {
   PortKnowledge known;
   known.damping = 0.05;
@@ -27,14 +28,14 @@ TEST(Account, AHandOfKnownSpeedTakesNoMoreThanItsWay) {
       EXPECT_NEAR(balance.need(Vec3(0, f, 0), kPeriod).at(s),
                   searched_need(s * f, 0.05, 0.5 * kPeriod), 1e-9 * expected);
   }
-  known.damping = 0.0;  // then there is no storage: only the largest movement limits it
+  known.damping = 0.0;  // Without damping, only the largest displacement limits the energy.
   EXPECT_NEAR(PortBalance(known, kPeriod).need(Vec3(0, 3, 0), kPeriod).at(1.0), 3.0 * 0.5 * kPeriod,
               1e-15);
 }
 
 TEST(Account, OfInertiaAndSpeedWhatAllowsLessIsTaken) {
   PortKnowledge heavy = handle().translation, fast = heavy;
-  heavy.speed = 100.0;  // the mass allows less
+  heavy.speed = 100.0;  // The mass limits the displacement more.
   fast.speed = 0.05;
   const auto need = [](const PortKnowledge& known, double share) {
     PortBalance balance(known, kPeriod);
@@ -47,7 +48,7 @@ TEST(Account, OfInertiaAndSpeedWhatAllowsLessIsTaken) {
   }
 }
 
-/// The account does not rely on a speed that the hand has just exceeded.
+/// The account must not use a largest speed that the hand has just exceeded.
 TEST(Account, AHandThatIsTooFastIsSeenAndMayDoAnything) {
   PortKnowledge known;
   known.damping = 0.05;
@@ -66,7 +67,8 @@ TEST(Account, AHandThatIsTooFastIsSeenAndMayDoAnything) {
   EXPECT_EQ(need(), slow);
 }
 
-/// Any movement of at most v h, as an encoder shows it. The greediest takes the whole reserve.
+/// The hand makes any movement of at most v h, and an encoder rounds the positions. The worst
+/// movement uses the complete reserve.
 TEST(Account, NoHandOfKnownSpeedTakesMoreThanTheDeviceBurned) {
   double least = 1.0, rendered = 0.0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {

@@ -1,4 +1,5 @@
-// The account in closed form: what a force needs, what a balance pays for, what a sample earns.
+// Compares the account with closed forms: the need of a force, the force that a balance covers, and
+// the energy from a sample.
 
 #include "core/bounding/account.hpp"
 
@@ -83,7 +84,7 @@ TEST(Account, RendersTheLargestShareThatTheBalancePaysFor) {
     AccountConfig config = handle(std::abs(random.decades(-3.0, 1.0)));
     config.rotation = {.damping = 1e-3, .mass = 1e-4, .outside_force = 0.5};
     PortAccount account(config);
-    account.step(sample(random.vector(-4.0, -2.0), {}));  // burns some energy
+    account.step(sample(random.vector(-4.0, -2.0), {}));  // dissipates some energy
     const double balance = account.balance();
     ASSERT_GT(balance, 0.0);
     const Command wanted{random.vector(-1.0, 2.0), random.vector(-1.0, 2.0),
@@ -140,8 +141,8 @@ TEST(Account, BehindABoundThatIsPassiveByItselfItLooksAtTheBalanceOnly) {
   EXPECT_NEAR(need, account.balance(), 1e-9 * need);
 }
 
-/// If the account paid in advance for a tick that comes after the watchdog time (five periods), it
-/// would need about ten times the energy: docs/bounding.md, "A stall".
+/// A tick may come after the stall detector's time of five periods. If the account covered such a
+/// tick in advance, it would need about ten times the energy (docs/bounding.md, "A stall").
 TEST(Account, AHoldOfFivePeriodsNeedsTenTimesTheEnergy) {
   for (const DeviceSpec& spec : builtin_devices()) {
     if (!(spec.least_mass > 0.0)) continue;
@@ -192,7 +193,7 @@ TEST(DeviceAccount, CountsOnWhatTheSpecificationIsSureOf) {
   EXPECT_EQ(any.translation.coulomb_friction, 0.0);
   EXPECT_FALSE(any.looks_ahead);
   EXPECT_TRUE(std::isinf(any.cap));
-  // Torque counts where it is actuated and damped.
+  // Torque counts if the device actuates and damps it.
   spec.rotational_damping = 1e-3;
   EXPECT_EQ(account_config(spec, kPeriod).rotation.damping.least(), 0.0);
   spec.rotation_sensed = spec.rotation_actuated = 3;
@@ -231,7 +232,7 @@ TEST(Account, AForceThatWillBeHeldLongerNeedsMore) {
 }
 
 TEST(Account, APartAboutWhichNothingIsKnownIsNotRendered) {
-  PortAccount account(handle());  // nothing is known of the rotation
+  PortAccount account(handle());  // The rotation is unknown.
   account.step(sample(Vec3(5e-3, 0, 0), {}));
   const Command given =
       account.step(sample(Vec3::Zero(), {Vec3(0.1, 0, 0), Vec3::Zero(), Vec3(0.1, 0, 0)}));
@@ -246,7 +247,7 @@ TEST(Account, ASampleEarnsWhatWasBurnedLessWhatWasDelivered) {
   account.step(sample(dx, push(Vec3(1e-3, 0, 0))));
   const double burned = 0.5 * dx.squaredNorm() / kPeriod;
   EXPECT_NEAR(account.balance(), burned, 1e-18);
-  account.step(sample(dx, {}, 2.0 * kPeriod));  // the damping of a longer hold burns less
+  account.step(sample(dx, {}, 2.0 * kPeriod));  // In a longer hold the damping dissipates less.
   EXPECT_NEAR(account.balance(), 1.5 * burned - 1e-3 * dx.x(), 1e-18);
 }
 
@@ -270,11 +271,11 @@ TEST(Account, TheCapHoldsWhileNothingIsHeld) {
   PortAccount account(config);
   for (int i = 0; i < 2000; ++i) account.step(sample(Vec3(1e-3, 0, 0), {}));
   EXPECT_DOUBLE_EQ(account.balance(), config.cap);
-  // The cap is what a resting handle needs for its largest force.
+  // The cap is the energy that a resting handle needs for its largest force.
   account.step(sample(Vec3::Zero(), push(Vec3(1e-9, 0, 0))));
   const Command full = account.step(sample(Vec3::Zero(), push(Vec3(8.5, 0, 0))));
   EXPECT_NEAR(full.elastic.x(), 8.5, 0.8);
-  // A spring that the hand presses in may hold more than the cap.
+  // A spring that the hand compresses may store more than the cap.
   for (int i = 0; i < 10; ++i) account.step(sample(Vec3(-1e-3, 0, 0), push(Vec3(8.5, 0, 0))));
   EXPECT_GT(account.balance(), 2.0 * config.cap);
 }
@@ -282,7 +283,8 @@ TEST(Account, TheCapHoldsWhileNothingIsHeld) {
 TEST(Account, ADebtIsRepaidBeforeAnyForce) {
   PortAccount account(handle(0.5));
   account.step(sample(Vec3(5e-3, 0, 0), push(Vec3(3, 0, 0))));
-  account.step(sample(Vec3(2e-2, 0, 0), push(Vec3(3, 0, 0)), 0.05));  // pulled away in a long hold
+  // The hand moves with the force during a long hold.
+  account.step(sample(Vec3(2e-2, 0, 0), push(Vec3(3, 0, 0)), 0.05));
   ASSERT_TRUE(account.in_debt());
   EXPECT_EQ(account.statistics().overdrawn, 1u);
   const double debt = -account.balance();
@@ -329,7 +331,7 @@ TEST(Account, ABadSampleLosesTheBalanceAndRendersNothing) {
   PortAccount account = start();
   EXPECT_EQ(account.step(sample(Vec3::Zero(), push(nan))), Command{});
   EXPECT_GT(account.balance(), 0.0) << "a bad command says nothing of the handle";
-  // Afterwards movement earns again, and the force comes back.
+  // Movement then dissipates energy, and the force returns.
   for (int i = 0; i < 3; ++i) account.step(sample(Vec3(5e-3, 0, 0), {}));
   EXPECT_EQ(account.step(sample(Vec3::Zero(), push(Vec3(1, 0, 0)))), push(Vec3(1, 0, 0)));
 }
@@ -372,7 +374,7 @@ TEST(Account, AnotherLawsAccountGoesOnWithWhatIsLeftAndWhatIsOwed) {
     after.go_on_from(before);
     EXPECT_EQ(after.balance(), before.balance());
     EXPECT_EQ(after.statistics().largest_debt, before.statistics().largest_debt);
-    // The forces that a late device already has will still act on the hand.
+    // The device still applies forces that it got before.
     for (PortAccount* account : {&before, &after}) account->step(sample(Vec3(1e-4, 0, 0), {}));
     EXPECT_EQ(after.balance(), before.balance());
     const Command wanted = push(Vec3(1, 0, 0));

@@ -1,4 +1,4 @@
-// Nothing in a bound's step allocates: every method, option, kind of damping and arithmetic.
+// No step of a bound may allocate: all methods, options, kinds of damping and arithmetic types.
 
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST(BoundingAllocation, NothingAllocatesInTenThousandSteps) {
   GTEST_SKIP() << "sanitizers allocate by themselves";
 #endif
   delete new int(1);
-  ASSERT_GT(allocations(), 0u);  // the counter counts
+  ASSERT_GT(allocations(), 0u);  // The counter must work.
   never_allocates<double>();
   never_allocates<float>();
 }

@@ -1,4 +1,4 @@
-// The duties of every bounding mode to its caller.
+// Tests the requirements that every bounding method must meet.
 
 #include "core/bounding/bounding.hpp"
 
@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPeriod = test::kModePeriod;
 
 const std::vector<std::string_view> kModes = bounding_method_names();
-/// Modes that never render more than the command.
+/// Methods that never render more than the command.
 constexpr std::string_view kLimiters[] = {
     "none", "total_energy", "per_axis", "per_axis_projected", "contact_frame", "energy_tank"};
 
@@ -111,7 +111,7 @@ TEST(Bounding, WhatIsNoNumberGivesNoForce) {
         if (input < 5) {
           (*vectors[input])[static_cast<int>(std::abs(std::fmod(x, 3.0)) > 1.0)] = x;
         } else {
-          if (x == -1e300) continue;  // a hold shorter than T is valid
+          if (x == -1e300) continue;  // A hold shorter than T is valid.
           s.hold_time = x;
         }
         const Bounded out = bounding.step(s);
@@ -122,15 +122,15 @@ TEST(Bounding, WhatIsNoNumberGivesNoForce) {
         for (int n = 0; n < 10; ++n) {
           const Command after = bounding.step(good).rendered;
           EXPECT_TRUE(after.finite());
-          // A coupling renders its own spring, not the scene's command.
+          // A virtual coupling renders its own spring instead of the scene's command.
           if (mode == "virtual_coupling") continue;
           EXPECT_LE(after.force().norm(), good.command.force().norm() * (1.0 + 1e-12));
         }
       }
 }
 
-// The bound must assume the worst: 1 N held for 5 T while the hand takes all it can overdraws the
-// port by 2 mJ. Taken as a hold of T, the same movement would count as a gain.
+// The bound must assume the worst case. With 1 N for 5 T, the hand can extract 2 mJ more than the
+// port dissipates. For a hold of T, the same movement would count as a gain.
 TEST(Bounding, AHoldTimeThatIsNoNumberEarnsNoCredit) {
   for (const std::string_view mode : {"contact_frame", "energy_tank"})
     for (const double told : {kNan, kInfinity, -kInfinity, 1e300}) {
@@ -156,8 +156,8 @@ void stays_finite(const BoundingConfig& c) {
   }
 }
 
-// A stiffness or a period beyond the range of float would make products infinite, and infinity
-// times zero is not a number.
+// A stiffness or a period beyond the range of float would make products infinite. Infinity times
+// zero is not a number.
 TEST(Bounding, TheLargestConfigurationIsFiniteInFloat) {
   for (const std::string_view mode : kModes) {
     BoundingConfig c = config(mode);
@@ -247,7 +247,8 @@ TEST(Bounding, NoneIsTheIdentityAndOnlyThatNeedsNoDamping) {
     c.rotational_damping = 0.0;
     Bounding bounding(c);
     BoundingStep s;
-    s.displacement = Vec3(0.1, 0.1, 0.1);  // with the force: nothing pays for it
+    // The movement is along the force, so no energy covers it.
+    s.displacement = Vec3(0.1, 0.1, 0.1);
     s.command = {Vec3(1, 2, 3), Vec3(3, 2, 1), Vec3(1, 1, 1)};
     const Bounded out = bounding.step(s);
     EXPECT_EQ(out.active, mode != "none");
@@ -261,8 +262,8 @@ TEST(Bounding, NoneIsTheIdentityAndOnlyThatNeedsNoDamping) {
   }
 }
 
-// Violations under a hand that takes most from the held force. The observer compares
-// f(n-1).dx(n) at the real port against b/T dx^2.
+// Returns the violations under a hand that extracts the most energy from the held force. The
+// observer compares f(n-1).dx(n) at the real port with b/T dx^2.
 std::uint64_t violations(std::string_view mode) {
   std::uint64_t total = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -288,8 +289,8 @@ std::uint64_t violations(std::string_view mode) {
   return total;
 }
 
-// (E) and (H) together make the real port passive, and so does the default mode. The other modes
-// are not passive: they exist to show this.
+// Conditions (E) and (H) of docs/bounding.md together make the real port passive. The default
+// method is passive too. The other methods are counterexamples.
 TEST(Bounding, OnlyPerAxisAndContactFrameKeepTheRealPortPassive) {
   EXPECT_EQ(violations("per_axis"), 0u);
   EXPECT_EQ(violations("contact_frame"), 0u);

@@ -1,4 +1,4 @@
-// Hands that try to take more from the contact frame's port than the device burned.
+// Hands try to extract more energy from the contact frame's port than the device dissipated.
 
 #include <gtest/gtest.h>
 
@@ -14,14 +14,15 @@ namespace {
 
 using namespace test;
 
-/// The movement of a hand until the next sample, under the held force. Its shares refer to the
-/// greediest movement.
+/// The movement of a hand until the next sample, under the held force. The numbers are ratios to
+/// the movement that extracts the most energy.
 struct Movement {
   Vec3 displacement, rotation;
 };
 using Hand = std::function<Movement(Random&, const Command& held, double hold_time)>;
 
-/// Takes all that one sample can give: exactly, with a perturbation, or scaled by a random factor.
+/// Extracts the most energy of one sample: exactly, with a perturbation, or scaled by a random
+/// factor.
 Movement greedy(Random& random, const Command& held, double time, double exact = 0.5) {
   Movement m{greediest(held.force(), time, kDamping),
              greediest(held.torque, time, kRotationalDamping)};
@@ -32,7 +33,7 @@ Movement greedy(Random& random, const Command& held, double time, double exact =
   return m;
 }
 
-/// Pumps: presses against the force to fill the store, then takes it all back.
+/// Presses against the force to store energy, and then extracts this energy.
 Movement alternating(Random& random, const Command& held, double time) {
   if (random.chance(0.5)) return greedy(random, held, time, 1.0);
   const double pressing = -random.uniform(0.0, 4.0);
@@ -40,7 +41,7 @@ Movement alternating(Random& random, const Command& held, double time) {
           pressing * greediest(held.torque, time, kRotationalDamping) + random.vector(-7.0, -3.0)};
 }
 
-/// Takes from one channel only, moving along or across the normal that is held.
+/// Extracts energy from one channel only, by a movement along or across the held normal.
 Movement one_channel(Random& random, const Command& held, double time) {
   const Vec3 normal = direction(held.elastic);
   const Vec3 all = greediest(held.force(), time, kDamping);
@@ -55,7 +56,7 @@ Movement restless(Random& random, const Command&, double) {
   return {random.vector(-8.0, -2.0), random.vector(-8.0, -1.0)};
 }
 
-/// Both projections and both storages, in turn.
+/// Returns both projections and both storages in turn.
 BoundingConfig any_config(std::uint64_t seed) {
   return contact_frame(seed % 2 ? Projection::joint : Projection::cone,
                        seed / 2 % 2 ? Storage::minimal : Storage::elastic);
@@ -63,12 +64,13 @@ BoundingConfig any_config(std::uint64_t seed) {
 
 struct Outcome {
   PortEnergy observer{kDamping, kRotationalDamping, kPeriod};
-  double worst = -1.0;    // greatest (delivered - burned) / exchanged
-  double rendered = 0.0;  // [N] sum of magnitudes: a bound that renders nothing proves nothing
+  double worst = -1.0;  // largest (delivered - dissipated) / exchanged
+  // [N] sum of magnitudes. The bound must render some force, otherwise the test proves nothing.
+  double rendered = 0.0;
 };
 
-/// Plays random unphysical commands against a hand that knows the held force. `reduce`: what the
-/// device makes of a command.
+/// Plays random unphysical commands against a hand that reacts to the held force. `reduce` returns
+/// the force that the device makes of a command.
 Outcome attack(const BoundingConfig& bound, const Hand& hand, std::uint64_t seed, int steps,
                const std::function<Command(Random&, const Command&)>& reduce = {}) {
   Random random(seed);
@@ -127,8 +129,8 @@ TEST(ContactFrame, NoHandTakesMoreThanTheDeviceBurned) {
   }
 }
 
-// Cross-check of the test above: these hands must win when the bound credits damping that the
-// device does not have.
+// The hands of the test above must gain energy when the bound assumes more damping than the device
+// has.
 TEST(ContactFrame, TheSameHandWinsAgainstFivePercentTooMuchDamping) {
   for (std::uint64_t variant = 0; variant < 4; ++variant) {
     BoundingConfig boasting = any_config(variant);
@@ -148,12 +150,14 @@ TEST(ContactFrame, TheSameHandWinsAgainstFivePercentTooMuchDamping) {
 
 TEST(ContactFrame, WhateverTheDeviceMakesSmallerStaysPassive) {
   const std::function<Command(Random&, const Command&)> reductions[] = {
-      [](Random& r, const Command& c) { return r.uniform(0.0, 1.0) * c; },  // fade, saturation
-      [](Random& r, const Command& c) {  // scales or drops each part by itself
+      // a fade or a saturation
+      [](Random& r, const Command& c) { return r.uniform(0.0, 1.0) * c; },
+      [](Random& r, const Command& c) {  // scales or drops each part separately
         return Command{r.uniform(0.0, 1.0) * c.elastic, (r.chance(0.5) ? 0.0 : 1.0) * c.frictional,
                        r.uniform(-1.0, 1.0) * c.torque};
       },
-      [](Random& r, const Command& c) {  // bends the force any way, reports it in any parts
+      // rotates the force arbitrarily, and reports any split into parts
+      [](Random& r, const Command& c) {
         const Vec3 force = c.force().norm() * r.direction();
         const Vec3 elastic = force.norm() * r.uniform(0.0, 3.0) * r.direction();
         return Command{elastic, force - elastic, c.torque.norm() * r.direction()};
@@ -178,28 +182,28 @@ TEST(ContactFrame, SaturationStaysPassive) {
     }
 }
 
-/// The test's own ledger of a port in true values: what the device burned minus what the hand got.
+/// An independent energy balance of a port in true values: dissipated minus delivered energy.
 struct Ledger {
   double damping;
-  double balance = 0.0;    // [J] burned - delivered
-  double exchanged = 0.0;  // [J]
+  double balance = 0.0;    // [J] dissipated - delivered
+  double exchanged = 0.0;  // [J] exchanged energy
   void account(const Vec3& force, const Vec3& displacement, double hold_time) {
     const double burned = damping * displacement.squaredNorm() / std::max(hold_time, kPeriod);
     balance += burned - force.dot(displacement);
     exchanged += burned + std::abs(force.dot(displacement));
   }
-  /// The most that the hand can take during the next sample if it lasts T.
+  /// Returns the most energy that the hand can extract in the next sample, if it lasts T.
   double at_stake(const Vec3& force) const {
     return force.squaredNorm() * kPeriod / (4.0 * damping);
   }
 };
 
-// Faults overdraw the port; no bound can prevent that. Even so, the bound renders a force only
-// when the ledger pays for the worst that the hand can do with it.
+// Faults overdraw the port, and no bound can prevent this. The bound must still render a force only
+// if the balance covers the worst movement of the hand.
 struct Faults {
   double longest_hold = 1.0;    // [T]
   double skipped_writes = 0.0;  // probability that the device keeps the previous force
-  double lost_movements = 0.0;  // probability that the bound is told NaN
+  double lost_movements = 0.0;  // probability that the bound gets NaN
 };
 void no_force_on_credit(const Faults& faults) {
   int in_debt = 0, rendered = 0;
@@ -212,7 +216,8 @@ void no_force_on_credit(const Faults& faults) {
       const double hold_time =
           random.chance(0.1) ? kPeriod * random.uniform(1.0, faults.longest_hold) : kPeriod;
       Movement moved = kAttacks[seed % std::size(kAttacks)].hand(random, held, hold_time);
-      if (random.chance(0.5)) moved = restless(random, held, hold_time);  // repays debts
+      // Random movement repays debts.
+      if (random.chance(0.5)) moved = restless(random, held, hold_time);
       force.account(held.force(), moved.displacement, hold_time);
       torque.account(held.torque, moved.rotation, hold_time);
       BoundingStep told{moved.displacement, moved.rotation, hold_time, random_command(random)};

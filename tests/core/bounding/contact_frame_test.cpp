@@ -1,4 +1,5 @@
-// Law (C) of the contact-frame bound, channel by channel, and its closed forms.
+// Tests condition (C) of the contact-frame bound (docs/bounding.md) on each channel, and its closed
+// forms.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 using namespace test;
 
-/// A step of a bound that has just rendered `held`, from rest.
+/// Returns a step of a bound that has just rendered `held`, starting at rest.
 Bounded next(const BoundingConfig& c, const Command& held, const BoundingStep& step) {
   Bounding bounding(c);
   // A displacement that allows any force, split in the frame of `held`.
@@ -33,7 +34,7 @@ Bounded next(const BoundingConfig& c, const Command& held, const BoundingStep& s
 
 double square(double x) { return x * x; }
 
-// Checks law (C) against its energy form, channel by channel, by numbers only.
+// Checks condition (C) numerically against its energy form on each channel.
 TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
   Random random(7);
   int cut = 0;
@@ -73,8 +74,8 @@ TEST(ContactFrame, LawHoldsOnEachChannelOverSixDecades) {
         out.rendered.torque.squaredNorm(),
         std::max(0.0, tq) + 1e-11 * (held.torque.squaredNorm() + square(c_r * s.rotation.norm())));
 
-    // The bound takes no more than the laws ask for: a channel is at its bound, or the command is
-    // rendered whole.
+    // The bound must take no more than the conditions require. Either a channel is at its bound, or
+    // the command is rendered completely.
     const Vec3 u = direction(s.command.elastic);
     const double along_normal = s.command.frictional.dot(u);
     const Vec3 wanted_elastic = std::max(0.0, s.command.elastic.norm() + along_normal) * u;
@@ -98,7 +99,7 @@ TEST(ContactFrame, JointKeepsTheDirectionExactly) {
   for (int n = 0; n < test::rounds(100'000); ++n) {
     BoundingStep s{random.vector(-6.0, -2.0), random.vector(-4.0, 0.0), kPeriod,
                    random_command(random)};
-    // Make the parts orthogonal: the bound shortens a pulling command by its pull.
+    // Orthogonal parts are required here, because the bound removes the pulling part of a command.
     s.command.frictional -= along(s.command.frictional, direction(s.command.elastic));
     const Bounded out = bounding.step(s);
     if (out.rendered.force().norm() > 0.0) {
@@ -132,7 +133,7 @@ TEST(ContactFrame, ConeKeepsTheNormalForceAndFrictionInItsCone) {
       EXPECT_LT(angle(c.elastic, normal), 1e-12);
     }
     joint.set_held(c);
-    cone.set_held(c);  // the next step starts from the same store too
+    cone.set_held(c);  // The next step must start from the same stored energy.
     more_normal_force += c.elastic.norm() > 1.001 * j.elastic.norm();
   }
   EXPECT_GT(more_normal_force, 1000);
@@ -147,14 +148,14 @@ TEST(ContactFrame, ContactDampingCountsAsElasticAndNeverPulls) {
   EXPECT_EQ(out.rendered.elastic.y(), 2.0);
   EXPECT_EQ(out.rendered.frictional.x(), 1.0);
   EXPECT_EQ(out.rendered.frictional.y(), 0.0);
-  s.command.frictional = Vec3(1, -5, 0);  // would pull
+  s.command.frictional = Vec3(1, -5, 0);  // This friction alone would pull.
   out = bounding.step(s);
   EXPECT_EQ(out.rendered.force().y(), 0.0);
   EXPECT_EQ(out.rendered.elastic.norm(), 0.0);
 }
 
-// Orthogonalising leaves a friction of some 1e-17 N where there is none. The bound must ignore it:
-// with no tangential movement to pay for it, the joint factor would take the whole force.
+// Orthogonalization leaves a friction of some 1e-17 N. The bound must ignore this rounding error.
+// Without tangential movement, the joint factor would otherwise remove the complete force.
 TEST(ContactFrame, RoundingIsNoFriction) {
   Random random(10);
   for (int n = 0; n < 10000; ++n) {
@@ -177,8 +178,8 @@ TEST(ContactFrame, ContactLostDropsTheForceAtOnce) {
   EXPECT_EQ(bounding.step(s).rendered.force().norm(), 0.0);
 }
 
-/// Least |rendered| / |commanded| while a hand presses `depth` into a spring and, when `release`,
-/// moves out again.
+/// Returns the least |rendered| / |commanded| while a hand presses `depth` into a spring. If
+/// `release` is set, the hand also moves out again.
 double least_ratio(double stiffness, bool release) {
   Bounding bounding(contact_frame());
   const Vec3 up = Vec3(1, 2, 2) / 3.0;
@@ -204,14 +205,14 @@ TEST(ContactFrame, ASpringIsRenderedUndiminishedUpToColgatesLimit) {
   EXPECT_NEAR(least_ratio(2.0 * kColgate, false), 0.5, 1e-3);
 }
 
-// The price of a store for one force only: a soft spring holds more than F^2 / (2 c). The bound
-// forgets the rest at once, so on release the force falls with the slope c, not k
-// (docs/bounding.md, known weakness).
+// Minimal storage keeps energy for one force only, but a soft spring stores more than F^2 / (2 c).
+// On release the force therefore falls with the slope c instead of k (docs/bounding.md, known
+// weakness).
 TEST(ContactFrame, ASoftSpringIsForgottenOnRelease) {
   EXPECT_LT(least_ratio(0.25 * kColgate, true), 0.01);
 }
 
-/// Counts the samples of free movement until no debt is left.
+/// Returns the number of samples of free movement until the debt is repaid.
 int samples_to_repay(Bounding& bounding, BoundingStep free) {
   free.hold_time = kPeriod;
   free.command = {};
@@ -225,9 +226,10 @@ TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
   BoundingStep s;
   const Vec3 up(0, 1, 0);
   s.displacement = -0.001 * up;
-  s.command.elastic = 1.0 * up;  // allowed: c * 1 mm = 1 N
+  s.command.elastic = 1.0 * up;  // The bound allows c * 1 mm = 1 N.
   EXPECT_NEAR(bounding.step(s).rendered.elastic.y(), 1.0, 1e-12);
-  // Hold for 10 T while the hand moves along the force as far as pays most: 1 N * h / (2 b).
+  // In a hold of 10 T, the hand moves along the force by the distance that extracts the most
+  // energy: 1 N * h / (2 b).
   s.hold_time = 10 * kPeriod;
   s.displacement = greediest(up, s.hold_time, kDamping);
   const double debt = kDamping / s.hold_time * s.displacement.squaredNorm() - s.displacement.y() +
@@ -236,7 +238,7 @@ TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
   Bounded out = bounding.step(s);
   EXPECT_TRUE(out.in_debt);
   EXPECT_EQ(out.rendered.force().norm(), 0.0);
-  // Moving freely repays b/T dx^2 a sample.
+  // Free movement repays b/T dx^2 per sample.
   s.displacement = Vec3(1e-4, 0, 0);
   const double each = kDamping / kPeriod * s.displacement.squaredNorm();
   EXPECT_NEAR(samples_to_repay(bounding, s) * each, -debt, 1.5 * each);
@@ -246,8 +248,8 @@ TEST(ContactFrame, ADebtIsRepaidByTheDampingExactly) {
   EXPECT_NEAR(bounding.step(s).rendered.elastic.y(), 1.0, 1e-12);
 }
 
-// The worst movement over a hold of h takes f^2 h / (4 b): h/T times the stored energy. The port
-// owes all of it but the stored part.
+// The worst movement over a hold of h extracts f^2 h / (4 b), which is h/T times the stored energy.
+// The debt is this energy minus the stored energy.
 TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
   for (const bool rotation : {false, true}) {
     const double b = rotation ? kRotationalDamping : kDamping, c = 2.0 * b / kPeriod;
@@ -266,7 +268,7 @@ TEST(ContactFrame, AMovementNotKnownOverALongHoldOwesTheWorst) {
     EXPECT_NEAR(samples_to_repay(bounding, step(away, kPeriod)) * each, debt, 1.5 * each);
     EXPECT_FALSE(bounding.step(step(press, kPeriod)).active);
 
-    // In a hold no longer than T the storage covers the worst: nothing is owed.
+    // In a hold of at most T, the stored energy covers the worst movement. No debt arises.
     EXPECT_FALSE(bounding.step(step(unknown, kPeriod)).in_debt);
     EXPECT_FALSE(bounding.step(step(press, kPeriod)).active);
   }
@@ -284,21 +286,22 @@ TEST(ContactFrame, HoldsShorterThanThePeriodEarnNoMoreThanThePeriod) {
   Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(0, -1e-3, 0);
-  s.hold_time = 4.0 * kPeriod;  // a quarter of the damping: half the force
+  s.hold_time = 4.0 * kPeriod;  // A quarter of the damping gives half the force.
   s.command.elastic = Vec3(0, 100, 0);
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.elastic.y(), 0.5 * kColgate * 1e-3);
 }
 
-// Friction is held without an elastic force, then a normal parallel to it appears. The bound must
-// split the held force in the new frame; otherwise the elastic channel would start with damping
-// that the friction has already spent.
+// Friction is held without an elastic force. Then a normal parallel to the friction appears. The
+// bound must split the held force in the new frame. Otherwise the elastic channel would use damping
+// that friction has already used.
 TEST(ContactFrame, FrictionHeldWithoutContactIsSplitInTheNewFrame) {
   Bounding bounding(contact_frame());
   BoundingStep s;
   s.displacement = Vec3(-1e-3, 0, 0);
   s.command.frictional = Vec3(1, 0, 0);
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.frictional.x(), 1.0);
-  s.displacement = greediest(Vec3(1, 0, 0), kPeriod, kDamping);  // takes the whole store
+  // extracts the complete stored energy
+  s.displacement = greediest(Vec3(1, 0, 0), kPeriod, kDamping);
   s.command = {Vec3(10, 0, 0), Vec3(0, 10, 0), Vec3::Zero()};
   EXPECT_NEAR(bounding.step(s).rendered.force().norm(), 0.0, 1e-12);
 }

@@ -1,5 +1,5 @@
-// A corner has one channel for each wall. How the walls share the damping, in closed form and
-// against a hand that takes what it can.
+// A corner has one channel for each wall. Tests how the walls share the damping, in closed form and
+// against a hand that extracts the most energy.
 
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kPeriod = 1e-3;                         // [s]
 constexpr double kDamping = 0.5;                         // b [N s/m]
-constexpr double kStiffness = 2.0 * kDamping / kPeriod;  // c [N/m], nothing credited
+constexpr double kStiffness = 2.0 * kDamping / kPeriod;  // c [N/m] without credited damping
 
-/// A law that is told `share` times the device's damping.
+/// Returns a method that assumes `share` times the device's damping.
 Credited<double> law(double share = 1.0) {
   return {{.damping = share * kDamping}, {}, kPeriod, 0.0, false};
 }
@@ -65,7 +65,8 @@ TEST(Corner, AWallThatIsLeftTakesNothingFromTheOther) {
   const auto run = [&](Credited<double>& law, const ContactNormals& walls) {
     law.step(step({-3e-3, 0.0, -3e-3}, push({3.0, 0.0, 3.0}), walls));
     Vec3 given = Vec3::Zero();
-    for (int n = 0; n < 10; ++n)  // out of a wall and back into it, along the other
+    // The hand leaves one wall and enters it again, along the other wall.
+    for (int n = 0; n < 10; ++n)
       for (const double x : {3e-3, -3e-3})
         given = law.step(step({x, 0.0, 0.0}, push({x > 0.0 ? 0.0 : 3.0, 0.0, 3.0}), walls)).elastic;
     return given;
@@ -143,8 +144,9 @@ TEST(Corner, NoLargerWeightsWouldDo) {
   }
 }
 
-/// [J] that a hand takes from random walls and commands beyond what the device burned, over the
-/// energy exchanged. Half of its movements take the most from the held force.
+/// Returns the energy that a hand extracts from random walls and commands beyond the dissipated
+/// energy, divided by the exchanged energy. Half of the hand's movements extract the most energy
+/// from the held force.
 double excess(double told, std::uint64_t seed) {
   Hand hand(seed);
   auto credited = law(told);

@@ -1,5 +1,5 @@
-// virtual_coupling: delivered <= burned + work of the scene on the tool, for every hand and every
-// command, at equality of b >= k T / 2 + b_c.
+// virtual_coupling: the delivered energy is at most the dissipated energy plus the scene's work on
+// the tool. This holds for every hand and command. The test uses the limit b = k T / 2 + b_c.
 
 #include <cmath>
 #include <stdexcept>
@@ -11,8 +11,8 @@ namespace {
 
 using namespace test;
 
-/// `share` of the largest stiffness 2 b / T, and all the damping that is left:
-/// b = k T / 2 + b_c.
+/// Returns a coupling with `share` of the largest stiffness 2 b / T, and with all remaining
+/// damping: b = k T / 2 + b_c.
 BoundingConfig coupling(double share, double mass, double factor = 1.0) {
   BoundingConfig c = config("virtual_coupling", factor * 0.5);
   c.rotational_damping = factor * 1e-3;
@@ -25,7 +25,7 @@ BoundingConfig coupling(double share, double mass, double factor = 1.0) {
 template <class Real>
 struct ToolMargin {
   Margin margin;
-  Vec3 tool = Vec3::Zero(), orientation = Vec3::Zero();  // from the common start
+  Vec3 tool = Vec3::Zero(), orientation = Vec3::Zero();  // displacement since the common start
   Vec3 device = Vec3::Zero(), turned = Vec3::Zero();
 
   void account(const Played<Real>& p, const BasicBounding<Real>& bounding) {
@@ -38,7 +38,7 @@ struct ToolMargin {
     const Command scene = p.told.command.template cast<double>();
     margin.translation.add(scene.force(), now - tool);
     margin.rotation.add(scene.torque, now_turned - orientation);
-    // The tool's place is a difference: it rounds like the device's place.
+    // The tool's position is a difference and has the rounding errors of the device's position.
     slack += (scene.force().norm() * device.norm() + scene.torque.norm() * turned.norm()) * 64.0 *
              std::numeric_limits<Real>::epsilon();
     tool = now;
@@ -76,7 +76,7 @@ RC_GTEST_PROP(Property, CouplingInFloat, ()) {
   RC_ASSERT(holds<float>(script, coupling(share, mass)));
 }
 
-/// The worst case of a sampled spring: a tool too heavy to move and a hand that trembles.
+/// The worst case of a sampled spring: an immovable tool and a hand that trembles.
 Script tremble() {
   Script script;
   for (int n = 0; n < 200; ++n) script.ticks.push_back({.hand = Hand::trembles});

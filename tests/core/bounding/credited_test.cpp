@@ -1,5 +1,5 @@
-// credited and shaped in closed form: how steeply a force may rise and fall, when the credit
-// shrinks, and which commands pass.
+// Compares the methods `credited` and `shaped` with closed forms: the slopes of the force, the
+// reduction of the credited damping, and the commands that pass.
 
 #include "core/bounding/credited.hpp"
 
@@ -28,7 +28,8 @@ BoundingStep step(const Vec3& dx, const Command& command) {
 }
 Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// A spring of c at z(n), plus one of c' - c half a sample ahead, at z(n) + (z(n) - z(n-1)) / 2.
+/// The reference is a spring of c at z(n), plus a spring of c' - c half a sample ahead, at z(n) +
+/// (z(n) - z(n-1)) / 2.
 TEST(Credited, AStiffWallRisesAndFallsByTheStiffnessThatIsCredited) {
   auto credited = law();
   double z = 0.0;
@@ -42,7 +43,7 @@ TEST(Credited, AStiffWallRisesAndFallsByTheStiffnessThatIsCredited) {
   EXPECT_NEAR(at_rest.elastic.z(), -kStiffness * z, 1e-12);
 }
 
-/// Half a sample ahead is half a period at the same speed, however long a sample was held.
+/// The method evaluates the scene half a period ahead at the same speed, for any hold time.
 TEST(Credited, LooksHalfAPeriodAheadAlsoAfterALongHold) {
   auto credited = law();
   credited.step(step(Vec3(0, 0, -1e-5), push(50.0)));
@@ -52,13 +53,14 @@ TEST(Credited, LooksHalfAPeriodAheadAlsoAfterALongHold) {
               1e-12);
 }
 
-/// A handle with its own damping only, in a hand that adds none, pushes against a far stiffer
-/// wall. The law uses the speed of the last sample, so the swing grows by a quarter in three
-/// seconds. If it looked at z(n) alone, 1.2 N s/m of damping would be missing, and the swing would
+/// A handle has only its own damping, and a hand without damping pushes it against a far stiffer
+/// wall. The method uses the speed of the last sample, so the oscillation grows by a quarter in
+/// three seconds. With z(n) alone, 1.2 N s/m of damping would be missing, and the oscillation would
 /// grow by a factor of 1.2 each period.
 TEST(Credited, AnUndampedHandDoesNotSwingItselfUp) {
-  constexpr double kMass = 0.1, kPush = 3.0, kBegin = 2e-4;  // [kg], [N], [m] less than a swing
-  Credited<double> credited(kForce, kTorque, kPeriod, 1e-3, false);  // no swing counts
+  // [kg], [N], [m] smaller than a counted oscillation
+  constexpr double kMass = 0.1, kPush = 3.0, kBegin = 2e-4;
+  Credited<double> credited(kForce, kTorque, kPeriod, 1e-3, false);  // no detection of oscillations
   double z = -kPush / kStiffness - kBegin, v = 0.0, before = 0.0, early = 0.0, late = 0.0;
   for (int n = 0; n < 4000; ++n) {
     const double force = credited.step(step(Vec3(0, 0, z - before), push(1e3))).elastic.z();
@@ -85,7 +87,7 @@ TEST(Credited, ASoftWallIsRenderedAsItIs) {
 TEST(Credited, WhatWasHeldIsWhatTheNextStepBeginsFrom) {
   auto credited = law();
   credited.step(step(Vec3(0, 0, -1e-3), push(3.0)));
-  credited.step(step(Vec3::Zero(), push(3.0)));  // the hand rests
+  credited.step(step(Vec3::Zero(), push(3.0)));  // The hand rests.
   credited.set_held(push(1.0));
   const Command given = credited.step(step(Vec3(0, 0, -1e-5), push(50.0)));
   EXPECT_NEAR(given.elastic.z(), 1.0 + kOwn * 1e-5 + kCredited * 1.5e-5, 1e-12);
@@ -109,7 +111,7 @@ TEST(Credited, TorqueRisesWithItsOwnCredit) {
               1e-12);
 }
 
-/// A hand that swings by `amplitude` [m] at `frequency` [Hz] in a contact.
+/// Oscillates by `amplitude` [m] at `frequency` [Hz] in a contact.
 template <class Law>
 void swing(Law& law, double amplitude, double frequency, double time) {
   double before = 0.0;
@@ -126,10 +128,10 @@ TEST(Credited, AHandThatSwingsLosesHalfOfItsCredit) {
   EXPECT_GT(fast.hand_credit().steps_down, 2u);
   EXPECT_NEAR(fast.hand_credit().damping, 1.2 * std::pow(0.5, fast.hand_credit().steps_down),
               0.1 * fast.hand_credit().damping);
-  auto slow = law();  // as fast as a hand moves on purpose
+  auto slow = law();  // the speed of a voluntary movement
   swing(slow, 5e-3, 10.0, 2.0);
   EXPECT_EQ(slow.hand_credit().steps_down, 0u);
-  auto small = law();  // like the encoder of a resting hand
+  auto small = law();  // the encoder noise of a resting hand
   swing(small, 1.9 * kQuantum, 100.0, 2.0);
   EXPECT_EQ(small.hand_credit().steps_down, 0u);
 }
@@ -166,7 +168,7 @@ TEST(Credited, AChangedSceneForgetsItsStiffnessAndNothingOfTheHand) {
   config.stiffness = 1200.0;
   Bounding shaped(config);
   swing(shaped, 2e-4, 40.0, 0.2);
-  const auto risen = [&] {  // at a steady speed
+  const auto risen = [&] {  // at a constant speed
     shaped.step(step(Vec3(0, 0, -1e-5), push(5.0)));
     shaped.set_held(push(1.0));
     return (shaped.step(step(Vec3(0, 0, -1e-5), push(5.0))).rendered.elastic.z() - 1.0) / 1e-5;

@@ -1,5 +1,5 @@
-// A damping that differs by direction: the properties of a scalar damping hold for a matrix, in
-// the metric of its inverse.
+// The damping may depend on the direction. The properties of a scalar damping must hold for a
+// matrix, in the metric of its inverse.
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ using namespace test;
 
 constexpr double kWorstCondition = 1e4;
 
-/// Four variants of the contact frame, and the tank.
+/// Four variants of the contact frame, and the energy tank.
 constexpr int kLaws = 5;
 BoundingConfig law_of(int which, const Damping& damping, const Damping& rotational) {
   BoundingConfig c = config("contact_frame");
@@ -43,7 +43,8 @@ void never_more_than_burned(const Script& script, const BoundingConfig& law, con
   });
 }
 
-// The device does not bend forces here: bent to a less damped direction, a force takes more.
+// The device must not rotate forces here. In a direction with less damping, a force gives more
+// energy.
 RC_GTEST_PROP(DampingProperty, DeliveredIsNeverMoreThanBurned, ()) {
   const int which = random_law();
   const Port port = random_port();
@@ -68,7 +69,7 @@ RC_GTEST_PROP(DampingProperty, AlongTheAxesToo, ()) {
                                  law_of(random_law(), port.damping, port.rotational_damping), port);
 }
 
-// For a matrix that couples the axes, each axis counts its least damping.
+// For a matrix that couples the axes, each axis uses its least damping.
 RC_GTEST_PROP(DampingProperty, PerAxisIsPassiveUnderAMatrix, ()) {
   const Port port = random_port();
   BoundingConfig c = law_of(0, port.damping, port.rotational_damping);
@@ -76,7 +77,7 @@ RC_GTEST_PROP(DampingProperty, PerAxisIsPassiveUnderAMatrix, ()) {
   never_more_than_burned<double>(*scripts({.reduces = true}), c, port);
 }
 
-// The mutant: the law is told five percent too much along every direction.
+// Mutant: the method assumes five percent too much damping in all directions.
 TEST(DampingMutant, FivePercentTooMuchOfAMatrixLoses) {
   for (int which = 0; which < kLaws; ++which) {
     bool won = false;
@@ -97,8 +98,8 @@ TEST(DampingMutant, FivePercentTooMuchOfAMatrixLoses) {
   }
 }
 
-/// Plays a script to two bounds and compares their forces. After each sample both hold what the
-/// first one holds, so that rounding does not add up.
+/// Plays a script to two bounds and compares their forces. After each sample both bounds hold the
+/// force of the first. Rounding errors therefore do not add up.
 template <class Same>
 void same_forces(const Script& script, const BoundingConfig& a, const BoundingConfig& b,
                  const Mat3& turned, Same same) {
@@ -116,8 +117,8 @@ void same_forces(const Script& script, const BoundingConfig& a, const BoundingCo
   });
 }
 
-/// A force is the square root of an energy. Next to an empty store the root of the rounding error
-/// remains: 1e-8 of the largest force so far.
+/// A force is the square root of an energy. For a nearly empty store, the root of the rounding
+/// error remains: 1e-8 of the largest force so far.
 struct Close {
   double condition, force = 0.0, torque = 0.0;
   void operator()(const Command& got, const Command& expected, const Played<double>& p) {
@@ -161,7 +162,8 @@ RC_GTEST_PROP(DampingProperty, TurningTheWorldTurnsTheResult, ()) {
               Close{condition(port)});
 }
 
-// For any damping, `joint` gives a share of the command: elastic (never a pull) and friction.
+// For any damping, `joint` must give a share of the command: elastic force (never a pull) and
+// friction.
 RC_GTEST_PROP(DampingProperty, JointKeepsTheDirection, ()) {
   const int which = 2 * *rc::gen::inRange(0, 2);  // both storages
   const Port port = random_port();
@@ -179,7 +181,8 @@ RC_GTEST_PROP(DampingProperty, JointKeepsTheDirection, ()) {
        });
 }
 
-// greediest() needs no metric. It equals the metric's worst movement, and no movement takes more.
+// The result of greediest() must equal the worst movement in the metric. No movement may extract
+// more energy.
 RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
   const Damping damping(*random_damping(0.5, kWorstCondition));
   const Metric<double> metric(damping);
@@ -200,7 +203,7 @@ RC_GTEST_PROP(DampingProperty, TheWorstMovementIsB_1FOverTwo, ()) {
     return damping.quadratic(moved) / h + f.norm() * moved.norm();
   };
   RC_ASSERT(margin(worst + dx) >= margin(worst) - eps * (magnitude(worst) + magnitude(dx)));
-  // The metric keeps work unchanged and turns the damping into the number b.
+  // The metric keeps the work, and turns the damping into the number b.
   const Vec3 y = metric.movement(dx), g = metric.force(f);
   RC_ASSERT(std::abs(g.dot(y) - f.dot(dx)) <= eps * f.norm() * dx.norm());
   RC_ASSERT(std::abs(metric.damping() * y.squaredNorm() - damping.quadratic(dx)) <=

@@ -1,4 +1,4 @@
-// The laws of the paper on one axis.
+// Tests the conditions of the paper on one axis. docs/bounding.md names the paper.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(EbaAxis, BothLawsHoldOverTwelveDecades) {
   }
 }
 
-// The inequalities again, at their edge: the law takes nothing that they allow.
+// At the limit of the inequalities, the method must not reduce the force further.
 TEST(EbaAxis, NothingThatTheLawsAllowIsTaken) {
   Random random(12);
   int inside = 0, outside = 0;
@@ -71,7 +71,7 @@ TEST(EbaAxis, NothingThatTheLawsAllowIsTaken) {
   EXPECT_GT(outside, 10000);
 }
 
-/// beta and gamma as the paper prints them, with the radical given.
+/// beta and gamma as the paper prints them, with the given radicand.
 double printed_form(const AxisCase& a, double under_the_root) {
   const double ratio = a.held / a.dx;
   const double root = std::sqrt(under_the_root + square(ratio));
@@ -93,8 +93,8 @@ TEST(EbaAxis, EqualsThePrintedFormWhereThatCanBeComputed) {
   }
 }
 
-// Fact 1: the paper prints sqrt(c2 + (F/dx)^2). That adds N/m to (N/m)^2, and it breaks the energy
-// law.
+// Fact 1: the paper prints sqrt(c2 + (F/dx)^2). This term adds N/m to (N/m)^2 and breaks the energy
+// condition.
 TEST(EbaAxis, ThePrintedRadicalBreaksTheEnergyLawTheSquaredOneNever) {
   Random random(14);
   int printed_breaks = 0;
@@ -111,14 +111,15 @@ TEST(EbaAxis, ThePrintedRadicalBreaksTheEnergyLawTheSquaredOneNever) {
     printed_breaks += broken(printed_form(a, a.c.c2));
   }
   EXPECT_GT(printed_breaks, 100);
-  // A case by hand: c2 = 0.25 N/m, dx = 1 m, no force held. The law allows 0 .. 0.5 N, the printed
-  // radical up to 0.75 N.
+  // Example: c2 = 0.25 N/m, dx = 1 m, no held force. The condition allows 0 .. 0.5 N, but the
+  // printed radical allows up to 0.75 N.
   const AxisCase a{9.0, 1.0, 0.0, {.c1 = 9.0, .c2 = 0.25}};
   EXPECT_DOUBLE_EQ(eba_axis(a.command, a.dx, a.held, a.c), 0.5);
   EXPECT_DOUBLE_EQ(printed_form(a, a.c.c2), 0.75);
 }
 
-// Fact 2: with c2 > c1 there are inputs that no force satisfies; with c2 <= c1 there are none.
+// Fact 2: with c2 > c1, some inputs have no valid force. With c2 <= c1, each input has a valid
+// force.
 TEST(EbaAxis, TheLawsContradictEachOtherOnlyWhenC2IsAboveC1) {
   const EbaConstants above{.c1 = 1.0, .c2 = 2.0};
   const double held = -100.0, dx = 1.0;
@@ -156,7 +157,7 @@ TEST(EbaAxis, SmallAndLargeNumbersStayInOrder) {
           const ForceInterval allowed = eba_interval(dx, held, c);
           ASSERT_FALSE(std::isnan(allowed.lo) || std::isnan(allowed.hi))
               << c1 << ' ' << dx << ' ' << held;
-          // The energy law alone always allows zero; the hold may ask for a part of the held
+          // The energy condition alone always allows zero. The hold may require a part of the held
           // force.
           ASSERT_LE(allowed.lo, std::max(0.0, held + c1 * dx));
           ASSERT_GE(allowed.hi, std::min(0.0, held + c1 * dx));
@@ -170,7 +171,7 @@ TEST(EbaAxis, SmallAndLargeNumbersStayInOrder) {
         }
 }
 
-// Near cancellation: c2 dx is so much larger than the held force that a - h loses all its digits.
+// Cancellation: c2 dx is so large that a - h loses all digits of the held force.
 TEST(EbaAxis, NoCancellation) {
   const EbaConstants c{.c1 = 1e6, .c2 = 1e6};
   EXPECT_NEAR(eba_interval(1.0, 1e-6, c).lo, -5e-19, 1e-33);

@@ -1,4 +1,4 @@
-// Storage::elastic: only the energy that the hand pressed into a spring comes back.
+// Storage::elastic must return only the energy that the hand stored in a spring.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using namespace test;
 
 BoundingConfig elastic() { return contact_frame(Projection::cone, Storage::elastic); }
 
-/// A hand wanders in and out of a spring on the plane z = 0; `look` sees each command and answer.
+/// A hand moves in and out of a spring on the plane z = 0. `look` gets each command and result.
 template <class ShellQuery>
 void wander(const BoundingConfig& c, double stiffness, std::uint64_t seed, ShellQuery look) {
   Random random(seed);
@@ -35,8 +35,8 @@ TEST(ElasticStorage, EverySpringUpToColgatesLimitIsRenderedWhole) {
   for (const double share : {0.01, 0.1, 0.25, 0.5, 0.99, 1.0}) {
     wander(elastic(), share * kColgate, 1, [&](const BoundingStep& s, const Command& rendered) {
       const double wanted = s.command.elastic.z();
-      // The sample that enters the surface moved partly in the air: the hand pressed in less than
-      // the movement says, never more.
+      // In the sample of the entry, a part of the movement is outside. The true work is therefore
+      // at most the measured work.
       ASSERT_NEAR(rendered.elastic.z(), wanted, 1e-9 * (1.0 + wanted)) << share;
     });
   }
@@ -53,7 +53,7 @@ TEST(ElasticStorage, MinimalStorageLosesTheSameSpring) {
 }
 
 TEST(ElasticStorage, AStiffSpringGetsWhatMinimalStorageGivesIt) {
-  // Above the limit every force is at its bound: no energy is spare, and both laws agree.
+  // Above the limit every force is at its bound. No stored energy remains, and both methods agree.
   for (const double share : {1.5, 4.0, 40.0}) {
     Bounding minimal(contact_frame(Projection::cone, Storage::minimal)), spare(elastic());
     for (int n = 1; n < 2000; ++n) {
@@ -69,7 +69,8 @@ TEST(ElasticStorage, AStiffSpringGetsWhatMinimalStorageGivesIt) {
   }
 }
 
-/// The force of a spring four times too stiff, 1 mm deep, after `before` ran in the same contact.
+/// Returns the force of a spring four times too stiff at a depth of 1 mm, after `before` ran in the
+/// same contact.
 template <class Before>
 double stiff_force_after(Before before) {
   Bounding bounding(elastic());
@@ -77,7 +78,7 @@ double stiff_force_after(Before before) {
     return bounding.step({Vec3(along, 0.0, -in), Vec3::Zero(), kPeriod, command}).rendered;
   };
   before(step);
-  // Press 1 mm in against a spring that asks for all it can get.
+  // The hand presses 1 mm into a spring that commands more than the bound allows.
   Command rendered;
   for (int n = 0; n < 100; ++n)
     rendered = step(1e-5, 0.0, {Vec3(0, 0, 1e6), Vec3::Zero(), Vec3::Zero()});
@@ -88,7 +89,7 @@ TEST(ElasticStorage, FrictionFillsNoReservoir) {
   const double fresh = stiff_force_after([](auto) {});
   EXPECT_NEAR(fresh, kColgate * 1e-3, 1e-9);
   const double after = stiff_force_after([](auto step) {
-    // A metre of sliding under 2 N of friction burns two joules in the frictional channel.
+    // A metre of sliding under 2 N of friction dissipates two joules in the frictional channel.
     for (int n = 0; n < 10000; ++n)
       step(0.0, 1e-4, {Vec3(0, 0, 1e-6), Vec3(-2, 0, 0), Vec3::Zero()});
   });
@@ -96,9 +97,9 @@ TEST(ElasticStorage, FrictionFillsNoReservoir) {
 }
 
 TEST(ElasticStorage, DampingFillsNoReservoir) {
-  // The hand trembles 1 mm deep in a soft spring: the device's damping and a contact damper burn
-  // energy. The store still holds only the spring's k d^2 / 2. A suddenly stiff command can turn
-  // no more than that into force: sqrt(2 c E).
+  // The hand trembles 1 mm deep in a soft spring, and the device's damping and a contact damper
+  // dissipate energy. The store must still hold only the spring's k d^2 / 2. A suddenly stiff
+  // command can get a force of at most sqrt(2 c E).
   constexpr double kStiffness = 0.25 * kColgate, kDepth = 1e-3, kTremble = 1e-5;
   Bounding bounding(elastic());
   const auto step = [&](double in, const Command& command) {
@@ -113,14 +114,14 @@ TEST(ElasticStorage, DampingFillsNoReservoir) {
   while (depth < kDepth - 1e-9) soft(kTremble);
   for (int n = 0; n < 4000; ++n) soft(n % 40 < 20 ? -kTremble : kTremble);
   const Command stiff = step(0.0, {Vec3(0, 0, 1e6), Vec3::Zero(), Vec3::Zero()});
-  // No more than that; a little less, as the damper's force lags the reversals by a sample.
+  // The force is slightly smaller, because the damper's force lags the reversals by a sample.
   EXPECT_LE(stiff.elastic.z(), kDepth * std::sqrt(kStiffness * kColgate) + 1e-9);
   EXPECT_GE(stiff.elastic.z(), kStiffness * kDepth);
 }
 
 TEST(ElasticStorage, ALostContactEmptiesIt) {
   const double after = stiff_force_after([](auto step) {
-    for (int n = 0; n < 100; ++n)  // a soft spring, pressed 10 mm deep
+    for (int n = 0; n < 100; ++n)  // a soft spring at a depth of 10 mm
       step(1e-4, 0.0, {Vec3(0, 0, 1e-2 * (n + 1)), Vec3::Zero(), Vec3::Zero()});
     step(0.0, 0.0, {});
   });
@@ -128,7 +129,7 @@ TEST(ElasticStorage, ALostContactEmptiesIt) {
 }
 
 TEST(ElasticStorage, AFadedForceKeepsNoMoreThanItsSpringDid) {
-  // Hold half of the command throughout, like a fade: half of the spring's work comes back.
+  // The device holds half of each command, like a fade. Half of the spring's work must return.
   Bounding bounding(elastic());
   double delivered = 0.0, taken = 0.0, held = 0.0;
   for (int n = 1; n <= 2000; ++n) {

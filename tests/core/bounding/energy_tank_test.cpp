@@ -1,4 +1,4 @@
-// The tank's closed forms, and what it gives beyond the contact frame.
+// Tests closed forms of the energy tank, and its gain over the contact frame.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ BoundingConfig tank() {
   c.mode = "energy_tank";
   return c;
 }
-/// Moves `in` into the surface z < 0 and `along` x, and commands both forces.
+/// Moves `in` [m] into the surface z < 0 and `along` [m] in x, and commands both forces.
 Command push(Bounding& bounding, double in, double along, double elastic, double friction = 0.0) {
   return bounding
       .step({Vec3(along, 0, -in),
@@ -36,8 +36,8 @@ TEST(EnergyTank, FromRestItGivesColgatesSlope) {
 }
 
 TEST(EnergyTank, KeepsWhatTheDampingBurnedWhileTheContactLasts) {
-  // 0.1 N throughout: 100 samples of 1 mm, in and out, burn 100 b/T dx^2. The first way in holds
-  // no force, so at 0.1 N there is one way out more than in: it costs 0.1 mJ.
+  // Each of 100 movements of 1 mm dissipates b/T dx^2. At 0.1 N a movement in stores 0.1 mJ, and a
+  // movement out takes 0.1 mJ. The first movement in holds no force and stores nothing.
   Bounding bounding(tank());
   for (int n = 0; n < 100; ++n) push(bounding, n % 2 ? -1e-3 : 1e-3, 0.0, 0.1);
   const double energy = 100 * kDamping / kPeriod * 1e-6 - 0.1e-3;
@@ -57,7 +57,8 @@ TEST(EnergyTank, ALostContactEmptiesIt) {
 TEST(EnergyTank, FrictionFillsItsOwnOnly) {
   Bounding bounding(tank());
   for (int n = 0; n < 1000; ++n) push(bounding, n == 0 ? 1e-5 : 0.0, 1e-4, 1e-3, 2.0);
-  // The elastic tank holds what 10 um burned. 1 mm burns more, and pressing 1 mN adds 1 uJ.
+  // The elastic tank holds the energy that 10 um dissipated. A movement of 1 mm dissipates more,
+  // and pressing 1 mN adds 1 uJ.
   const double energy = kDamping / kPeriod * (1e-10 + 1e-6) + 1e-6;
   EXPECT_NEAR(push(bounding, 1e-3, 0.0, 1e6).elastic.z(),
               std::sqrt(4.0 * kDamping / kPeriod * energy), 1e-9);
@@ -70,12 +71,14 @@ TEST(EnergyTank, AnOverlongHoldIsOwed) {
       {Vec3(0, 0, 0.1), Vec3::Zero(), 1.0, {Vec3(0, 0, 1), Vec3::Zero(), Vec3::Zero()}});
   EXPECT_TRUE(out.in_debt);
   EXPECT_EQ(out.rendered.force(), Vec3::Zero());
-  // 0.5 mJ were stored, 100 mJ went out, 5 mJ were burned: 94.5 mJ are owed. 20 mm in burn 200 mJ.
+  // The tank stored 0.5 mJ, the port delivered 100 mJ, and the damping dissipated 5 mJ. The debt is
+  // 94.5 mJ. A movement of 20 mm dissipates 200 mJ.
   EXPECT_NEAR(push(bounding, 20e-3, 0.0, 1e6).elastic.z(),
               std::sqrt(4.0 * kDamping / kPeriod * (0.2 - 0.0945)), 1e-9);
 }
 
-// It never allows less on the same history: it keeps what the contact frame throws away.
+// On the same history, the tank never allows less than the contact frame, because it keeps the
+// energy that the contact frame discards.
 TEST(EnergyTank, AllowsAtLeastWhatTheContactFrameDoes) {
   double more = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

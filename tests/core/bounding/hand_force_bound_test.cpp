@@ -1,4 +1,4 @@
-// The outside force, learned from the movement that it causes.
+// Estimates the outside force from the movement that it causes.
 
 #include "core/bounding/hand_force_bound.hpp"
 
@@ -27,7 +27,7 @@ PortKnowledge known(double quantum = 0.0) {
   return k;
 }
 
-/// A frictionless handle, and the outside force that is learned from it.
+/// A handle without friction, and the outside force that the estimator learns from it.
 struct Trial {
   PortKnowledge knowledge;
   HandForceBound learned{knowledge, kPeriod};
@@ -50,20 +50,22 @@ struct Trial {
 
 Vec3 nothing(int) { return Vec3::Zero(); }
 
-/// 8 Hz, so that a frictionless handle stays near its place.
+/// At 8 Hz a handle without friction stays near its position.
 Vec3 swinging(int i) { return 4.0 * std::cos(2.0 * M_PI * 8e-3 * i) * Vec3(0.6, 0.0, 0.8); }
 
 TEST(HandForceBound, IsTheLargestThatWasSeenAndAHalfMore) {
   Trial trial{known()};
   EXPECT_EQ(trial.learned.bound(), 10.0);
-  EXPECT_EQ(trial.after(2 * kWindow - 1, swinging, nothing), 10.0);  // not yet
-  // Two windows; over 16 samples the estimate keeps 0.987 of the peak of an 8 Hz cosine.
+  // The second window is not complete yet.
+  EXPECT_EQ(trial.after(2 * kWindow - 1, swinging, nothing), 10.0);
+  // Two windows are complete. Over 16 samples the estimate keeps 0.987 of the peak of an 8 Hz
+  // cosine.
   const double bound = trial.after(1, swinging, nothing);
   EXPECT_LT(bound, 1.5 * 4.0);
   EXPECT_GT(bound, 1.5 * 4.0 * 0.98);
 }
 
-/// The device's own force is not an outside force, even if it changes with every sample.
+/// The device's own force is no outside force, even if it changes with every sample.
 TEST(HandForceBound, HeldForcesAreTakenOff) {
   const auto held = [](int i) {
     return Vec3(3.0 * ((i * 7919) % 13 - 6) / 6.0, i % 2 == 0 ? 2.0 : -2.0, 0.0);
@@ -73,7 +75,8 @@ TEST(HandForceBound, HeldForcesAreTakenOff) {
   EXPECT_NEAR(bound, 1.5 * 4.0 * 0.99, 0.1);
 }
 
-/// The two end readings of a block err by at most q; 30 um and 75 g over 8 ms: 0.12 N.
+/// The two end readings of a block have an error of at most q. For 30 um, 75 g and 8 ms, this is
+/// 0.12 N.
 TEST(HandForceBound, AnEncoderMakesItLargerNeverSmaller) {
   Trial exact{known()}, coarse{known(30e-6)};
   const double truth = exact.after(2 * kWindow, swinging, nothing);
@@ -98,10 +101,11 @@ TEST(HandForceBound, AStrongerForceIsBelievedAtOnce) {
   EXPECT_LT(trial.after(1, swinging, nothing), 6.0);
 }
 
-/// A sample of another length begins new blocks: nothing is learned from the broken ones.
+/// A sample with another duration starts new blocks. The estimator must not use incomplete blocks.
 TEST(HandForceBound, SamplesOfOtherLengthsSayNothing) {
   HandForceBound learned(known(), kPeriod);
-  for (int i = 0; i < 4 * kWindow; ++i)  // a jump every 15 samples, none in two whole blocks
+  // A jump occurs every 15 samples, but never in two complete blocks.
+  for (int i = 0; i < 4 * kWindow; ++i)
     if (i % 15 == 0)
       learned.moved(Vec3(0.01, 0, 0), Vec3::Zero(), 3.0 * kPeriod);
     else
@@ -109,8 +113,8 @@ TEST(HandForceBound, SamplesOfOtherLengthsSayNothing) {
   EXPECT_EQ(learned.bound(), 2.5);
 }
 
-/// The account uses it: a calm hand lowers the learned force. A hand that then pulls harder
-/// overdraws at most once before the told force applies again.
+/// A calm hand lowers the account's estimate of the hand force. If the hand then pulls harder, the
+/// hand may overdraw the account once at most. The declared force then applies again.
 TEST(HandForceBound, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
   AccountConfig config;
   config.period = kPeriod;
@@ -134,7 +138,7 @@ TEST(HandForceBound, TheAccountBelievesTheHandAndSeesWhereItWasWrong) {
   EXPECT_LT(account.outside_force(), 5.0);
   EXPECT_EQ(account.statistics().strong_hand, 0u);
   EXPECT_GE(account.balance(), 0.0);
-  // The hand pulls along the held force, as hard as the account was told.
+  // The hand pulls along the held force with its declared strength.
   run(kWindow / 2, [](int, const Vec3& held) {
     return Vec3(10.0 * (held.norm() > 0.0 ? Vec3(held.normalized()) : Vec3::UnitX()));
   });

@@ -24,7 +24,7 @@ TEST(HoldTimeMargin, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore)
   for (int i = 0; i < 900; ++i) reserve.saw(kPeriod, true);
   EXPECT_NEAR(reserve.hold_time(), 1.1 * kPeriod, 1e-15);
   EXPECT_NEAR(reserve.hold_time_of_any_hand(), 1.2 * kPeriod, 1e-15);
-  for (int i = 0; i < 2400; ++i) reserve.saw(kPeriod, true);  // forgotten
+  for (int i = 0; i < 2400; ++i) reserve.saw(kPeriod, true);  // The margin forgets the late tick.
   EXPECT_EQ(reserve.hold_time(), kPeriod);
   EXPECT_EQ(reserve.hold_time_of_any_hand(), kPeriod);
   reserve.saw(0.7, true);
@@ -33,15 +33,15 @@ TEST(HoldTimeMargin, ReckonsWithTheLatestOfTheLastSecondsAndAtMostOnePeriodMore)
   EXPECT_NEAR(reserve.hold_time_of_any_hand(), 2.0 * kPeriod, 1e-15);
 }
 
-/// If no force is held or the hand moves, the reserve follows the need of any hand at once.
+/// Without a held force, or with a moving hand, the margin adapts at once to the need of any hand.
 TEST(HoldTimeMargin, FollowsAtOnceWhereNoHandWouldFeelIt) {
   HoldTimeMargin reserve(kPeriod);
   reserve.saw(1.3 * kPeriod, false);
   EXPECT_NEAR(reserve.hold_time_of_any_hand(), 1.6 * kPeriod, 1e-15);
 }
 
-/// The reach alone may take some of a force after a late tick, so the hold time begins to grow at
-/// the tick after that.
+/// After a late tick, the reachable displacement alone may reduce the force. The hold time
+/// therefore starts to grow at the following tick.
 TEST(HoldTimeMargin, BeginsATickAfterTheLateOne) {
   HoldTimeMargin reserve(kPeriod);
   reserve.saw(1.3 * kPeriod, true);
@@ -50,8 +50,8 @@ TEST(HoldTimeMargin, BeginsATickAfterTheLateOne) {
   EXPECT_NEAR(reserve.hold_time(), 1.005 * kPeriod, 1e-15);
 }
 
-/// The need grows with h^2, for any hand with h. In a tick it grows by less than a force step that
-/// a hand feels: 5 %.
+/// The need grows with h^2, or with h for an arbitrary hand. Its growth per tick must be below a
+/// noticeable force step of 5 %.
 TEST(HoldTimeMargin, FollowsLittleByLittle) {
   HoldTimeMargin reserve(kPeriod);
   double before = reserve.hold_time(), any_before = reserve.hold_time_of_any_hand();

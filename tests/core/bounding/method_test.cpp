@@ -1,4 +1,4 @@
-// The registry of bounding methods, and laws behind one type.
+// Tests the registry of bounding methods, and methods behind one type.
 
 #include "core/bounding/method.hpp"
 
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Renders half of each command, remembers the held one and counts its steps.
+/// Renders half of each command, stores the held command and counts the steps.
 struct Half {
   int steps = 0;
   Command held;
@@ -82,7 +82,8 @@ TEST(BoundingMethods, HelpNamesThoseForProductsFirst) {
   EXPECT_LT(lines.find("contact_frame"), lines.find("(research)"));
 }
 
-/// An entry says whether its law moves the place where the scene is asked, and the law does so.
+/// A registry entry declares whether its method moves the position at which the scene is evaluated.
+/// The method must agree.
 TEST(BoundingMethods, OnlyThoseThatSaySoMoveTheProbe) {
   for (const BoundingMethod* method : bounding_methods()) {
     if (method->name == "half") continue;
@@ -107,13 +108,13 @@ TEST(BoundingMethods, AnAddedOneIsUsedByItsName) {
   Bounding bounding(config);
   EXPECT_EQ(bounding.step(pressing(4.0)).rendered.elastic.x(), 2.0);
   EXPECT_TRUE(bounding.step(pressing(4.0)).active);
-  // The law learns the force that the limit and the caller hold instead.
+  // The method must get the force that the limit and the caller hold instead of its own.
   EXPECT_EQ(bounding.step(pressing(8.0)).rendered.elastic.x(), 3.0);
   EXPECT_EQ(bounding.probe({}, {}).offset, Vec3(3, 3, 0));
   bounding.set_held({Vec3(1, 0, 0), Vec3::Zero(), Vec3::Zero()});
   EXPECT_EQ(bounding.probe({}, {}).offset, Vec3(3, 1, 0));
   EXPECT_FALSE(bounding.takes_endowment());
-  // A command that is not a number gives no force.
+  // A command that is not a number must give no force.
   EXPECT_EQ(bounding.step(pressing(kNan)).rendered.force(), Vec3::Zero());
 
   EXPECT_THAT(refusal(half()), AllOf(HasSubstr("'half'"), HasSubstr("take another")));
@@ -123,7 +124,7 @@ TEST(BoundingMethods, AnAddedOneIsUsedByItsName) {
 
 TEST(BoundingMethods, ACopyHasAMemoryOfItsOwn) {
   const BoundingMethod entry = half();
-  Bounding one(entry, test::config("none"));  // an entry outside the registry works too
+  Bounding one(entry, test::config("none"));  // An entry outside the registry works too.
   EXPECT_EQ(one.config().mode, "half");
   one.step(pressing(4.0));
   Bounding other = one;

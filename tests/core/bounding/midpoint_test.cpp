@@ -1,5 +1,5 @@
-// midpoint near the device, in closed form: where the scene is asked, and how much of the force a
-// swinging hand gets.
+// Compares `midpoint` with closed forms near the device. Tests where the method evaluates the
+// scene, and how far it reduces the force of an oscillating hand.
 
 #include "core/bounding/midpoint.hpp"
 
@@ -21,8 +21,8 @@ BoundingStep step(double dz, const Command& command) {
 }
 Command push(double force) { return {.elastic = Vec3(0, 0, force)}; }
 
-/// A hand swings along the normal by `amplitude` [m], decaying by `decay` [1/s], at `frequency`
-/// [Hz]. `command` gives the command at each height [m].
+/// The hand oscillates along the normal with `amplitude` [m], `decay` [1/s] and `frequency` [Hz].
+/// `command` gives the command at each height [m].
 template <class Law, class AskedFor>
 void swing(Law& law, double amplitude, double decay, double frequency, double time,
            AskedFor command) {
@@ -47,7 +47,7 @@ TEST(Midpoint, AsksHalfASampleAhead) {
   EXPECT_EQ(probe.rotation, Vec3(0, 2e-3, 0));
 }
 
-/// 100 reversals a second: every twelve reversals are one step down.
+/// With 100 reversals a second, each twelve reversals reduce the force by one step.
 TEST(Midpoint, AHandThatSwingsOnGetsLessOfTheWholeCommand) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 1.0);
@@ -69,7 +69,7 @@ TEST(Midpoint, ATenthOfTheForceIsLeftToAHandThatIsShaken) {
   EXPECT_NEAR(midpoint.hand_credit().near_share, 0.1, 0.01);
 }
 
-/// The swing loses about a tenth of its length with each movement.
+/// The oscillation loses about a tenth of its amplitude with each movement.
 TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 5e-3, 10.0, 50.0, 0.5);
@@ -80,8 +80,8 @@ TEST(Midpoint, AHandThatBouncesToRestGetsAllOfIt) {
 TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
   const Midpoint<double> fresh(kQuantum, kPeriod);
   Midpoint<double> slow = fresh, small = fresh, in_the_air = fresh, along = fresh;
-  swing(slow, 5e-3, 0.0, 10.0, 3.0);              // as fast as a hand moves on purpose
-  swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // less than two quanta between its ends
+  swing(slow, 5e-3, 0.0, 10.0, 3.0);              // the speed of a voluntary movement
+  swing(small, 0.9 * kQuantum, 0.0, 100.0, 1.0);  // less than two encoder steps between its ends
   swing(in_the_air, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{}; });
   swing(along, 2e-4, 0.0, 50.0, 1.0, [](double) { return Command{.elastic = Vec3(5, 0, 0)}; });
   for (const auto* midpoint : {&slow, &small, &in_the_air, &along})
@@ -90,7 +90,7 @@ TEST(Midpoint, AMovementThatIsIntendedOrSmallDoesNotCount) {
     EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
 }
 
-/// A swing of 25 Hz has 50 movements a second: every six movements are one step.
+/// An oscillation of 25 Hz has 50 movements a second. Each six movements are one step.
 TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
   constexpr double kTold = 0.2e-3;  // [s]
   Midpoint<double> midpoint(kQuantum, kPeriod, kTold);
@@ -107,8 +107,9 @@ TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
   EXPECT_EQ(midpoint.hand_credit().near_share, 1.0);
 }
 
-/// A swing that loses 40 % of its length within three movements comes to rest by itself. Encoder
-/// steps make a swing of less than four quanta when a hand presses on a stiff wall.
+/// An oscillation that loses 40 % of its amplitude within three movements comes to rest by itself.
+/// Encoder steps cause oscillations below four quanta when a hand presses on a stiff wall. Neither
+/// oscillation may reduce the force.
 TEST(Midpoint, ASlowSwingThatDiesAwayOrIsSmallTellsOfNoLag) {
   const Midpoint<double> fresh(kQuantum, kPeriod);
   Midpoint<double> dying = fresh, small = fresh, tapping = fresh;
@@ -119,7 +120,7 @@ TEST(Midpoint, ASlowSwingThatDiesAwayOrIsSmallTellsOfNoLag) {
     EXPECT_EQ(midpoint->hand_credit().untold_lag, 0.0);
 }
 
-/// First moves far, then to and fro between two encoder readings: 100 reversals a second.
+/// The hand first moves far, then alternates between two encoder readings: 100 reversals a second.
 TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
   for (const int quanta : {1, 2}) {
     Midpoint<double> midpoint(kQuantum, kPeriod);
@@ -132,7 +133,7 @@ TEST(Midpoint, ASwingOfTwoQuantaCountsAndOneOfAQuantumDoesNot) {
   }
 }
 
-/// Half of each swing is outside the wall.
+/// Half of each oscillation is outside the wall.
 TEST(Midpoint, ASwingThatLeavesTheWallCountsToo) {
   Midpoint<double> midpoint(kQuantum, kPeriod);
   swing(midpoint, 2e-4, 0.0, 50.0, 0.5,
@@ -162,8 +163,8 @@ struct Late {
   }
 };
 
-/// A swing under near forces lowers only the share of near forces. A swing under late forces
-/// lowers only the credit of late forces.
+/// An oscillation under near forces must reduce only near forces. An oscillation under late forces
+/// must reduce only the credited damping of late forces.
 TEST(Midpoint, ShapedLearnsNearAndLateApart) {
   BoundingConfig config;
   config.mode = "shaped";

@@ -1,5 +1,5 @@
-// The promises of the laws that do not bound the port's energy: none, per_axis_projected,
-// total_energy and the passivity controllers. A separate model checks each promise.
+// Some methods do not bound the port's energy: none, per_axis_projected, total_energy and the
+// passivity controllers. A separate model checks the guarantee of each.
 
 #include <array>
 #include <cmath>
@@ -18,21 +18,22 @@ Vec3 wide(const Vector3<Real>& v) {
   return v.template cast<double>();
 }
 
-/// The command of the scene, as the arithmetic saw it.
+/// Returns the scene's command in the precision of the arithmetic.
 template <class Real>
 Command commanded(const Played<Real>& p) {
   return p.told.command.template cast<double>();
 }
 
-/// A force is a sum of parts that may nearly cancel: it rounds by the ulps of the longest part.
+/// A force is a sum of parts that may nearly cancel. Its rounding error depends on the ulp of the
+/// longest part.
 double longest(const Command& c) { return c.elastic.norm() + c.frictional.norm(); }
 
-/// Whether `a` is along `b`, each with an error up to `ulp`.
+/// Returns true if `a` is parallel to `b`. Each has an error up to `ulp`.
 bool in_line(const Vec3& a, const Vec3& b, double ulp) {
   return a.cross(b).norm() <= ulp * (a.norm() + b.norm());
 }
 
-/// The rounding of a force or torque that is reported in parts and added up again.
+/// The rounding error of a force or torque that is split into parts and added up again.
 template <class Real>
 constexpr double kUlps = 64.0 * std::numeric_limits<Real>::epsilon();
 
@@ -74,7 +75,7 @@ void along_the_command(const Script& script) {
     RC_ASSERT(got.torque.norm() <= bounded.torque.norm() + torque_ulp);
   });
 }
-// |f| = |f_a . u| <= |f_a|, f_a the per-axis bound from the same held force.
+// |f| = |f_a . u| <= |f_a|, with f_a from the per-axis bound for the same held force.
 RC_GTEST_PROP(Property, ProjectedIsAlongTheCommandAndNoLongerThanPerAxis, ()) {
   const Script script = *scripts({.reduces = true});
   along_the_command<double>(script);
@@ -104,13 +105,13 @@ RC_GTEST_PROP(Property, TotalEnergyIsTheIdentityWhileEquationOneHoldsElsePerAxis
   identity_while_passive<float>(script);
 }
 
-/// The energy that one passivity observer should have seen, in the paper's sign F = -f.
+/// The energy at one passivity observer, with the paper's sign F = -f.
 struct Observed {
   bool following;
-  Sum energy;  // W - E; in `zero` E is 0
+  Sum energy;  // W - E. For the reference `zero`, E is 0.
 
   /// `command`, `command_before` and `held_before` are forces times dx(n). Returns the missing
-  /// energy, > 0, before the controller acts.
+  /// energy before the controller acts. A positive value is missing.
   double missing(double command, double command_before, double held_before) {
     if (following) {
       energy.add(held_before);
@@ -120,8 +121,9 @@ struct Observed {
     }
     return -(energy.value + command);
   }
-  /// The energy after the controller acts. `zero`: its damper counts at once. `following`: a held
-  /// force counts after it has acted, so this is the sum for a hand that moves on as before.
+  /// Returns the energy after the controller acts. With `zero` the damper counts at once. With
+  /// `following` a held force counts after it has acted, so this sum is for a hand that continues
+  /// its movement.
   double after(double command, double held) {
     if (following) return energy.value + (held - command);
     energy.add(held);
@@ -138,12 +140,12 @@ PassivityReference random_reference() {
   return *rc::gen::arbitrary<bool>() ? PassivityReference::following : PassivityReference::zero;
 }
 
-/// A damper over a tiny movement is an impulse (its known weakness). The limit is 1e12 N; beyond
-/// it the law promises nothing.
+/// A damper over a tiny movement gives an impulse, which is a known weakness of the method. Beyond
+/// the limit of 1e12 N, the method guarantees nothing.
 bool beyond_any_force(const Command& c) {
   return c.force().norm() > 0.9e12 || c.torque.norm() > 0.9e12;
 }
-// The hand is not greedy here: it would run away with such an impulse.
+// The hand does not extract energy here, because such an impulse would move the hand out of range.
 constexpr ScriptOptions kNoGreed{.greedy = false, .largest = 1.0};
 
 template <class Real>
@@ -166,18 +168,18 @@ void series_axes_never_stay_below(const Script& script, PassivityReference refer
           const double missing =
               axis.missing(part(wanted) * dx, part(commanded_before) * dx, part(p.before) * dx);
           const double after = axis.after(part(wanted) * dx, part(p.held) * dx);
-          // Each part rounds by the ulps of the whole vector.
+          // Each part has the rounding error of the complete vector.
           for (const Command& c : {wanted, commanded_before, p.before, p.held})
             magnitudes[i] += (i < 3 ? longest(c) : c.torque.norm()) * std::abs(dx);
           const double rounding =
               16.0 * (axis.energy.terms + 8) * std::numeric_limits<Real>::epsilon() * magnitudes[i];
-          // The damper of `following` is at most the device's own, b/T over a movement.
+          // With `following`, the damper is at most the device's own damping: b/T over a movement.
           const double damper = std::abs(part(p.held) - part(wanted)) * std::abs(dx);
           const double most = (i < 3 ? 0.5 : 1e-3) / test::kModePeriod * dx * dx;
           const bool limited = axis.following && damper >= most - rounding;
           if (dx != 0.0) RC_ASSERT(after >= -rounding || limited);
           if (axis.following) RC_ASSERT(damper <= most + rounding);
-          // A damper only ever dissipates, and only what was missing.
+          // A damper must only dissipate, and only the missing energy.
           RC_ASSERT((part(p.held) - part(wanted)) * dx >= -rounding);
           if (missing < -rounding)
             RC_ASSERT(std::abs(part(p.held) - part(wanted)) * std::abs(dx) <= rounding);
@@ -217,7 +219,7 @@ void directional_never_stays_below(const Script& script, PassivityReference refe
             16.0 * (port.energy.terms + 8) * std::numeric_limits<Real>::epsilon() * magnitudes;
         const double exchanged =
             std::abs(wanted.force().dot(p.displacement)) + std::abs(wanted.torque.dot(p.rotation));
-        // Each damper of `following` is at most the device's own, b/T over a movement.
+        // With `following`, each damper is at most the device's own damping: b/T over a movement.
         if (exchanged > rounding && !port.following) RC_ASSERT(after >= -rounding);
         if (port.following)
           RC_ASSERT(flow(p.held) - flow(wanted) <=
@@ -248,7 +250,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
   play<Real>(
       script, {controller("passivity_control_parallel", reference)}, kPort,
       [&](const Played<Real>& p, const auto& bounding) {
-        RC_ASSERT(p.out.rendered == p.told.command);  // the force stays untouched
+        RC_ASSERT(p.out.rendered == p.told.command);  // The force must stay unchanged.
         const auto probe = bounding.probe(Vector3<Real>(p.told.displacement), p.told.rotation);
         const Command wanted = commanded(p);
         if (p.told.command.force().isZero(0)) {
@@ -273,7 +275,7 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
           if (!axis.following) axis.energy.add(part(wanted) * dx);
           const double dissipated = -shift * part(wanted);
           axis.energy.add(dissipated);
-          // The shift is a difference of offsets.
+          // The shift is a difference of offsets, so it has the rounding error of these offsets.
           slack[i] += ulp * std::abs(part(wanted));
           const double rounding = 16.0 * (axis.energy.terms + 8) *
                                       std::numeric_limits<Real>::epsilon() *
@@ -281,8 +283,9 @@ void parallel_shifts_no_more_than_the_hand(const Script& script, PassivityRefere
                                   slack[i];
           RC_ASSERT(dissipated >= -rounding);
           RC_ASSERT(dissipated <=
-                    std::max(0.0, missing) + rounding);  // and no more than was missing
-          // Either no energy is missing now, or the law held the hand's whole movement back.
+                    // The shift must not exceed the missing energy.
+                    std::max(0.0, missing) + rounding);
+          // Either no energy is missing now, or the method cancelled the hand's complete movement.
           if (part(wanted) != 0.0 && std::abs(shift) < std::abs(dx) - ulp)
             RC_ASSERT(axis.energy.value >= -rounding);
         }

@@ -1,4 +1,5 @@
-// The modes of the paper: per_axis, total_energy, per_axis_projected.
+// Tests three methods: per_axis, total_energy, per_axis_projected. docs/bounding.md names the
+// paper.
 
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ TEST(PerAxis, EveryAxisPaysForItselfInTheSignOnTheHand) {
     const BoundingStep s{random.vector(-6, -2), random.vector(-4, 0), kPeriod,
                          random_command(random)};
     const Command r = bounding.step(s).rendered;
-    energy -= r.force().cwiseProduct(s.displacement);  // the paper's T F v, F = -f
+    energy -= r.force().cwiseProduct(s.displacement);  // the paper's T F v, with F = -f
     twist -= r.torque.cwiseProduct(s.rotation);
     exchanged += r.force().cwiseProduct(s.displacement).cwiseAbs() +
                  r.torque.cwiseProduct(s.rotation).cwiseAbs();
@@ -53,9 +54,9 @@ TEST(PerAxis, TheWholeForceIsBoundedAndReportedInItsParts) {
   const Bounded out = bounding.step(s);
   EXPECT_FALSE(out.active);
   EXPECT_NEAR(out.rendered.elastic.y(), 0.3,
-              1e-15);  // the part of friction along the normal is elastic
+              1e-15);  // The part of friction along the normal counts as elastic.
   EXPECT_NEAR(out.rendered.frictional.x(), 0.1, 1e-15);
-  s.command.elastic = Vec3(0, 900, 0);  // no more than F_p + c1 dx: 0.3 + 0.5 N
+  s.command.elastic = Vec3(0, 900, 0);  // at most F_p + c1 dx = 0.3 + 0.5 N
   const Bounded cut = bounding.step(s);
   EXPECT_TRUE(cut.active);
   EXPECT_NEAR(cut.rendered.force().y(), 0.8, 1e-12);
@@ -70,11 +71,12 @@ TEST(PerAxis, WhatWasHeldIsWhatCounts) {
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 0.5);
   bounding.set_held({Vec3(0.1, 0, 0), Vec3::Zero(), Vec3::Zero()});
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 0.6);
-  bounding.set_held({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3::Zero()});  // ignored: not a number
+  // The bound ignores a value that is not a number.
+  bounding.set_held({Vec3(kNan, 0, 0), Vec3::Zero(), Vec3::Zero()});
   EXPECT_DOUBLE_EQ(bounding.step(s).rendered.force().x(), 1.1);
 }
 
-// Any environment: the test keeps the running total of Eq. (1) apart from the code.
+// For any environment, the test itself computes the running total of Eq. (1).
 TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItWouldNot) {
   Random random(22);
   int identical = 0, clamped = 0;
@@ -112,8 +114,8 @@ TEST(TotalEnergy, IsTheIdentityWhileEquationOneHoldsAndClampsAtTheFirstSampleItW
   EXPECT_GT(clamped, 1000);
 }
 
-// The paper's Fig. 2 in miniature: y alternates and gives out energy every sample; friction on x
-// pays for it.
+// A small version of the paper's Fig. 2. The force on y alternates and delivers energy in every
+// sample. The energy from friction on x covers this energy.
 TEST(TotalEnergy, FrictionOnXKeepsItSilentWhileYOscillates) {
   for (const bool friction : {true, false}) {
     Bounding total(config("total_energy")), axes(config("per_axis"));
@@ -123,7 +125,8 @@ TEST(TotalEnergy, FrictionOnXKeepsItSilentWhileYOscillates) {
       const double side = n % 2 ? 1.0 : -1.0;
       BoundingStep s;
       s.displacement = Vec3(1e-4, side * 1e-5, 0);
-      s.command.elastic = Vec3(0, side * 2.0, 0);  // along the movement: gives out energy
+      // The force is along the movement and delivers energy.
+      s.command.elastic = Vec3(0, side * 2.0, 0);
       if (friction) s.command.frictional = Vec3(-1.0, 0, 0);
       const Bounded out = total.step(s);
       active_total += out.active;
@@ -147,7 +150,8 @@ TEST(TotalEnergy, CountsWhatWasHeldNotWhatWasRendered) {
   s.command.elastic = Vec3(-2, 0, 0);
   bounding.step(s);
   bounding.set_held({Vec3(-0.5, 0, 0), Vec3::Zero(), Vec3::Zero()});
-  bounding.set_held({Vec3(-1, 0, 0), Vec3::Zero(), Vec3::Zero()});  // the last report counts, once
+  // Only the last report counts, and it counts once.
+  bounding.set_held({Vec3(-1, 0, 0), Vec3::Zero(), Vec3::Zero()});
   s.command.elastic = Vec3(0.999, 0, 0);
   EXPECT_FALSE(bounding.step(s).active);
   s.command.elastic = Vec3(0.002, 0, 0);
@@ -181,8 +185,8 @@ TEST(Projected, IsParallelToTheCommandAndEquationThree) {
   EXPECT_GT(cut, 1000);
 }
 
-// Known weakness, by example: friction on x is free (the hand moves against it), force on y is
-// not. The per-axis bound removes all of y; the projection gives half of it back.
+// Known weakness: the hand moves against the friction on x, so friction is allowed, but force on y
+// is not. The per-axis bound removes the force on y. The projection restores half of it.
 TEST(Projected, TheProjectedForceLeavesItsPerAxisInterval) {
   Bounding axes(config("per_axis")), projected(config("per_axis_projected"));
   BoundingStep s;

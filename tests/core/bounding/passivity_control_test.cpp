@@ -1,4 +1,5 @@
-// Passivity observers and controllers on samples that can be worked by hand. F is the paper's sign.
+// Checks passivity observers and controllers on samples with manual calculations. F has the paper's
+// sign.
 
 #include "core/bounding/passivity_control.hpp"
 
@@ -18,7 +19,7 @@ Bounding controller(std::string_view mode, PassivityReference reference) {
   c.reference = reference;
   return Bounding(c);
 }
-/// F_e = `force` along x while the device has moved by dx; returns F.
+/// Applies F_e = `force` along x after the device moved by dx. Returns F.
 double x_step(Bounding& bounding, double dx, double force) {
   BoundingStep s;
   s.displacement.x() = dx;
@@ -30,11 +31,11 @@ double x_step(Bounding& bounding, double dx, double force) {
 TEST(PassivityControl, SeriesDissipatesWhatIsMissingAtOnce) {
   Bounding b = controller("passivity_control", PassivityReference::zero);
   EXPECT_DOUBLE_EQ(x_step(b, 1e-3, 2.0), 2.0);      // W = 2 mJ
-  EXPECT_NEAR(x_step(b, -1e-3, 3.0), 2.0, 1e-12);   // 3 mJ out, 1 mJ missing: F = 3 - 1
+  EXPECT_NEAR(x_step(b, -1e-3, 3.0), 2.0, 1e-12);   // 3 mJ delivered, 1 mJ missing: F = 3 - 1
   EXPECT_NEAR(x_step(b, 0.5e-3, 1.0), 1.0, 1e-12);  // W = 0 + 0.5 mJ
-  EXPECT_NEAR(x_step(b, -1e-3, 0.5), 0.5, 1e-12);   // all of it
-  EXPECT_NEAR(x_step(b, -2e-3, 0.25), 0.0, 1e-12);  // nothing is left
-  EXPECT_NEAR(x_step(b, 0.0, 7.0), 7.0, 1e-12);     // no movement, no damper
+  EXPECT_NEAR(x_step(b, -1e-3, 0.5), 0.5, 1e-12);   // uses the complete energy
+  EXPECT_NEAR(x_step(b, -2e-3, 0.25), 0.0, 1e-12);  // No energy remains.
+  EXPECT_NEAR(x_step(b, 0.0, 7.0), 7.0, 1e-12);     // Without movement the damper has no effect.
 }
 
 TEST(PassivityControl, OneAxisDoesNotPayForAnother) {
@@ -47,7 +48,8 @@ TEST(PassivityControl, OneAxisDoesNotPayForAnother) {
 }
 
 TEST(PassivityControl, TheReferenceOfASpringIsItsEnergy) {
-  // The exchange of the zero-order hold is left out (0), so that all of the reference is missing.
+  // The energy of the zero-order hold is excluded (0). The complete reference energy is therefore
+  // missing.
   PassivityObserver<double> observer(PassivityReference::following);
   const double k = 700.0;
   test::Random random(5);
@@ -63,7 +65,7 @@ TEST(PassivityControl, TheReferenceOfASpringIsItsEnergy) {
 }
 
 TEST(PassivityControl, FollowingRepaysWhatTheHoldGaveWhereTheHandMovesOn) {
-  // A spring of 1 kN/m, 1 mm in, 1 mm more, out again. E = 0.5, 2, 0.5, 0 mJ.
+  // A spring of 1 kN/m moves 1 mm in, 1 mm more, and out again. E = 0.5, 2, 0.5, 0 mJ.
   BoundingConfig c = test::config("passivity_control", 2.0);
   c.reference = PassivityReference::following;
   Bounding b(c);
@@ -74,23 +76,23 @@ TEST(PassivityControl, FollowingRepaysWhatTheHoldGaveWhereTheHandMovesOn) {
 }
 
 TEST(PassivityControl, TheDamperOfFollowingIsAtMostTheDevicesOwn) {
-  // As above with b = 0.5: at most 500 N/m over 1 mm.
+  // This is the movement above with b = 0.5: the damper gives at most 500 N/m over 1 mm.
   Bounding b = controller("passivity_control", PassivityReference::following);
   EXPECT_NEAR(x_step(b, 1e-3, 1.0), 1.5, 1e-12);
   EXPECT_NEAR(x_step(b, 1e-3, 2.0), 2.5, 1e-12);
-  EXPECT_NEAR(x_step(b, -1e-3, 1.0), 0.5, 1e-12);  // 1.5 mJ are missing
+  EXPECT_NEAR(x_step(b, -1e-3, 1.0), 0.5, 1e-12);  // 1.5 mJ are missing.
 }
 
 TEST(PassivityControl, WhatTheDeviceCannotHoldIsNotMissing) {
-  // A spring of 1 kN/m on a device of 1 N: beyond 1 mm the followed environment is flat.
+  // A spring of 1 kN/m on a device of 1 N. Beyond 1 mm the reference force is constant.
   BoundingConfig c = test::config("passivity_control", 2.0);
   c.reference = PassivityReference::following;
   c.max_force = 1.0;
   Bounding b(c);
   x_step(b, 0.0, 0.0);
   for (int n = 1; n <= 10; ++n) x_step(b, 1e-3, 1.0 * n);
-  // Way in: the device held 9 mJ, and the reference of the flat spring is 9.5 mJ. Way out: the
-  // device owes only this difference and the cost of the turn.
+  // On the way in, the device held 9 mJ, and the reference of the flat spring is 9.5 mJ. On the way
+  // out, only this difference and the energy of the reversal are missing.
   EXPECT_NEAR(x_step(b, -1e-3, 9.0), 1.0, 1e-12);
   EXPECT_NEAR(x_step(b, -1e-3, 8.0), 1.0, 1e-12);
 }
@@ -106,7 +108,7 @@ TEST(PassivityControl, DirectionalSharesByWhatEachExchanged) {
   Command r = b.step(s).rendered;
   EXPECT_NEAR(r.force().x(), 4.0, 1e-12);
   EXPECT_NEAR(r.torque.z(), 0.1, 1e-12);
-  // Out: 6 mJ and 2 mJ, 3 mJ are missing: the force gives 3/4 of them, the torque 1/4.
+  // Out: 6 mJ and 2 mJ. With 3 mJ missing, the force contributes 3/4 and the torque 1/4.
   s.displacement = Vec3(2e-3, 0, 0);
   s.rotation = Vec3(0, 0, 0.02);
   s.command = {Vec3(3, 0, 0), Vec3::Zero(), Vec3(0, 0, 0.1)};
@@ -120,7 +122,8 @@ TEST(PassivityControl, DirectionalKeepsTheLineOfTheForce) {
   BoundingStep s;
   s.hold_time = kPeriod;
   s.displacement = Vec3(1e-3, 0, 0);
-  s.command.elastic = Vec3(3, 4, 0);  // 3 mJ out; u.dx = 0.6 mm, so 5 N less along u
+  // 3 mJ delivered; u.dx = 0.6 mm, so the force along u falls by 5 N
+  s.command.elastic = Vec3(3, 4, 0);
   EXPECT_NEAR(b.step(s).rendered.force().norm(), 0.0, 1e-12);
 }
 
@@ -131,7 +134,7 @@ TEST(PassivityControl, ParallelMovesTheProbeInsteadOfTheForce) {
   EXPECT_EQ(offset(), 0.0);
   EXPECT_DOUBLE_EQ(x_step(b, -1e-3, 4.0), 4.0);  // 2 mJ missing: W / F = 0.5 mm
   EXPECT_NEAR(offset(), -0.5e-3, 1e-15);
-  EXPECT_DOUBLE_EQ(x_step(b, -0.2e-3, 5.0), 5.0);  // 1 mJ missing, 0.2 mm: all of the movement
+  EXPECT_DOUBLE_EQ(x_step(b, -0.2e-3, 5.0), 5.0);  // 1 mJ missing, 0.2 mm: the complete movement
   EXPECT_NEAR(offset(), -0.7e-3, 1e-15);
   EXPECT_EQ(x_step(b, -1e-3, 0.0), 0.0);  // out of contact
   EXPECT_EQ(offset(), 0.0);

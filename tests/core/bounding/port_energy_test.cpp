@@ -1,4 +1,4 @@
-// The port energy observer against closed forms.
+// Compares the port energy observer with closed forms.
 
 #include "core/bounding/port_energy.hpp"
 
@@ -27,16 +27,16 @@ TEST(PortEnergy, AHeldForceDeliversForceTimesWay) {
 TEST(PortEnergy, DryFrictionBurnsOverThePathThatIsCertain) {
   constexpr double kFriction = 0.3, kQuantum = 2e-5;
   PortEnergy port(0.0, 0.0, kPeriod, {kFriction, kQuantum});
-  for (int n = 0; n < 100; ++n)  // a quantum to and fro is no movement
+  for (int n = 0; n < 100; ++n)  // An alternation by one quantum is no movement.
     port.step({}, Vec3(n % 2 == 0 ? kQuantum : -kQuantum, 0, 0), Vec3::Zero(), kPeriod);
   EXPECT_EQ(port.burned(), 0.0);
   port.step({}, Vec3(1e-3, 0, 0), Vec3::Zero(), kPeriod);
   EXPECT_NEAR(port.burned(), kFriction * (1e-3 - kQuantum) / std::sqrt(3.0), 1e-15);
 }
 
-// A spring k, sampled and held, is pressed by `depth` in equal steps and released. Every sample
-// acts with the force of the previous one, so each step d delivers k d^2 / 2 beyond the spring's
-// own energy, both ways.
+// A sampled and held spring k is pressed by `depth` in equal steps and released. Every sample acts
+// with the force of the previous sample. Each step d therefore delivers k d^2 / 2 beyond the
+// spring's own energy, in both directions.
 TEST(PortEnergy, ASampledSpringCycleDeliversTheHoldsEnergy) {
   const double k = 1000.0, step = 1e-4;
   const int steps = 100;
@@ -53,11 +53,11 @@ TEST(PortEnergy, ASampledSpringCycleDeliversTheHoldsEnergy) {
               kPeriod);
   EXPECT_NEAR(port.delivered().elastic, 2 * steps * 0.5 * k * step * step, 1e-12);
   EXPECT_EQ(port.delivered().frictional, 0.0);
-  EXPECT_GT(port.violations(), 0u);  // no damping: more came out than went in
+  EXPECT_GT(port.violations(), 0u);  // Without damping, the port delivers more energy than it gets.
   EXPECT_NEAR(port.least_margin(), -2 * steps * 0.5 * k * step * step, 1e-12);
 }
 
-// At Colgate's damping b = k T / 2 the device pays exactly for this cycle.
+// At Colgate's damping b = k T / 2, the device dissipates exactly the energy of this cycle.
 TEST(PortEnergy, AtColgatesDampingTheSpringCycleIsPaidFor) {
   const double k = 1000.0, step = 1e-4, b = 0.5 * k * kPeriod;
   for (const double share : {1.0, 0.99}) {
@@ -116,7 +116,8 @@ TEST(PortEnergy, WhatIsNotFiniteIsLeftOutAndCounted) {
     port.step({v, Vec3::Zero(), Vec3::Zero()}, Vec3::Zero(), Vec3::Zero(), kPeriod);
     EXPECT_EQ(port.refused(), expected += 7);
   }
-  port.step({1e300 * one, one, one}, 1e300 * one, one, kPeriod);  // finite input, infinite energy
+  // finite input with infinite energy
+  port.step({1e300 * one, one, one}, 1e300 * one, one, kPeriod);
   EXPECT_EQ(port.refused(), ++expected);
   EXPECT_EQ(port.delivered().total(), 0.0);
   EXPECT_EQ(port.burned(), 0.0);

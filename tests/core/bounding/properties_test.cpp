@@ -1,5 +1,5 @@
-// The passive laws: the hand never takes more than the device burned, whatever the hand, the scene
-// and the network do.
+// Tests the passive methods. The hand never gets more energy than the device dissipated, for all
+// hands, scenes and networks.
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-/// Which bound: an index, so that RapidCheck can shrink and show it.
+/// RapidCheck can shrink and print an index, so an index selects the bound.
 constexpr int kPassiveLaws = 6;
 BoundingConfig passive_law(int which) {
   BoundingConfig c = config("contact_frame");
@@ -26,7 +26,7 @@ std::vector<BoundingConfig> passive_laws() {
   for (int i = 0; i < kPassiveLaws; ++i) all.push_back(passive_law(i));
   return all;
 }
-/// The law, told more damping than the device has.
+/// The method with more assumed damping than the device has.
 BoundingConfig boasting(BoundingConfig c, double factor) {
   c.damping = factor * c.damping.least();
   c.rotational_damping = factor * c.rotational_damping.least();
@@ -61,9 +61,9 @@ RC_GTEST_PROP(Property, SaturationChangesNothing, ()) {
   never_more_than_burned<double>(*scripts({.reduces = true}), {c});
 }
 
-// These laws bound only the magnitude: a device may even bend the held force.
+// These methods bound only the magnitude. The device may even rotate the held force.
 RC_GTEST_PROP(Property, BendingChangesNothing, ()) {
-  const int which = *rc::gen::inRange(0, kPassiveLaws - 1);  // not per_axis
+  const int which = *rc::gen::inRange(0, kPassiveLaws - 1);  // all but per_axis
   never_more_than_burned<double>(*scripts({.reduces = true, .bends = true}), {passive_law(which)});
 }
 
@@ -73,7 +73,7 @@ RC_GTEST_PROP(Property, NoChangeOfTheLawAtRunTimeGivesEnergy, ()) {
   never_more_than_burned<float>(script, passive_laws());
 }
 
-// Eq. (2) on every single axis, at the real port.
+// Eq. (2) must hold on each axis at the real port.
 template <class Real>
 void every_axis_pays_for_itself(const Script& script, const std::vector<BoundingConfig>& laws,
                                 const Vec3& damping, const Vec3& rotational) {
@@ -88,7 +88,7 @@ void every_axis_pays_for_itself(const Script& script, const std::vector<Bounding
       axes[i + 3].add(rotational[k] / time * p.rotation[k] * p.rotation[k]);
       axes[i + 3].add(-p.before.torque[k] * p.rotation[k]);
     }
-    // A force's parts and their sum round by the ulps of the longest part.
+    // The parts of a force and their sum have the rounding error of the longest part.
     for (const Sum& s : axes) RC_ASSERT(s.value >= -s.rounding<Real>());
   });
 }
@@ -103,8 +103,8 @@ RC_GTEST_PROP(Property, PerAxisEveryAxisPaysForItself, ()) {
   every_axis_pays_for_itself<float>(script, {c, c}, damping, rotational);
 }
 
-// Faults overdraw the port; no law can prevent that. The law renders a force only when the burned
-// energy pays for the worst that the hand can do with it.
+// Faults overdraw the port, and no method can prevent this. The method must render a force only if
+// the dissipated energy covers the worst movement of the hand.
 template <class Real>
 void no_force_on_credit(const Script& script, const BoundingConfig& law, const Port& port,
                         double condition = 1.0) {
@@ -125,17 +125,17 @@ void no_force_on_credit(const Script& script, const BoundingConfig& law, const P
 }
 
 RC_GTEST_PROP(Property, FaultsAreRepaidBeforeAnyForce, ()) {
-  const int which = *rc::gen::inRange(0, kPassiveLaws - 1);  // per_axis has no debts
+  const int which = *rc::gen::inRange(0, kPassiveLaws - 1);  // per_axis has no debts.
   const Script script =
       *scripts({.longest_hold = 5.0, .reduces = true, .skips = true, .loses = true});
   no_force_on_credit<double>(script, passive_law(which), {});
   no_force_on_credit<float>(script, passive_law(which), {});
 }
 
-// --- The mutants: with c = 2.1 b/T in place of 2 b/T the same hands win, so the tests above can
-// fail.
+// --- Mutants: with c = 2.1 b/T instead of 2 b/T, the hands above must gain energy. This shows that
+// the tests above can fail.
 
-/// Whether any of `count` random scripts breaks the promise.
+/// Returns true if one of 50 random scripts breaks the guarantee.
 bool some_hand_wins(const std::vector<BoundingConfig>& laws, const ScriptOptions& options) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const Script script = scripts(options)(rc::Random(seed), 100).value();
@@ -151,15 +151,15 @@ bool some_hand_wins(const std::vector<BoundingConfig>& laws, const ScriptOptions
 }
 
 TEST(Mutant, FivePercentTooMuchDampingLoses) {
-  for (int which = 0; which < kPassiveLaws - 1; ++which) {  // per_axis: below
+  for (int which = 0; which < kPassiveLaws - 1; ++which) {  // The next test covers per_axis.
     EXPECT_TRUE(some_hand_wins({boasting(passive_law(which), 1.05)}, {.reduces = true})) << which;
     EXPECT_FALSE(some_hand_wins({passive_law(which)}, {.reduces = true})) << which;
   }
 }
 
-// Per axis, the storage F^2 T / (2 b) is twice what one sample can take, so a hand needs many
-// samples to empty it. It presses in steps so small that they burn nothing, then yields in steps
-// of 6 % of F T / b while the scene commands all it can.
+// Per axis, the storage F^2 T / (2 b) is twice the energy of one sample. A hand needs many samples
+// to empty the storage. The hand presses in steps so small that they dissipate nothing. The hand
+// then retreats in steps of 6 % of F T / b while the scene commands the maximum.
 double taken_from_per_axis(double factor) {
   BoundingConfig c = config("per_axis");
   c.c1 = c.c2 = factor * 0.5 / kModePeriod;

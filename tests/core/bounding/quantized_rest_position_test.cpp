@@ -1,5 +1,5 @@
-// A hand that rests between two encoder readings: when the law detects the rest, where it then asks
-// the scene, and that a stiff wall takes nothing from such a hand.
+// A hand rests between two encoder readings. Tests when the method detects the rest, and where it
+// then evaluates the scene. A stiff wall must not extract energy from such a hand.
 
 #include "core/bounding/quantized_rest_position.hpp"
 
@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kPeriod = 1e-3;   // [s]
 constexpr double kQuantum = 2e-5;  // [m]
-constexpr int kUntilRest = 50;     // samples of QuantizedRestPosition::kRest
+constexpr int kUntilRest = 50;     // [samples] QuantizedRestPosition::kRest
 constexpr double kAhead = 0.5;     // [samples]
 
-/// Moves to and fro between two readings, one sample each. Returns the last offset.
+/// Alternates between two readings, one sample each. Returns the last offset.
 double dither(QuantizedRestPosition& place, int samples, double first = kQuantum) {
   double offset = 0.0, by = first;
   for (int n = 0; n < samples; ++n, by = -by) {
@@ -39,7 +39,8 @@ TEST(QuantizedRestPosition, AMovingHandIsAskedForHalfASampleAhead) {
 TEST(QuantizedRestPosition, AHandThatDithersBetweenTwoReadingsIsAskedForBetweenThem) {
   QuantizedRestPosition place(kQuantum);
   dither(place, kUntilRest);
-  // s is the share of the quantum above the lower reading: s -> s + kStep (1 - s), then less.
+  // s is the position between the two readings, as a fraction of the quantum above the lower
+  // reading. A step up changes s to s + kStep (1 - s). A step down changes s to (1 - kStep) s.
   const double settled = dither(place, 200);  // after a step down
   const double s = (1.0 - QuantizedRestPosition::kStep) / (2.0 - QuantizedRestPosition::kStep);
   EXPECT_NEAR(settled, s * kQuantum, 1e-12);
@@ -58,7 +59,7 @@ TEST(QuantizedRestPosition, WhereItStandsStillThePlaceStands) {
 
 TEST(QuantizedRestPosition, AThirdReadingEndsTheRest) {
   QuantizedRestPosition place(kQuantum);
-  dither(place, 2 * kUntilRest);  // the last step was down
+  dither(place, 2 * kUntilRest);  // The last step was down.
   const Vec3 on(0, 0, -kQuantum);
   EXPECT_EQ(place.offset(on, kAhead), Vec3(0.5 * on));
   place.moved(on, kPeriod);
@@ -85,7 +86,8 @@ TEST(QuantizedRestPosition, WithoutAQuantumItIsTheMidpoint) {
   }
 }
 
-/// [J] that a wall of k gives to a hand that dithers by one quantum, as the encoder shows it.
+/// Returns the energy [J] that a wall of stiffness k gives to a hand that alternates by one encoder
+/// step.
 double given_by_wall(bool rests, double stiffness) {
   Midpoint<double> midpoint(rests ? kQuantum : 0.0, kPeriod);
   double reading = -5.0 * kQuantum, held = 0.0, given = 0.0;

@@ -1,4 +1,5 @@
-// The reach of the next sample: closed forms, and handles that move as far as they can.
+// Tests the reachable displacement of the next sample: closed forms, and handles that move as far
+// as possible.
 
 #include "core/bounding/reachable_displacement.hpp"
 
@@ -16,7 +17,7 @@ using namespace test;
 
 constexpr double kPeriod = 1e-3;  // [s]
 #ifdef FELTWIRE_SANITIZED
-constexpr std::uint64_t kDevices = 80;  // sanitizers make a run forty times as slow
+constexpr std::uint64_t kDevices = 80;  // Sanitizers make a run forty times as slow.
 #else
 constexpr std::uint64_t kDevices = 400;
 #endif
@@ -29,7 +30,7 @@ PortKnowledge knowledge(double mass, double outside, double quantum = 0.0) {
   return k;
 }
 
-/// [m] the reach along x over a period in which `force` [N] is held along x.
+/// Returns the reachable displacement [m] along x over a period with a held `force` [N] along x.
 double along_x(const ReachableDisplacement& reach, double force) {
   return reach.along(Vec3::UnitX(), 1.0, Vec3(force, 0, 0), kPeriod);
 }
@@ -48,7 +49,7 @@ TEST(ReachableDisplacement, IsNewtonsLawForAHandleWithoutFriction) {
 TEST(ReachableDisplacement, AHandleThatFrictionStoppedStartsFromRestAtAnyTime) {
   ReachableDisplacement reach(knowledge(0.1, 5.0));
   reach.moved(Vec3(-1e-3, 0, 0), Vec3::Zero(), kPeriod, kPeriod);
-  // Friction may have stopped it at once: G0 T^2 + G T^2 / 2.
+  // Friction may have stopped the handle at once: G0 T^2 + G T^2 / 2.
   EXPECT_NEAR(along_x(reach, 0.0), 1.5 * 50.0 * kPeriod * kPeriod, 1e-15);
 }
 
@@ -56,7 +57,7 @@ TEST(ReachableDisplacement, AlongAVectorIsItsLengthTimesThatAlongItsDirection) {
   Random random(11);
   for (int i = 0; i < 200; ++i) {
     ReachableDisplacement reach(knowledge(0.1, 5.0, 3e-5));
-    for (int n = random.chance(0.3) ? 2 : 1; n > 0; --n)  // two short samples are joined
+    for (int n = random.chance(0.3) ? 2 : 1; n > 0; --n)  // Two short samples count as one.
       reach.moved(random.vector(-6.0, -3.0), random.vector(-1.0, 1.0),
                   random.uniform(0.2, 2.0) * kPeriod, kPeriod);
     const Vec3 v = random.vector(-1.0, 1.0), held = random.vector(-1.0, 1.0);
@@ -103,13 +104,14 @@ TEST(ReachableDisplacement, KnowledgeThatCannotBeIsRefusedByName) {
   EXPECT_NE(refused(friction).find("the Coulomb friction"), std::string::npos);
 }
 
-/// The largest share of the reach that hands used along any direction, over random devices.
+/// The largest used fraction of the reachable displacement in any direction, over random devices.
 struct Used {
   double most = 0.0;
   long broken = 0, samples = 0;
 };
 
-/// The `told_` arguments are the told shares of the true mass, hand force and quantum.
+/// Each `told_` argument is an assumed value divided by its true value: mass, hand force and
+/// quantum.
 Used attack(std::uint64_t seed, double told_mass, double told_force, double told_quantum) {
   Random random(seed);
   Handle handle;
@@ -122,8 +124,9 @@ Used attack(std::uint64_t seed, double told_mass, double told_force, double told
       knowledge(told_mass * handle.mass, told_force * strength, told_quantum * quantum));
   Used used;
   Vec3 shown = encoded(handle.position, quantum), held = Vec3::Zero();
-  const bool even = random.chance(0.4);       // every hold lasts a period
-  const bool deadlines = random.chance(0.5);  // late ticks, each next one at its deadline
+  const bool even = random.chance(0.4);  // Every hold lasts a period.
+  // Ticks are late, but each next tick keeps its deadline.
+  const bool deadlines = random.chance(0.5);
   double late = 0.0;
   for (int n = 0; n < 400; ++n) {
     double hold = even ? kPeriod : kPeriod * random.uniform(0.05, 3.0);
@@ -168,7 +171,7 @@ Used attack_all(double told_mass, double told_force, double told_quantum) {
   return all;
 }
 
-/// docs/bounding.md, "After a tick that is late": a handle that shows no movement.
+/// A handle without visible movement (docs/bounding.md, "After a tick that is late").
 TEST(ReachableDisplacement, AHandleThatStandsReachesNoFartherAfterATickThatIsLate) {
   const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
   for (const double late : {0.1, 0.3, 0.5}) {
@@ -183,7 +186,7 @@ TEST(ReachableDisplacement, AHandleThatStandsReachesNoFartherAfterATickThatIsLat
   }
 }
 
-/// The hand pushed the handle in, and friction allowed it to turn round within the tick.
+/// The hand pushed the handle in, and friction allowed a reversal within the tick.
 TEST(ReachableDisplacement, AHandleThatMayHaveTurnedRoundInATickThatIsLateReachesFarther) {
   const double force = 8.0, hand = 10.0, mass = 0.075, q = 3e-5;
   ReachableDisplacement reach(knowledge(mass, hand, q));
@@ -193,7 +196,7 @@ TEST(ReachableDisplacement, AHandleThatMayHaveTurnedRoundInATickThatIsLateReache
   ReachableDisplacement stands(knowledge(mass, hand, q));
   stands.moved(Vec3::Zero(), Vec3(force, 0, 0), kPeriod, kPeriod);
   EXPECT_GT(turned, 1.1 * along_x(stands, force));
-  // G0 h0 h, the reach without any knowledge of its movement, is more.
+  // Without knowledge of the movement, the reachable displacement is larger: G0 h0 h.
   const double acceleration = (force + hand) / mass;
   EXPECT_LT(turned, 0.9 * (2.0 * acceleration * kPeriod * kPeriod + q));
 }
@@ -202,7 +205,7 @@ TEST(ReachableDisplacement, NoHandGoesFarther) {
   const Used used = attack_all(1.0, 1.0, 1.0);
   EXPECT_EQ(used.broken, 0);
   EXPECT_GT(used.samples, static_cast<long>(500 * kDevices));
-  EXPECT_GT(used.most, 0.98);  // sharp: a hand uses nearly all of it
+  EXPECT_GT(used.most, 0.98);  // The bound is tight: a hand uses nearly all of it.
 }
 
 TEST(ReachableDisplacement, IsBrokenWhenToldWrong) {

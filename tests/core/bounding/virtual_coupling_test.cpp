@@ -1,4 +1,4 @@
-// The virtual coupling against closed forms.
+// Compares the virtual coupling with closed forms.
 
 #include <gmock/gmock.h>
 
@@ -39,13 +39,15 @@ TEST(VirtualCoupling, OneSampleByHand) {
 }
 
 TEST(VirtualCoupling, TheSecondSampleByHand) {
-  // With b_c = 0 and m = h^2 k each sample halves the way: v = (m v + h k (s + dx)) / (2 h^2 k).
+  // With b_c = 0 and m = h^2 k, each sample halves the distance: v = (m v + h k (s + dx)) / (2 h^2
+  // k).
   const double k = 100.0;
   Bounding bounding(coupling({k, 0.0, k * kPeriod * kPeriod}));
   EXPECT_NEAR(bounding.step(step(8e-3)).rendered.force().x(), -k * 4e-3, 1e-15);
-  // v h = (4e-3 + 4e-3) / 2 = 4e-3: it coasts onto the device.
+  // v h = (4e-3 + 4e-3) / 2 = 4e-3: the tool reaches the device.
   EXPECT_NEAR(bounding.step(step(0.0)).rendered.force().x(), 0.0, 1e-15);
-  EXPECT_NEAR(bounding.step(step(0.0)).rendered.force().x(), k * 2e-3, 1e-15);  // and past it
+  // The tool passes the device.
+  EXPECT_NEAR(bounding.step(step(0.0)).rendered.force().x(), k * 2e-3, 1e-15);
 }
 
 TEST(VirtualCoupling, AStillHandHoldsTheScenesForceAtStretchFOverK) {
@@ -57,13 +59,13 @@ TEST(VirtualCoupling, AStillHandHoldsTheScenesForceAtStretchFOverK) {
 }
 
 TEST(VirtualCoupling, WhatIsNotGivenIsTheStiffestThatIsPassive) {
-  // k = 2 b/T = 1000 leaves no damping; a tool too heavy to move answers k dx.
+  // k = 2 b/T = 1000 leaves no damping. An immovable tool answers k dx.
   Bounding bounding(coupling({{}, {}, 1e12}));
   EXPECT_NEAR(bounding.step(step(1e-3)).rendered.force().x(), -1000.0 * 1e-3, 1e-12);
-  // With b_c given, k = 2 (b - b_c) / T = 600 is left: (k + b_c / h) dx.
+  // With b_c given, k = 2 (b - b_c) / T = 600 remains: (k + b_c / h) dx.
   Bounding damped(coupling({{}, 0.2, 1e12}));
   EXPECT_NEAR(damped.step(step(1e-3)).rendered.force().x(), -(600.0 + 200.0) * 1e-3, 1e-12);
-  // With k given, b_c = b - kT/2 = 0.25 is what is left: (k + b_c / h) dx.
+  // With k given, b_c = b - kT/2 = 0.25 remains: (k + b_c / h) dx.
   Bounding softer(coupling({500.0, {}, 1e12}));
   EXPECT_NEAR(softer.step(step(1e-3)).rendered.force().x(), -(500.0 + 250.0) * 1e-3, 1e-12);
   EXPECT_NEAR(softer.step(step(0.0)).rendered.force().x(), -500.0 * 1e-3, 1e-12);

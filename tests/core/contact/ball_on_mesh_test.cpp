@@ -1,4 +1,4 @@
-// A ball as the tool, on meshes.
+// Tests a ball as the tool on meshes.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,8 @@ using test::object;
 using test::placed;
 using test::Wanderer;
 
-// Equal to the bit: with friction, damping, smooth normals, both sides and the mesh's own radius.
+// A ball on a mesh must give bitwise the force of a mesh with this radius: with friction, damping,
+// smooth normals, both sides and the mesh's own radius.
 TEST(BallOnMesh, IsFeltAsAMeshOfThatRadius) {
   const std::vector<TriangleSoup> soups = {test::icosphere(0.05, 3),
                                            test::box({0.05, 0.04, 0.03}, 4),
@@ -50,7 +51,7 @@ TEST(BallOnMesh, IsFeltAsAMeshOfThatRadius) {
   EXPECT_GT(in_all, 10'000);
 }
 
-// Closed form: a ball on a box feels like a point on a box with rounded edges and corners.
+// Closed form: a ball on a box gives the force of a point on a box with rounded edges and corners.
 TEST(BallOnMesh, RoundsTheEdgesOfABox) {
   const Vec3 half(0.05, 0.04, 0.03);
   Scene scene("s", {mesh_object(test::box(half, 5), {}, {.stiffness = 1000.0})});
@@ -59,7 +60,7 @@ TEST(BallOnMesh, RoundsTheEdgesOfABox) {
   test::Random random(11);
   int faces = 0, rounded = 0;
   for (int run = 0; run < 300; ++run) {
-    // The ball comes down on a surface place, along a normal of a face, an edge or a corner.
+    // The ball approaches a surface point along a normal of a face, an edge or a corner.
     Vec3 foot, out = Vec3::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       const double sign = random.chance(0.5) ? 1.0 : -1.0;
@@ -105,7 +106,7 @@ TEST(BallOnMesh, OnASphereOfFacetsIsOnASphereWithinTheFacets) {
   }
 }
 
-// The tree finds the objects: the force is the sum over all objects asked one by one.
+// The tree finds the objects. The force must equal the sum over all objects.
 TEST(BallOnMesh, AmongManyObjectsIsTheSumOfThem) {
   std::vector<Object> objects;
   const auto mesh = std::make_shared<MeshSurface>(TriangleMesh(test::icosphere(0.012, 2)));

@@ -1,4 +1,4 @@
-// A ball as the tool: against closed forms, and alike for every kind of shape.
+// Tests a ball as the tool: against closed forms, and equally for every kind of shape.
 
 #include "core/contact/ball.hpp"
 
@@ -37,7 +37,7 @@ TEST(Ball, IsAsDeepAsItsSurfaceIsInTheSolid) {
       const SurfacePoint s = touch_once(shape, Side::outside, p);
       EXPECT_NEAR(s.depth, std::max(0.0, kRadius - field.distance), 1e-15) << shape.index();
       if (!(s.depth > 1e-9) || field.distance < -0.01)
-        continue;  // deeper, two faces may be equally near
+        continue;  // At larger depths two faces may be equally near.
       EXPECT_LT((s.normal - field.gradient).norm(), 1e-9) << shape.index() << ' ' << p.transpose();
       EXPECT_LT((s.point - s.depth * s.normal - p).norm(), 1e-12);
       if (field.distance > 0.0) {
@@ -48,7 +48,7 @@ TEST(Ball, IsAsDeepAsItsSurfaceIsInTheSolid) {
 
 TEST(Ball, InAHollowStandsInTheCorner) {
   const Box box{Vec3(0.03, 0.02, 0.025)};
-  // The ball touches two walls: the force is the sum of both.
+  // The ball touches two walls. The force must be the sum of both.
   const SurfacePoint s = touch_once(box, Side::inside, {0.027, 0.018, 0.0});
   EXPECT_NEAR(s.depth, std::hypot(0.002, 0.003), 1e-15);
   EXPECT_NEAR(s.normal.x() / s.normal.y(), 2.0 / 3.0, 1e-9);
@@ -75,7 +75,7 @@ TEST(Ball, AGridIsFeltAsWhatItWasMadeFrom) {
   }
 }
 
-// A thin plate still holds a ball that is pressed through the plate's middle.
+// A thin plate must still hold a ball that is pressed through the middle of the plate.
 TEST(Ball, StaysOnTheSideItCameFrom) {
   const Box plate{Vec3(0.1, 0.1, 0.001)};
   FeatureMemory memory;
@@ -106,10 +106,10 @@ TEST(Ball, AScenesToolMustFit) {
   EXPECT_NE(error(kRadius).find("too large for object 'hollow'"), std::string::npos);
   EXPECT_NE(error(-1.0).find("sphere.radius: must be above zero"), std::string::npos);
   EXPECT_NE(error(std::nan("")).find("sphere.radius"), std::string::npos);
-  EXPECT_EQ(scene.tool().radius, 0.003);  // the refused tool changed nothing
+  EXPECT_EQ(scene.tool().radius, 0.003);  // The refused tool must change nothing.
 }
 
-// The friction law is the point's: it sticks, and slips at the cone.
+// The ball has the friction of a point: it sticks, and slips at the cone.
 TEST(Ball, SticksAndSlips) {
   Object floor;
   floor.name = "floor";

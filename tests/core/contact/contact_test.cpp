@@ -37,7 +37,7 @@ Quaternion random_rotation(std::mt19937& random) {
   return Quaternion(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// A hand that wanders within a ball of some centimetres, with steps of a fraction of a
+/// A hand that moves at random within a ball of some centimetres. Its steps are fractions of a
 /// millimetre.
 class Wanderer {
  public:
@@ -97,7 +97,7 @@ TEST(Contact, SphereIsFeltAlongTheRadius) {
 }
 
 TEST(Contact, SpringCycleGivesBackExactlyWhatItTook) {
-  // In the stuck state the force is linear in the position, so the trapezium rule is exact.
+  // In the stuck state the force is linear in the position. The trapezoidal rule is then exact.
   const Object wall = object(Plane{}, {.stiffness = 1000, .static_friction = 2.0});
   ContactMemory memory;
   const int steps = 1000;
@@ -129,7 +129,7 @@ TEST(Contact, SticksToStaticAndSlipsAtDynamicFriction) {
   const auto friction = [&](double x) { return touch(wall, at(Vec3(x, 0, -depth)), memory); };
   EXPECT_EQ(friction(0.0).frictional, Vec3::Zero());
 
-  // Out: a spring up to mu_s F_n = 0.6 N at 0.6 mm, then mu_d F_n.
+  // Movement out: a spring up to mu_s F_n = 0.6 N at 0.6 mm, then mu_d F_n.
   for (double x = 1e-5; x < 0.599e-3; x += 1e-5) {
     EXPECT_NEAR(friction(x).frictional.x(), -1000 * x, 1e-12);
     EXPECT_FALSE(memory.slipping);
@@ -142,9 +142,10 @@ TEST(Contact, SticksToStaticAndSlipsAtDynamicFriction) {
     EXPECT_NEAR(c.frictional.x(), -0.4 * pressed, 1e-12);
     EXPECT_EQ(c.frictional.z(), 0.0);
   }
-  // Back: sticks at once; the spring unloads from -0.4 N through zero to +0.6 N and slips again.
+  // Movement back: the contact sticks at once. The spring unloads from -0.4 N through zero to +0.6
+  // N, and the contact slips again.
   const double anchor = memory.anchor.x();
-  EXPECT_NEAR(anchor, last - 0.4e-3, 1e-15);  // dragged along by the end of the spring
+  EXPECT_NEAR(anchor, last - 0.4e-3, 1e-15);  // The end of the spring moves the anchor.
   for (double x = anchor + 0.399e-3; x > anchor - 0.599e-3; x -= 1e-5) {
     EXPECT_NEAR(friction(x).frictional.x(), -1000 * (x - anchor), 1e-12);
     EXPECT_FALSE(memory.slipping);
@@ -160,7 +161,8 @@ TEST(Contact, LettingGoOfTheSurfaceShrinksTheCone) {
   touch(wall, at(Vec3(0, 0, -0.001)), memory);
   EXPECT_NEAR(touch(wall, at(Vec3(0.0005, 0, -0.001)), memory).frictional.x(), -0.5, 1e-12);
   EXPECT_NEAR(touch(wall, at(Vec3(0.0005, 0, -0.0005)), memory).frictional.x(), -0.2, 1e-12);
-  touch(wall, at(Vec3(0.0005, 0, 0.001)), memory);  // lifts off, then a new stick point
+  // The tool lifts off. The next contact has a new anchor.
+  touch(wall, at(Vec3(0.0005, 0, 0.001)), memory);
   EXPECT_EQ(touch(wall, at(Vec3(0.0005, 0, -0.001)), memory).frictional, Vec3::Zero());
 }
 
@@ -197,7 +199,7 @@ TEST(Contact, SlidingRoundABallIsHeldBackAllTheWay) {
     const double angle = i * 2.0 * M_PI / 2000;
     const Vec3 out(std::cos(angle), std::sin(angle), 0), forward(-out.y(), out.x(), 0);
     const Command c = touch(ball, at((radius - depth) * out), memory);
-    if (i < 100) continue;  // stretches the spring first
+    if (i < 100) continue;  // The spring stretches first.
     EXPECT_TRUE(memory.slipping);
     EXPECT_NEAR((c.frictional + 1.0 * forward).norm(), 0.0, 1e-6);
     EXPECT_NEAR((c.elastic - 2.0 * out).norm(), 0.0, 1e-12);
@@ -235,7 +237,8 @@ TEST(Contact, MovingAndTurningEverythingTurnsTheForce) {
       const Command b = touch(
           there, at(there.pose.orientation * p + there.pose.position, there.pose.orientation * v),
           memory_there);
-      // A sample exactly on the border may fall to either side; rounding must change no more.
+      // Rounding may put a sample at the border on either side of the border. Rounding must change
+      // nothing else.
       if (memory_here.touching != memory_there.touching) continue;
       if (memory_here.slipping != memory_there.slipping) break;
       EXPECT_NEAR((there.pose.orientation * a.elastic - b.elastic).norm(), 0.0, 1e-9);
@@ -251,7 +254,8 @@ TEST(Contact, FarFromTheOriginOnlyThePositionsOwnDigitsAreLost) {
   ball.pose.position = Vec3(1e6, -1e6, 1e6);
   ContactMemory memory;
   const Command c = touch(ball, at(ball.pose.position + Vec3(0, 0, 0.049)), memory);
-  EXPECT_NEAR((c.elastic - Vec3(0, 0, 1.0)).norm(), 0.0, 1e-6);  // 1e6 m has 1e-10 m of digits
+  // At 1e6 m, a double resolves 1e-10 m.
+  EXPECT_NEAR((c.elastic - Vec3(0, 0, 1.0)).norm(), 0.0, 1e-6);
 }
 
 TEST(Contact, TinyAndHugeShapesAnswerInProportion) {

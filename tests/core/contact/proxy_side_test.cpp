@@ -1,4 +1,4 @@
-// The proxy of a solid remembers its side: thin solids hold, however hard and fast a hand comes.
+// The proxy of a solid remembers its side. Thin solids must hold a hand of any force and speed.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using test::kWeightless;
 using test::moving;
 using test::object;
 
-/// Uniform from -most to most.
+/// Uniform random numbers from -most to most.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
@@ -39,10 +39,10 @@ struct Flat {
   Shape shape;
   Vec3 out;     // normal of the face
   double half;  // [m] from the middle to the face
-  Vec3 beside;  // [m] a place on the face
+  Vec3 beside;  // [m] a point on the face
 };
 
-/// Each flat face of solids that are 1 mm thin.
+/// Returns each flat face of solids that are 1 mm thin.
 std::vector<Flat> flat_faces() {
   std::vector<Flat> all;
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,7 +60,7 @@ std::vector<Flat> flat_faces() {
 
 TEST(ProxySide, AThinPlateHoldsAtAnyDepthAndLetsGoWhereItWasEntered) {
   for (const Flat& face : flat_faces())
-    for (const double step : {1e-4, 1e-3, 1e-2}) {  // [m] a sample: at 1 kHz 0.1, 1 and 10 m/s
+    for (const double step : {1e-4, 1e-3, 1e-2}) {  // [m] per sample: 0.1, 1 and 10 m/s at 1 kHz
       FeatureMemory memory;
       const auto at = [&](double height) {
         return surface_point(face.shape, Side::outside, face.beside + height * face.out, memory);
@@ -76,7 +76,8 @@ TEST(ProxySide, AThinPlateHoldsAtAnyDepthAndLetsGoWhereItWasEntered) {
       }
       for (; height < 0.0123; height += step)
         ASSERT_NEAR(at(height).depth, std::max(0.0, face.half - height), 1e-12) << face.name;
-      // Beside the plate nothing holds the hand. From below it then touches the other face.
+      // Beside the plate nothing must hold the hand. From below, the hand then touches the other
+      // face.
       const Vec3 out = 0.06 * (face.out.cross(Vec3(1, 2, 3))).normalized() * std::sqrt(2.0);
       EXPECT_EQ(surface_point(face.shape, Side::outside, out, memory).depth, 0.0);
       EXPECT_EQ(surface_point(face.shape, Side::outside, out - 0.03 * face.out, memory).depth, 0.0);
@@ -94,7 +95,7 @@ const Solid kSolids[] = {{"box", Box{Vec3(0.02, 0.03, 5e-4)}}, {"ball", Sphere{0
                          {"disc", Cylinder{0.02, 5e-4}},       {"wire", Cylinder{5e-4, 0.02}},
                          {"cone", Cone{0.01, 0.015}},          {"needle", Cone{2e-3, 0.03}}};
 
-/// From all sides half way through the solid, with steps of up to 10 m/s at 1 kHz.
+/// The hand moves from all sides to the middle of the solid, with steps of up to 10 m/s at 1 kHz.
 TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {
   Random random(5);
   for (const Solid& solid : kSolids)
@@ -118,7 +119,8 @@ TEST(ProxySide, NothingIsPassedStraightThroughItsMiddle) {
     }
 }
 
-/// A hand moves to and fro at random: the force grows no faster than its own movement builds it up.
+/// A hand moves to and fro at random. The force must not grow faster than the hand's movement
+/// allows.
 TEST(ProxySide, NoForceRisesFasterThanTheHandMoves) {
   for (const Solid& solid : kSolids) {
     int touched = 0;
@@ -145,7 +147,7 @@ TEST(ProxySide, NoForceRisesFasterThanTheHandMoves) {
   }
 }
 
-/// A scene that finds its objects by a tree gives this result too, for balls and points.
+/// A scene that finds its objects by a tree must give an equal result for balls and points.
 TEST(ProxySide, InScenesLargeAndSmallForPointsAndBalls) {
   for (const int others : {0, 40})
     for (const double radius : {0.0, 0.003}) {
@@ -165,10 +167,10 @@ TEST(ProxySide, InScenesLargeAndSmallForPointsAndBalls) {
     }
 }
 
-/// A plate of 1 mm meets the hand at up to 20 m/s: it takes the hand along.
+/// A plate of 1 mm meets the hand at up to 20 m/s. The plate must move the hand along.
 TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0})
-    for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] its edge is at 0.05
+    for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] The plate ends at 0.05.
       const Vec3 begin(0, 0, -0.5);
       const Scene scene =
           moving({object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1.0}, begin)}, {0},
@@ -188,7 +190,8 @@ TEST(ProxySide, AThinPlateThatMovesNeverPassesAHand) {
     }
 }
 
-/// The client's contact with a local model of the plate holds like the server's.
+/// With a local model of the plate, the client's contact must hold the hand like the server's
+/// contact.
 TEST(ProxySide, HoldsInALocalModel) {
   const Scene scene("s", {object("plate", Box{Vec3(0.05, 0.05, 5e-4)}, {.stiffness = 1000.0})});
   for (const double first : {0.0015, 0.0045}) {

@@ -1,5 +1,5 @@
-// The proxy of a round solid remembers its side too. A hand pressed through the middle is held at
-// the side from which it came; a hand that moves around the solid slides.
+// The proxy of a round solid remembers its side. A hand that passes the middle must be pushed back
+// to its side. A hand that moves around the solid must slide.
 
 #include <gtest/gtest.h>
 
@@ -20,17 +20,17 @@ using test::object;
 using test::Random;
 
 constexpr double kRadius = 0.005;
-const double kSteps[] = {1e-4, 1e-3, 1e-2};  // [m] a sample: at 1 kHz 0.1, 1 and 10 m/s
+const double kSteps[] = {1e-4, 1e-3, 1e-2};  // [m] per sample: 0.1, 1 and 10 m/s at 1 kHz
 
 struct Approach {
   const char* name;
   Shape shape;
-  Vec3 middle;  // [m] the hand passes through it
+  Vec3 middle;  // [m] The hand passes through this point.
   Vec3 out;     // unit vector against the hand's direction
   double half;  // [m] from the middle to the surface
 };
 
-/// Straight through the middle of a ball, or through the axis of another solid.
+/// Returns an approach straight through the middle of a ball, or through the axis of another solid.
 Approach approach(int n, Random& random) {
   const double angle = random.uniform(-M_PI, M_PI), along = random.uniform(-0.018, 0.018);
   const Vec3 across(std::cos(angle), std::sin(angle), 0.0);
@@ -59,11 +59,11 @@ TEST(RoundSide, AHandPressedThroughTheMiddleIsPushedBackAtAnyDepthAndSpeed) {
       const double step = kSteps[n % 3];
       FeatureMemory memory;
       double height = a.half + 0.0123 + random.uniform(0.0, step);
-      double nearest = 1.0;  // [m] to the middle, so far
+      double nearest = 1.0;  // [m] least distance to the middle so far
       const auto check = [&] {
         nearest = std::min(nearest, std::abs(height));
-        // Rounding turns the normal by at most this much (places of centimetres, near the middle).
-        // The memory of a ring's part adds 2^-32 turns.
+        // Rounding may turn the normal by this angle, for positions of centimetres near the middle.
+        // The stored angle of a ring adds 2^-32 turns.
         const double rounding = 2e-17 / nearest + 3e-9;
         const SurfacePoint s =
             surface_point(a.shape, Side::outside, a.middle + height * a.out, memory);
@@ -82,8 +82,9 @@ TEST(RoundSide, AHandPressedThroughTheMiddleIsPushedBackAtAnyDepthAndSpeed) {
   }
 }
 
-/// A real hand misses the middle a little. When it has passed the middle, its proxy has turned by
-/// some 30 degrees. It lets go when, seen from the proxy, the hand is beside the solid.
+/// A real hand misses the middle slightly. After the hand has passed the middle, the proxy has
+/// turned by some 30 degrees. The contact ends when the hand, seen from the proxy, is beside the
+/// solid.
 TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
   for (const std::uint64_t seed : test::seeds(2, 1, 1)) {
     Random random(seed);
@@ -103,7 +104,7 @@ TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
           ASSERT_GT(s.normal.dot(a.out), 0.7) << a.name << " " << n << " " << height;
         }
       }
-      // Beside the ball nothing holds the hand any more.
+      // Beside the ball nothing must hold the hand.
       EXPECT_EQ(
           surface_point(a.shape, Side::outside, a.middle - 0.03 * a.out + 80.0 * aside, memory)
               .depth,
@@ -113,8 +114,8 @@ TEST(RoundSide, SoIsOneThatPassesTheMiddleByAFiftiethOfTheRadius) {
   }
 }
 
-/// Down to three quarters of the radius the proxy is the nearest surface point, to the bit, however
-/// fast the hand moves around the solid.
+/// Down to three quarters of the radius, the proxy must equal the nearest surface point bitwise, at
+/// any speed of the hand around the solid.
 TEST(RoundSide, AHandThatGoesRoundSlides) {
   for (const std::uint64_t seed : test::seeds(3, 1, 1)) {
     Random random(seed);
@@ -129,7 +130,7 @@ TEST(RoundSide, AHandThatGoesRoundSlides) {
       FeatureMemory memory;
       surface_point(shape, Side::outside, 2.0 * kRadius * start, memory);
       for (int i = 0; i < 100; ++i) {
-        // The chord between two places comes nearer to the middle than either place.
+        // The chord between two positions is nearer to the middle than both ends.
         const double in = 0.25 / std::cos(0.5 * turn);
         const double distance = kRadius * random.uniform(in, 0.999);
         const double angle = i * turn;
@@ -146,7 +147,7 @@ TEST(RoundSide, AHandThatGoesRoundSlides) {
   }
 }
 
-/// On a random path through a solid a hand never gets out more work than it has put in.
+/// On a random path through a solid, a hand must not get more work than it has done.
 TEST(RoundSide, NoWayThroughASolidGivesEnergy) {
   for (const std::uint64_t seed : test::seeds(4, 1, 1)) {
     Random random(seed);
@@ -176,14 +177,15 @@ TEST(RoundSide, NoWayThroughASolidGivesEnergy) {
       for (int leg = 0; leg < 12; ++leg)
         go(random.uniform(0.0, 1.5) * kRadius * random.direction());
       go(home + 10.0 * kRadius * random.direction());
-      if (surface_point(shape, Side::outside, p, memory).depth > 0.0) continue;  // still held
+      // The contact is still held.
+      if (surface_point(shape, Side::outside, p, memory).depth > 0.0) continue;
       // Sampling can miss half a step's work at each end of a contact.
       EXPECT_GE(work, -2e-3 * most) << n << " seed " << seed;
     }
   }
 }
 
-/// A scene that finds its objects by a tree gives this result too, for balls and points.
+/// A scene that finds its objects by a tree must give an equal result for balls and points.
 TEST(RoundSide, InScenesLargeAndSmallForPointsAndBalls) {
   for (const int others : {0, 40})
     for (const double radius : {0.0, 0.003})
@@ -203,7 +205,7 @@ TEST(RoundSide, InScenesLargeAndSmallForPointsAndBalls) {
       }
 }
 
-/// A ball meets the hand at up to 20 m/s: it takes the hand along.
+/// A ball meets the hand at up to 20 m/s. The ball must move the hand along.
 TEST(RoundSide, ABallThatMovesNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0}) {
     const Vec3 begin(0, 0, -0.5);
@@ -225,7 +227,8 @@ TEST(RoundSide, ABallThatMovesNeverPassesAHand) {
   }
 }
 
-/// The client's contact with a local model of the solid holds like the server's.
+/// With a local model of the solid, the client's contact must hold the hand like the server's
+/// contact.
 TEST(RoundSide, HoldsInALocalModel) {
   for (const Shape& shape :
        {Shape(Sphere{kRadius}), Shape(Capsule{kRadius, 0.02}), Shape(Cylinder{kRadius, 0.02})}) {

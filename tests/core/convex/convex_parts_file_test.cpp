@@ -1,4 +1,4 @@
-// Convex parts as bytes: they come back to the bit, and other bytes are refused.
+// Tests convex parts as bytes. Reading must restore the parts bitwise, and must refuse other bytes.
 
 #include "core/convex/convex_parts_file.hpp"
 
@@ -18,16 +18,16 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kKeyAt = 8, kOutsideAt = 40, kCountAt = 48, kFirstPartAt = 52, kDigest = 32;
 
-/// The parts of a ring, and their bytes.
+/// The parts of a ring and their bytes.
 class StoredParts : public ::testing::Test {
  protected:
-  /// "taken", or the reason for the refusal.
+  /// Returns "taken", or the reason for the refusal.
   std::string answer(std::string_view given, const DecompositionOptions& with = {}) const {
     const auto read = read_convex_parts(given, key, ring.mesh(), with);
     const auto* why = std::get_if<std::string>(&read);
     return why == nullptr ? "taken" : *why;
   }
-  /// The answer to a file that is forged with a valid checksum.
+  /// Returns the answer to a forged file with a valid checksum.
   std::string forged(std::size_t at, std::string_view put) const {
     std::string changed = bytes.substr(0, bytes.size() - kDigest);
     changed.replace(at, put.size(), put);
@@ -76,20 +76,20 @@ TEST_F(StoredParts, NoByteMayBeChangedLeftOutOrAdded) {
 TEST_F(StoredParts, OfAnotherMeshOrOtherOptionsAreNotTaken) {
   const std::string another = "is of another mesh, of other options or of another version";
   const MeshSurface larger(TriangleMesh(test::torus(0.05, 0.015 * (1 + 1e-15), 12, 6)));
-  // The default tolerance depends on the mesh. Use the same one for both here.
+  // The default tolerance depends on the mesh. Both meshes use one tolerance here.
   const DecompositionOptions same{.tolerance = 0.003};
   EXPECT_NE(parts_key(larger.mesh(), same), parts_key(ring.mesh(), same));
   for (const DecompositionOptions& options :
        {DecompositionOptions{.tolerance = 0.003}, DecompositionOptions{.most = 63}})
     EXPECT_NE(parts_key(ring.mesh(), options), key);
-  // The default tolerance, given explicitly.
+  // The explicit default tolerance must give the same key.
   EXPECT_EQ(parts_key(ring.mesh(), {.tolerance = kPartTolerance * ring.mesh().report().size}), key);
   EXPECT_EQ(answer(convex_parts_bytes(parts, parts_key(larger.mesh(), {}))), another);
   EXPECT_EQ(answer(convex_parts_bytes(parts, parts_key(ring.mesh(), {.most = 63}))), another);
 }
 
 TEST_F(StoredParts, AForgersCountsAndNumbersAreBounded) {
-  EXPECT_EQ(forged(kKeyAt, bytes.substr(kKeyAt, 1)), "taken");  // the forger's checksum is right
+  EXPECT_EQ(forged(kKeyAt, bytes.substr(kKeyAt, 1)), "taken");  // The forger's checksum is valid.
   for (const std::uint32_t count : {0u, 65u, 0xFFFFFFFFu})
     EXPECT_THAT(forged(kCountAt, little_endian(count)), HasSubstr("parts where 1 to 64"));
   const auto count = static_cast<std::uint32_t>(parts.parts.size());
@@ -102,7 +102,7 @@ TEST_F(StoredParts, AForgersCountsAndNumbersAreBounded) {
     EXPECT_THAT(forged(kOutsideAt, little_endian(outside)), HasSubstr("by more than its size"));
   for (const double x : {0.0651, -0.0651, infinity, std::nan("")})
     EXPECT_THAT(forged(kFirstPartAt + 4, little_endian(x)), HasSubstr("outside of the mesh"));
-  // All corners of the first part at one point.
+  // All corners of the first part are at one point.
   std::string flat;
   for (std::size_t i = 0; i < parts.parts[0].size(); ++i)
     for (int axis = 0; axis < 3; ++axis) flat += little_endian(0.01);

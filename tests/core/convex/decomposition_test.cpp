@@ -1,5 +1,5 @@
-// Convex decomposition: closed forms; the parts cover the mesh and reach no farther out than
-// allowed.
+// Compares convex decomposition with closed forms. The parts must cover the mesh, and must extend
+// outside by the tolerance at most.
 
 #include "core/convex/decomposition.hpp"
 
@@ -21,7 +21,7 @@ double volume_of(const ConvexParts& parts) {
   return sum;
 }
 
-/// A prism from z = 0 to `high`. `rim` is counter-clockwise, `flat` holds its triangles.
+/// A prism from z = 0 to `high`. `rim` is counter-clockwise, and `flat` holds its triangles.
 TriangleSoup prism(const std::vector<std::pair<double, double>>& rim,
                    const std::vector<Triangle>& flat, double high) {
   TriangleSoup s;
@@ -40,7 +40,7 @@ TriangleSoup prism(const std::vector<std::pair<double, double>>& rim,
   return s;
 }
 
-/// An L of three unit squares, of height one.
+/// An L of three unit squares with height one.
 TriangleSoup l_shape() {
   return prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
                {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}, 1.0);
@@ -55,13 +55,13 @@ TEST(ConvexHull, OfABoxIsTheBoxAndFlatPointsHaveNone) {
   EXPECT_TRUE(hull->contains(Vec3(0.9, 1.9, 2.9)));
   EXPECT_FALSE(hull->contains(Vec3(1.1, 0, 0)));
   EXPECT_FALSE(convex_hull(test::sheet(1.0, 3).vertices));
-  // Qhull reports a different error for these points: all share a coordinate.
+  // Qhull reports a different error for these points, because all share a coordinate.
   const std::vector<Vec3> same = {{2, 0, 0}, {2, 1, 0}, {2, 0, 1}, {2, 1, 1}, {2, 0.5, 0.3}};
   EXPECT_FALSE(convex_hull(same));
   EXPECT_FALSE(convex_hull(std::vector<Vec3>(5, Vec3::Ones())));
 }
 
-// Three cuts through a box meet in a corner that lies inside, on no triangle.
+// Three cuts through a box meet in a corner inside, on no triangle.
 TEST(ClippedSolid, HasTheCornersOfItsPlanesInTheSolid) {
   const MeshSurface box(TriangleMesh(test::box(Vec3(1, 2, 3))));
   const HalfSpaceBelow x{Vec3::UnitX(), 0.5}, y{Vec3::UnitY(), 0.25}, z{-Vec3::UnitZ(), 1.0};
@@ -84,7 +84,7 @@ TEST(Decomposition, ABoxIsOnePartAndAnLIsTwoExactly) {
   EXPECT_LE(parts.outside, 1e-6);
 }
 
-// The parts cover the whole solid, and no part reaches farther out than the tolerance.
+// The parts must cover the complete solid. No part may extend beyond the tolerance.
 TEST(Decomposition, PartsCoverARingAndLeaveItsHoleOpen) {
   const MeshSurface ring(TriangleMesh(test::torus(0.05, 0.01, 48, 16)));
   const DecompositionOptions options{.tolerance = 0.003};
@@ -96,7 +96,8 @@ TEST(Decomposition, PartsCoverARingAndLeaveItsHoleOpen) {
   std::vector<ConvexHull> hulls;
   for (const auto& part : parts.parts) {
     hulls.push_back(*convex_hull(part));
-    EXPECT_EQ(hulls.back().vertices.size(), part.size());  // convex: every point is a corner
+    // In a convex part, every point is a corner.
+    EXPECT_EQ(hulls.back().vertices.size(), part.size());
   }
   Random random(1);
   int inside = 0, covered = 0;
@@ -126,12 +127,13 @@ TEST(Decomposition, KeepsToTheNumberOfPartsAndSaysWhatThatCosts) {
     EXPECT_LE(parts.parts.size(), most);
     EXPECT_GT(parts.outside, 0.001);
   }
-  // The hull of the whole covers the middle of the hole: 0.04 from the surface of the tube.
+  // The hull of the complete ring covers the centre of the hole, at 0.04 from the surface of the
+  // tube.
   EXPECT_NEAR(convex_parts(ring, {.tolerance = 0.001, .most = 1}).outside, 0.04, 0.04 / 8);
 }
 
-// A small notch in the rim of a plate. Cuts along the plate are the most even ones, but do not
-// help.
+// A small notch in the rim of a plate. Cuts along the plate are the most balanced, but do not
+// reduce the error.
 TEST(Decomposition, AThinPlateWithANotchIsNotCutIntoThinnerOnes) {
   const TriangleSoup plate =
       prism({{0, 0}, {60, 0}, {60, 20}, {9, 60}, {9, 57}, {5, 57}, {5, 60}, {0, 60}},

@@ -1,4 +1,4 @@
-// Damping as a scalar, along the axes and as a matrix.
+// Tests damping as a scalar, along the axes and as a matrix.
 
 #include "core/device/damping.hpp"
 
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr double kPeriod = test::kModePeriod;
 
-/// Eigenvalues 1 and 3 in the plane, 5 along z.
+/// Returns a matrix with the eigenvalues 1 and 3 in the plane, and 5 along z.
 Mat3 coupled() {
   Mat3 m;
   m << 2, 1, 0, 1, 2, 0, 0, 0, 5;
@@ -75,7 +75,7 @@ TEST(Damping, WhatIsNoneIsRefusedByName) {
   skewed(0, 1) = coupled()(0, 1) + 1e-12;
   EXPECT_EQ(reason(Damping(skewed)), "accepted");
   Mat3 indefinite = coupled();
-  indefinite(0, 1) = indefinite(1, 0) = 2.5;  // 2 - 2.5
+  indefinite(0, 1) = indefinite(1, 0) = 2.5;  // The smallest eigenvalue is 2 - 2.5.
   EXPECT_THAT(reason(Damping(indefinite)), HasSubstr("smallest eigenvalue is -0.5"));
 }
 
@@ -93,7 +93,7 @@ TEST(Damping, WhereAnAxisHasNoneTheLawsThatNeedItSaySo) {
     }
   }
   c.mode = "per_axis";
-  Bounding bounding(c);  // the undamped axis gets no force
+  Bounding bounding(c);  // The axis without damping gets no force.
   const Command r = bounding
                         .step({Vec3(-1e-3, -1e-3, 0),
                                Vec3::Zero(),
@@ -111,7 +111,8 @@ TEST(Damping, PortEnergyBurnsByDirection) {
   const Vec3 weak = Vec3(1, -1, 0).normalized() * 1e-3;
   matrix.step({}, weak, Vec3::Zero(), 2 * kPeriod);
   EXPECT_NEAR(matrix.burned(), 1.0 * 1e-6 / (2 * kPeriod), 1e-15);
-  // 3 N along the weak direction for 1 mm: 3 mJ against 0.5 + 1 mJ.
+  // A force of 3 N along the weak direction for 1 mm delivers 3 mJ, but the damping dissipates 0.5
+  // + 1 mJ.
   matrix.step({3e3 * weak, Vec3::Zero(), Vec3::Zero()}, weak, Vec3::Zero(), kPeriod);
   EXPECT_NEAR(matrix.least_margin(), -1.5e-3, 1e-12);
   EXPECT_EQ(matrix.violations(), 1u);
@@ -126,7 +127,7 @@ TEST(Damping, AContactFrameGivesEachDirectionItsOwnColgateSlope) {
       const Command r =
           bounding.step({-1e-3 * u, Vec3::Zero(), kPeriod, {1e6 * u, Vec3::Zero(), Vec3::Zero()}})
               .rendered;
-      // Along n = L^-1 u: c (n.y) with y = L' dx, n.y = u.dx / |n|, and |f| = that / |n|.
+      // Along n = L^-1 u the force is c (n.y) / |n|, with y = L' dx and n.y = u.dx / |n|.
       const double slope = 2.0 / kPeriod / u.dot(d.matrix().inverse() * u);
       EXPECT_NEAR((r.force() - slope * 1e-3 * u).norm(), 0.0, 1e-9);
     }

@@ -33,7 +33,7 @@ class DeviceFile : public ::testing::Test {
     return "none";
   }
 
-  // For this process only: other tests run in parallel.
+  // Other tests run in parallel, so the name contains the process number.
   const std::filesystem::path file_ = std::filesystem::path(::testing::TempDir()) /
                                       ("feltwire_" + std::to_string(::getpid()) + "_device.json");
 };
@@ -82,7 +82,7 @@ TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
               AllOf(HasSubstr("actuation_lag: "), HasSubstr("late_ticks 0")));
 }
 
-/// If a number depends on the direction, the account counts on the smallest.
+/// If a number depends on the direction, the account uses the smallest.
 TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
   const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";
   // The eigenvalues of [[0.05, 0.01], [0.01, 0.05]] are 0.04 and 0.06.
@@ -155,7 +155,7 @@ TEST_F(DeviceFile, ACommandLineNamesADeviceOrAFile) {
   EXPECT_EQ(device_spec(file_.string()).name, "mine");
 }
 
-/// Every number of the built-in devices has a source, and assumed numbers are marked.
+/// Every number of the built-in devices must have a source. Assumed numbers must be marked.
 TEST_F(DeviceFile, BuiltInNumbersHaveSources) {
   ASSERT_EQ(sourced_builtin_devices().size(), builtin_devices().size());
   for (const SourcedSpec& described : sourced_builtin_devices()) {
@@ -179,7 +179,7 @@ TEST_F(DeviceFile, AFileSaysItsSources) {
   const std::string table = spec_table(described);
   EXPECT_THAT(table, HasSubstr("0.2, 0.3, 0.4"));
   EXPECT_THAT(table, HasSubstr("N s/m     identify, 2026-11-23"));
-  EXPECT_THAT(table, HasSubstr("no source told"));  // for the largest force
+  EXPECT_THAT(table, HasSubstr("no source told"));  // the source of the largest force
   EXPECT_THAT(error(R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],
 "sources": {"colour": "the maker"}})"),
               HasSubstr(":2: "));
@@ -196,7 +196,7 @@ TEST_F(DeviceFile, ACommandLineOverrulesNumbers) {
   EXPECT_EQ(told.spec.least_mass, 0.2);
   EXPECT_EQ(told.spec.apparent_mass, 0.2);
   EXPECT_EQ(told.sources.at("least_mass"), "--mass");
-  // It names only what is still assumed.
+  // The list must contain only the remaining assumptions.
   EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("least_friction")));
   EXPECT_THROW(requested_spec({.name_or_file = {}, .damping = -1.0, .mass = {}}, "touch"),
                DeviceSpecError);

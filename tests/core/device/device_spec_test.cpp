@@ -78,18 +78,20 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"translation_dof", [](DeviceSpec& d) { d.translation_dof = 4; }},
       {"rotation_sensed", [](DeviceSpec& d) { d.rotation_sensed = 2; }},
       {"rotation_actuated", [](DeviceSpec& d) { d.rotation_actuated = -3; }},
-      {"rotation_actuated", [](DeviceSpec& d) { d.rotation_actuated = 3; }},  // not sensed
+      // The rotation is not sensed.
+      {"rotation_actuated", [](DeviceSpec& d) { d.rotation_actuated = 3; }},
       {"damping", [&](DeviceSpec& d) { d.damping = nan; }},
       {"damping", [](DeviceSpec& d) { d.damping = -0.1; }},
       {"damping", [](DeviceSpec& d) { d.damping = 1e300; }},
       {"rotational_damping", [&](DeviceSpec& d) { d.rotational_damping = infinity; }},
       {"apparent_mass", [](DeviceSpec& d) { d.apparent_mass = -1; }},
       {"coulomb_friction", [&](DeviceSpec& d) { d.coulomb_friction = nan; }},
-      {"position_resolution", [](DeviceSpec& d) { d.position_resolution = 23; }},  // in um
+      // The value is in um instead of m.
+      {"position_resolution", [](DeviceSpec& d) { d.position_resolution = 23; }},
       {"max_force", [](DeviceSpec& d) { d.max_force = d.continuous_force = 0; }},
       {"max_force", [&](DeviceSpec& d) { d.max_force = infinity; }},
       {"continuous_force", [](DeviceSpec& d) { d.continuous_force = 2 * d.max_force; }},
-      {"max_torque", [](DeviceSpec& d) { d.max_torque = 1; }},  // not actuated
+      {"max_torque", [](DeviceSpec& d) { d.max_torque = 1; }},  // The torque is not actuated.
       {"max_torque", [](DeviceSpec& d) { d.rotation_sensed = d.rotation_actuated = 3; }},
       {"least_mass", [](DeviceSpec& d) { d.least_mass = 2 * d.apparent_mass; }},
       {"least_mass", [](DeviceSpec& d) { d.least_mass = -0.1; }},

@@ -1,4 +1,4 @@
-// Which movements between readings a hand can have made.
+// Tests which movements between readings are possible for a hand.
 
 #include "core/device/possible_movement.hpp"
 
@@ -15,7 +15,8 @@ constexpr double kPeriods[] = {1e-5, 1e-4, 2.5e-4, 1e-3, 2e-3, 0.01, 0.1};  // [
 constexpr double kJust = 1e-9;
 
 MovementBounds bounds() { return position_bounds(builtin_device("simulated")); }
-/// [m] the farthest movement of a tick, after a tick at the speed `before` [m/s] the same way.
+/// Returns the largest possible movement [m] of a tick, after a tick at the speed `before` [m/s] in
+/// this direction.
 double farthest(const MovementBounds& b, double time, double before = 0.0) {
   return std::min(b.fastest, before + b.knock + b.pull * time) * time + 2.0 * b.error;
 }
@@ -47,7 +48,7 @@ TEST(PossibleMovement, AHandThatMovesAlreadyMayGoFarther) {
 TEST(PossibleMovement, AHandMayBeStoppedAndThrownBackAtOnce) {
   for (const double T : kPeriods) {
     PossibleMovement moves(bounds());
-    for (double v = 0.0; v < 6.0; v += 0.25)  // a strong hand accelerates
+    for (double v = 0.0; v < 6.0; v += 0.25)  // A strong hand accelerates.
       ASSERT_TRUE(moves.made(Vec3(v * T, 0, 0), T)) << v;
     PossibleMovement thrown_back = moves;
     EXPECT_TRUE(thrown_back.made(Vec3(-3.0 * T, 2.0 * T, 0), T)) << T;
@@ -56,14 +57,15 @@ TEST(PossibleMovement, AHandMayBeStoppedAndThrownBackAtOnce) {
   }
 }
 
-/// A flickering encoder bit: the first steps may be a knock, later ones cannot be a hand.
+/// An encoder bit flickers. The first steps may be an impact, but later steps exceed the limits of
+/// a hand.
 TEST(PossibleMovement, AFlickerIsNoHandAfterAFewTicks) {
   const MovementBounds b = bounds();
   for (const double T : kPeriods) {
-    if (b.pull * T >= b.knock) continue;  // so slow that a hand may shake this far
+    if (b.pull * T >= b.knock) continue;  // At such a slow rate a hand may move this far.
     const double d = 0.9 * farthest(b, T);
     PossibleMovement moves(b);
-    double earned = 0.0;  // [J] at 0.5 N s/m
+    double earned = 0.0;  // [J] dissipated energy at 0.5 N s/m
     int n = 0;
     for (; n < 20 && moves.made(Vec3(n % 2 == 0 ? d : -d, 0, 0), T); ++n) earned += 0.5 * d * d / T;
     EXPECT_LE(n, 6) << T;
@@ -85,8 +87,8 @@ TEST(PossibleMovement, NumbersThatAreNoneAreNoMovement) {
     EXPECT_FALSE(PossibleMovement(bounds()).made(Vec3(0, bad, 0), 1e-3));
 }
 
-/// Hands that shake, strike, stop and come late, with the encoder's quanta: no movement is a jump.
-/// 5 m/s and 250 m/s^2 are more than a person does at a desk.
+/// Hands shake, strike, stop and arrive late, with encoder steps. No movement may count as a jump.
+/// 5 m/s and 250 m/s^2 exceed human movements at a desk.
 TEST(PossibleMovement, FastHonestHandsAreNoJump) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(0.0, 1.0);
@@ -99,7 +101,7 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
       const double w = peak / amplitude;
       double t = 0.0;
       const auto place = [&](double at) {
-        // A stop throws the hand back as fast as it came.
+        // A stop reverses the speed of the hand.
         const double swing = amplitude * std::cos(w * at) + 0.5 * amplitude;
         const double z = meets_a_stop ? std::abs(swing) : swing;
         const double y = 0.5 * amplitude * std::sin(0.7 * w * at);
@@ -107,7 +109,7 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
       };
       Vec3 before = place(0.0);
       for (int n = 0; n < 20000; ++n) {
-        // Some ticks come late, even by several periods.
+        // Some ticks are late, even by several periods.
         const double elapsed = any(random) < 0.02 ? T * (1.0 + 8.0 * any(random)) : T;
         t += elapsed;
         const Vec3 now = place(t);
@@ -118,7 +120,8 @@ TEST(PossibleMovement, FastHonestHandsAreNoJump) {
   }
 }
 
-/// In a scene that maps the device, ten times the movement is still the same hand.
+/// If a scene scales the device's movement by ten, a movement ten times as large belongs to an
+/// equal hand movement.
 TEST(PossibleMovement, TheLimitIsThatOfTheHandleNotOfTheScene) {
   DeviceSpec spec = builtin_device("simulated");
   const MovementBounds plain = position_bounds(spec);

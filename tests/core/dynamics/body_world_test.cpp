@@ -1,4 +1,4 @@
-// A body in the hand against moving objects.
+// Tests a tool with a body against moving objects.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,8 @@ Scene floating_ball() {
                                 {test::body("ball", kMass)}, test::kWeightless));
 }
 
-/// A hand with a body: each step touches, pushes and runs a tick.
+/// A hand with a body as its tool. Each step computes the contact, pushes the objects and runs a
+/// tick.
 struct Holder {
   explicit Holder(World& in) : world(in), contacts(in.contact_state()) {}
   Command touch(const Pose& hand) {
@@ -40,8 +41,8 @@ struct Holder {
   BodyContactState contacts;
 };
 
-// Newton's third law to rounding: the ball gets the opposite of the hands' forces, and of their
-// moment about the origin.
+// Newton's third law, up to rounding. The ball gets the opposite of the hands' forces and of their
+// moments about the origin.
 TEST(BodyWorld, TakesTheMomentumThatTheHandsAreRefused) {
   const Scene scene = floating_ball();
   World world(scene);
@@ -89,8 +90,8 @@ TEST(BodyWorld, ItPushesABallAlongAndItsSpeedIsTheHands) {
   EXPECT_LT(world.objects()[0].pose.position.x(), hand.memory.pose.position.x() - 0.05);
 }
 
-// Friction alone, without a normal push, draws a block along. The block swings on the coupling
-// about the hand's speed, by no more than the initial jerk.
+// Friction alone, without a normal push, must drag a block. The block oscillates on the coupling
+// about the hand's speed. The initial jerk limits the amplitude.
 TEST(BodyWorld, FrictionDrawsABlockAlongASlide) {
   Body block = test::body("block", kMass);
   block.joint = Joint::slide;
@@ -110,7 +111,7 @@ TEST(BodyWorld, FrictionDrawsABlockAlongASlide) {
     hand.push();
     ASSERT_TRUE(world.step());
   }
-  const double swing = kSpeed * std::sqrt(kMass / ToolCoupling{}.stiffness);  // [m]
+  const double swing = kSpeed * std::sqrt(kMass / ToolCoupling{}.stiffness);  // [m] amplitude
   EXPECT_NEAR(world.objects()[0].pose.position.x(), kSpeed * 1.3, 1.2 * swing);
   EXPECT_NEAR(largest, ToolCoupling{}.stiffness * swing, 0.2 * ToolCoupling{}.stiffness * swing);
 }
@@ -122,7 +123,7 @@ TEST(BodyWorld, AHandThatIsSilentStandsAndNothingAllocates) {
   const std::size_t before = test::allocations();
   hand.touch({Vec3(0.059, 0, 0), Quaternion::Identity()});
   for (int n = 0; n < 500; ++n) {
-    hand.push();  // no sample: the hand stays, the ball is where it is now
+    hand.push();  // Without a sample the hand stays, and the ball has its present position.
     ASSERT_TRUE(world.step());
   }
 #ifndef FELTWIRE_SANITIZED
@@ -130,7 +131,7 @@ TEST(BodyWorld, AHandThatIsSilentStandsAndNothingAllocates) {
 #else
   static_cast<void>(before);
 #endif
-  // The pressed-in spring pushes the ball off; then the hand leaves it alone.
+  // The compressed spring pushes the ball away. The hand must then have no contact.
   EXPECT_LT(world.objects()[0].pose.position.x(), -1e-3);
   EXPECT_EQ(hand.contacts.forces[0], Vec3::Zero());
 }

@@ -1,4 +1,4 @@
-// A tool with mass among moving bodies, and in a static scene.
+// Tests a tool with mass among moving bodies, and in a static scene.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ struct Holder {
   BodyContactState contacts;
 };
 
-// A tool thrown at a ball: the sum of all momenta stays, through impact and friction.
+// The tool hits a ball. The total momentum must stay constant through impact and friction.
 TEST(MassiveWorld, AnImpactKeepsTheMomentum) {
   const Scene scene = floating_ball({}, {.stiffness = 200.0});
   World world(scene);
@@ -57,14 +57,14 @@ TEST(MassiveWorld, AnImpactKeepsTheMomentum) {
     met += static_cast<double>(hand.memory.contact.touching);
     ASSERT_TRUE(world.step());
     const Vec3 all = world.momentum() + kMass * hand.memory.velocity.linear + given;
-    // The tolerance covers forces scaled down so that no energy is made.
+    // The tolerance covers forces that the world scales down to stay passive.
     ASSERT_NEAR((all - Vec3(-0.5 * kMass, 0.0, 0.0)).norm(), 0.0, 2e-3 * 0.5 * kMass) << n;
   }
   EXPECT_GT(met, 10.0);
   EXPECT_LT(world.momentum().x(), -0.02) << "the ball was pushed";
 }
 
-// The tool has the world's gravity, and the hand feels a change of it.
+// Gravity acts on the tool. The hand must feel a change of gravity.
 TEST(MassiveWorld, WeighsByTheGravityOfTheWorld) {
   const Scene scene = floating_ball({.gravity = Vec3(0.0, 0.0, -100.0), .damping = 20.0});
   World world(scene);
@@ -84,7 +84,7 @@ TEST(MassiveWorld, WeighsByTheGravityOfTheWorld) {
   EXPECT_NEAR((felt.force() - Vec3(0.0, 0.0, -kMass * 9.81)).norm(), 0.0, 1e-5);
 }
 
-// Ticks without a sample move the tool on; the next sample must not count this time twice.
+// Ticks without a sample also move the tool. The next sample must not count their time again.
 TEST(MassiveWorld, LosesNoTimeAndGainsNoneWithLostSamples) {
   const Scene scene = floating_ball({}, {.stiffness = 100.0});
   const auto swings = [&](int every) {
@@ -99,7 +99,7 @@ TEST(MassiveWorld, LosesNoTimeAndGainsNoneWithLostSamples) {
     }
     return hand.memory.pose.position.x();
   };
-  // In phase with a tool that got each sample.
+  // The tool must be in phase with a tool that got each sample.
   EXPECT_NEAR(swings(4), swings(1), 0.02 * 0.2 * std::sqrt(kMass / 100.0));
   EXPECT_GT(std::abs(swings(1)), 0.3 * 0.2 * std::sqrt(kMass / 100.0));
 }
@@ -119,7 +119,8 @@ TEST(MassiveWorld, AResetAndALeapPutTheToolToTheHandAtRest) {
   EXPECT_LT((hand.memory.pose.position - far.position).norm(), 1e-12);
 }
 
-// A client would render a local model without the tool's mass, so it gets the server's force.
+// A client would render a local model without the tool's mass. The server must therefore compute
+// the force.
 TEST(MassiveWorld, HasNoLocalModel) {
   Scene scene("s", {test::object(Plane{})}, {}, {});
   const Pose down{Vec3(0.0, 0.0, 0.0095), Quaternion::Identity()};
@@ -134,7 +135,7 @@ TEST(MassiveWorld, HasNoLocalModel) {
   }
 }
 
-// A static scene, through ToolView.
+// ToolView renders the same tool in a static scene.
 TEST(MassiveWorld, InASceneInWhichNothingMoves) {
   Object plane = test::object(Plane{});
   plane.material.damping = 5.0;
@@ -144,7 +145,7 @@ TEST(MassiveWorld, InASceneInWhichNothingMoves) {
   Command felt;
   for (int n = 0; n < 2000; ++n) felt = scene.touch(kAbove, Vec3::Zero(), kTick, memory);
   EXPECT_NEAR((felt.force() - Vec3(0.0, 0.0, -kMass * 9.81)).norm(), 0.0, 1e-6);
-  // Put down: the table carries the tool, and the hand feels no weight.
+  // The table now carries the tool, so the hand must feel no weight.
   const Pose down{Vec3(0.0, 0.0, 0.01 - kMass * 9.81 / 1000.0), Quaternion::Identity()};
   for (int n = 0; n < 3000; ++n) felt = scene.touch(down, Vec3::Zero(), kTick, memory);
   EXPECT_LT(felt.force().norm(), 0.1 * kMass * 9.81);

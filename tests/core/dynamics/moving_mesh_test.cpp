@@ -1,4 +1,4 @@
-// Moving meshes: their mass, what a hand feels of them, and what they run into.
+// Tests moving meshes: their mass, their contact with a hand, and their collisions.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ void expect_same(const MassProperties& a, const MassProperties& b, double relati
   EXPECT_LE((a.inertia - b.inertia).norm(), relative * b.inertia.norm());
 }
 
-// The integral over a polyhedron is exact for a box, however it is cut and wherever it is.
+// The integral over a polyhedron must be exact for a box in any tessellation and pose.
 TEST(MassProperties, OfATessellatedBoxIsTheBoxs) {
   Random random(1);
   for (int run = 0; run < 20; ++run) {
@@ -87,7 +87,8 @@ Scene one_body(const Shape& shape, const Material& material = {},
       {0, -1}, {body("thing", 0.3, at)}, options);
 }
 
-// Given a spin, the mesh turns like the box: MuJoCo gets equal mass, centre and inertia.
+// After a spin, the mesh must move like the box. MuJoCo therefore gets equal mass, centre and
+// inertia.
 TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   const Vec3 half(0.05, 0.03, 0.02);
   const Material slick{.stiffness = 1000};
@@ -98,12 +99,12 @@ TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   Hand left(a), right(b);
   double felt = 0.0;
   for (int n = 0; n < 1500; ++n) {
-    // A hand pushes it beside its middle and lets go.
+    // A hand pushes beside the centre of mass and leaves.
     const Vec3 place = n < 150 ? Vec3(0.04, -0.01, 0.0199 - 1e-5 * n) : Vec3(0.0, 0.0, 1.0);
     const Vec3 force = left.step(place).force();
     EXPECT_LE((right.step(place).force() - force).norm(), 1e-9);
     felt += force.norm();
-    // MuJoCo stores a mesh in its axes of inertia, which it finds by iteration.
+    // MuJoCo stores a mesh in its principal axes, and finds them by iteration.
     EXPECT_LE((b.objects()[1].pose.position - a.objects()[1].pose.position).norm(), 1e-8);
     EXPECT_LE(b.objects()[1].pose.orientation.angularDistance(a.objects()[1].pose.orientation),
               1e-7);
@@ -113,7 +114,7 @@ TEST(MovingMesh, MovesAsTheBoxThatItIs) {
   EXPECT_GT(a.objects()[1].pose.orientation.angularDistance(Quaternion::Identity()), 0.5);
 }
 
-// Dropped on a floor the mesh comes to rest like the box, by its hull.
+// The mesh falls on a floor. Its hull must come to rest like the box.
 TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   const Vec3 half(0.05, 0.03, 0.02);
   const Scene analytic = one_body(Box{half}), cut = one_body(mesh(test::box(half, 2)));
@@ -125,7 +126,7 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   EXPECT_NEAR(b.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
   EXPECT_LE((b.objects()[1].pose.position - a.objects()[1].pose.position).norm(), 2e-4);
   EXPECT_LE(b.objects()[1].pose.orientation.angularDistance(a.objects()[1].pose.orientation), 2e-3);
-  // A static closed mesh carries a box too.
+  // A static closed mesh must carry a box too.
   const Scene on_mesh = moving(
       {object("table", mesh(test::moved(test::box(Vec3(0.2, 0.2, 0.05), 2), Vec3(0, 0, -0.15)))),
        object("thing", Box{half})},
@@ -135,11 +136,11 @@ TEST(MovingMesh, RestsOnTheFloorByItsHull) {
   EXPECT_NEAR(c.objects()[1].pose.position.z(), half.z() - 0.1, 2e-4);
 }
 
-// A shape without a MuJoCo geom rests on the geoms that replace it.
+// A shape without a MuJoCo geom must rest on the geoms that replace it.
 TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
   const struct {
     Shape shape;
-    double low;  // [m] of the shape under its origin
+    double low;  // [m] distance from the shape's origin down to its lowest point
   } cases[] = {{Cone{0.04, 0.03}, 0.03}, {Torus{0.05, 0.015}, 0.015}};
   for (const auto& c : cases) {
     const Scene scene = one_body(c.shape);
@@ -151,7 +152,8 @@ TEST(MovingMesh, ConesAndRingsLieOnTheFloor) {
   }
 }
 
-// Newton's third law to rounding, without tunnelling: two hands stroke and press a tumbling ring.
+// Newton's third law, up to rounding and without tunnelling. Two hands stroke and press a tumbling
+// ring.
 TEST(MovingMesh, TakesTheMomentumThatTheHandsAreRefused) {
   const Material grippy{
       .stiffness = 1000, .damping = 1.0, .static_friction = 0.8, .dynamic_friction = 0.6};
@@ -167,7 +169,7 @@ TEST(MovingMesh, TakesTheMomentumThatTheHandsAreRefused) {
   for (int n = 0; n < 2000; ++n) {
     const Pose& ring = world.objects()[0].pose;
     const double t = kDefaultTick * n;
-    // In the ring's frame: over the outside of the tube and through the hole.
+    // Positions in the ring's frame: on the outside of the tube and in the hole.
     const std::array<Vec3, 2> own = {
         Vec3(0.0695 + 1e-3 * std::sin(40 * t), 0.004 * std::sin(17 * t), 0.002),
         Vec3(-0.031 + 2e-3 * std::sin(31 * t), 0.003 * std::sin(11 * t), 0.001)};
@@ -185,7 +187,7 @@ TEST(MovingMesh, TakesTheMomentumThatTheHandsAreRefused) {
   EXPECT_NEAR((world.momentum() + given).norm(), 0.0, 1e-12 * pushed);
 }
 
-// A mesh that flies at 10 m/s at a resting hand does not pass it.
+// A mesh that flies at 10 m/s towards a resting hand must not pass it.
 TEST(MovingMesh, ComesToTheHandAndIsFelt) {
   const Scene scene =
       moving({object("plate", mesh(test::box(Vec3(0.05, 0.05, 1e-3))), {.stiffness = 500})}, {0},
@@ -220,7 +222,7 @@ TEST(MovingMesh, IsRefusedWithoutAVolume) {
   EXPECT_EQ(error(test::icosphere(0.05, 1)), "no error");
 }
 
-// The patches move with the mesh.
+// The patches must move with the mesh.
 TEST(MovingMesh, IsInTheLocalModelWithItsVelocity) {
   const Scene scene = moving({object("ball", mesh(test::icosphere(0.05, 4)), {.stiffness = 1000})},
                              {0}, {body("ball", 0.3)}, {.gravity = Vec3(0, 0, -1.0)});

@@ -1,5 +1,5 @@
-// A simulation has room for its usual need, takes more when that is too little, and gives the same
-// results either way.
+// A simulation allocates its usual memory and grows on demand. Its results must not depend on the
+// growth.
 
 #include "core/dynamics/mujoco_buffers.hpp"
 
@@ -25,7 +25,7 @@ using mujoco::Simulation;
 
 constexpr double kHalf = 0.02;  // [m]
 
-/// Boxes: the first one a millimetre above a table, the others at `height` [m].
+/// Returns boxes. The first is a millimetre above a table, and the others are at `height` [m].
 std::string boxes(int count, const std::string& size, double height) {
   std::string xml = "<mujoco>" + size +
                     "<option timestep='0.001' cone='elliptic' noslip_iterations='5'/><worldbody>"
@@ -72,8 +72,8 @@ TEST(MujocoRoom, FewBodiesTakeLittle) {
   }
 }
 
-// Fifty boxes on a table have two hundred contacts; MuJoCo's default room holds a hundred. The
-// other boxes would fall through.
+// Fifty boxes on a table have two hundred contacts, but MuJoCo's default memory holds a hundred.
+// Without growth the other boxes would fall through the table.
 TEST(MujocoRoom, NoneFallsThroughForWantOfRoom) {
   std::vector<Object> objects{test::object("table", Plane{})};
   std::vector<Body> bodies;
@@ -93,7 +93,8 @@ TEST(MujocoRoom, NoneFallsThroughForWantOfRoom) {
   EXPECT_EQ(world.counters().warnings, 0u);
 }
 
-// Room for contacts and stack, taken on the way or beforehand: the same bits.
+// A simulation that grows must give the same bits as a simulation with enough memory from the
+// start.
 TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
   const auto small = model_of(100);
   const auto large = model_of(100, "<size nconmax='1000' njmax='3500' nstack='30000000'/>");
@@ -110,14 +111,14 @@ TEST(MujocoRoom, WhoGrowsGoesOnAsIfItHadHadTheRoom) {
   EXPECT_NEAR(lowest(a), kHalf, 1e-3);
 }
 
-// The only exception to "nothing in a tick allocates" (docs/moving.md): a tick with more contacts
-// than any tick before takes more room from the heap. All other ticks take none.
+// A tick must not allocate, with one exception (docs/moving.md): a tick with more contacts than all
+// ticks before may grow the memory.
 TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer brings its own malloc";
 #endif
   const std::size_t counting = test::allocations();
-  mju_free(mju_malloc(8));  // the counter counts MuJoCo's memory too
+  mju_free(mju_malloc(8));  // The counter must include MuJoCo's memory.
   EXPECT_EQ(test::allocations(), counting + 2);
 
   const auto model = model_of(100);
@@ -139,8 +140,8 @@ TEST(MujocoRoom, OnlyATickThatGrowsAllocates) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// A thread's first sort allocates its room only, and registers nothing that frees the room: glibc
-/// ends the program if it has no memory for such a registration.
+/// A thread's first sort must allocate only its memory, without a registered destructor. glibc ends
+/// the program if no memory is left for such a registration.
 TEST(MujocoSort, AThreadTakesMemoryOnceAndForItsRoomOnly) {
   std::array<std::size_t, 2> taken{};
   std::vector<int> numbers(1000);
@@ -164,7 +165,8 @@ TEST(MujocoSort, AThreadTakesMemoryOnceAndForItsRoomOnly) {
 }
 #endif
 
-// A single box lands, a hundred are in the air: Newton's matrices find the stack too small.
+// A single box lands, and a hundred are in the air. The stack is then too small for Newton's
+// matrices.
 TEST(MujocoRoom, AStackThatTheSolverFindsTooSmallGrows) {
   const auto small = model_of(100, {}, 5.0);
   const auto large = model_of(100, "<size nconmax='300' njmax='900' nstack='5000000'/>", 5.0);
@@ -184,10 +186,11 @@ TEST(MujocoRoom, WhatAFileSaysStays) {
   EXPECT_EQ(simulation.room().rows, 40);
   EXPECT_EQ(simulation.room().stack, 200000);
   EXPECT_GT(simulation.data()->warning[mjWARN_CONTACTFULL].number, 0);
-  EXPECT_LT(lowest(coordinates), 0.0);  // the file wants it so
+  EXPECT_LT(lowest(coordinates), 0.0);  // A setting in the file causes this value.
 }
 
-// At the memory limit the simulation drops contacts, warns and goes on; the stack still fits.
+// At the memory limit, the simulation must drop contacts, warn and continue. The stack must still
+// fit.
 TEST(MujocoRoom, AtTheMostItIsFull) {
   const auto model = model_of(100);
   Simulation simulation(*model, 0.5 * bytes(*model, first_room(*model)));

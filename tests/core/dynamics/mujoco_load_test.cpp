@@ -1,4 +1,4 @@
-// If a bad file makes MuJoCo's loader fail, only the process that reads the file fails.
+// A bad file may crash MuJoCo's loader. Only the process that reads the file may fail.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string kGood = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>";
-// The product of rows and columns overflows: MuJoCo 2.2 fails while it holds its loader's lock.
+// The product of rows and columns overflows. MuJoCo 2.2 then fails while it holds the lock of its
+// loader.
 const std::string kNoMemory =
     "<mujoco><asset><hfield name='h' nrow='65535' ncol='65535' size='1 1 1 1'/></asset></mujoco>";
 // MuJoCo 2.2 reads beyond the vertices of this mesh.
@@ -47,7 +48,7 @@ TEST(MujocoLoad, AfterAnErrorTheNextFileIsRead) {
   for (int n = 0; n < 3; ++n) {
     const std::string wrong = load_text(kNoMemory).error;
     EXPECT_NE(wrong, "");
-#ifndef FELTWIRE_SANITIZED  // sanitizers end the program before MuJoCo says why
+#ifndef FELTWIRE_SANITIZED  // Sanitizers end the program before MuJoCo reports the reason.
     EXPECT_THAT(wrong, HasSubstr("Could not allocate memory"));
 #endif
     const mujoco::Loaded good = load_text(kGood);
@@ -59,7 +60,7 @@ TEST(MujocoLoad, AfterAnErrorTheNextFileIsRead) {
 TEST(MujocoLoad, AFileThatCrashesTheLoaderIsAnError) {
   const mujoco::Loaded crashed = load_text(kCrash);
   EXPECT_EQ(crashed.model, nullptr);
-#ifndef FELTWIRE_SANITIZED  // sanitizers handle the signal themselves
+#ifndef FELTWIRE_SANITIZED  // Sanitizers handle the signal themselves.
   EXPECT_THAT(crashed.error, HasSubstr("crashed on it (signal 11)"));
 #endif
 }
@@ -88,7 +89,7 @@ TEST(MujocoLoad, ManyThreadsLoadAtOnce) {
   EXPECT_THAT(errors, ::testing::Each(std::string()));
 }
 
-/// A model that loads as slowly as 10000 bodies: some minutes.
+/// Returns a model that takes minutes to load, with 10000 bodies.
 std::string slow_model() {
   std::string text = "<mujoco><size nconmax='16' njmax='48' nstack='200000000'/><worldbody>";
   for (int i = 0; i < 10000; ++i)
@@ -97,11 +98,11 @@ std::string slow_model() {
   return text + "</worldbody></mujoco>";
 }
 
-/// The child processes that this process has not yet waited for.
+/// Returns the child processes that this process has not yet waited for.
 std::vector<pid_t> children() {
   std::vector<pid_t> all;
   for (const auto& process : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream status(process.path() / "stat");  // "12 (name) S 3 ...": 3 is the parent
+    std::ifstream status(process.path() / "stat");  // In "12 (name) S 3 ...", 3 is the parent.
     std::string text;
     std::getline(status, text);
     const std::size_t name_ends = text.rfind(')');
@@ -134,7 +135,8 @@ TEST(MujocoLoad, ALoadThatIsCancelledEndsItsProcess) {
     loading.join();
     EXPECT_TRUE(cancelled) << at_once;
     EXPECT_THAT(children(), ::testing::IsEmpty());
-    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);  // the child was waited for too
+    // The load must already have waited for the child.
+    EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
     EXPECT_EQ(errno, ECHILD);
   }
 }
@@ -147,7 +149,7 @@ TEST(MujocoLoad, ALoadThatIsNotCancelledIsTheSame) {
   EXPECT_NE(load_text("no XML").error, "");
 }
 
-/// Scenes in a folder, and files outside that the scenes name by links.
+/// Creates scenes in a folder, and files outside that the scenes name by links.
 class ShownErrors : public ::testing::Test {
  protected:
   ShownErrors()
@@ -237,7 +239,8 @@ TEST_F(ShownErrors, NorThoseThatMuJoCoQuotesOfAnIncludedFile) {
   }
 }
 
-/// The loader never waits for a pipe or reads an endless file, whichever element names it.
+/// The loader must not wait for a pipe or read an endless file. The test names such files in each
+/// kind of element.
 TEST_F(ShownErrors, FilesThatAreNoRegularOnesAreRefused) {
   for (const char* name : {"pipe.xml", "pipe.stl", "pipe.png", "pipe.bin"})
     ASSERT_EQ(mkfifo((root_ / "scenes" / name).c_str(), 0600), 0);
@@ -275,7 +278,7 @@ TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
   EXPECT_THAT(error_of_mjcf("none.xml"), HasSubstr("none.xml: cannot be opened"));
 }
 
-/// A URI is a name like others: a missing file is reported as missing, not as outside.
+/// The error must call a missing file of a URI missing, instead of outside the folder.
 TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
   for (const std::string uri : {"package://pkg/meshes/none.stl", "file:///nowhere/none.stl"}) {
     write("scenes/r.urdf", "<robot name='r'><link name='l'><collision><geometry><mesh filename='" +
@@ -283,7 +286,7 @@ TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
     EXPECT_THAT(error_of_mjcf("r.urdf"),
                 HasSubstr("it names '" + uri + "', which does not exist; correct the name"));
   }
-  // This holds also when the scene is named from its own folder.
+  // A relative path of the scene file must give an equal error.
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(root_ / "scenes");
   std::string message;
@@ -299,7 +302,8 @@ TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
 constexpr const char* kTriangles =
     "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
-/// MuJoCo looks for the file without its folder; its own message does not say so.
+/// MuJoCo looks for the file without its folder, but its message omits this fact. The loader must
+/// explain the fact.
 TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
   std::filesystem::create_directories(root_ / "scenes" / "meshes");
   write("scenes/meshes/part.obj", kTriangles);
@@ -320,7 +324,7 @@ TEST_F(ShownErrors, AFolderThatMuJoCoDropsIsExplained) {
   EXPECT_THAT(error_of_mjcf("m.xml"), HasSubstr("dropped the folder of 'meshes/part.obj'"));
 }
 
-/// MuJoCo silently uses the hull of an open mesh.
+/// MuJoCo uses the hull of an open mesh without a warning. The loader must warn.
 TEST_F(ShownErrors, AnOpenMeshOfAModelIsWarnedOf) {
   const auto warnings = [&](const std::string& faces) {
     write("scenes/part.obj", "v 0 0 0\nv .03 0 0\nv 0 .03 0\nv 0 0 .03\n" + faces);
@@ -346,7 +350,7 @@ TEST_F(ShownErrors, FeltwiresOwnReasonsAreShownWhateverTheModelNames) {
   EXPECT_THAT(error_of_mjcf("a/egg.xml"),
               AllOf(HasSubstr("geom 'egg' of body 'world': only plane, sphere"),
                     Not(HasSubstr("not shown"))));
-  // Names in a text outside the folder are not shown.
+  // The message must not show names from a text outside the folder.
   write("secret/topsecret.xml",
         "<mujoco><worldbody><geom name='topsecret' type='ellipsoid' size='1 1 2'/></worldbody>"
         "</mujoco>");
@@ -407,12 +411,12 @@ TEST_F(ShownErrors, AWordOfANewerMuJoCoIsNamedWithTheVersion) {
               Not(HasSubstr(version)));
 }
 
-/// A URDF file whose meshes lie in folders.
+/// Tests a URDF file with meshes in folders.
 TEST_F(ShownErrors, MeshesOfAUrdfFileAreFoundInTheirFolders) {
   std::filesystem::create_directories(root_ / "scenes" / "urdf");
   std::filesystem::create_directories(root_ / "scenes" / "meshes" / "visual");
   std::filesystem::create_directories(root_ / "scenes" / "urdf" / "own");
-  // Binary STL: a tetrahedron.
+  // A tetrahedron as binary STL.
   std::string stl(80, 'x');
   const auto put = [&](auto value) {
     stl.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -441,12 +445,12 @@ TEST_F(ShownErrors, MeshesOfAUrdfFileAreFoundInTheirFolders) {
       EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error") << name << more;
     }
   }
-  // A meshdir in the file's own compiler element stays in force.
+  // A meshdir in the file's own compiler element must stay valid.
   write("scenes/urdf/r.urdf", urdf("x/y/part.stl", "<mujoco><compiler meshdir='own'/></mujoco>"));
   EXPECT_EQ(error_of_mjcf("urdf/r.urdf"), "no error");
   write("scenes/urdf/r.urdf", urdf("own/none.stl"));
   EXPECT_THAT(error_of_mjcf("urdf/r.urdf"), HasSubstr("own/none.stl"));
-  // Recordings keep the meshes too.
+  // Recordings must keep the meshes too.
   write("scenes/urdf/r.urdf", urdf("../meshes/part.stl"));
   write("scenes/s.json", R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
                              "mjcf": {"file": "urdf/r.urdf", "material": "m"}})");

@@ -1,5 +1,5 @@
-// A hand asks only the moving objects near it. The result equals, to the bit, that of asking all
-// objects always, and no object passes a hand, however fast they meet.
+// The neighbour search computes contact only with moving objects near the hand. The result must
+// equal a search of all objects bitwise. No object may pass a hand at any speed.
 
 #include "core/dynamics/neighbour_list.hpp"
 
@@ -25,7 +25,7 @@ using test::object;
 TEST(NeighbourSearch, AListHoldsUntilToolAndObjectsHaveComeAsFarAsItsMargin) {
   const std::vector<Object> two = {object("a", Sphere{0.02}, {}, {0, 0, 0}),
                                    object("b", Sphere{0.02}, {}, {1, 0, 0})};
-  NeighbourSearch reach(two, 0.01);  // each reaches 30 mm; the margin is 30 mm too
+  NeighbourSearch reach(two, 0.01);  // Each object extends 30 mm. The margin is 30 mm too.
   NeighbourList near;
   EXPECT_FALSE(near.known());
   EXPECT_FALSE(reach.holds(near, Vec3::Zero()));
@@ -38,7 +38,7 @@ TEST(NeighbourSearch, AListHoldsUntilToolAndObjectsHaveComeAsFarAsItsMargin) {
   EXPECT_TRUE(near.known());
   EXPECT_TRUE(reach.holds(near, start + Vec3(0, 0.0299, 0)));
   EXPECT_FALSE(reach.holds(near, start + Vec3(0, 0.0301, 0)));
-  // Each step counts the movement of the object that moves farthest.
+  // Each step counts the largest movement of all objects.
   const auto moved = [&](double first, double second) {
     reach.place(0, {Vec3(first, 0, 0), Quaternion::Identity()});
     reach.place(1, {Vec3(1, second, 0), Quaternion::Identity()});
@@ -75,20 +75,21 @@ TEST(NeighbourSearch, TheBallIsAboutTheMiddleHoweverTheObjectIsTurned) {
   EXPECT_TRUE(reach.is_outside(0, Vec3(0, 0.5, 1) + 1.01 * half));
 }
 
-/// Swings from its place, 0, to 2 `rest` and back; its speed in the middle is `rest` times `turn`.
+/// Returns a body that oscillates between its position 0 and 2 `rest`. The speed in the middle is
+/// `rest` times `turn`.
 Body swinging(const char* name, Joint joint, const Vec3& axis, double rest, double turn,
               const Vec3& position) {
   Body b = body(name, 1.0, position);
   b.joint = joint;
   b.axis = axis;
   b.rest = rest;
-  b.stiffness = turn * turn;  // for 1 kg
+  b.stiffness = turn * turn;  // for a mass of 1 kg
   b.collides = false;
   return b;
 }
 
-/// Thin plates that fly to and fro at up to 10 m/s, swinging doors, a ring, and a box that is not a
-/// mesh. All are so soft that they hardly feel the hands.
+/// Thin plates that fly to and fro at up to 10 m/s, swinging doors, a ring, and a box without a
+/// mesh. All objects are so soft that the hands hardly move them.
 Scene crowd(double radius) {
   const Material soft{.stiffness = 1.0},
       rough{.stiffness = 2.0, .damping = 1e-3, .static_friction = 0.6, .dynamic_friction = 0.4};
@@ -113,7 +114,7 @@ Scene crowd(double radius) {
   return moving(objects, {0, 1, 2, 3, 4, 5, 6}, bodies, kWeightless);
 }
 
-/// Asks every object at every sample, and at every tick without a sample.
+/// Computes contact with every object at every sample, and at every tick without a sample.
 struct Asker {
   explicit Asker(World& in) : world(in), memory(in.objects().size()) {}
   Command ask(const Tool& tool) {
@@ -130,8 +131,8 @@ struct Asker {
   std::vector<ContactMemory> memory;
 };
 
-/// Passes through the objects one after the other, in their frames, at up to 10 m/s. If it may
-/// jump, it reaches the next object at once.
+/// Passes through the objects in turn, in their frames, at up to 10 m/s. With `jumps` it reaches
+/// the next object at once.
 class Wanderer {
  public:
   Wanderer(const World& world, std::uint64_t seed, bool jumps)
@@ -165,7 +166,8 @@ class Wanderer {
 TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
   std::size_t felt = 0, began = 0, asked = 0, samples = 0;
   for (const std::uint64_t seed : test::seeds(1, 8, 2)) {
-    // A ball's proxy takes short steps: after a jump it goes on for samples only if it was asked.
+    // A ball's proxy takes small steps. After a jump the proxy needs some samples, but only if the
+    // search included the object.
     const bool jumps = seed % 2 == 0;
     const Scene scene = crowd(jumps ? 0.0 : 1e-3);
     World world(scene);
@@ -188,7 +190,7 @@ TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
       ++samples;
       world.push(hand.contacts, hand.memory, 1.0);
       ASSERT_TRUE(world.step());
-      const int silent = n % 40 == 0 ? 3 : 0;  // ticks without a sample from the hand
+      const int silent = n % 40 == 0 ? 3 : 0;  // ticks without a sample of the hand
       for (int i = 0; i < silent; ++i) {
         world.push(hand.contacts, hand.memory, 1.0);
         asker.ask({place, Vec3::Zero()});
@@ -203,14 +205,14 @@ TEST(NeighbourSearch, TheSameBitsAsAskingAllAlways) {
   }
   EXPECT_GT(felt, samples / 20);
   EXPECT_GT(began, test::rounds(50u));
-  EXPECT_LT(asked, 4 * samples);  // of seven objects
+  EXPECT_LT(asked, 4 * samples);  // The search must skip most of the seven objects.
 }
 
-// A plate of 1 mm comes at 10 m/s from far away; the hand stands, flees or comes towards it. The
-// plate takes the hand along and never lets it through.
+// A plate of 1 mm comes at 10 m/s from far away. The hand rests, escapes or approaches. The plate
+// must move the hand along and must never pass it.
 TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
   for (const double speed : {0.0, 2.0, -10.0})
-    for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] its edge is at 0.05
+    for (const double beside : {0.0, 0.03, 0.0495}) {  // [m] The plate ends at 0.05.
       const Vec3 begin(0, 0, -0.5);
       const Scene scene = moving(
           {mesh("plate", test::box(Vec3(0.05, 0.05, 5e-4), 3), {}, {.stiffness = 1.0}, begin)}, {0},
@@ -222,7 +224,7 @@ TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
         const Vec3 place(beside, 0.7 * beside, std::max(-0.3, 0.05 + speed * kDefaultTick * n));
         const double above = place.z() - world.objects()[0].pose.position.z();
         const double force = hand.step(place).elastic.z();
-        // The force for the depth below the plate's upper face.
+        // The force must match the depth below the upper face of the plate.
         EXPECT_NEAR(force, std::max(0.0, 5e-4 - above), 1e-9) << speed << " " << n;
         felt += force > 0.0 ? 1 : 0;
       }
@@ -230,8 +232,8 @@ TEST(NeighbourSearch, AThinPlateNeverPassesAHand) {
     }
 }
 
-// A hand jumps at a plate from far beside it while the plate comes up: for the plate, the hand
-// comes from above.
+// A hand jumps from far beside the plate to the rising plate. Relative to the plate, the hand must
+// come from above.
 TEST(NeighbourSearch, AJumpIsSeenFromWhereThePlateWas) {
   const Vec3 begin(0, 0, -0.5);
   const Scene scene =
@@ -256,7 +258,7 @@ TEST(NeighbourSearch, AJumpIsSeenFromWhereThePlateWas) {
   EXPECT_NEAR((felt.elastic - Vec3(0, 0, 3e-4)).norm(), 0.0, 1e-9);
 }
 
-// The hand jumps from one side to the other, with or without the plate in its list.
+// The hand jumps from one side to the other, with or without the plate in its neighbour list.
 TEST(NeighbourSearch, AJumpThroughAPlateIsCaught) {
   const Vec3 begin(0, 0, -0.5);
   const Scene scene =
@@ -271,7 +273,7 @@ TEST(NeighbourSearch, AJumpThroughAPlateIsCaught) {
   }
 }
 
-// A hand that leaves an object in one jump lets go of it. When it comes back it sticks anew.
+// A jump out of an object must end the contact. The next contact must have a new stick point.
 TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   const Material rough{.stiffness = 100.0, .static_friction = 0.6, .dynamic_friction = 0.4};
   const Scene scene = moving({object("box", Box{Vec3::Constant(0.03)}, rough)}, {0},
@@ -288,7 +290,7 @@ TEST(NeighbourSearch, AJumpOutOfAThingLetsGo) {
   EXPECT_EQ(back.frictional, Vec3::Zero());
 }
 
-// The next sample finds the bodies that moved without a push from the hand.
+// The next sample must find the bodies that moved without a push from the hand.
 TEST(NeighbourSearch, AHandThatIsSilentForLongFindsWhatMovedMeanwhile) {
   const Scene scene =
       moving({object("ball", Sphere{0.02}, {.stiffness = 100.0})}, {0},

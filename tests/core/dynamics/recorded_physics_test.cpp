@@ -1,7 +1,6 @@
-// Moving scenes give the recorded bits, not only the same bits twice. The bits depend on the
-// compiler, on MuJoCo, and on the functions that the C library chooses for the processor. So
-// tests/core/recorded_physics.txt has a record for each of these. To record a machine that the
-// file does not know:
+// Moving scenes must give the recorded bits. The bits depend on the compiler, on MuJoCo, and on the
+// C library's functions for the processor. tests/core/recorded_physics.txt has a record for each
+// combination. This command adds a record for a new machine:
 //
 //   build/debug/tests/core/scene_test --gtest_filter='RecordedPhysics.*' | grep '^physics ' >>
 //   tests/core/recorded_physics.txt
@@ -27,11 +26,11 @@ using test::body;
 using test::moving;
 using test::object;
 
-/// FNV-1a over the bits of numbers.
+/// FNV-1a hash of the bits of numbers.
 class Hash {
  public:
   void add(double value) {
-    // Zeros of either sign are equal.
+    // The sum makes zeros of both signs equal.
     std::uint64_t bits = std::bit_cast<std::uint64_t>(value + 0.0);
     for (int byte = 0; byte < 8; ++byte, bits >>= 8) hash_ = (hash_ ^ (bits & 0xFF)) * kPrime;
   }
@@ -49,14 +48,14 @@ class Hash {
   std::uint64_t hash_ = 14695981039346656037ull;
 };
 
-/// The compiler, processor and libraries that determine the bits.
+/// Returns the compiler, processor and libraries that determine the bits.
 std::string machine() {
 #if defined(__clang__)
   std::string text = "clang-" + std::to_string(__clang_major__);
 #else
   std::string text = "gcc-" + std::to_string(__GNUC__);
 #endif
-#if defined(__FMA__)  // a * b + c is rounded once, where the compiler chooses
+#if defined(__FMA__)  // The compiler may round a * b + c only once.
   text += "-fma";
 #endif
 #if defined(__x86_64__)
@@ -72,7 +71,7 @@ std::string machine() {
   return text + " glibc-" + gnu_get_libc_version() + " mujoco-" + mj_versionString();
 }
 
-/// The recorded hash; empty if there is none.
+/// Returns the recorded hash, or an empty text.
 std::string recorded(const std::string& run) {
   std::ifstream file(FELTWIRE_SOURCE_DIR "/tests/core/recorded_physics.txt");
   const std::string begin = "physics " + machine() + " " + run + " ";
@@ -82,13 +81,13 @@ std::string recorded(const std::string& run) {
   return found;
 }
 
-/// Hash of the results of a world's steps while a hand moves in it.
+/// Returns the hash of a world's results while a hand moves in it.
 std::string hash_of(const Scene& scene, int steps, const Vec3& start, const Vec3& reach) {
   World world(scene);
   test::Hand hand(world);
   Hash hash;
   for (int n = 0; n < steps; ++n) {
-    // The hand follows a triangle wave in exact numbers: no sine of the C library.
+    // The hand follows a triangle wave in exact numbers, without the C library's sine.
     const double part = static_cast<double>(n % 512) / 256.0 - 1.0;
     const Command felt = hand.step(start + (1.0 - std::abs(part)) * reach);
     hash.add(felt.elastic);
@@ -115,7 +114,7 @@ void judge(const std::string& run, const std::string& hash) {
 
 constexpr Material kWood{.stiffness = 800.0, .static_friction = 0.5, .dynamic_friction = 0.4};
 
-/// Boxes, balls and a can fall on each other while a hand stirs them.
+/// Boxes, balls and a can fall on each other while a hand moves among them.
 TEST(RecordedPhysics, Pile) {
   std::vector<Object> objects = {object("floor", Plane{}, kWood)};
   std::vector<int> body_of = {-1};
@@ -133,7 +132,7 @@ TEST(RecordedPhysics, Pile) {
   judge("pile", hash_of(moving(objects, body_of, bodies), 2000, {0.06, 0.0, 0.03}, {-0.07, 0, 0}));
 }
 
-/// A door with a spring, a stop and dry friction, pushed open repeatedly.
+/// A hand opens a door with a spring, a stop and dry friction repeatedly.
 TEST(RecordedPhysics, Hinge) {
   Body door = body("door", 0.4);
   door.joint = Joint::hinge;
@@ -147,7 +146,7 @@ TEST(RecordedPhysics, Hinge) {
   judge("hinge", hash_of(scene, 3000, {0.15, -0.02, 0.0}, {0.0, 0.09, 0.01}));
 }
 
-/// Three weightless bodies, struck beside their middles.
+/// A hand hits three weightless bodies beside their centres of mass.
 TEST(RecordedPhysics, Floating) {
   std::vector<Object> objects;
   std::vector<Body> bodies;
@@ -163,7 +162,7 @@ TEST(RecordedPhysics, Floating) {
                             {-0.05, 0.012, 0.003}, {0.06, 0.0, 0.0}));
 }
 
-/// A drawer between its stops, with damping.
+/// A drawer with damping and two stops.
 TEST(RecordedPhysics, Slide) {
   Body drawer = body("drawer", 0.6);
   drawer.joint = Joint::slide;

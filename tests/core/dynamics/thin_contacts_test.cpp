@@ -1,4 +1,4 @@
-// Thin bodies that fall onto thin bodies: the loader's warnings, and the simulation's behaviour.
+// Thin bodies fall onto thin bodies. Tests the loader's warnings and the simulation.
 #include "core/dynamics/thin_contacts.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ constexpr double kGravity = 9.81;
 
 struct Drop {
   Shape shape = Box{Vec3(0.05, 0.05, 0.0005)};
-  double half = 0.0005;  // [m] half of the plate's height
+  double half = 0.0005;  // [m] half of the plate's thickness
   double board = 0.001;  // [m] thickness
   double height = 0.25;  // [m] from the board to the plate's lowest point
   double tick = 1e-3;    // [s]
@@ -40,7 +40,7 @@ Scene scene_of(const Drop& drop) {
                       {.tick = drop.tick});
 }
 
-/// Whether the plate lies on the board after the fall, or has left it over the edge.
+/// Returns true if the plate lies on the board after the fall, or has left it over the edge.
 bool holds(const Drop& drop) {
   const Scene scene = scene_of(drop);
   World world(scene);
@@ -64,7 +64,7 @@ std::vector<std::string> thin_warnings(const Drop& drop) {
 
 TEST(ThinContacts, APlateThatFallsThroughABoardIsSaidWithNumbersAndRemedy) {
   Drop drop;
-  // Its start decides whether a tick finds the plate in the board or beyond it.
+  // The start height decides whether a tick finds the plate in the board or beyond it.
   int fell = 0;
   for (int i = 0; i < 8; ++i) {
     drop.height = 0.25 + 0.0003 * i;
@@ -80,7 +80,8 @@ TEST(ThinContacts, APlateThatFallsThroughABoardIsSaidWithNumbersAndRemedy) {
                         HasSubstr("or give a tick of at most"), HasSubstr("begin at most"))));
 }
 
-/// Bodies without a warning hold, for any shape, size, tick and height. Each remedy helps.
+/// Bodies without a warning must not fall through, for any shape, size, tick and height. Each
+/// remedy must help.
 TEST(ThinContacts, WhatIsNotWarnedOfHolds) {
   int warned = 0, silent = 0;
   const auto look = [&](const Drop& drop) {
@@ -105,8 +106,8 @@ TEST(ThinContacts, WhatIsNotWarnedOfHolds) {
   EXPECT_GT(silent, 30);
 }
 
-/// Plates, coins and rods in every attitude: an edge lands first, then the rest slaps down.
-/// Cylinders below 8 mm are left out: docs/moving.md.
+/// Plates, coins and rods fall in every orientation. An edge lands first, then the rest. Cylinders
+/// below 8 mm are excluded (docs/moving.md).
 TEST(ThinContacts, WhatFallsOnAnEdgeAndIsNotWarnedOfHolds) {
   test::Random random(7);
   const auto between = [&](double least, double most) {
@@ -183,7 +184,7 @@ TEST(ThinContacts, TheRemediesHelp) {
 }
 
 TEST(ThinContacts, OnlyWhatFallsOntoSomethingThinIsNamed) {
-  Drop upright;  // it topples
+  Drop upright;  // The plate topples.
   upright.turn = Quaternion(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
   upright.half = 0.05;
   upright.height = 0.0;

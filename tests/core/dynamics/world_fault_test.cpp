@@ -1,4 +1,4 @@
-// A simulation fails: the scene goes back, the hand feels zero.
+// A simulation becomes unstable. The scene must be reset, and the hand must feel no force.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(WorldFaults, AStiffLightBodyIsWarnedOf) {
   // k < m / T^2, m > k T^2, T < sqrt(m / k)
   EXPECT_THAT(warnings[0], HasSubstr("at most 100 N/m"));
   EXPECT_THAT(warnings[0], HasSubstr("at least 1e+04 g"));
-  // 3.16e-06 s: shorter than a scene may have
+  // 3.16e-06 s is below the shortest tick of a scene.
   EXPECT_THAT(warnings[0], HasSubstr("no tick that a scene may have is short enough"));
 }
 
@@ -69,16 +69,16 @@ TEST(WorldFaults, TheSceneGoesBackAndTheHandFeelsZero) {
   EXPECT_NEAR((world.objects()[1].pose.position - Vec3(0, 0, 0.2)).norm(), 0.0, 1e-12);
   EXPECT_EQ(world.velocity_at(1, place), Vec3::Zero());
   EXPECT_EQ(hand.touch(place).force(), Vec3::Zero());
-  // Static objects are felt as before.
+  // Static objects must give the same force as before.
   EXPECT_EQ(hand.touch({0.1, 0, -0.001}).elastic, Vec3(0, 0, 1));
-  // Then the force grows little by little: the full force has 500 N/mm.
+  // The force must then return gradually. The full force has 500 N/mm.
   hand.touch(place);
   for (int n = 0; n < 10; ++n) world.step();
   const double felt = hand.touch(place).force().norm();
   EXPECT_NEAR(felt, 10 * kDefaultTick / World::kRecovery * 1e7 * 5e-4, 1e-6);
 }
 
-// A hand's push before a reset does not continue after it, whether the hand is near or not.
+// A hand's push must end with a reset, whether the hand is near or far.
 TEST(WorldFaults, NoPushOutlivesAReset) {
   const Scene scene = explosive();
   for (const double beside : {0.05, 0.5}) {
@@ -91,12 +91,12 @@ TEST(WorldFaults, NoPushOutlivesAReset) {
   }
 }
 
-// A client that renders the force itself gets none either.
+// A client that renders the force itself must also get none.
 TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   const Scene scene = explosive();
   World world(scene);
   Hand hand(world);
-  const Vec3 place(0, 0, 0.2 - 0.0305);  // between ball and table: both are near
+  const Vec3 place(0, 0, 0.2 - 0.0305);  // between ball and table, near both
   EXPECT_FALSE(world.recovering());
   const auto stiffness = [&](std::size_t object) {
     const LocalModel model = local_model(world, place, hand.memory);
@@ -117,8 +117,8 @@ TEST(WorldFaults, TheLocalModelGoesSoftWithTheScene) {
   EXPECT_EQ(stiffness(1), 1e7);
 }
 
-/// A fault spreads to all bodies that touch the broken body, directly or through other bodies. A
-/// static object does not spread it.
+/// A fault includes all bodies that touch the diverged body, directly or through other bodies. A
+/// static object must not connect them.
 TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
   const auto box = [](const char* name, const Vec3& at) {
     return object(name, Box{Vec3::Constant(0.02)}, {.stiffness = 1000}, at);
@@ -143,8 +143,8 @@ TEST(WorldFaults, WhatTouchesWhatBrokeBelongsToIt) {
   EXPECT_FALSE(broken.has(parts[2].body));
 }
 
-/// The hand that pushed the broken body is blamed, with its force. A hand on another body is not,
-/// nor a hand that let go long before.
+/// The hand that pushed the diverged body is the cause, and the report has its force. Hands on
+/// other bodies, and hands that left long before, are no cause.
 TEST(WorldFaults, WhoPushedWhatBrokeIsToBlame) {
   const Material soft{.stiffness = 1000};
   const Scene scene = moving(
@@ -170,8 +170,8 @@ TEST(WorldFaults, WhoPushedWhatBrokeIsToBlame) {
   EXPECT_EQ(world.blame(gone.contacts), 0.0);
 }
 
-// A falling ball has a different height at each step, so its height tells how far back a reset
-// went. States are kept every 0.1 s.
+// A falling ball has a different height at each step. The height therefore shows the state to which
+// a reset returned. The world keeps states every 0.1 s.
 TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
   const Vec3 start(0, 0, 20);
   const Scene scene = moving({object("table", Plane{}, {.stiffness = 1000}),
@@ -180,17 +180,17 @@ TEST(WorldFaults, GoesFartherBackWhenThatWasNotGoodEnough) {
   World world(scene);
   Hand hand(world);
   const auto height = [&] { return world.objects()[1].pose.position.z(); };
-  std::vector<double> fallen{height()};  // by step
+  std::vector<double> fallen{height()};  // height after each step
   while (fallen.size() <= 1450) {
     ASSERT_TRUE(world.step());
     ASSERT_LT(height(), fallen.back());
     fallen.push_back(height());
   }
-  std::vector<std::ptrdiff_t> went_back_to;  // [steps]
+  std::vector<std::ptrdiff_t> went_back_to;  // [steps] state after each reset
   while (went_back_to.size() < 15) {
     const std::uint64_t resets = world.counters().resets;
     hand.touch(world.objects()[1].pose.position - Vec3(0, 0, 0.031));
-    // Fails before any state since the last reset is old enough to be used.
+    // The simulation fails again before the world has a new state that is old enough.
     for (int steps = 0; world.counters().resets == resets; ++steps) {
       ASSERT_LT(steps, 150);
       hand.step(world.objects()[1].pose.position - Vec3(0, 0, 0.0299));
@@ -210,7 +210,7 @@ TEST(WorldFaults, AToolThatIsNotFinitePushesNothing) {
   EXPECT_EQ(world.momentum(), Vec3::Zero());
 }
 
-/// A body deep in another is a mistake in the scene.
+/// A body deep in another body is an error in the scene.
 TEST(WorldFaults, BodiesThatBeginInsideEachOtherAreWarnedOf) {
   const Scene scene = moving({object("table", Plane{}), object("box", Box{Vec3::Constant(0.02)})},
                              {-1, 0}, {body("box", 0.5)});

@@ -47,7 +47,7 @@ TEST(World, BodiesFallByTheClosedFormOfTheIntegrator) {
   }
 }
 
-/// Newton's third law to rounding: the ball gets the opposite of the hand's force, and of its
+/// Newton's third law, up to rounding. The ball gets the opposite of the hand's force and of its
 /// moment about the origin.
 TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   constexpr double kMass = 0.2, kRadius = 0.03;
@@ -57,7 +57,7 @@ TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   Vec3 given = Vec3::Zero(), moment = Vec3::Zero();
   double pushed = 0.0;
   for (int n = 0; n < 2000; ++n) {
-    // Two hands follow the ball, touch it now and then and slide over it.
+    // Two hands follow the ball, touch it sometimes and slide over it.
     const Vec3 centre = world.objects()[0].pose.position;
     const double t = 1e-3 * n;
     const std::array<Vec3, 2> places = {
@@ -78,7 +78,8 @@ TEST(World, TakesTheMomentumThatTheHandsAreRefused) {
   EXPECT_NEAR((world.momentum() + given).norm(), 0.0, 1e-12 * pushed);
   const Vec3 angular = test::angular_momentum_of_ball(world, kMass, kRadius);
   EXPECT_NEAR((angular + moment).norm(), 0.0, 1e-13);
-  EXPECT_GT(angular.norm(), 1e-6);  // the test can detect an error
+  // The ball must get angular momentum. Otherwise the check above proves nothing.
+  EXPECT_GT(angular.norm(), 1e-6);
 }
 
 TEST(World, ASpringHasItsPeriod) {
@@ -109,7 +110,7 @@ double complete_elliptic_integral(double modulus) {
   return 0.5 * std::numbers::pi / a;
 }
 
-/// A rod is let go level: the physical pendulum at an amplitude of 90 degrees.
+/// A rod starts level. The reference is a physical pendulum with an amplitude of 90 degrees.
 TEST(World, AHingeSwingsWithItsPeriod) {
   constexpr double kLength = 0.2, kMass = 0.1, kRadius = 0.005;
   Body arm = body("arm", kMass);
@@ -119,13 +120,13 @@ TEST(World, AHingeSwingsWithItsPeriod) {
   rod.pose.orientation = turn_to(Vec3::UnitZ(), Vec3::UnitX());
   const Scene scene = moving({rod}, {0}, {arm});
   World world(scene);
-  std::vector<double> crossings;  // of the lowest point [s]
+  std::vector<double> crossings;  // [s] zero crossings of the lowest point
   double last = 1.0;
   Vec3 before = world.objects()[0].pose.position;
   for (int n = 1; n <= 6000; ++n) {
     ASSERT_TRUE(world.step());
     const Vec3 centre = world.objects()[0].pose.position;
-    // At most 1.8 m/s, and 15 m/s^2 along the arc.
+    // The speed is at most 1.8 m/s, with 15 m/s^2 along the arc.
     EXPECT_NEAR((world.velocity_at(0, centre) - (centre - before) / kTick).norm(), 0.0, 0.03);
     before = centre;
     const double x = centre.x();
@@ -134,7 +135,8 @@ TEST(World, AHingeSwingsWithItsPeriod) {
   }
   ASSERT_GE(crossings.size(), 7u);
   const double inertia =
-      kMass * (kLength * kLength / 3.0 + kRadius * kRadius / 4.0);  // about the hinge
+      // moment of inertia about the hinge
+      kMass * (kLength * kLength / 3.0 + kRadius * kRadius / 4.0);
   const double small = std::sqrt(inertia / (kMass * kGravity * kLength / 2));
   const double period = 4.0 * small * complete_elliptic_integral(std::sin(std::numbers::pi / 4));
   const double measured = (crossings[6] - crossings[0]) / 3.0;
@@ -155,12 +157,12 @@ TEST(World, ASliderStopsAtTheEndOfItsRange) {
   }
   const Vec3 place = world.objects()[0].pose.position;
   EXPECT_NEAR(place.z(), -0.05, 1e-4);
-  EXPECT_GT(lowest, -0.055);  // it arrived at 1 m/s
+  EXPECT_GT(lowest, -0.055);  // The slider arrived at 1 m/s.
   EXPECT_NEAR(world.velocity_at(0, place).norm(), 0.0, 1e-9);
 }
 
 TEST(World, ABodyRestsOnWhatStands) {
-  // A hollow box becomes six planes for the bodies; a table stands in it.
+  // MuJoCo gets a hollow box as six planes. A table is inside.
   Object room = object("room", Box{Vec3::Constant(0.2)}, kGrippy);
   room.felt_from = Side::inside;
   const Scene scene =
@@ -168,7 +170,7 @@ TEST(World, ABodyRestsOnWhatStands) {
               object("table", Box{Vec3(0.05, 0.05, 0.01)}, kGrippy, {0, 0, -0.01}),
               object("ball", Sphere{0.02}, kGrippy, {0.15, 0, 0})},
              {0, -1, -1, 1}, {body("dice", 0.05, {0, 0, 0.05}), body("ball", 0.05)});
-  EXPECT_EQ(scene.objects()[0].name, "room");  // static objects come first
+  EXPECT_EQ(scene.objects()[0].name, "room");  // Static objects come first.
   World world(scene);
   for (int n = 0; n < 1500; ++n) ASSERT_TRUE(world.step());
   EXPECT_NEAR(world.objects()[2].pose.position.z(), 0.02, 2e-4);   // on the table
@@ -180,22 +182,22 @@ TEST(World, TheHandFeelsWhereTheBodyIsAndHowItMoves) {
   const Scene scene = floating_ball(0.2, {.stiffness = 1000, .damping = 2.0});
   World world(scene);
   Hand hand(world);
-  for (int n = 0; n < 100; ++n) hand.step({-0.0299, 0, 0});  // pushed along x
+  for (int n = 0; n < 100; ++n) hand.step({-0.0299, 0, 0});  // The hand pushes along x.
   Hand still(world);
   const Vec3 centre = world.objects()[0].pose.position;
   const double speed = world.velocity_at(0, centre).x();
   ASSERT_GT(speed, 1e-3);
-  const Vec3 in = centre + Vec3(0.029, 0, 0);  // 1 mm inside, in front of it
+  const Vec3 in = centre + Vec3(0.029, 0, 0);  // 1 mm inside, on the front side
   const Command felt = still.touch(in);
   EXPECT_NEAR(felt.elastic.x(), 1.0, 1e-9);
-  EXPECT_NEAR(felt.frictional.x(), 2.0 * speed, 1e-9);  // it comes towards the hand
+  EXPECT_NEAR(felt.frictional.x(), 2.0 * speed, 1e-9);  // The body moves towards the hand.
   const LocalModel model = local_model(world, in, still.memory);
   ASSERT_EQ(model.count, 1);
   EXPECT_NEAR(model.patches[0].velocity.x(), speed, 1e-9);
   EXPECT_NEAR((model.patches[0].point - (centre + Vec3(0.03, 0, 0))).norm(), 0.0, 1e-9);
 }
 
-/// The stick point belongs to the body and moves with it.
+/// The stick point must move with its body.
 TEST(World, FrictionRidesAlong) {
   const Scene scene = floating_ball(0.2, {.stiffness = 1000, .static_friction = 5.0});
   World world(scene);
@@ -205,7 +207,7 @@ TEST(World, FrictionRidesAlong) {
   for (int n = 0; n < 60; ++n) pusher.step({-0.0295, 0, 0});
   const double moved = world.objects()[0].pose.position.x();
   ASSERT_GT(moved, 1e-5);
-  EXPECT_GT(rider.touch(place).frictional.x(), 900.0 * moved);  // it drags the hand along
+  EXPECT_GT(rider.touch(place).frictional.x(), 900.0 * moved);  // The body pulls the hand along.
 }
 
 TEST(World, IsTheSameTwice) {
@@ -250,7 +252,8 @@ TEST(World, StepAndTouchNeverAllocate) {
   EXPECT_GT(felt, 0.0);
 }
 
-/// The reference asks every moving object at every sample, each with its own memory.
+/// The reference computes contact with every moving object at every sample, each with its own
+/// memory.
 TEST(World, WhatIsOutOfReachIsLeftAloneAndChangesNoBit) {
   const Material soft{.stiffness = 400.0, .static_friction = 0.5, .dynamic_friction = 0.4};
   const std::array<Shape, 4> shapes = {Sphere{0.02}, Box{Vec3(0.03, 0.01, 0.015)},
@@ -287,7 +290,7 @@ TEST(World, WhatIsOutOfReachIsLeftAloneAndChangesNoBit) {
     ASSERT_EQ(hand.touch(tool.position, tool.velocity), sum) << n;
     felt += sum.elastic.isZero(0.0) ? 0 : 1;
     world.push(hand.contacts, hand.memory, 1.0);
-    // A tick without a sample: the memory of the near objects goes on.
+    // In a tick without a sample, the near objects keep their memory.
     if (n % 50 == 0) {
       world.step();
       world.push(hand.contacts, hand.memory, 1.0);

@@ -1,5 +1,5 @@
-// For every shape with a formula, its members agree with its signed distance, and the distance
-// agrees with its surface. A single test covers the list of the shapes.
+// The functions of every shape must agree with its signed distance, and the signed distance must
+// agree with the surface. The test covers all shapes of the list.
 
 #include <gtest/gtest.h>
 
@@ -15,14 +15,14 @@ namespace feltwire::primitives_test {
 namespace {
 
 #ifdef FELTWIRE_SANITIZED
-constexpr int kEach = 1, kWays = 3;  // sanitizers make a run forty times as slow
+constexpr int kEach = 1, kWays = 3;  // Sanitizers make a run forty times as slow.
 #else
-constexpr int kEach = 6, kWays = 10;  // solids of each kind, paths through each of them
+constexpr int kEach = 6, kWays = 10;  // number of solids of each kind, and of paths through each
 #endif
 
 using test::Random;
 
-/// Calls f with shapes of each kind, of several proportions.
+/// Calls f with shapes of each kind and several proportions.
 template <class Call>
 void for_each_solid(Call f) {
   Random random(1);
@@ -53,8 +53,8 @@ TEST(Primitives, HaveNamesOfTheirOwn) {
   EXPECT_EQ(names.size(), std::variant_size_v<Primitives::And<>>);
 }
 
-/// The distances of two places differ by no more than the places are apart. The distance along the
-/// gradient leads down to the surface.
+/// The distances at two points must not differ by more than the points' separation. The distance
+/// along the gradient must lead to the surface.
 TEST(Primitives, ADistanceIsOne) {
   for_each_solid([](const auto& solid, Random& random) {
     for (int i = 0; i < 20000; ++i) {
@@ -69,7 +69,7 @@ TEST(Primitives, ADistanceIsOne) {
   });
 }
 
-/// A convex solid contains the middle of any two of its points; other solids miss some middles.
+/// A convex solid contains the midpoint of any two of its points. Other solids lack some midpoints.
 TEST(Primitives, AreConvexIfTheySaySo) {
   for_each_solid([](const auto& solid, Random& random) {
     const auto point_within = [&] {
@@ -78,7 +78,8 @@ TEST(Primitives, AreConvexIfTheySaySo) {
         if (solid.signed_distance(p).distance < 0.0) return p;
       }
     };
-    double most = -std::numeric_limits<double>::infinity();  // [m] largest distance of the middles
+    // [m] largest distance of the midpoints
+    double most = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < 5000; ++i) {
       const Vec3 middle = 0.5 * (point_within() + point_within());
       most = std::max(most, solid.signed_distance(middle).distance);
@@ -124,7 +125,7 @@ TEST(Primitives, BoxAndBallHoldTheSolidAndTouchIt) {
   });
 }
 
-/// The reference is the sum over small cubes.
+/// The reference is a sum over small cubes.
 TEST(Primitives, MassIsThatOfTheSolid) {
   constexpr int kCells = 80;
   for_each_solid([](const auto& solid, Random&) {
@@ -150,7 +151,8 @@ TEST(Primitives, MassIsThatOfTheSolid) {
   });
 }
 
-/// The triangles are closed, turned outwards, on the surface, and fill nearly all of the volume.
+/// The triangles must be closed, point outwards, lie on the surface, and enclose nearly the
+/// complete volume.
 TEST(Primitives, TrianglesAreTheSurface) {
   for_each_solid([](const auto& solid, Random&) {
     const TriangleSoup soup = solid.triangles(192);
@@ -185,7 +187,7 @@ TEST(Primitives, TheLargestBallWithinHasTheRadiusOfTheRoom) {
   });
 }
 
-/// A ball's depth equals the depth of its surface in the solid, from either side.
+/// A ball's depth must equal the depth of its surface in the solid, on both sides.
 TEST(Primitives, ABallIsAPointThatIsThick) {
   for_each_solid([](const auto& solid, Random& random) {
     const double radius = 0.3 * solid.room();
@@ -196,7 +198,7 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
       const SurfacePoint out = ball_surface(solid, Side::outside, p, radius, memory);
       ASSERT_EQ(out.depth > 0.0, at.distance < radius) << p.transpose();
       if (out.depth > 1e-9) {
-        // The ball rests on the surface, or all round a hole that is too small for it.
+        // The ball rests on the surface, or on the rim of a hole that is too small.
         ASSERT_GE(out.depth, radius - at.distance - 1e-15);
         ASSERT_LT((out.point - p - out.depth * out.normal).norm(), 1e-12);
         if (at.distance > 0.0) {
@@ -206,8 +208,8 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
           ASSERT_LT((out.normal - at.gradient).norm(), 1e-9);
         }
       }
-      // In a hollow the ball rests in edges and corners: its depth is at least that from the
-      // nearest surface, and it is free when the ball is free.
+      // In a hollow the ball rests in edges and corners. The ball's depth is at least the depth at
+      // the nearest surface. The depth is zero exactly when the ball touches nothing.
       memory = {};
       const SurfacePoint in = ball_surface(solid, Side::inside, p, radius, memory);
       ASSERT_GE(in.depth, std::max(0.0, radius + at.distance) - 1e-15);
@@ -218,7 +220,7 @@ TEST(Primitives, ABallIsAPointThatIsThick) {
   });
 }
 
-/// [m] the distance from a geom to a point.
+/// Returns the distance [m] from a geom to a point.
 double distance_to(const PhysicsGeom& geom, const Vec3& p) {
   const Pose pose = geom.pose.value_or(Pose{});
   const Vec3 own = pose.orientation.conjugate() * (p - pose.position);
@@ -236,7 +238,7 @@ double distance_to(const PhysicsGeom& geom, const Vec3& p) {
   }
 }
 
-/// The geoms match the solid within the error that its header states: at most half a percent.
+/// The geoms must match the solid within the documented error of at most half a percent.
 TEST(Primitives, GeomsStandForTheSolid) {
   for_each_solid([](const auto& solid, Random&) {
     const auto geoms = solid.geoms(Side::outside);
@@ -249,7 +251,8 @@ TEST(Primitives, GeomsStandForTheSolid) {
           nearest = std::min(nearest, distance_to(geom, v));
           continue;
         }
-        // The hull's corners lie on the solid and reach as far as the solid in every direction.
+        // The hull's corners must lie on the solid, and extend as far as the solid in each
+        // direction.
         Vec3 most = Vec3::Zero();
         for (const Vec3& corner : geom.hull) {
           EXPECT_NEAR(solid.signed_distance(corner).distance, 0.0, 1e-12);
@@ -263,13 +266,13 @@ TEST(Primitives, GeomsStandForTheSolid) {
   });
 }
 
-/// Straight back and forth through the solid, in steps longer than it is thick: the proxy never
-/// gets ahead of the hand, and a hand that came in is held or moves around.
+/// A hand moves back and forth through the solid in steps longer than the thickness. The proxy must
+/// never be ahead of the hand. A hand that entered must be held or move around the solid.
 TEST(Primitives, NothingIsPassedStraightThrough) {
   for_each_solid([](const auto& solid, Random& random) {
     int met = 0;
     for (int run = 0; run < 400; ++run) {
-      // Pass through a place deep in the solid, at right angles to its surface.
+      // The hand passes through a point deep in the solid, perpendicular to the surface.
       Vec3 deep = random_in(solid.half_box(), 1.0, random);
       const FieldPoint at = solid.signed_distance(deep);
       if (!(at.distance < 0.0)) continue;
@@ -292,7 +295,8 @@ TEST(Primitives, NothingIsPassedStraightThrough) {
   });
 }
 
-/// A hand moves to and fro at random: the force grows no faster than its own movement builds it up.
+/// A hand moves to and fro at random. The force must not grow faster than the hand's movement
+/// allows.
 TEST(Primitives, NoForceRisesFasterThanTheHandMoves) {
   for_each_solid([](const auto& solid, Random& random) {
     int touched = 0;
@@ -319,7 +323,7 @@ TEST(Primitives, NoForceRisesFasterThanTheHandMoves) {
   });
 }
 
-/// On a random path through a solid a hand never gets out more work than it has put in.
+/// On a random path through a solid, a hand must not get more work than it has done.
 TEST(Primitives, NoWayThroughASolidGivesEnergy) {
   for_each_solid([](const auto& solid, Random& random) {
     for (int run = 0; run < kWays; ++run) {
@@ -342,14 +346,16 @@ TEST(Primitives, NoWayThroughASolidGivesEnergy) {
       for (int leg = 0; leg < 12; ++leg)
         go(random.uniform(0.0, 1.5) * solid.reach() * random.direction());
       go(20.0 * solid.reach() * random.direction());
-      if (solid.surface_point(Side::outside, p, memory).depth > 0.0) continue;  // still held
+      // The contact is still held.
+      if (solid.surface_point(Side::outside, p, memory).depth > 0.0) continue;
       // Sampling can miss half a step's work at each end of a contact.
       EXPECT_GE(work, -2e-3 * most) << run;
     }
   });
 }
 
-/// The nearest part of a ring changes at once when a hand passes its axis; the proxy stays.
+/// When a hand passes the axis of a ring, the nearest part of the ring changes at once. The proxy
+/// must stay.
 TEST(Ring, HoldsAHandThatIsPressedThroughItsHole) {
   const Torus ring{0.03, 0.004};
   Random random(2);
@@ -367,12 +373,12 @@ TEST(Ring, HoldsAHandThatIsPressedThroughItsHole) {
       ASSERT_GT(s.normal.dot(out), 0.99) << run << " at " << x;
       before = s.depth;
     }
-    // Above the ring the hand is free.
+    // Above the ring nothing must hold the hand.
     ASSERT_EQ(ring.surface_point(Side::outside, Vec3(0.0, 0.0, 0.01), memory).depth, 0.0);
   }
 }
 
-/// A hand that moves over the blunt tip of a cone continues on the other side.
+/// A hand that moves over the blunt tip of a cone must continue on the other side.
 TEST(Cone, LetsAHandSlideOverABluntTip) {
   const Cone hat{0.05, 0.005};
   FeatureMemory memory;

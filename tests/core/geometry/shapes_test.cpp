@@ -8,9 +8,9 @@
 namespace feltwire::shapes_test {
 namespace {
 
-double distance_to(const Mesh&, const Vec3&) { return 0.0; }  // has tests of its own
+double distance_to(const Mesh&, const Vec3&) { return 0.0; }  // Other tests cover meshes.
 
-// Exact signed distances, written independently of the code: negative inside.
+// Exact signed distances, independent of the tested code. Negative inside.
 double distance_to(const Plane&, const Vec3& p) { return p.z(); }
 double distance_to(const Sphere& s, const Vec3& p) { return p.norm() - s.radius; }
 double distance_to(const Box& b, const Vec3& p) {
@@ -26,7 +26,7 @@ double distance_to(const Cylinder& c, const Vec3& p) {
   const double end = std::abs(p.z()) - c.half_length;
   return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
 }
-/// The distance of a point (across, up) from a segment.
+/// Returns the distance of a point (across, up) from a segment.
 double to_segment(Eigen::Vector2d p, Eigen::Vector2d a, Eigen::Vector2d b) {
   const double share = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
   return (p - a - share * (b - a)).norm();
@@ -68,7 +68,7 @@ Shape scaled(const Shape& shape, double by) {
         solid.lengths(solid, [&](const Length&, double& value) { value *= by; });
         return Shape(solid);
       },
-      [&] { return shape; });  // the others have tests of their own
+      [&] { return shape; });  // Other tests cover the other shapes.
 }
 
 TEST(Shapes, FirstContactIsTheNearestSurfacePointFromEitherSide) {
@@ -91,8 +91,8 @@ TEST(Shapes, FirstContactIsTheNearestSurfacePointFromEitherSide) {
         EXPECT_NEAR(distance_to(shape, s.point), 0.0, 1e-15);
         EXPECT_NEAR(s.normal.norm(), 1.0, 1e-15);
         EXPECT_NEAR((p + s.depth * s.normal - s.point).norm(), 0.0, 1e-15);
-        // Slightly further along the normal is free. The rim of a hollow cone is sharper than a
-        // right angle: there the normal leads along the wall.
+        // Slightly farther along the normal nothing must hold the tool. The rim of a hollow cone is
+        // sharper than a right angle, so the normal there leads along the wall.
         const double over = sign * distance_to(shape, s.point + 1e-6 * s.normal);
         const bool sharp = std::holds_alternative<Cone>(shape) && side == Side::inside;
         EXPECT_GT(over, sharp ? -1e-6 : 0.0);
@@ -150,7 +150,8 @@ TEST(Shapes, CentreOfASphereKeepsTheLastNormal) {
   const SurfacePoint s = surface_point(Sphere{1.0}, Side::outside, Vec3::Zero(), memory);
   EXPECT_EQ(s.normal, Vec3::UnitX());
   EXPECT_EQ(s.depth, 1.0);
-  // The hand enters at the centre: any direction is right, but there must be one.
+  // The hand enters at the centre. Any direction of the force is valid, but one direction must
+  // exist.
   EXPECT_DOUBLE_EQ(fresh(Sphere{1.0}, Side::outside, Vec3::Zero()).normal.norm(), 1.0);
 }
 
@@ -164,8 +165,8 @@ TEST(Shapes, CapsuleAxisPushesAcross) {
   // The hand enters exactly at the centre, then at the end on the axis.
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3::Zero()).normal.z(), 0.0);
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 1.0)).normal, Vec3::UnitZ());
-  // A hand without history is pushed across. A hand that came through the end is held by the end,
-  // as in a cylinder.
+  // A hand without history must be pushed sideways. A hand that came through the end must be pushed
+  // back to the end, as in a cylinder.
   EXPECT_EQ(fresh(capsule, Side::outside, Vec3(0, 0, 0.9)).depth, 0.5);
   memory = {};
   surface_point(capsule, Side::outside, Vec3(0, 0, 2.0), memory);
@@ -190,14 +191,16 @@ TEST(Shapes, CapsuleWithoutLengthIsASphere) {
 TEST(Shapes, ThinBoxDoesNotPopThrough) {
   const Box sheet{Vec3(1.0, 1.0, 0.001)};
   FeatureMemory memory;
-  // From above in steps of 0.1 mm to just before the lower face: always pushed up.
+  // The hand moves from above in steps of 0.1 mm to just above the lower face. The force must
+  // always push the hand up.
   for (double z = 0.0009; z > -0.001; z -= 0.0001) {
     const SurfacePoint s = surface_point(sheet, Side::outside, Vec3(0.2, 0.3, z), memory);
     EXPECT_EQ(s.normal, Vec3::UnitZ());
     EXPECT_EQ(s.point, Vec3(0.2, 0.3, 0.001));
     EXPECT_DOUBLE_EQ(s.depth, 0.001 - z);
   }
-  // Out through the bottom too: only the way round the edge leads to the lower face.
+  // Below the bottom, the solid must still hold the hand. The hand reaches the lower face only
+  // around the edge.
   EXPECT_DOUBLE_EQ(surface_point(sheet, Side::outside, Vec3(0.2, 0.3, -0.0011), memory).depth,
                    0.0021);
   EXPECT_EQ(surface_point(sheet, Side::outside, Vec3(1.1, 0.3, -0.0011), memory).depth, 0.0);
@@ -213,9 +216,9 @@ TEST(Shapes, BoxKeepsItsFaceUntilLeftOverTheEdge) {
     return surface_point(box, Side::outside, Vec3(x, 0, z), memory);
   };
   EXPECT_EQ(at(0.0, 0.9).normal, Vec3::UnitZ());
-  EXPECT_EQ(at(0.99, 0.9).normal, Vec3::UnitZ());  // +x is nearer by now
-  EXPECT_EQ(at(1.01, 0.9).depth, 0.0);             // beyond the edge
-  const SurfacePoint again = at(0.99, 0.9);        // back in through the other face
+  EXPECT_EQ(at(0.99, 0.9).normal, Vec3::UnitZ());  // +x is now nearer.
+  EXPECT_EQ(at(1.01, 0.9).depth, 0.0);             // The hand is beyond the edge.
+  const SurfacePoint again = at(0.99, 0.9);        // The hand enters through the other face.
   EXPECT_EQ(again.normal, Vec3::UnitX());
   EXPECT_NEAR(again.depth, 0.01, 1e-15);
 }
@@ -246,7 +249,7 @@ TEST(Shapes, RoomHoldsTheProxyOnEdgeAndCorner) {
 }
 
 TEST(Shapes, CylinderKeepsCapAndSide) {
-  const Cylinder disc{1.0, 0.001};  // a thin disc, entered from the top
+  const Cylinder disc{1.0, 0.001};  // The hand enters a thin disc from the top.
   FeatureMemory memory;
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, 0.0009), memory).normal, Vec3::UnitZ());
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
@@ -257,14 +260,14 @@ TEST(Shapes, CylinderKeepsCapAndSide) {
   EXPECT_EQ(surface_point(disc, Side::outside, Vec3(0.5, 0, -0.0009), memory).normal,
             -Vec3::UnitZ());
 
-  const Cylinder rod{0.01, 1.0};  // a thin rod, entered from the side and pressed to its axis
+  const Cylinder rod{0.01, 1.0};  // The hand enters a thin rod from the side, down to its axis.
   memory = {};
   EXPECT_EQ(surface_point(rod, Side::outside, Vec3(0, -0.009, 0.2), memory).normal, -Vec3::UnitY());
   const SurfacePoint axis = surface_point(rod, Side::outside, Vec3(0, 0, 0.2), memory);
   EXPECT_EQ(axis.normal, -Vec3::UnitY());
   EXPECT_EQ(axis.point, Vec3(0, -0.01, 0.2));
   EXPECT_EQ(surface_point(rod, Side::outside, Vec3(0, -0.001, 0.9995), memory).normal,
-            -Vec3::UnitY());  // now nearer to the end, still on the side
+            -Vec3::UnitY());  // The end is nearer, but the hand stays on the side.
   EXPECT_EQ(fresh(rod, Side::outside, Vec3::Zero()).normal.z(), 0.0);
 }
 

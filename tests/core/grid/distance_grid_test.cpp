@@ -1,4 +1,4 @@
-// Distance grids against closed forms.
+// Compares distance grids with closed forms.
 
 #include "core/grid/distance_grid.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 const double kNan = std::nan(""), kInfinity = std::numeric_limits<double>::infinity();
 
-/// A ring of radius R about z, its tube of radius r.
+/// Returns a ring about z with radius `ring` and tube radius `tube` [m].
 Solid torus(double ring, double tube) {
   const Vec3 half(ring + tube, ring + tube, tube);
   return {-half, half,
@@ -34,10 +34,10 @@ Vec3 torus_normal(const Vec3& p, double ring) {
 struct Errors {
   double distance = 0.0;  // [m]
   double angle = 0.0;     // [rad]
-  double length = 0.0;    // error of the gradient's length, from 1
+  double length = 0.0;    // error of the gradient's length relative to 1
 };
 
-/// The largest errors over a ball's shell, from `in` inside the surface to `out` outside.
+/// Returns the largest errors in a ball's shell, from `in` inside the surface to `out` outside.
 template <class Real>
 Errors sphere_errors(const DistanceGrid<Real>& grid, double radius, double in, double out) {
   Errors worst;
@@ -53,7 +53,8 @@ Errors sphere_errors(const DistanceGrid<Real>& grid, double radius, double in, d
   return worst;
 }
 
-// The spline errs by h^3 times the third derivative, the linear form by h^2 times the second.
+// The spline's error is h^3 times the third derivative. The linear form's error is h^2 times the
+// second.
 TEST(DistanceGrid, ABallIsItselfToTheThirdOrder) {
   constexpr double kRadius = 0.03;
   const Solid ball = solid_of(Shape(Sphere{kRadius}));
@@ -83,7 +84,8 @@ TEST(DistanceGrid, LinearIsCoarserAndItsNormalsJump) {
       const double a = 1e-4 * i;
       const Vec3 now =
           grid.at(kRadius * Vec3(std::cos(a), std::sin(a) * 0.8, std::sin(a) * 0.6)).gradient;
-      jump = std::max(jump, test::angle(last, now) - 1e-4);  // minus the turn of the ball itself
+      // minus the rotation of the ball's own normal
+      jump = std::max(jump, test::angle(last, now) - 1e-4);
       last = now;
     }
     return jump;
@@ -111,7 +113,7 @@ TEST(DistanceGrid, FloatIsDoubleToItsLastDigits) {
     EXPECT_LT((a.gradient - b.gradient).norm(), 1e-5);
   }
   EXPECT_LT(worst, 1e-8);
-  EXPECT_GT(worst, 0.0);  // even though it is float
+  EXPECT_GT(worst, 0.0);  // The difference shows that the grid uses float.
 }
 
 TEST(DistanceGrid, ATorus) {
@@ -129,7 +131,7 @@ TEST(DistanceGrid, ATorus) {
   }
 }
 
-// Flat faces are exact; edges and corners are rounded only within two steps.
+// Flat faces must be exact. Edges and corners may be rounded only within two steps.
 TEST(DistanceGrid, ABoxIsExactButWithinTwoStepsOfItsEdges) {
   constexpr double h = 1e-3;
   const Box box{Vec3(0.03, 0.02, 0.025)};
@@ -153,7 +155,7 @@ TEST(DistanceGrid, ABoxIsExactButWithinTwoStepsOfItsEdges) {
     at_edges = std::max(at_edges, error);
   }
   EXPECT_LT(at_edges, 0.5 * h);
-  EXPECT_GT(at_edges, 0.05 * h);  // the edge is there
+  EXPECT_GT(at_edges, 0.05 * h);  // The edges must have an error.
 }
 
 TEST(DistanceGrid, TheGradientIsThatOfTheDistance) {
@@ -165,7 +167,8 @@ TEST(DistanceGrid, TheGradientIsThatOfTheDistance) {
     Vec3 p;
     for (double& x : p) x = random.uniform(-0.02, 0.02);
     const FieldPoint point = grid.at(p);
-    if (std::abs(point.distance) > 7e-3) continue;  // beyond the band the distance may be cut off
+    // Beyond the band the grid may limit the distance.
+    if (std::abs(point.distance) > 7e-3) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = kStep * Vec3::Unit(axis);
       const double slope =
@@ -193,7 +196,7 @@ TEST(DistanceGrid, BeyondTheBandItIsCoarseAndNeverOfTheWrongSign) {
     EXPECT_LE(grid.at_least(p, -1.0, kInfinity), -d + 1e-9);
     EXPECT_LE(grid.at_least(p, 1.0, -kInfinity), d + 1e-9);
   }
-  // Far away the bound is large.
+  // Far away the lower bound must be large.
   EXPECT_GT(grid.at_least({1.0, 0.0, 0.0}, 1.0, 0.0), 0.9);
 }
 
@@ -214,7 +217,7 @@ TEST(DistanceGrid, WhatIsNoPlaceHasNoDistance) {
   EXPECT_GT(grid.at({1e300, -1e300, 1e300}).distance, 1e299);
 }
 
-/// Compares a group with single points, for a ball of 30 mm.
+/// Compares a group with single points for a ball of 30 mm.
 template <class Real>
 void compare_group(const DistanceGrid<Real>& grid, FieldGroup group, double rounding) {
   FieldGroup least = group;
@@ -241,7 +244,7 @@ TEST(DistanceGrid, EightAtOnceAreEachItself) {
     const DistanceGrid<double> wide(ball, options);
     test::Random random(5);
     for (int i = 0; i < 300; ++i) {
-      // Close together at the surface, or spread out: some outside, some deep inside.
+      // The points are close together at the surface, or spread inside and outside.
       const Vec3 middle = random.uniform(0.02, 0.04) * random.direction();
       const double spread = i % 2 == 0 ? 2e-3 : 0.06;
       FieldGroup group;
@@ -290,7 +293,7 @@ TEST(DistanceGrid, RefusesWhatCannotBeSampled) {
     EXPECT_NE(error(ball, {.resolution = h}).find("more than the limit of 1024 MiB"),
               std::string::npos)
         << h;
-  // The resolution that the message suggests works.
+  // The resolution that the message suggests must work.
   const std::string small = error(ball, {.resolution = 0.2e-3, .max_bytes = 1 << 22});
   ASSERT_NE(small.find("give a larger one"), std::string::npos) << small;
   const double named = std::stod(small.substr(small.find("about ") + 6));
@@ -317,7 +320,7 @@ TEST(DistanceGrid, AskingNeverAllocates) {
   EXPECT_NE(sum, 0.0);
 }
 
-// The force -k d grad d has a potential: no closed path gains energy, inside the solid too.
+// The force -k d grad d has a potential. A closed path must give no energy, inside the solid too.
 TEST(DistanceGrid, AClosedPathGivesNoEnergy) {
   const Grid grid{std::make_shared<DistanceGrid<float>>(
       solid_of(Shape(Box{Vec3(0.02, 0.02, 0.02)})), GridOptions{.resolution = 1e-3})};

@@ -1,4 +1,4 @@
-// The surface of a distance field, against solids with known surfaces.
+// Compares the surface of a distance field with known surfaces of solids.
 
 #include "core/grid/isosurface.hpp"
 
@@ -12,7 +12,8 @@
 namespace feltwire::isosurface_test {
 namespace {
 
-/// The surface is closed, its normals point out, and it contains what the solid contains.
+/// The surface must be closed, its normals must point outwards, and it must contain the points of
+/// the solid.
 TEST(Isosurface, HoldsTheSolid) {
   struct Case {
     Shape shape;

@@ -1,4 +1,5 @@
-// Guides behind the energy bound: energy of a guide does not count for the surface beside it.
+// Tests guides together with the energy bound. The energy of a guide must not count for a surface
+// near the guide.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace feltwire::guide_bound_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
-const Damping kDamping(0.5);      // [N s/m]; a spring up to 1000 N/m is rendered whole
+const Damping kDamping(0.5);      // [N s/m] A spring up to 1000 N/m is rendered completely.
 
 constexpr const char* kGroove = R"(
   {"name": "groove", "line": {}, "orientation": [0.7071067811865476, 0.7071067811865476, 0, 0],
@@ -32,13 +33,13 @@ Scene board(const std::string& guides) {
 }
 
 struct BoardForces {
-  double commanded = 0.0, rendered = 0.0;  // [N] mean along the board's normal during contact
-  double across = 0.0;                     // [N] largest rendered along the board
+  double commanded = 0.0, rendered = 0.0;  // [N] mean force along the board's normal during contact
+  double across = 0.0;                     // [N] largest rendered force along the board
   std::uint64_t violations = 0;
 };
 
-/// A hand comes down from 5 mm above the board to 3 mm below, and slides across the groove to and
-/// fro, once a second.
+/// A hand moves down from 5 mm above the board to 3 mm below. Once a second, the hand slides across
+/// the groove to and fro.
 BoardForces solve_friction(const Scene& scene, const BoundingConfig& config) {
   Bounding bounding(config);
   PortEnergy port(config.damping, config.rotational_damping, kPeriod);
@@ -88,14 +89,15 @@ TEST(GuideBound, NoSurfaceIsWeakerForAGuideBesideIt) {
       EXPECT_GT(guided.rendered, 0.99 * plain.rendered) << guide;
       EXPECT_GT(guided.rendered, 0.94 * guided.commanded)
           << guided.commanded << " N commanded, " << guided.rendered << " rendered: " << guide;
-      EXPECT_GT(guided.across, plain.across) << guide;  // nor does the surface use up the guide
+      // The surface must not weaken the guide either.
+      EXPECT_GT(guided.across, plain.across) << guide;
       EXPECT_EQ(guided.violations, 0u);
     }
   }
 }
 
-/// The guide pulls harder than the surface pushes: the force is still the sum, and no contact
-/// pulls.
+/// The guide pulls harder than the surface pushes. The force must still be the sum, and no contact
+/// may pull.
 TEST(GuideBound, AGuideMayPullIntoASurface) {
   const Scene scene =
       board(R"({"name": "down", "constant": {"force": [0.3, 0, -2]}, "max_force": 9})");
@@ -105,7 +107,8 @@ TEST(GuideBound, AGuideMayPullIntoASurface) {
     const double push = 900.0 * std::max(0.0, depth);
     EXPECT_TRUE(command.force().isApprox(Vec3(0.3, 0.0, push - 2.0), 1e-12)) << depth;
     EXPECT_EQ(command.elastic, push > 2.0 ? Vec3(0.0, 0.0, push) : Vec3(Vec3::Zero())) << depth;
-    // The bound does not take it for a contact either: a hand that moves against it feels it all.
+    // The bound must not treat this force as a contact. A hand that moves against the force must
+    // get the complete force.
     Bounding bounding(contact_frame());
     const Vec3 against = -0.01 * command.force().normalized();
     const Command felt = bounding.step({against, Vec3::Zero(), kPeriod, command}).rendered;

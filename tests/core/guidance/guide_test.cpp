@@ -100,7 +100,8 @@ TEST(Guide, ItsPoseTurnsAndMovesThePlaceButNotTheForceOfAField) {
   Guide plane = guide(Plane{}, KeepOut{.stiffness = 100.0, .damping = 0.0, .margin = 0.0});
   plane.pose.position = {0.5, 0.0, 0.0};
   plane.pose.orientation =
-      Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));  // up becomes x
+      // The rotation turns z into x.
+      Quaternion(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
   expect_near(elastic(plane, {0.48, 7.0, 7.0}), {2.0, 0.0, 0.0});
   plane.action = ConstantForce{{0.0, 0.0, 1.0}};
   expect_near(elastic(plane, {0.48, 7.0, 7.0}), {0.0, 0.0, 1.0});
@@ -117,7 +118,7 @@ TEST(Guide, PullFadesToNothingAtItsRangeWithoutAStep) {
     EXPECT_LE(std::abs(force - before), stiffness(spring) * kStep * (1.0 + 1e-9));
     before = force;
   }
-  expect_near(elastic(spring, {0.05, 0.0, 0.0}), {-4.0, 0.0, 0.0});  // 5 N, cut off
+  expect_near(elastic(spring, {0.05, 0.0, 0.0}), {-4.0, 0.0, 0.0});  // The limit is 5 N.
   expect_near(elastic(spring, {0.075, 0.0, 0.0}), {-2.0, 0.0, 0.0});
   EXPECT_EQ(guide_force(spring, {{0.1, 0.0, 0.0}, {1.0, 0.0, 0.0}}), Command{});
 }
@@ -130,7 +131,7 @@ TEST(Guide, DampingActsAlongThePushAndNeverHoldsBack) {
   EXPECT_EQ(guide_force(wall, {inside, {0.0, 0.0, 9.0}}).force(), Vec3::Zero());
 }
 
-/// Uniform from -most to most.
+/// Uniform random numbers from -most to most.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
@@ -143,7 +144,7 @@ class Random {
   std::uint64_t seed_, drawn_ = 0;
 };
 
-/// All kinds of guide with a potential, at arbitrary poses.
+/// Returns all kinds of guide with a potential, at arbitrary poses.
 std::vector<Guide> conservative() {
   std::vector<Guide> all;
   const Attract pull{.stiffness = 300.0, .damping = 2.0, .range = 0.3};
@@ -167,8 +168,8 @@ std::vector<Guide> conservative() {
 
 TEST(Guide, GivesNothingOverAClosedPathOutsideOfItsSolid) {
   for (const Guide& g : conservative()) {
-    // A loose knot around the place, more than 0.06 m away from it: it avoids the inside of solids,
-    // where the nearest face jumps.
+    // A closed path around the guide, at least 0.06 m away. The path avoids the inside of solids,
+    // because the nearest face jumps there.
     const auto at = [](double t) {
       return Vec3(0.12 * std::cos(t), 0.1 * std::sin(t), 0.05 * std::sin(2.0 * t));
     };
@@ -263,7 +264,7 @@ TEST(GuideFile, EveryKindIsReadAndAddsToTheObjects) {
   for (const Guide& g : s.guides()) guides += guide_force(g, tool).force();
   TouchMemory other = s.memory();
   const Command both = s.touch(tool, other);
-  EXPECT_EQ(both.elastic, wall.elastic);  // the contact's own normal
+  EXPECT_EQ(both.elastic, wall.elastic);  // the normal of the contact alone
   EXPECT_LT((both.frictional - wall.frictional - guides).norm(), 1e-12);
   EXPECT_LT(both.frictional.x(), -0.29);
 }

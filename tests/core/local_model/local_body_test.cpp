@@ -1,5 +1,4 @@
-// The local model of a tool with a body: against closed forms, against its own scene, and against
-// malicious models.
+// Compares the local model of a tool with a body with closed forms and with its scene.
 
 #include "core/local_model/local_body.hpp"
 
@@ -29,7 +28,7 @@ using test::kHalf;
 using test::kStiffness;
 using test::object;
 
-/// A box in the hand, and a surface that it touches.
+/// A box as the tool, and a surface that it touches.
 struct HeldBox {
   explicit HeldBox(const Shape& shape, double friction = 0.0, const Vec3& at = Vec3::Zero(),
                    std::size_t points = 2000) {
@@ -42,7 +41,7 @@ struct HeldBox {
   }
   Command touch(const Pose& device) { return scene->touch(device, Vec3::Zero(), 1e-3, memory); }
   BodyModel model(const Pose& device) const { return body_model(*scene, device, memory); }
-  /// Steps until the tool rests. Returns its command.
+  /// Steps until the tool rests. Returns the command.
   Command settle(const Pose& device) {
     Command c;
     for (int i = 0; i < 50; ++i) c = touch(device);
@@ -73,15 +72,15 @@ TEST(LocalBody, SaysNothingOfAToolThatIsAPointOrFarAway) {
   EXPECT_EQ(body_model(point, far, held.memory).reach, 0.0);
 }
 
-// A box pressed flat on a plane feels k / A_c times area times depth. If it tilts, it feels the
-// moments of a bed of springs: k / A_c I angle.
+// A box flat on a plane gets k / A_c times area times depth. A tilted box gets the moment of an
+// elastic foundation: k / A_c I angle.
 TEST(LocalBody, ABoxFlatOnAPlane) {
   HeldBox held(Plane{}, 0.0, Vec3::Zero(), 20000);
   const Pose device = leaning(0.009, 0.0, Vec3::UnitX());
   held.settle(device);
   const BodyModel model = held.model(device);
   ASSERT_GT(model.count, 10);
-  const double bed = kStiffness / kFace;  // [N/m^3]
+  const double bed = kStiffness / kFace;  // [N/m^3] stiffness per area of the foundation
   for (const double further : {0.0, 1e-4, 3e-4}) {
     Pose tool = held.memory.pose;
     tool.position.z() -= further;
@@ -90,7 +89,7 @@ TEST(LocalBody, ABoxFlatOnAPlane) {
     EXPECT_NEAR(c.wrench[2], test::flat_force(depth, kFace), 0.01 * c.wrench[2] + 0.003) << further;
     EXPECT_LT(c.wrench.tail<3>().norm(), 3e-4);
   }
-  const double angle = 2e-3;  // every spring remains compressed
+  const double angle = 2e-3;  // Every spring stays compressed.
   for (const auto& [about, moment] :
        {std::pair(Vec3(Vec3::UnitX()), 0.06 * std::pow(0.04, 3) / 12.0),
         std::pair(Vec3(Vec3::UnitY()), 0.04 * std::pow(0.06, 3) / 12.0)}) {
@@ -101,7 +100,7 @@ TEST(LocalBody, ABoxFlatOnAPlane) {
   }
 }
 
-// At its own pose the model has the scene's wrench, whatever surface the box touches.
+// At its own pose the model must give the scene's wrench for every touched surface.
 TEST(LocalBody, AtItsPoseIsTheScene) {
   for (const double angle : {0.0, 0.05, 0.2, 0.6, 0.955}) {
     for (const Vec3& about : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(2, 3, 0)}) {
@@ -120,13 +119,12 @@ TEST(LocalBody, AtItsPoseIsTheScene) {
   }
 }
 
-// A corner touches with few points, and each of them is a point of the model. So the model equals
-// the scene even after the tool has moved.
+// A model with all points of a corner must equal the scene even after the tool has moved.
 TEST(LocalBody, ACornerIsTheSceneAlsoElsewhere) {
   HeldBox held(Plane{});
   Pose device = leaning(0.0, 0.9, Vec3(-2, 3, 0));
   const Mat3 turned = device.orientation.toRotationMatrix();
-  double low = 0.0;  // [m] from the tool's origin down to the lowest corner
+  double low = 0.0;  // [m] height of the tool's origin above the lowest corner
   for (const double x : {-1.0, 1.0})
     for (const double y : {-1.0, 1.0})
       low = std::min(low, (turned * kHalf.cwiseProduct(Vec3(x, y, -1))).z());
@@ -182,7 +180,7 @@ TEST(LocalBody, IsSymmetricPositiveAndNeverPulls) {
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(c.stiffness, Eigen::EigenvaluesOnly);
     EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-9 * c.stiffness.norm());
     EXPECT_GE(c.energy, 0.0);
-    for (int k = 0; k < model.count; ++k) {  // each point alone pushes along its normal
+    for (int k = 0; k < model.count; ++k) {  // Each point alone pushes along its normal.
       BodyModel one = model;
       one.points[0] = model.points[static_cast<std::size_t>(k)];
       one.count = 1;
@@ -192,7 +190,7 @@ TEST(LocalBody, IsSymmetricPositiveAndNeverPulls) {
   }
 }
 
-// The wrench is the gradient of the energy, so a round trip of the tool gives no energy.
+// The wrench is the gradient of the energy. A closed path of the tool must give no energy.
 TEST(LocalBody, HasAPotential) {
   test::Random random(6);
   for (int i = 0; i < 200; ++i) {
@@ -251,7 +249,7 @@ TEST(LocalBody, LosesItsWeightAtTheEndOfItsReach) {
     const double w =
         local.touch({device.position + Vec3(way, 0, 0), device.orientation}, 0, 1e-3).weight;
     EXPECT_LE(w, last + 1e-12);
-    EXPECT_LT(last - w, 0.15);  // no jump
+    EXPECT_LT(last - w, 0.15);  // The weight must not jump.
     last = w;
   }
   EXPECT_EQ(last, 0.0);
@@ -270,7 +268,7 @@ TEST(LocalBody, NeverAllocates) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-/// A movement of the hand with the box: the device's pose at a time [s].
+/// A movement of the hand with the box: the device's pose over time [s].
 struct Movement {
   const char* name;
   Shape surface;
@@ -278,7 +276,7 @@ struct Movement {
   Pose (*pose)(double);
 };
 
-Pose rocks(double t) {  // the direction of the lean rotates
+Pose rocks(double t) {  // The direction of the tilt rotates.
   const double a = std::numbers::pi * t;
   return {Vec3(0, 0, 0.009),
           turned(Quaternion::Identity(), 0.2 * Vec3(std::cos(a), std::sin(a), 0))};
@@ -298,11 +296,11 @@ Pose taps(double t) {
 }
 
 struct Error {
-  double late = 0.0, linear = 0.0, local = 0.0, jump = 0.0;  // over the torque's RMS; [N m]
+  // late, linear, local: relative to the RMS torque; jump: [N m]
+  double late = 0.0, linear = 0.0, local = 0.0, jump = 0.0;
 };
 
-/// The wrench and 6x6 stiffness that the device feels at one pose: coupling and contact in series,
-/// and the friction that grips.
+/// Wrench and 6x6 stiffness at the device: coupling in series with contact and sticking friction.
 struct Linearised {
   Pose device;
   Command command;
@@ -328,7 +326,7 @@ struct Linearised {
   }
 };
 
-/// Errors over 3 s; models come `delay` ticks late, each `lost`-th is lost (0: none).
+/// Returns the errors over 3 s. Models are `delay` ticks late. Each `lost`-th is lost (0: none).
 Error error_of(const Movement& movement, std::size_t delay, int lost) {
   HeldBox server(movement.surface, 0.4, movement.at, 800);
   std::deque<std::pair<Command, BodyModel>> on_the_way;
@@ -378,7 +376,8 @@ TEST(LocalBody, IsTenTimesNearerThanALateReply) {
   for (const Movement& movement : kMovements) {
     for (const int lost : {0, 3}) {
 #ifdef FELTWIRE_SANITIZED
-      if (lost > 0) continue;  // only a figure for the report, forty times as slow here
+      // This case only reports a figure, and sanitizers are forty times as slow.
+      if (lost > 0) continue;
 #endif
       const Error error = error_of(movement, 50, lost);
       if (lost == 0)
@@ -386,11 +385,12 @@ TEST(LocalBody, IsTenTimesNearerThanALateReply) {
              {std::pair("late", error.late), std::pair("6x6", error.linear),
               std::pair("parts", error.local)})
           RecordProperty(std::string(movement.name) + "_" + what, std::to_string(value));
-      // On the edge of a solid the points of a part meet two sides.
+      // On the edge of a solid, the points of a part touch two sides.
       const bool on_edge = std::holds_alternative<Box>(movement.surface);
       EXPECT_LT(error.local, (on_edge ? 0.7 : 0.1) * error.late) << movement.name << " " << lost;
       EXPECT_LT(error.local, (on_edge ? 1.5 : 0.5) * error.linear) << movement.name << " " << lost;
-      EXPECT_LT(error.jump, 2e-3) << movement.name << " " << lost;  // [N m]; torque up to 0.05
+      // [N m] The torque is up to 0.05.
+      EXPECT_LT(error.jump, 2e-3) << movement.name << " " << lost;
     }
   }
 }

@@ -1,4 +1,4 @@
-// A local model, rendered elsewhere, equals its scene within its reach.
+// A local model must equal its scene within its valid radius.
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ Scene one(const TouchedShape& felt, Random& random, const Material& material = k
   return Scene("one", {o});
 }
 
-/// A hand wanders about the middle of a scene's object, a fraction of a millimetre per sample.
+/// A hand moves at random about an object, a fraction of a millimetre per sample.
 class Wanderer {
  public:
   Wanderer(Random& random, const Pose& about) : random_(random), about_(about) {
@@ -85,8 +85,8 @@ void expect_near(const Command& a, const Command& b, double relative, const char
   EXPECT_LE((a.frictional - b.frictional).norm(), scale) << name;
 }
 
-// A hand wanders in and out and gets a model every 40 ms. At every tick where only the model
-// answers, it equals the scene, including friction and its memory.
+// A hand moves in and out and gets a model every 40 ms. While the model alone gives the force, this
+// force must equal the scene's force, including friction and its memory.
 TEST(LocalModel, IsTheObjectItWasMadeOf) {
   Random random(1);
   for (const TouchedShape& felt : kFelt) {
@@ -126,8 +126,8 @@ struct Followed {
   int touched = 0, together = 0, spoke = 0, ticks = 0;
 };
 
-/// Hands wander about places on a scene's surfaces, with a model every 20 ms. Where only the models
-/// answer, they equal the scene.
+/// Hands move at random near a scene's surfaces, with a model every 20 ms. While the models alone
+/// give the force, the force must equal the scene's.
 Followed follow(const Scene& scene, Random& random, double width) {
   Followed sum;
   for (int run = 0; run < 150; ++run) {
@@ -163,7 +163,7 @@ TEST(LocalModel, IsTheRoomThatItWasMadeOf) {
   EXPECT_GT(sum.spoke, sum.ticks / 2);
 }
 
-// Overlapping solids: more touch at once than a model describes.
+// The tool touches more overlapping solids than a model can describe.
 TEST(LocalModel, IsTheHeapThatItWasMadeOf) {
   Random random(5);
   Followed sum;
@@ -186,7 +186,7 @@ TEST(LocalModel, IsTheHeapThatItWasMadeOf) {
   EXPECT_GT(sum.spoke, sum.ticks / 10);
 }
 
-// A hand has entered a thin sheet from above and is now nearer to the lower face.
+// A hand entered a thin sheet from above and is now nearer to the lower face.
 TEST(LocalModel, KeepsTheFaceThatTheToolEnteredBy) {
   const Scene sheet = of({object("sheet", Box{Vec3(0.1, 0.1, 1e-3)})});
   TouchMemory memory = sheet.memory();
@@ -198,30 +198,31 @@ TEST(LocalModel, KeepsTheFaceThatTheToolEnteredBy) {
     ASSERT_GE(model.count, 1);
     EXPECT_EQ(model.patches[0].normal, Vec3::UnitZ());
     EXPECT_TRUE(model.patches[0].touching);
-    local.clear();  // only the model knows the face
+    local.clear();  // Only the model still has the face.
     local.take(model);
     expect_near(local.touch(tool, 0.0, 1e-3).command, truth, 1e-9, "sheet");
   }
 }
 
-// The contact state in a model is old; the client's own memory of the contact is newer.
+// The contact state in a model is old. The client's own contact memory is newer and must stay.
 TEST(LocalModel, AnUpdateKeepsTheStickPointAndTheFaceOfThisSide) {
   const Scene scene = of({object("block", Box{Vec3(0.05, 0.05, 0.05)})});
   TouchMemory memory = scene.memory();
   LocalContact local;
   const auto tool = [](double x, double z) { return Tool{Vec3(x, 0.0, z), Vec3::Zero()}; };
   local.take(local_model(scene, tool(0.04, 0.051).position, memory));
-  local.touch(tool(0.04, 0.049), 0.0, 1e-3);  // enters from above
+  local.touch(tool(0.04, 0.049), 0.0, 1e-3);  // The hand enters from above.
   const Command before = local.touch(tool(0.0402, 0.049), 0.0, 1e-3).command;
-  EXPECT_NEAR(before.frictional.x(), -1200 * 2e-4, 1e-9);  // the stick point is 0.2 mm behind
+  // The stick point is 0.2 mm away from the tool.
+  EXPECT_NEAR(before.frictional.x(), -1200 * 2e-4, 1e-9);
 
-  scene.touch(tool(0.0495, 0.047), memory);  // meanwhile the server has it entering from the side
+  scene.touch(tool(0.0495, 0.047), memory);  // The server's tool enters from the side meanwhile.
   EXPECT_EQ(memory[0].feature.normal, Vec3::UnitX());
   local.take(local_model(scene, tool(0.0495, 0.047).position, memory));
   expect_near(local.touch(tool(0.0402, 0.049), 0.0, 1e-3).command, before, 1e-9, "block");
 }
 
-// For a hand that moves along with it, a moving surface equals the resting one.
+// If a hand moves along with a moving surface, the force must equal the force of a resting surface.
 TEST(LocalModel, MovingSurfacesAreTheRestingOnesSeenInMotion) {
   Random random(3);
   for (int run = 0; run < 200; ++run) {
@@ -238,7 +239,8 @@ TEST(LocalModel, MovingSurfacesAreTheRestingOnesSeenInMotion) {
       const double time = 1e-3 * n;
       if (n % 50 == 0) {
         LocalModel model = local_model(scene, tool.position, memory);
-        // The model comes late; when it was made, all was at the origin of the moving frame.
+        // The model arrives late. At its creation, all positions were at the origin of the moving
+        // frame.
         age = random.uniform(0.0, 0.03);
         model.reach = 1.0;
         for (SurfacePatch& patch : model.patches) patch.radius = 1.0;

@@ -1,5 +1,5 @@
-// The local model of a mesh for a ball: it has the triangles themselves and the ball's radius, so
-// edges and corners are round.
+// The local model of a mesh for a ball has the triangles and the ball's radius. Edges and corners
+// are therefore round.
 
 #include <gtest/gtest.h>
 
@@ -19,12 +19,13 @@ const Material kDry{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_fr
 
 struct Rolled {
   int ticks = 0, spoke = 0, touched = 0, round = 0;
-  double worst = 0.0;  // [N]
-  double slope = 0.0;  // largest error beyond 0.1 mm, over the movement's force
+  double worst = 0.0;  // [N] largest error
+  double slope = 0.0;  // largest error beyond 0.1 mm, relative to the force of the movement
 };
 
-/// Hands wander about places on a mesh, with a model every 20 ticks. `direction_of`: the direction
-/// of a place from the mesh's middle. round: ticks whose force is along no triangle's normal.
+/// Hands move at random near a mesh, with a model every 20 ticks. `direction_of` returns a
+/// direction from the mesh's centre. `round` counts ticks in which the force differs from every
+/// triangle's normal.
 template <class DirectionOf>
 Rolled roll(const Object& object, Random& random, DirectionOf direction_of, double from = 0.15) {
   const Scene scene("s", {object});
@@ -42,7 +43,7 @@ Rolled roll(const Object& object, Random& random, DirectionOf direction_of, doub
       ++sum.ticks;
       if (!hand.step(wanderer.step())) continue;
       ++sum.spoke;
-      // Near an edge the ball's middle magnifies the error that the scene's steps leave.
+      // Near an edge, the ball's centre amplifies the remaining error of the scene's iteration.
       if (hand.truth().elastic.norm() > 0.6 * kBall * kStiffness) break;
       sum.worst = std::max(sum.worst, hand.error());
       const double way = kStiffness * (hand.tool().position - hand.asked()).norm();
@@ -61,8 +62,8 @@ Rolled roll(const Object& object, Random& random, DirectionOf direction_of, doub
   return sum;
 }
 
-// The scene's own ball stops when a step is below 1e-7 of its radius: less than half a micrometre
-// from its resting place on an edge.
+// The scene's own ball stops when a step is below 1e-7 of its radius. The error on an edge is then
+// below half a micrometre.
 constexpr double kExact = 0.5e-6 * kStiffness;  // [N]
 
 TEST(BallPatches, FacesEdgesAndCornersOfABoxAreRound) {
@@ -85,7 +86,7 @@ TEST(BallPatches, FacesEdgesAndCornersOfABoxAreRound) {
   EXPECT_GT(edge.round, 3000);
 }
 
-/// A corner of a box has three faces, for a point and for a ball.
+/// A corner of a box must have three faces, for a point and for a ball.
 TEST(BallPatches, AtACornerAllThreeFacesAreKnown) {
   const Vec3 half(0.05, 0.04, 0.03);
   for (const double radius : {0.0, kBall}) {
@@ -104,8 +105,8 @@ TEST(BallPatches, AtACornerAllThreeFacesAreKnown) {
   }
 }
 
-// A ball is pressed in over an edge until its middle is in the solid. It falls to the side to
-// which the scene's ball falls.
+// A ball is pressed over an edge until its centre is in the solid. The ball must slide to the side
+// to which the scene's ball slides.
 TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
   Random random(4);
   const Vec3 half(0.05, 0.04, 0.03);
@@ -121,14 +122,14 @@ TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
       const auto corners = triangles.corners(t);
       const std::uint32_t other = triangles.neighbour(t, 0);
       const Vec3 a = triangle_normal(corners), b = triangle_normal(triangles.corners(other));
-      if (a.dot(b) > 0.9) continue;  // not an edge
+      if (a.dot(b) > 0.9) continue;  // no edge
       const Vec3 edge = 0.5 * (corners[0] + corners[1]), out = (a + b).normalized();
       const Vec3 aside = (a - b).normalized();
       test::FollowedHand hand(scene, 20);
       const double off = (random.chance(0.5) ? 1.0 : -1.0) * random.uniform(3e-5, 4e-4);
       for (double height = 6e-3; height > -2e-3; height -= 2e-5) {
         if (!hand.step({edge + height * out + off * aside, Vec3::Zero()})) continue;
-        // Directly over the edge a tiny difference decides.
+        // Directly over the edge, rounding decides the side.
         if (height > -2e-4 && height < 1.2e-3) continue;
         ASSERT_LE(hand.error(), 0.02) << run << " height " << height << " off " << off;
         fell += height < 0.0 ? 1 : 0;
@@ -138,14 +139,14 @@ TEST(BallPatches, FromAnEdgeTheBallFallsToTheSameFace) {
   }
 }
 
-// The ball moves in one sample from over the edge to behind it. It rests on neither the nearest
-// face before nor the nearest face after, but rolls down; the scene's ball takes some samples.
+// In one sample the ball moves from the front of an edge to the other side. The ball rests neither
+// on the first face nor on the second, but slides down. The scene's ball takes some samples.
 TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
   Random random(5);
   const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05), 2), {.radius = kBall},
                                             {.stiffness = kStiffness})});
   constexpr int kRuns = 200;
-  constexpr double kNear = 1e-4;  // [m] from the edge
+  constexpr double kNear = 1e-4;  // [m] distance from the edge
   int others = 0, crossed = 0;
   for (int run = 0; run < kRuns; ++run) {
     const Vec3 edge(0.05, 0.05, 0.012);
@@ -157,11 +158,11 @@ TEST(BallPatches, AcrossAnEdgeTheBallRollsToTheSameFace) {
     hand.step({edge + over, Vec3::Zero()});
     for (int n = 0; n < 300; ++n) hand.step({edge + behind, Vec3::Zero()});
     others += hand.error() > 0.1 * kBall * kStiffness ? 1 : 0;
-    // The ball came down at the farther of the two faces.
+    // The ball landed on the farther face.
     crossed +=
         (over.x() > over.y()) != (hand.truth().elastic.x() > hand.truth().elastic.y()) ? 1 : 0;
   }
-  EXPECT_LE(others, kRuns / 50);  // a tiny difference decides
+  EXPECT_LE(others, kRuns / 50);  // Rounding decides these cases.
   EXPECT_GT(crossed, kRuns / 10);
 }
 
@@ -178,7 +179,7 @@ TEST(BallPatches, InAHollowTheBallStandsOffAllWalls) {
   }
 }
 
-// Obtuse edges, and facets that are smaller than the ball.
+// Tests obtuse edges, and facets smaller than the ball.
 TEST(BallPatches, AnIcosahedronAndAFineSphere) {
   Random random(3);
   const auto anywhere = [&] { return random.direction(); };
@@ -197,7 +198,7 @@ TEST(BallPatches, AnIcosahedronAndAFineSphere) {
   }
 }
 
-// The model has the triangles at their places; the ball has an offset from them.
+// The model has the triangles at their positions. The ball has an offset from them.
 TEST(BallPatches, AnnounceTheTrianglesAndTheBall) {
   const Scene scene("s", {test::mesh_object(test::box(Vec3(0.05, 0.05, 0.05)), {.radius = kBall})});
   TouchMemory memory = scene.memory();
@@ -214,10 +215,10 @@ TEST(BallPatches, AnnounceTheTrianglesAndTheBall) {
     EXPECT_EQ(model.patches[0].touching, z < 0.054);
     EXPECT_TRUE(model.patches[0].faceted);
     EXPECT_FALSE(model.patches[0].rough);
-    // The far side of the box is hidden: only the searched region ends the reach.
+    // The far side of the box is hidden. Only the searched region may limit the valid radius.
     EXPECT_GT(model.reach, 0.04);
   }
-  // In a hollow that is too tight, the ball rests on more places than a model describes.
+  // In a tight hollow, the ball touches more points than a model can describe.
   const Scene bowl("s", {test::mesh_object(test::icosphere(1.5 * kBall, 4), {.radius = kBall}, {},
                                            Side::inside)});
   TouchMemory inside = bowl.memory();

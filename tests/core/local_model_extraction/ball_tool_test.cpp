@@ -1,4 +1,5 @@
-// A ball as the tool: its local model equals its scene, within its reach.
+// Tests a ball as the tool. The local model must equal the scene within the valid radius of the
+// model.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ using test::Random;
 
 constexpr double kBall = 4e-3;         // [m]
 constexpr double kStiffness = 1200.0;  // [N/m]
-constexpr double kResolved = 1e-4;     // [m] what a grid of 2 mm resolves
+constexpr double kResolved = 1e-4;     // [m] error of a grid with 2 mm
 const Material kRough{.stiffness = kStiffness,
                       .damping = 1.5,
                       .static_friction = 0.5,
@@ -44,12 +45,12 @@ Scene scene_of(const Object& object) {
 
 struct Rolled {
   int ticks = 0, spoke = 0, touched = 0, slipped = 0, together = 0;
-  double worst = 0.0;  // [N] the largest error
+  double worst = 0.0;  // [N] largest error
   double slope = 0.0;  // largest error over the stiffness times the distance moved since the model
 };
 
-/// Hands reach an object from free space and wander about it, with a model every 20 ticks.
-/// `deepest` [m]: a hand that presses deeper ends its run.
+/// Hands approach an object from free space and then move near the object at random, with a model
+/// every 20 ticks. A hand deeper than `deepest` [m] ends its run.
 Rolled roll(const Object& object, Random& random, double deepest = 1.0,
             const Vec3& core = Vec3::Zero()) {
   const Scene scene = scene_of(object);
@@ -81,8 +82,8 @@ void expect_rolled(const Rolled& rolled, const char* name) {
   EXPECT_GT(rolled.spoke, rolled.ticks / 3) << name;
 }
 
-// If a solid keeps its kind when it grows, a ball's model is as exact as a point's, friction
-// included.
+// Some solids keep their kind when they grow by a radius. A ball's model must then be as exact as a
+// point's, including friction.
 TEST(BallTool, SolidsThatGrowAreExact) {
   struct TouchedShape {
     const char* name;
@@ -116,8 +117,8 @@ TEST(BallTool, RoundEdgesAreExact) {
   expect_rolled(can, "can");
 }
 
-// Patches only approximate these shapes. The error grows with the distance that the hand has moved
-// since the model was made.
+// Patches only approximate these shapes. The error grows with the hand's distance from the model's
+// position.
 TEST(BallTool, OthersAreFitted) {
   Random random(3);
   const Vec3 core(0.05, 0.0, 0.0);
@@ -145,7 +146,7 @@ TEST(BallTool, OnAMeshItIsTheMeshsOwnBall) {
     return test::mesh_object(test::box(half, 2), {.radius = radius}, kRough);
   };
   const Scene thick("thick", {mesh(3.0 * kBall)});
-  const Scene both = scene_of(mesh(2.0 * kBall));  // and the tool's
+  const Scene both = scene_of(mesh(2.0 * kBall));  // including the tool's radius
   for (int i = 0; i < 500; ++i) {
     TouchMemory a = thick.memory(), b = both.memory();
     const Vec3 from = 0.15 * random.direction();
@@ -168,7 +169,7 @@ TEST(BallTool, OnAMeshItIsTheMeshsOwnBall) {
   }
 }
 
-/// A client that joins while the ball rubs continues with the server's stick point.
+/// A client joins while the ball slides. The client must continue with the server's stick point.
 TEST(BallTool, AContactThatTheServerHoldsIsTakenUp) {
   for (const Vec3& edge : {Vec3(0.0, 0.0, 0.0), Vec3(0.05, 0.0, 0.0)}) {  // a face, an edge
     Object object = object_of(Box{Vec3(0.05, 0.04, 0.02)});

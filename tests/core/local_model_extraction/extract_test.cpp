@@ -1,4 +1,4 @@
-// The description of a scene near a tool: its surfaces, and the reach of the description.
+// Tests the local model of a scene near a tool: its surfaces and its valid radius.
 
 #include "core/local_model_extraction/extract.hpp"
 
@@ -29,7 +29,7 @@ TEST(Near, KnowsAWallBeforeItIsTouched) {
   EXPECT_EQ(model.patches[0].normal, Vec3::UnitZ());
   EXPECT_FALSE(model.patches[0].touching);
   EXPECT_EQ(model.reach, kModelReach);
-  // Farther than a model's reach there is nothing, and the model knows it.
+  // The model must report that the space beyond its largest radius is empty.
   const LocalModel far = local_model(floor, Vec3(0, 0, 0.11), floor.memory());
   EXPECT_EQ(far.count, 0);
   EXPECT_EQ(far.reach, kModelReach);
@@ -38,9 +38,9 @@ TEST(Near, KnowsAWallBeforeItIsTouched) {
     return local_model(block, Vec3(x, 0, z), block.memory()).count;
   };
   EXPECT_EQ(faces(0.0, 0.151), 0);
-  EXPECT_EQ(faces(0.0, 0.149), 1);   // the edges are farther than 0.1 m
-  EXPECT_EQ(faces(0.04, 0.149), 2);  // an edge is nearer
-  EXPECT_EQ(faces(0.06, 0.149), 2);  // beyond both faces: the edge itself
+  EXPECT_EQ(faces(0.0, 0.149), 1);   // The edges are farther than 0.1 m.
+  EXPECT_EQ(faces(0.04, 0.149), 2);  // An edge is nearer.
+  EXPECT_EQ(faces(0.06, 0.149), 2);  // Beyond both faces, the edge is nearest.
   EXPECT_EQ(faces(0.06, 0.1495), 0);
 }
 
@@ -54,10 +54,10 @@ TEST(Near, ReachEndsBeforeWhatIsLeftOut) {
   const LocalModel model = local_model(scene, Vec3::Zero(), scene.memory());
   ASSERT_EQ(model.count, 3);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(model.patches[static_cast<std::size_t>(i)].object, i);
-  EXPECT_NEAR(model.reach, 0.04, 1e-15);  // from the fourth ball's surface
+  EXPECT_NEAR(model.reach, 0.04, 1e-15);  // distance to the fourth ball's surface
 }
 
-// The side and the ends of a capsule are one smooth surface, but not a single patch.
+// The side and the ends of a capsule form one smooth surface, but need several patches.
 TEST(Near, ReachEndsWhereACapsuleBendsAway) {
   const Scene scene = of({object("capsule", Capsule{0.02, 0.04})});
   const auto at = [&](double x, double z) {
@@ -69,7 +69,7 @@ TEST(Near, ReachEndsWhereACapsuleBendsAway) {
     EXPECT_NEAR(model.patches[0].radius, 0.01, 1e-15);
   }
   EXPECT_NEAR(at(0.019, 0.03).reach, 0.01, 1e-15);
-  EXPECT_NEAR(at(0.05, 0.0).reach, 0.05, 1e-15);  // 40 mm along and 30 mm in
+  EXPECT_NEAR(at(0.05, 0.0).reach, 0.05, 1e-15);  // 40 mm along and 30 mm inwards
   EXPECT_EQ(at(0.0, 0.07).patches[0].axis, Vec3::Zero());
   EXPECT_NEAR(at(0.0, 0.07).reach, 0.03, 1e-15);
 }

@@ -1,4 +1,4 @@
-// The limits of the claims about a fitted surface: each reason by itself.
+// Tests each limit of the valid radius of a fitted surface separately.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,8 @@ namespace {
 
 using test::Random;
 
-// A cylinder's normal turns by k across it and not along it; a ball's normal turns equally.
+// A cylinder's normal rotates by k across the axis and by zero along it. A ball's normal rotates
+// equally in both directions.
 TEST(LocalCurvature, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
   Random random(1);
   for (int n = 0; n < 100; ++n) {
@@ -32,7 +33,8 @@ TEST(LocalCurvature, IsTheCylinderOrTheBallThatTheNormalTurnsAbout) {
     const LocalCurvature ball = local_curvature(u, v, k, 0.0, k);
     EXPECT_NEAR(ball.curvature, k, 1e-9 * std::abs(k));
     EXPECT_TRUE(ball.axis.isZero(0.0));
-    // Three quarters of the curvature are nearer to a ball; a tenth is nearer to a cylinder.
+    // The first curvatures are nearer to a ball than to a cylinder: the smaller is three quarters
+    // of the larger. The second are nearer to a cylinder: the smaller is a tenth.
     EXPECT_NEAR(local_curvature(u, v, k, 0.0, 0.75 * k).curvature, 0.875 * k, 1e-9 * std::abs(k));
     EXPECT_NEAR(local_curvature(u, v, k, 0.0, 0.1 * k).curvature, k, 1e-9 * std::abs(k));
   }
@@ -55,8 +57,8 @@ MeshFit plane_of(const MeshSurface& surface, const Vec3& place) {
   return fit;
 }
 
-// A ball falls away from its tangent plane by x^2 / 2R: at R / 32 this is x / 64. A hollow ball
-// rises by as much.
+// A ball deviates from its tangent plane by x^2 / 2R. At a distance of R / 32 the deviation is x /
+// 64. A hollow ball deviates by an equal amount.
 TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
   constexpr double kRadius = 0.05;
   const MeshSurface surface(TriangleMesh(test::icosphere(kRadius, 6)));
@@ -68,11 +70,11 @@ TEST(MeshFits, APlaneOnABallEndsWhereTheSlopeDoes) {
     fits.add(fit);
     const auto other = fits.first_other(top, 0.0, 0.01);
     EXPECT_NE(other.triangle, TriangleMesh::kNone);
-    EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // a facet measures 0.9 mm
+    EXPECT_NEAR(other.distance, kRadius / 32.0, 1e-3);  // A facet is 0.9 mm wide.
   }
 }
 
-// Facets so fine that the inspected ones are almost flat.
+// The facets are so fine that the inspected facets are almost flat. The fit must still be a ball.
 TEST(MeshFits, AVeryFineBallIsABallAllTheSame) {
   constexpr double kRadius = 0.09;
   const Vec3 out = Vec3(0.2, 0.3, 0.93).normalized();
@@ -101,7 +103,7 @@ TEST(MeshFits, AVeryFineBallIsABallAllTheSame) {
   EXPECT_GT(model.reach, 6e-3);
 }
 
-// The other side of a sheet does not belong to a patch, however thin the sheet is.
+// The other side of a sheet must not belong to a patch, for any thickness.
 TEST(MeshFits, WhatIsTurnedAwayIsNotDescribed) {
   const Vec3 half(0.02, 0.02, 1e-6);
   MeshSurface surface(TriangleMesh(test::box(half, 4)));
@@ -110,8 +112,8 @@ TEST(MeshFits, WhatIsTurnedAwayIsNotDescribed) {
   EXPECT_LT(fits.first_other(Vec3(1e-3, 2e-3, half.z()), 0.0, 0.01).distance, 1e-4);
 }
 
-// The corners and the centroid of a triangle lie behind a hollow; the middle of its longest side
-// lies before it.
+// The hollow hides the corners and the centroid of a triangle, but not the middle of the triangle's
+// longest side.
 TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
   constexpr double kHollow = 0.05, kReach = 0.02, kAbove = 2e-4;
   TriangleSoup soup;
@@ -120,7 +122,7 @@ TEST(MeshFits, ATriangleAcrossAHollowIsNotHidden) {
   const MeshSurface surface{TriangleMesh(soup)};
   MeshFits fits(surface, 1.0);
   MeshFit fit;
-  fit.point = -surface.mesh().origin();  // the hollow's lowest point
+  fit.point = -surface.mesh().origin();  // the lowest point of the hollow
   fit.curvature = -1.0 / kHollow;
   fits.add(fit);
   EXPECT_EQ(fits.first_other(fit.point, 0.0, 0.03).triangle, 0u);
@@ -131,8 +133,8 @@ LocalModel model_over(const TriangleSoup& soup, const Vec3& position,
   return model_at(test::mesh_object(soup, options), position, position + 1e-3 * Vec3::UnitZ());
 }
 
-// Two blocks side by side. Beyond the gap are known planes that do not belong to the first block:
-// a plane at the same height, and a lower one that only the top hides.
+// Two blocks are side by side. Two planes beyond the gap do not belong to the first block: a plane
+// at equal height, and a lower plane that only the top hides.
 TEST(MeshFits, WhatAnotherPatchCutsOffIsNotDescribed) {
   const Vec3 half(0.02, 0.02, 0.02);
   for (const double lower : {0.0, 5e-3}) {
@@ -145,7 +147,7 @@ TEST(MeshFits, WhatAnotherPatchCutsOffIsNotDescribed) {
   }
 }
 
-/// A square with a corner and two sides; its outside is along u x v.
+/// Adds a square with a corner and two sides. Its outside is along u x v.
 void add_square(TriangleSoup& soup, const Vec3& corner, const Vec3& u, const Vec3& v) {
   const auto first = static_cast<std::uint32_t>(soup.vertices.size());
   soup.vertices.insert(soup.vertices.end(), {corner, corner + u, corner + u + v, corner + v});
@@ -153,11 +155,11 @@ void add_square(TriangleSoup& soup, const Vec3& corner, const Vec3& u, const Vec
   soup.triangles.push_back({first, first + 2, first + 3});
 }
 
-// At the foot of a block's edge two concave edges meet a convex one.
+// At the foot of a block's edge, two concave edges meet a convex one.
 TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
   const double s = 0.03;
   const Vec3 x = s * Vec3::UnitX(), y = s * Vec3::UnitY(), z = s * Vec3::UnitZ();
-  TriangleSoup soup;  // the block stands on x < 0, y < 0
+  TriangleSoup soup;  // The block stands on x < 0, y < 0.
   for (const Vec3& corner : {Vec3(-y), Vec3(Vec3::Zero()), Vec3(-x)})
     add_square(soup, corner, x, y);
   add_square(soup, -y, y, z);
@@ -167,7 +169,7 @@ TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
   EXPECT_FALSE(model.patches[0].joined);
   EXPECT_EQ(model.patches[0].normal, Vec3::UnitX());
   EXPECT_EQ(model.patches[1].normal, Vec3::UnitZ());
-  EXPECT_NEAR(model.reach, std::hypot(1e-3, 6e-3), 1e-9);  // to the face round the corner
+  EXPECT_NEAR(model.reach, std::hypot(1e-3, 6e-3), 1e-9);  // to the face behind the corner
 
   const LocalModel edge = model_over(soup, Vec3(1e-3, 1.1e-3, 2.5e-3));
   ASSERT_EQ(edge.count, 2);
@@ -175,22 +177,22 @@ TEST(MeshFits, ConvexAndHollowEdgesAreNotTogether) {
   EXPECT_NEAR(edge.reach, 2.5e-3, 1e-9);  // to the plate
 }
 
-// Beyond the triangles that are inspected one by one: something above, a terrace.
+// Beyond the inspected triangles, the surface ends or something is above it.
 TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
   const TriangleSoup floor = test::sheet(0.15, 100);
   const Vec3 over(1e-3, 2e-3, 1e-3);
   EXPECT_GT(model_over(floor, over).reach, 0.06);
-  // A ball of 4 mm, 30 mm above.
+  // A ball of 4 mm is 30 mm above the floor.
   const LocalModel hung = model_over(
       test::joined(floor, test::moved(test::icosphere(4e-3, 2), Vec3(0, 0, 0.034))), over);
   ASSERT_EQ(hung.count, 1);
   EXPECT_LT(hung.reach, 0.03);
-  // A ring around it, 20 mm above.
+  // A ring is around the tool, 20 mm above the floor.
   const LocalModel ringed = model_over(
       test::joined(floor, test::moved(test::torus(0.045, 3e-3, 60, 12), Vec3(0, 0, 0.02))), over);
   ASSERT_EQ(ringed.count, 1);
   EXPECT_LT(ringed.reach, 0.042);
-  // 30 mm of floor, then floor 5 mm lower.
+  // The floor is 5 mm lower after 30 mm.
   const LocalModel terrace = model_over(
       test::joined(test::sheet(0.03, 20), test::moved(test::sheet(0.15, 100), Vec3(0, 0, -5e-3))),
       over);
@@ -198,7 +200,7 @@ TEST(MeshRings, EndWhereSomethingStandsAboveOrTheSurfaceDoes) {
   EXPECT_LE(terrace.reach, 0.03);
 }
 
-// For a ball, everything near is closer by its radius.
+// For a ball, the distance to everything near is smaller by its radius.
 TEST(MeshBall, MeetsWhatIsNotDescribedARadiusEarlier) {
   constexpr double kRadius = 3e-3;
   const TriangleSoup sheet = test::sheet(0.03, 3);
@@ -206,7 +208,7 @@ TEST(MeshBall, MeetsWhatIsNotDescribedARadiusEarlier) {
   ASSERT_EQ(above.count, 1);
   EXPECT_NEAR(above.reach, std::hypot(0.01, 2e-3) - kRadius, 1e-9);
   EXPECT_NEAR(above.patches[0].radius, std::hypot(0.01, kRadius) - kRadius, 1e-9);
-  // From below nothing holds the tool, and the model is silent about the sheet above.
+  // From below nothing holds the tool. The model must omit the sheet above.
   const Scene scene("s", {test::mesh_object(sheet, {.radius = kRadius})});
   const LocalModel below = local_model(scene, Vec3(0.01, 0.0, -5e-3), scene.memory());
   EXPECT_EQ(below.count, 0);
@@ -223,7 +225,7 @@ Object grid_of(const Solid& solid, double resolution, Side side = Side::outside)
 }
 
 TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
-  // 4 mm thick: below the middle the other face is nearer.
+  // The plate is 4 mm thick. Below the middle the other face is nearer.
   const Vec3 over(1e-3, 2e-3, 2.5e-3);
   const LocalModel plate =
       model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 2e-3)}), 5e-4), over, 2.0 * over);
@@ -232,7 +234,7 @@ TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
   const LocalModel block = model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.02)}), 1e-3),
                                     Vec3(1e-3, 2e-3, 0.0205), Vec3(1e-3, 2e-3, 0.03));
   EXPECT_GT(block.reach, 0.03);
-  // A room 20 mm high: half way up, floor and ceiling are equally near.
+  // The room is 20 mm high. Half way up, floor and ceiling are equally near.
   const Vec3 low(1e-3, 2e-3, -9.5e-3);
   const LocalModel room =
       model_at(grid_of(solid_of(Box{Vec3(0.06, 0.06, 0.01)}), 1e-3, Side::inside), low, 0.9 * low);
@@ -240,7 +242,7 @@ TEST(GridRings, EndWhereThePlateIsThinOrTheRoomLow) {
   EXPECT_LT(room.reach, 0.02);
 }
 
-// A rod in any direction is fitted by a cylinder along it.
+// A rod in any direction must get a cylinder along it.
 TEST(GridRings, ARodIsACylinderWhicheverWayItPoints) {
   constexpr double kRadius = 0.02;
   Random random(2);

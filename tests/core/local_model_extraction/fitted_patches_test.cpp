@@ -1,5 +1,5 @@
-// Local models of meshes and grids: exact for flat parts, off by a share of the hand's movement for
-// fitted parts, and empty where a fit would not hold.
+// Local models of meshes and grids must be exact for flat parts. For fitted parts, the error is
+// proportional to the hand's movement. The models must be empty where a fit is invalid.
 
 #include "core/local_model_extraction/fitted_patches.hpp"
 
@@ -43,12 +43,12 @@ Object grid(const Shape& solid, double resolution, Side side = Side::outside) {
 
 struct Followed {
   int spoke = 0, touched = 0, together = 0, ticks = 0;
-  double reach = 0.0;  // [m] mean
+  double reach = 0.0;  // [m] mean valid radius
 };
 
-/// A hand wanders near the surface, with a model every 20 ticks; `core` [m] is within the surface.
-/// A model that answers alone may differ from the scene by the stiffness times `exact` [m], plus
-/// the stiffness times `slope` of the hand's distance since the model and of the depth.
+/// A hand moves at random near the surface, with a model every 20 ticks. `core` [m] is a point in
+/// the solid. While the model alone gives the force, the error may be stiffness * (`exact` +
+/// `slope` * (distance from the model's position + depth)).
 Followed follow(Object object, Random& random, double slope, double exact,
                 const Vec3& core = Vec3::Zero()) {
   constexpr int kEvery = 20;
@@ -86,8 +86,8 @@ Followed follow(Object object, Random& random, double slope, double exact,
   return sum;
 }
 
-// Flat faces and their edges are exact, however the faces are cut into triangles: convex edges
-// with friction, concave ones, obtuse ones.
+// Flat faces and their edges must be exact for any triangulation: convex edges with friction,
+// concave edges and obtuse edges.
 TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
   Random random(1);
   for (const int squares : {1, 5}) {
@@ -109,7 +109,8 @@ TEST(FittedPatches, FlatFacesAndTheirEdgesAreExact) {
   }
 }
 
-// A fit errs by a share of the hand's movement since the model, and by the facets.
+// The error of a fit is proportional to the hand's movement since the model, plus the error of the
+// facets.
 TEST(FittedPatches, FineMeshesAreCurvedPatches) {
   Random random(2);
   constexpr double kRadius = 0.05;
@@ -137,7 +138,8 @@ TEST(FittedPatches, GridsAreCurvedPatches) {
   EXPECT_GT(can.spoke, can.ticks / 3);
 }
 
-// Cones and rings bend in more ways than a patch can: the patch holds only near.
+// A patch cannot describe the curvature of cones and rings. Such a patch is valid only near the
+// tool.
 TEST(FittedPatches, ConesAndRingsAreCurvedPatches) {
   Random random(4);
   const auto shown = [](const Shape& shape, Side side) {
@@ -159,7 +161,7 @@ TEST(FittedPatches, ConesAndRingsAreCurvedPatches) {
   }
 }
 
-/// A hand moves round a faceted ball at a steady depth, across 20 facets and more.
+/// A hand moves around a faceted ball at constant depth, across 20 facets or more.
 TEST(FittedPatches, FrictionRoundFacetsIsTheScenes) {
   constexpr double kRadius = 0.05, kStep = 1e-4;  // [m]
   for (const int level : {1, 2, 3, 5})
@@ -223,15 +225,16 @@ TEST(FittedPatches, ASphereIsABallOfItsRadius) {
   EXPECT_NEAR(std::abs(can.patches[0].axis.z()), 1.0, 1e-3);
 }
 
-// The limits of a claim: the border of a sheet, the far side of a surface that does not hold the
-// tool, other parts of the mesh.
+// The valid radius must end at the border of a sheet, at the far side of a one-sided surface, and
+// at other parts of the mesh.
 TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   const Scene sheet("s", {mesh(test::sheet(0.03, 3), kSmooth)});
   const LocalModel above = model_at(sheet, Vec3(0.02, 0.0, 1e-3));
   ASSERT_EQ(above.count, 1);
   EXPECT_NEAR(above.reach, std::hypot(0.01, 1e-3), 1e-9);
   EXPECT_NEAR(above.patches[0].radius, 0.01, 1e-9);
-  const LocalModel below = model_at(sheet, Vec3(0.02, 0.0, -1e-3));  // nothing holds the tool there
+  // Nothing holds the tool there.
+  const LocalModel below = model_at(sheet, Vec3(0.02, 0.0, -1e-3));
   EXPECT_EQ(below.count, 0);
   EXPECT_NEAR(below.reach, 1e-3, 1e-9);
 
@@ -241,7 +244,7 @@ TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   ASSERT_EQ(under.count, 1);
   EXPECT_EQ(under.patches[0].normal, Vec3(-Vec3::UnitZ()));
 
-  // A ball 5 mm over a plate, as one mesh.
+  // A ball is 5 mm over a plate in one mesh.
   const Scene parts("s",
                     {mesh(test::joined(test::box(Vec3(0.1, 0.1, 0.01)),
                                        test::moved(test::icosphere(0.01, 3), Vec3(0, 0, 0.025))),
@@ -249,7 +252,7 @@ TEST(FittedPatches, EndWhereTheSurfaceDoes) {
   const LocalModel between = model_at(parts, Vec3(0.0, 0.0, 0.011));
   ASSERT_GE(between.count, 1);
   EXPECT_LE(between.reach, 4e-3 + 1e-9);
-  // The tool is pushed through a plate of 2 mm: the upper face still holds it.
+  // The tool moves through a plate of 2 mm. The upper face must still hold the tool.
   const Scene plate("s", {mesh(test::box(Vec3(0.1, 0.1, 1e-3)), kSmooth)});
   TouchMemory memory = plate.memory();
   for (double z = 5e-3; z > -3e-3; z -= 1e-3)

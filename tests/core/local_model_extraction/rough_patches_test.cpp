@@ -1,5 +1,5 @@
-// The local model of a mesh with a texture: its mean surface, plus the texture that the reply shows
-// at the tool's place.
+// The local model of a mesh with a texture has the mean surface, and the texture from the reply at
+// the tool's position.
 
 #include <gtest/gtest.h>
 
@@ -18,9 +18,9 @@ constexpr double kStiffness = 1000.0;                    // [N/m]
 constexpr double kAmplitude = 2e-4, kWavelength = 0.02;  // [m]
 constexpr double kDepth = 1e-3;                          // [m]
 
-constexpr double kFloat = 1e-8;  // [N] the picture's cuts are in single precision
+constexpr double kFloat = 1e-8;  // [N] The texture samples have single precision.
 
-/// Waves along x from the surface down to kAmplitude below it.
+/// Returns waves along x, from the surface down to kAmplitude below.
 MeshOptions waves() {
   constexpr int kPixels = 64;
   GreyImage image{kPixels, 1, {}};
@@ -55,8 +55,8 @@ TEST(RoughPatches, AreTheMeanSurface) {
   }
 }
 
-// At the tool's old place the model equals the scene, to rounding. Elsewhere it gives the mean
-// surface and the texture of the old place, which fades with a smaller depth.
+// At the tool's old position the model must equal the scene, up to rounding. Elsewhere it gives the
+// mean surface and the texture of the old position. The texture fades with decreasing depth.
 TEST(RoughPatches, GiveTheTextureOfWhereTheToolWas) {
   const Scene scene = sheet(waves());
   for (const double x : {0.0, 0.003, 0.007, 0.012, 0.0161}) {
@@ -82,13 +82,13 @@ TEST(RoughPatches, GiveTheTextureOfWhereTheToolWas) {
       EXPECT_LE((elastic - expected).norm(), kFloat) << depth;
       EXPECT_GE(elastic.z(), 0.0);
     }
-    local.take(model);  // without a reply there is only the mean surface
+    local.take(model);  // Without a reply the model has only the mean surface.
     EXPECT_NEAR(local.touch({was, Vec3::Zero()}, 0.0, 1e-3).command.elastic.z(),
                 kStiffness * (kDepth - 0.5 * kAmplitude), kFloat);
   }
 }
 
-// A plain surface equals the scene, whatever the reply says.
+// A surface without texture must equal the scene for any reply.
 TEST(RoughPatches, OnlyRoughOnesHaveATexture) {
   const Scene scene = sheet({});
   TouchMemory memory = scene.memory();
@@ -104,8 +104,8 @@ TEST(RoughPatches, OnlyRoughOnesHaveATexture) {
             1e-12);
 }
 
-// A hand slides over a coarse relief with a model every 20 ms. It errs only by the change of the
-// texture in that time, never by the surface.
+// A hand slides over a coarse relief with a model every 20 ms. The error must be at most the change
+// of the texture within 20 ms.
 TEST(RoughPatches, AGlideErrsByTheTexturesChangeAlone) {
   const Scene scene = sheet(waves());
   test::FollowedHand hand(scene, 20);
@@ -122,7 +122,7 @@ TEST(RoughPatches, AGlideErrsByTheTexturesChangeAlone) {
     worst = std::max(worst, hand.error());
   }
   EXPECT_GT(spoke, 2400);
-  // 1 mm of movement along the steepest wave, doubled to allow for the change of depth.
+  // 1 mm of movement along the steepest part of the wave, doubled for the change of depth.
   const double slope = std::numbers::pi * kAmplitude / kWavelength;
   EXPECT_LT(worst, 2.0 * kStiffness * slope * 1e-3);
   EXPECT_GT(worst, 0.2 * kStiffness * slope * 1e-3);

@@ -1,4 +1,5 @@
-// Two surfaces never share a name: the memory of one surface is never used for another.
+// Two surfaces must never have the same identifier. The contact memory of one must not apply to
+// another.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ constexpr double kHalf = 0.02, kApart = 0.1;  // [m]
 constexpr int kBoxes = 60;
 const Material kRough{.stiffness = 1000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
 
-/// Boxes in a row as one mesh; their faces have six normals and 360 planes.
+/// Boxes in a row as one mesh. Their faces have six normals and 360 planes.
 Object boxes() {
   TriangleSoup soup;
   for (int i = 0; i < kBoxes; ++i)
@@ -60,7 +61,7 @@ TEST(SurfaceId, AFacetThatTheModelNoLongerHasLeavesNoStickPoint) {
     local.touch(on_box(0, 0.017, 1e-3), 0.0, 1e-3);
     ASSERT_GT(local.touch(on_box(0, 0.017, -5e-4), 0.0, 1e-3).command.elastic.z(), 0.4);
 
-    // Meanwhile the server has the tool on another box.
+    // The server's tool is on another box meanwhile.
     for (const double height : {1e-3, 1e-3, -5e-4}) scene.touch(on_box(to, 0.017, height), memory);
     const Tool tool = on_box(to, 0.0171, -5e-4);
     const Command truth = scene.touch(tool, memory);

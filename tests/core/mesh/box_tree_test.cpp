@@ -1,4 +1,4 @@
-// A tree over boxes finds every box, whichever way it was built.
+// A tree over boxes must find every box, for each way of building.
 
 #include "core/mesh/box_tree.hpp"
 
@@ -16,14 +16,14 @@
 namespace feltwire::box_tree_test {
 namespace {
 
-/// A value from -1 to 1: the i-th draw.
+/// Returns the i-th random value from -1 to 1.
 double draw(std::uint64_t i) {
   return static_cast<double>(splitmix::draw(5, i) >> 11) * 0x1p-52 - 1.0;
 }
 
 Vec3 place(std::uint64_t i) { return {draw(3 * i), draw(3 * i + 1), draw(3 * i + 2)}; }
 
-/// Sizes over four orders of magnitude, with many boxes at one place.
+/// Returns boxes with sizes over four orders of magnitude. Many boxes have a common position.
 std::vector<Bounds> boxes(std::size_t count) {
   std::vector<Bounds> all(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,8 +65,8 @@ TEST(BoxTree, FewAndManyMissNone) {
   }
 }
 
-/// Each box is half as far away as the one before. Every cut then takes off a single box; the tree
-/// must not become so deep that a query has no room for its open nodes.
+/// Each box is half as far away as the previous box, so every split separates a single box. The
+/// tree must not become too deep for the stack of a query.
 TEST(BoxTree, ThingsThatCrowdTowardsAPlaceMakeNoDeepTree) {
   constexpr std::size_t kCount = 20000;
   std::vector<Bounds> all(kCount);

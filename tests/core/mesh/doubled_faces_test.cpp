@@ -1,4 +1,4 @@
-// Triangles on the same three corners that face both sides.
+// Tests triangles on equal corners that face both sides.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ constexpr double kStiffness = 1000.0;  // [N/m]
 
 Triangle turned(const Triangle& t) { return {t[0], t[2], t[1]}; }
 
-/// [N] along z, on a point that comes from above `place` and ends `depth` [m] below it.
+/// Returns the force [N] along z on a point that comes from above `place` and ends `depth` [m]
+/// below.
 double felt_from_above(const Object& object, const Vec3& place, double depth) {
   ContactMemory memory;
   touch(object, {place + Vec3(0, 0, 0.002), Vec3::Zero()}, memory);
@@ -33,7 +34,8 @@ double felt_from_below(const Object& object, const Vec3& place, double depth) {
   return -touch(object, {place + Vec3(0, 0, depth), Vec3::Zero()}, memory).elastic.z();
 }
 
-/// A 20 mm cube that has the first half of its top twice, in either order; `mirrored`: in x.
+/// Returns a 20 mm cube with two copies of the first half of its top, in either order. `mirrored`
+/// reverses the x axis.
 std::string cube(bool turned_first, bool mirrored = false) {
   std::string text;
   for (const char* corner :
@@ -67,7 +69,7 @@ TEST(DoubledFaces, TheOneThatAgreesWithItsNeighboursIsKeptInEitherOrder) {
     }
 }
 
-/// Adds copies, turned over or not, to a random `share` of a ball's faces.
+/// Adds copies to a random `share` of a ball's faces. Some copies are turned over.
 TriangleSoup with_company(const TriangleSoup& ball, std::mt19937& random, double share) {
   TriangleSoup soup{ball.vertices, {}};
   std::uniform_real_distribution<double> draw(0.0, 1.0);
@@ -98,7 +100,7 @@ TEST(DoubledFaces, PatchesOfThemAreDecidedByTheFacesRoundThem) {
     }
 }
 
-/// Corners that an STL file or rounding separates are joined first.
+/// Corners that an STL file or rounding separates must be joined first.
 TEST(DoubledFaces, CornersThatAreWeldedCountToo) {
   std::mt19937 random(5);
   const TriangleSoup company = with_company(test::icosphere(0.05, 2), random, 0.5);
@@ -130,7 +132,7 @@ TEST(DoubledFaces, AWholeDoubledShellIsFeltFromBothSidesInAnyOrder) {
     std::uniform_real_distribution<double> draw(-0.02, 0.02);
     for (int n = 0; n < 200; ++n) {
       const double x = draw(random), y = draw(random);
-      // A ball of 2 subdivisions lies up to 1.5 mm inside the sphere through its corners.
+      // The faces of a ball with 2 subdivisions are up to 1.5 mm inside the sphere.
       const Vec3 top(x, y, std::sqrt(0.0025 - x * x - y * y));
       ContactMemory memory;
       touch(shell, {1.05 * top, Vec3::Zero()}, memory);
@@ -139,7 +141,7 @@ TEST(DoubledFaces, AWholeDoubledShellIsFeltFromBothSidesInAnyOrder) {
       touch(shell, {0.9 * top, Vec3::Zero()}, memory);
       EXPECT_LT(touch(shell, {1.05 * top, Vec3::Zero()}, memory).elastic.dot(top), 0.0);
     }
-    // If the mesh must bound a solid, its outside is outwards.
+    // If the mesh must bound a solid, its faces must point outwards.
     const TriangleMesh solid(soup, {}, true);
     EXPECT_TRUE(solid.report().closed());
     EXPECT_NEAR(solid.report().volume, TriangleMesh(ball).report().volume, 1e-15);
@@ -155,7 +157,7 @@ TEST(DoubledFaces, ASheetIsFeltFromBothSidesByAPointAndByABall) {
         soup.triangles.push_back(turned_first ? turned(t) : t);
         soup.triangles.push_back(turned_first ? t : turned(t));
         if (soup.triangles.size() % 3 == 0)
-          soup.triangles.push_back(t);  // a third copy decides nothing
+          soup.triangles.push_back(t);  // A third copy must have no effect.
       }
       const Object both = test::mesh_object(soup, {.radius = radius}, {.stiffness = kStiffness});
       const MeshReport& report = std::get<Mesh>(both.shape).surface->mesh().report();
@@ -167,12 +169,13 @@ TEST(DoubledFaces, ASheetIsFeltFromBothSidesByAPointAndByABall) {
         EXPECT_NEAR(felt_from_above(both, place, 0.001), 1.0 + radius * kStiffness, 0.01);
         EXPECT_NEAR(felt_from_below(both, place, 0.001), 1.0 + radius * kStiffness, 0.01);
       }
-      // Beyond the rim nothing holds a hand.
+      // Beyond the rim nothing must hold a hand.
       EXPECT_EQ(felt_from_above(both, {0.06, 0, 0}, 0.001), 0.0);
     }
 }
 
-/// A ball that starts too near to a double-sided face is pushed to its own side.
+/// A ball starts too near to a double-sided face. The face must push the ball to the ball's own
+/// side.
 TEST(DoubledFaces, ABallThatBeginsTooNearIsPushedToItsOwnSide) {
   const TriangleSoup sheet = test::sheet(0.05);
   for (const bool turned_first : {false, true})
@@ -189,7 +192,7 @@ TEST(DoubledFaces, ABallThatBeginsTooNearIsPushedToItsOwnSide) {
     }
 }
 
-/// For a Moebius strip no single choice of sides is right everywhere.
+/// A Moebius strip has no consistent orientation.
 TEST(DoubledFaces, AStripWithOneSideKeepsBoth) {
   constexpr int kAround = 16;
   TriangleSoup soup;
@@ -212,10 +215,10 @@ TEST(DoubledFaces, AStripWithOneSideKeepsBoth) {
   EXPECT_EQ(TriangleMesh(soup, {}, true).report().both_sides, 2u * kAround);
 }
 
-/// A wall between two cells agrees with both of them.
+/// A wall between two cells must agree with both cells.
 TEST(DoubledFaces, AWallBetweenTwoCellsKeepsBothSides) {
   const TriangleSoup left = test::box(Vec3(0.01, 0.01, 0.01));
-  TriangleSoup right = left;  // its mirror image beyond the wall
+  TriangleSoup right = left;  // the mirror image beyond the wall
   for (Vec3& v : right.vertices) v.x() = 0.02 - v.x();
   for (Triangle& t : right.triangles) t = turned(t);
   const TriangleMesh mesh(test::joined(left, right));

@@ -1,4 +1,4 @@
-// Corners of one part of a surface in the middle of edges of another part (T-junctions).
+// Tests T-junctions: corners of one part of a surface in the middle of edges of another part.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,8 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// A box whose faces are cut into squares, a different number on each face.
+/// Returns a box with faces that are divided into squares. Each face may have a different number of
+/// squares.
 TriangleSoup cut_box(const Vec3& half, const std::array<int, 6>& cuts) {
   TriangleSoup soup;
   for (std::size_t face = 0; face < cuts.size(); ++face) {
@@ -46,7 +47,7 @@ TEST(EdgeSplits, ATopThatIsCutInTwoIsNoHole) {
   EXPECT_NO_THROW(solid_of(mesh));
 }
 
-/// Every edge of the box has corners of both its faces; the faces share none of them.
+/// Each edge of the box has corners of both faces. The two faces share none of these corners.
 TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
   const Vec3 half(0.05, 0.04, 0.03);
   std::mt19937 random(3);
@@ -54,7 +55,7 @@ TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
        {std::array{1, 2, 3, 4, 5, 7}, std::array{1, 1, 1, 1, 1, 9}, std::array{2, 3, 2, 3, 5, 4},
         std::array{16, 1, 11, 13, 7, 3}}) {
     TriangleSoup soup = cut_box(half, cuts);
-    // Anywhere in space, in single precision like an STL file, in any order.
+    // The box has any pose, single precision as in an STL file, and a random order of triangles.
     const Quaternion turn(0.3, 0.5, -0.2, 0.7);
     for (const bool rounded : {false, true}) {
       TriangleSoup placed = soup;
@@ -67,17 +68,18 @@ TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
       EXPECT_TRUE(mesh.report().closed()) << holes_text(mesh.report());
       EXPECT_NEAR(mesh.report().volume, 8 * half.prod(), (rounded ? 1e-5 : 1e-12) * half.prod());
       EXPECT_LE(mesh.report().split_farthest, 1e-6 * mesh.report().size);
-      // A mesh made of the result's triangles is equal: a client makes it so.
+      // A client makes a mesh of the result's triangles. Both meshes must be equal.
       const TriangleMesh again({mesh.vertices(), mesh.triangles()}, 0.0);
       EXPECT_EQ(again.triangles(), mesh.triangles());
     }
   }
 }
 
-/// In files of some programs a triangle without area covers such a corner.
+/// Files of some programs cover a T-junction by a triangle without area.
 TEST(EdgeSplits, WhatADegenerateTriangleHeldTogetherStaysTogether) {
   TriangleSoup soup = test::box(Vec3(0.01, 0.01, 0.01));
-  // The middle of an edge, a sliver on it, and the neighbour triangle cut in two.
+  // The test splits an edge in the middle, adds a degenerate triangle, and divides the neighbour
+  // triangle.
   const Triangle cut = soup.triangles[0];
   const Vec3 a = soup.vertices[cut[0]], b = soup.vertices[cut[1]];
   const auto m = static_cast<std::uint32_t>(soup.vertices.size());
@@ -116,22 +118,23 @@ TEST(EdgeSplits, HolesStayHoles) {
   EXPECT_EQ(open.holes, 1u);
   EXPECT_GE(open.boundary_edges, 3u);
   EXPECT_THROW(solid_of(TriangleMesh(box)), std::invalid_argument);
-  // A lid that misses its place by a tenth of a millimetre.
+  // The position of a lid is wrong by a tenth of a millimetre.
   TriangleSoup lid = cut_box(Vec3(0.05, 0.04, 0.03), {1, 1, 1, 1, 1, 1});
   for (const std::uint32_t i : lid.triangles.back()) lid.vertices[i].z() += 1e-4;
   EXPECT_GT(TriangleMesh(lid).report().boundary_edges, 0u);
-  // A sheet stays as open as it was, and is not split.
+  // A sheet must stay open and must not be split.
   const MeshReport sheet = TriangleMesh(test::sheet(0.1, 5)).report();
   EXPECT_EQ(sheet.boundary_edges, 20u);
   EXPECT_EQ(sheet.split, 0u);
-  // Two sheets that meet only in the middle of each other's rims share no edge.
+  // Two sheets meet only in the middle of their rims. They must share no edge.
   TriangleSoup tee = test::sheet(0.1);
   tee.vertices.insert(tee.vertices.end(), {{0.1, 0.0, 0.0}, {0.3, 0.1, 0.0}, {0.3, -0.1, 0.0}});
   tee.triangles.push_back({4, 6, 5});
   EXPECT_EQ(TriangleMesh(tee).report().split, 0u);
 }
 
-/// Coordinates with few decimals put a corner beside its edge: the message names the weld needed.
+/// Coordinates with few decimals move a corner away from its edge. The message must name a weld
+/// distance that joins both.
 TEST(EdgeSplits, RoundedCornersAreClosedByTheWeldThatIsNamed) {
   const Eigen::AngleAxisd turn(0.6, Vec3(1, 2, 3).normalized());
   int named = 0;
@@ -153,7 +156,7 @@ TEST(EdgeSplits, RoundedCornersAreClosedByTheWeldThatIsNamed) {
   EXPECT_EQ(mend_text(TriangleMesh(open).report()), "mend it");
 }
 
-/// Two doubled sheets meet at a T: both sides of each face are split alike.
+/// Two doubled sheets meet at a T. Both sides of each face must be split equally.
 TEST(EdgeSplits, FacesWithBothSidesAreSplitToo) {
   TriangleSoup soup;
   soup.vertices = {{0, 0, 0}, {0.02, 0, 0}, {0.01, 0.02, 0}, {0.01, 0, 0}, {0.01, -0.02, 0}};
@@ -167,7 +170,7 @@ TEST(EdgeSplits, FacesWithBothSidesAreSplitToo) {
   EXPECT_EQ(mesh.report().boundary_edges, 4u);
 }
 
-/// A weld of a millimetre does not fold features that are smaller.
+/// A weld distance of a millimetre must not collapse smaller features.
 TEST(EdgeSplits, ALargeWeldFoldsNothing) {
   for (const double weld : {1e-4, 1e-3, 1e-2}) {
     const TriangleSoup box = cut_box(Vec3(0.005, 0.004, 0.003), {3, 5, 2, 7, 4, 2});

@@ -1,4 +1,4 @@
-// Mesh files as other programs write them, and other files that appear in their place.
+// Tests mesh files in the format of other programs, and other files with a mesh file's name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ std::string in_capitals(std::string text) {
   return text;
 }
 
-/// Texts with the same meaning, written in different ways.
+/// Returns texts that are written differently but have one meaning.
 std::vector<std::string> written_otherwise(const std::string& text) {
   return {kMark + text,
           "\n\n" + text,

@@ -1,4 +1,4 @@
-// A picture as relief: the closed form of a wave, no seams, plain pictures and bad ones.
+// Tests a height map: the closed form of a wave, no seams, constant images and bad images.
 
 #include "core/mesh/height_map.hpp"
 
@@ -26,7 +26,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSize = 0.01, kAmplitude = 2e-4;  // [m]
 constexpr int kPixels = 64;
 
-/// Waves along the columns: 0 to 1 and back over the width.
+/// Returns waves along the columns, from 0 to 1 and back over the width.
 GreyImage wave() {
   GreyImage image{kPixels, 8, {}};
   for (int y = 0; y < image.height; ++y)
@@ -51,12 +51,12 @@ Vec3 force_at(const Object& object, const Vec3& position) {
   return touch(object, {position, Vec3::Zero()}, memory).elastic;
 }
 
-// The columns run along x on a surface that faces z. The cut is A (1 - sin) / 2, the spring's
-// energy k (depth - cut)^2 / 2.
+// The columns run along x on a surface with normal z. The cut is A (1 - sin) / 2, and the spring's
+// energy is k (depth - cut)^2 / 2.
 TEST(HeightMap, AWaveIsItsClosedForm) {
   const Object object = sheet(std::make_shared<HeightMap>(wave(), kAmplitude, kSize));
   constexpr double kDepth = 1e-3;
-  // The spline reduces a wave with so many pixels to this share.
+  // With this number of pixels, the spline reduces the amplitude of a wave to this fraction.
   const double kept = 1.0 - 0.5 * (kPi / kPixels) * (kPi / kPixels);
   for (int i = 0; i < 100; ++i) {
     const double x = -0.031 + 7.3e-4 * i, k = 2.0 * kPi / kSize;
@@ -84,7 +84,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
     EXPECT_LE((here.slope - there.slope).norm(), 1e-9);
     EXPECT_GE(here.cut, 0.0);
     EXPECT_LE(here.cut, kAmplitude * (1.0 + 1e-6));
-    // Value and slope are continuous across every pixel's edge, including the seam's.
+    // Value and slope must be continuous across every pixel's edge, including the seam.
     for (const Vec3& edge :
          {Vec3(kSize, 0.013, 0.0), Vec3((i % 16 + 0.5) * kSize / 16, 0.02, 0.0)}) {
       const Vec3 step(1e-10, 0.0, 0.0);
@@ -95,7 +95,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
               .norm(),
           1e-6);
     }
-    // The slope is the gradient of the cut, on any side.
+    // The slope must be the gradient of the cut for any normal.
     const double d = 1e-7;
     const Vec3 normal = i % 2 == 0 ? Vec3::UnitZ() : random.direction();
     const Vec3 slope = map.at(p, normal).slope;
@@ -107,7 +107,7 @@ TEST(HeightMap, RepeatsWithoutASeam) {
   }
 }
 
-// A picture of a single grey is no relief, to the bit.
+// An image with a single grey value must give exactly the plain surface.
 TEST(HeightMap, AConstantImageChangesNothing) {
   const Object plain = sheet(nullptr);
   for (const float grey : {0.0F, 0.3F, 1.0F}) {
@@ -121,7 +121,8 @@ TEST(HeightMap, AConstantImageChangesNothing) {
   }
 }
 
-// Each side of a body shows the picture; between the sides the shares of the mixture add up to 1.
+// Each side of a body must show the image. Between the sides, the weights of the mixture must add
+// up to 1.
 TEST(HeightMap, LiesOnEverySideAlike) {
   const HeightMap map(wave(), kAmplitude, kSize);
   const double at = 0.0037;
@@ -131,7 +132,8 @@ TEST(HeightMap, LiesOnEverySideAlike) {
   EXPECT_NEAR(map.at(Vec3::Constant(at), Vec3(1, 1, 1).normalized()).cut, cut, 1e-15);
 }
 
-// A hand above the relief's floor is free; no force pulls; nothing allocates.
+// Above the bottom of the relief nothing must hold a hand. No force may pull, and no call may
+// allocate.
 TEST(HeightMap, IsCutIntoTheSurface) {
   const Object object = sheet(std::make_shared<HeightMap>(wave(), kAmplitude, kSize));
   const double valley = 0.75 * kSize, ridge = 0.25 * kSize;
@@ -178,7 +180,7 @@ TEST(HeightMap, RefusesBadPicturesWithTheByte) {
   EXPECT_THAT(error_of_pgm("P2 2 1 10 3 -4"), HasSubstr("grey must be a number from 0 to 10"));
   const std::string good = "P5 # x\n3 2\n255\nabcdef";
   EXPECT_EQ(error_of_pgm(good), "no error");
-  for (std::size_t size = 0; size < good.size(); ++size)  // cut at any byte
+  for (std::size_t size = 0; size < good.size(); ++size)  // The file is cut at each byte.
     EXPECT_NE(error_of_pgm(good.substr(0, size)), "no error") << size;
 }
 

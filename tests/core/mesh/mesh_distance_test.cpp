@@ -1,4 +1,4 @@
-// Signed distances to closed meshes: against closed forms and against every single triangle.
+// Compares signed distances to closed meshes with closed forms, and with a search of all triangles.
 
 #include "core/mesh/mesh_distance.hpp"
 
@@ -33,7 +33,7 @@ TEST(MeshDistance, ABoxOfTrianglesIsTheBox) {
     for (double& x : p) x = random.uniform(-0.04, 0.04);
     EXPECT_NEAR(solid.distance(p), signed_distance(box, Side::outside, p).distance, 1e-15);
   }
-  // On edges and corners, and straight outwards from them.
+  // The points are on edges and corners, and straight outwards from there.
   for (const double x : {-0.03, 0.03})
     for (const double y : {-0.02, 0.02})
       for (const double out : {0.5, 0.99, 1.01, 2.0}) {
@@ -57,7 +57,7 @@ TEST(MeshDistance, EveryShapeOfTrianglesIsNearlyTheShape) {
   }
 }
 
-/// A ball with deep folds, without symmetry.
+/// Returns a ball with deep folds and without symmetry.
 TriangleSoup crumpled(int level) {
   TriangleSoup soup = icosphere(1.0, level);
   test::Random random(3);
@@ -71,7 +71,7 @@ TEST(MeshDistance, IsTheNearestOfAllTriangles) {
   test::Random random(4);
   for (int i = 0; i < 200; ++i) {
     const Vec3 p = random.uniform(0.0, 2.0) * random.direction();
-    // The nearest point of a triangle by descent on a convex function: independent of the code.
+    // An independent reference: descent on a convex function finds the nearest point of a triangle.
     double nearest = 1e9;
     for (const Triangle& t : soup.triangles) {
       const Vec3 a = soup.vertices[t[0]], b = soup.vertices[t[1]] - a, c = soup.vertices[t[2]] - a;
@@ -93,7 +93,7 @@ TEST(MeshDistance, IsTheNearestOfAllTriangles) {
   }
 }
 
-// The reference for the sign: the solid angle of the whole surface (4 pi inside, 0 outside).
+// The solid angle of the complete surface is the reference for the sign: 4 pi inside, 0 outside.
 TEST(MeshDistance, TheSignIsThatOfTheSolidAngle) {
   const TriangleSoup soup = crumpled(2);
   const Solid solid = solid_of(TriangleMesh(soup));
@@ -128,7 +128,7 @@ TEST(MeshDistance, NeitherPlaceNorSizeMatters) {
         Vec3 p;
         for (double& x : p) x = random.uniform(-0.04, 0.04);
         const double exact = scale * signed_distance(box, Side::outside, p).distance;
-        const double digits = away > 0.0 ? 1e-9 : 1e-15;  // at 1e6 a double has no more
+        const double digits = away > 0.0 ? 1e-9 : 1e-15;  // At 1e6 a double has no more digits.
         EXPECT_NEAR(solid.distance(scale * (p + Vec3(away, 0, 0))), exact, digits * scale);
       }
     }
@@ -155,7 +155,7 @@ TEST(MeshDistance, RefusesWhatIsNoSolid) {
 TEST(MeshDistance, OfASurfaceIsThatOfItsMesh) {
   const auto surface = std::make_shared<const MeshSurface>(TriangleMesh(crumpled(2)));
   const Solid solid = solid_of(surface), own = solid_of(TriangleMesh(crumpled(2)));
-  EXPECT_EQ(surface.use_count(), 2);  // uses its tree, makes no copy
+  EXPECT_EQ(surface.use_count(), 2);  // The solid uses the mesh's tree without a copy.
   test::Random random(8);
   for (int i = 0; i < 500; ++i) {
     const Vec3 p = random.uniform(0.0, 2.0) * random.direction();
@@ -169,7 +169,7 @@ TEST(MeshDistance, AGridOfAMeshIsTheMesh) {
   test::Random random(7);
   for (int i = 0; i < 3000; ++i) {
     const Vec3 p = (0.03 + random.uniform(-2e-3, 2e-3)) * random.direction();
-    EXPECT_NEAR(grid.at(p).distance, solid.distance(p), 5e-5);  // the grid rounds the edges
+    EXPECT_NEAR(grid.at(p).distance, solid.distance(p), 5e-5);  // [m] The grid rounds the edges.
   }
 }
 

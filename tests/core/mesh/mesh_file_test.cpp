@@ -42,7 +42,7 @@ void append(std::string& bytes, T value, bool big = false) {
 
 std::string binary_stl() {
   std::string bytes(80, ' ');
-  bytes.replace(0, 5, "solid");  // some programs write this
+  bytes.replace(0, 5, "solid");  // Some programs begin a binary file with this word.
   append(bytes, std::uint32_t{2});
   const std::array<std::array<float, 9>, 2> corners = {
       {{-1, -1, 0.5f, 1, -1, 0.5f, 1, 1, 0.5f}, {-1, -1, 0.5f, 1, 1, 0.5f, -1, 1, 0.5f}}};
@@ -141,12 +141,13 @@ TEST(MeshFile, ErrorsNameFileLineAndRemedy) {
   EXPECT_THROW(read_mesh("/no/such/file.obj", 1.0), FileError);
 }
 
-/// A square in every format with one coordinate replaced by `x`, and how that is written.
+/// Returns a square in every format with one coordinate `x`, and the coordinate's text.
 std::vector<std::pair<std::string, std::string>> squares_with(double x) {
   const std::string text = std::to_string(static_cast<long long>(x));
   std::string stl = binary_stl();
   const auto raw = static_cast<float>(x);
-  std::memcpy(stl.data() + 84 + 12 + 24, &raw, sizeof raw);  // x of the first triangle's third
+  // x of the third corner of the first triangle
+  std::memcpy(stl.data() + 84 + 12 + 24, &raw, sizeof raw);
   return {{"v -1 -1 0\nv 1 -1 0\nv " + text + " 1 0\nf 1 2 3\n", "far.obj"},
           {"solid\nouter loop\nvertex -1 -1 0\nvertex 1 -1 0\nvertex " + text +
                " 1 0\nendloop\nendsolid\n",
@@ -193,7 +194,7 @@ TEST(MeshFile, ACoordinateOfAPlyFileThatIsAListIsRefused) {
 }
 
 TEST(MeshFile, ALineOfAnObjFileGoesOnAfterABackslash) {
-  // The standard's way to break long lines; the blank before the backslash may be missing.
+  // The standard allows such breaks of long lines. The blank before the backslash may be missing.
   const std::string broken =
       "# a comment ends with its line \\\nv -1 -1 \\\n0.5\nv 1 \\\r\n -1\\\n0.5 \\\n 1.0\n"
       "v 1 1 0.5\nv -1 1 0.5\nvn 0 0 \\\n1\nusemtl \\\n\\\n red\nf 1//1 \\\n2/1/1\\\n -2\\\n 4/1\n";
@@ -214,7 +215,7 @@ TEST(MeshFile, BinaryFilesThatWereCutShortSaySoWhereverTheyEnd) {
     EXPECT_NE(error_of(ply.substr(0, n), "a.ply"), "no error") << n;
 }
 
-// Any file gives a surface or an error, and never an index without its vertex.
+// Any file must give a surface or an error. No index may lack its vertex.
 TEST(MeshFile, FilesWithBytesTurnedAreReadOrRefused) {
   std::mt19937 random(1);
   const std::vector<std::pair<std::string, std::string>> files = {

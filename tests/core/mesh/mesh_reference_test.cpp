@@ -1,6 +1,6 @@
-// The proxy on random meshes, checked against every single triangle: it is on the surface, no
-// point of a touched triangle is nearer to the tool, and it holds the tool exactly inside the
-// solid.
+// Checks the proxy on random meshes against all triangles. The proxy must be on the surface, and no
+// point of a touched triangle may be nearer to the tool. The proxy must hold the tool exactly while
+// the tool is inside the solid.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace feltwire::mesh_reference_test {
 namespace {
 
-/// A sphere of 0.1 m with randomly moved corners: as many ridges as valleys.
+/// Returns a sphere of 0.1 m with randomly moved corners. The sphere has as many ridges as valleys.
 TriangleSoup bumpy(std::uint64_t seed, double least) {
   TriangleSoup soup = test::icosphere(0.1, 3);
   test::Random random(seed);
@@ -23,7 +23,7 @@ TriangleSoup bumpy(std::uint64_t seed, double least) {
   return soup;
 }
 
-/// Counts the crossings of a ray from p.
+/// Returns true if a ray from p crosses the surface an odd number of times.
 bool is_inside(const MeshSurface& surface, const Vec3& p) {
   const Vec3 far = p + Vec3(0.513, 0.327, 0.811);
   int crossings = 0;
@@ -33,7 +33,7 @@ bool is_inside(const MeshSurface& surface, const Vec3& p) {
   return crossings % 2 == 1;
 }
 
-/// A hand that moves in, out and around.
+/// Moves a hand in, out and around.
 template <class Visit>
 void wander(std::uint64_t seed, double step, int samples, Visit visit) {
   test::Random random(seed);
@@ -102,7 +102,7 @@ TEST(MeshReference, ABallTouchesNoTriangleDeeperAndIsNoNearerThanTheyLet) {
       const double depth = (proxy - goal).norm();
       if (!(depth > 1e-6)) return;
       ++held;
-      // The triangles that hold the ball allow no nearer place.
+      // The triangles that hold the ball must allow no nearer position.
       const NearestPoint aim = nearest_in(holding, goal, 1e-12);
       stuck += !aim.found || (aim.point - proxy).norm() > 0.02 * depth + 1e-6;
     });

@@ -1,5 +1,4 @@
-// Surfaces that should be closed but are not quite: seams, poles and corners that miss each other
-// by rounding.
+// Tests almost closed surfaces: seams, poles and corners that differ by rounding.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,8 +20,8 @@ using Number = std::function<double(double)>;
 double as_double(double x) { return x; }
 double as_float(double x) { return static_cast<double>(static_cast<float>(x)); }
 
-/// A ball made by revolving a half circle, as programs do: the last meridian is computed anew at
-/// 2 pi, the poles have the radius sin(pi). A text STL file has no common vertices.
+/// Returns a ball of revolution, as programs make it. Such programs compute the last meridian again
+/// at 2 pi, and the poles have the radius sin(pi). A text STL file has no common vertices.
 std::string revolved_stl(int around, int along, const Number& rounded = as_double,
                          double turn = 2.0 * M_PI) {
   const auto at = [&](int i, int j) {
@@ -49,8 +48,8 @@ std::string revolved_stl(int around, int along, const Number& rounded = as_doubl
   return out + "endsolid\n";
 }
 
-/// The number of straight approaches that get through. Each comes from outside to the middle, and
-/// the ball must push it back there.
+/// Returns the number of straight approaches that pass through. Each approach leads from outside to
+/// the centre, and the ball must push the tool back.
 int let_through(const Object& object, const std::vector<Vec3>& targets) {
   int passed = 0;
   for (const Vec3& target : targets) {
@@ -65,7 +64,7 @@ int let_through(const Object& object, const std::vector<Vec3>& targets) {
   return passed;
 }
 
-/// Places on the ball's seam (longitude 0), slightly beside it, and at its poles.
+/// Returns points on the ball's seam (longitude 0), slightly beside the seam, and at the poles.
 std::vector<Vec3> on_the_seam(int count) {
   test::Random random(11);
   std::vector<Vec3> targets;
@@ -95,7 +94,8 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
     const MeshReport& report = mesh.report();
     EXPECT_TRUE(report.closed());
     EXPECT_EQ(report.holes, 0u);
-    // 23 places on the seam; at each pole, the points at a radius of sin(pi) or of rounding.
+    // The seam has 23 points. Each pole has points with a radius of sin(pi) or of the rounding
+    // error.
     EXPECT_GE(report.joined, 23u);
     EXPECT_LT(report.joined_farthest, 1e-16);
     EXPECT_DOUBLE_EQ(report.weld, 1e-6 * report.size);
@@ -108,8 +108,8 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
   }
 }
 
-// The seam without joining, with cracks as wide as the proxy's skin allows: the edges themselves
-// hold.
+// The seam is not joined, and its cracks are as wide as the proxy's tolerance. The edges of the
+// seam must hold the tool.
 TEST(MeshSeam, CracksBelowTheSkinHoldWithoutBeingJoined) {
   for (const double turn : {2.0 * M_PI, 2.0 * M_PI - 1e-8, 2.0 * M_PI + 1e-8}) {
     const TriangleSoup soup = parse_mesh(revolved_stl(64, 24, as_double, turn), "ball.stl", 1.0);
@@ -121,7 +121,8 @@ TEST(MeshSeam, CracksBelowTheSkinHoldWithoutBeingJoined) {
 }
 
 TEST(MeshSeam, HolesAreMeasured) {
-  // A slit of a tenth of a millimetre along a meridian, narrowing to the poles.
+  // A slit of a tenth of a millimetre along a meridian. The slit becomes narrower towards the
+  // poles.
   constexpr double kSlit = 1e-4;
   const TriangleMesh slit(
       parse_mesh(revolved_stl(64, 24, as_double, 2.0 * M_PI - kSlit / kRadius), "slit.stl", 1.0));
@@ -133,11 +134,11 @@ TEST(MeshSeam, HolesAreMeasured) {
   box.triangles.resize(10);
   const MeshReport lid = TriangleMesh(box).report();
   EXPECT_EQ(lid.holes, 1u);
-  EXPECT_NEAR(lid.widest_hole, 0.09, 0.0101);  // between the box's sides
+  EXPECT_NEAR(lid.widest_hole, 0.09, 0.0101);  // distance between the box's sides
   box = test::box(half);
   box.triangles.pop_back();
   EXPECT_EQ(TriangleMesh(box).report().holes, 1u);
-  // Separate rings of a tube.
+  // The rings of a tube are separate.
   TriangleSoup tube;
   for (int i = 0; i < 64; ++i)
     for (const double z : {0.0, 0.1})
@@ -155,7 +156,8 @@ TEST(MeshSeam, HolesAreMeasured) {
               ::testing::ElementsAre(::testing::HasSubstr("the surface has holes, 2 holes 0.0")));
 }
 
-// A corner of one side in the middle of an edge of the other: they are no neighbours, but no gap.
+// A corner is in the middle of another side's edge. The two sides are no neighbours, but they have
+// no gap.
 TEST(MeshSeam, ACornerInTheMiddleOfAnEdgeLetsNothingThrough) {
   test::Random random(5);
   TriangleSoup soup;
@@ -185,7 +187,7 @@ TEST(MeshSeam, ACornerInTheMiddleOfAnEdgeLetsNothingThrough) {
 }
 
 TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
-  // The revolved ball, and a spike that extends to 1e6 m.
+  // The ball of revolution has a spike that extends to 1e6 m.
   TriangleSoup soup = parse_mesh(revolved_stl(37, 24), "ball.stl", 1.0);
   const auto n = static_cast<std::uint32_t>(soup.vertices.size());
   const std::size_t count = TriangleMesh(soup).triangles().size();
@@ -193,13 +195,13 @@ TEST(MeshSeam, AVertexFarAwayLosesNoDetailAndIsNamed) {
   soup.triangles.push_back({n, n + 1, n + 2});
   const TriangleMesh mesh(soup);
   EXPECT_EQ(mesh.triangles().size(), count + 1);
-  EXPECT_EQ(mesh.report().boundary_edges, 3u);  // the spike's own
+  EXPECT_EQ(mesh.report().boundary_edges, 3u);  // the edges of the spike itself
   EXPECT_LT(mesh.report().joined_farthest, 1e-9);
   EXPECT_THAT(warnings(mesh.report(), true),
               ::testing::Contains(::testing::HasSubstr("a vertex lies far away from the others")));
 }
 
-// A triangle that the surface leaves out is reported with its height.
+// The report must give the height of a triangle that the surface omits.
 TEST(MeshSeam, ATriangleThatIsLeftOutIsMeasured) {
   TriangleSoup soup = test::sheet(0.1);
   const auto n = static_cast<std::uint32_t>(soup.vertices.size());

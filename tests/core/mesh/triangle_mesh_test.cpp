@@ -43,7 +43,7 @@ TEST(TriangleMesh, OriginIsTheMiddleWhereverTheSurfaceLies) {
 }
 
 TEST(TriangleMesh, NoSizeIsDegenerateAndNoSliverIsKept) {
-  // A triangle of a tenth of a nanometre and one of a megametre, in one surface.
+  // A surface has a triangle of a tenth of a nanometre and a triangle of a megametre.
   TriangleSoup soup;
   soup.vertices = {{0, 0, 0},   {1e-10, 0, 0}, {0, 1e-10, 0}, {1e6, 0, 0},
                    {0, 1e6, 0}, {1, 0, 0},     {2, 0, 0},     {3, 1e-18, 0}};
@@ -79,7 +79,7 @@ TEST(TriangleMesh, OpenTurnedAndCrowdedEdgesAreCounted) {
 
   TriangleSoup fin = test::sheet(1.0);
   fin.vertices.emplace_back(0.0, 0.0, 1.0);
-  fin.triangles.push_back({0, 3, 4});  // stands on the diagonal
+  fin.triangles.push_back({0, 3, 4});  // This triangle stands on the diagonal.
   EXPECT_EQ(TriangleMesh(fin).report().non_manifold_edges, 1u);
 }
 

@@ -1,4 +1,4 @@
-// The points of a tool with a body, and the tree over them.
+// Tests the points of a tool with a body, and their tree.
 
 #include "core/point_shell/point_shell.hpp"
 
@@ -18,7 +18,7 @@ TEST(PointShell, IsEvenOverTheSurface) {
   ASSERT_EQ(shell.points.size(), count);
   EXPECT_NEAR(shell.area, 8.0 * (0.03 * 0.02 + 0.02 * 0.01 + 0.03 * 0.01), 1e-12);
   Vec3 middle = Vec3::Zero();
-  std::array<int, 3> on{};  // faces across x, y, z
+  std::array<int, 3> on{};  // counts on the faces across x, y, z
   for (const Vec3& p : shell.points) {
     middle += p / static_cast<double>(count);
     const Vec3 beyond = p.cwiseAbs() - kHalf;
@@ -30,7 +30,8 @@ TEST(PointShell, IsEvenOverTheSurface) {
   EXPECT_NEAR(on[0], count * 2 / 11, 2);  // 2 of 11 parts of the total area
   EXPECT_NEAR(on[1], count * 3 / 11, 2);
   EXPECT_NEAR(on[2], count * 6 / 11, 2);
-  // No hole: every place on the large face has a point within three mean distances.
+  // The points must leave no hole: each position on the large face has a point within three mean
+  // distances.
   const double near = 3.0 * std::sqrt(shell.area / static_cast<double>(count));
   for (double x = -0.03; x <= 0.03; x += 0.003)
     for (double y = -0.02; y <= 0.02; y += 0.004) {
@@ -68,7 +69,7 @@ TEST(PointShell, ItsTreeHoldsEveryPointOnce) {
     }
     for (const int times : seen) EXPECT_EQ(times, 1);
     for (const int times : reached) EXPECT_EQ(times, 1);
-    EXPECT_EQ(leaves, (count + 7) / 8);  // all full except the last
+    EXPECT_EQ(leaves, (count + 7) / 8);  // All leaves except the last are full.
   }
 }
 

@@ -1,4 +1,5 @@
-// A point shell against solids: closed forms, brute force, and points that are skipped.
+// Compares a point shell against solids with closed forms, with a sum over all points, and with
+// skipped points.
 
 #include "core/point_shell/shell_contact.hpp"
 
@@ -35,7 +36,8 @@ TEST(ShellContact, ABoxFlatOnAPlane) {
     const PointShell shell = box_shell(count);
     const ShellContact c =
         contact(shell, {Vec3(0.1, 0.2, 0.01 - kDepth), Quaternion::Identity()}, plane, kFace);
-    const double share = 1.0 / std::sqrt(static_cast<double>(count));  // of a neighbour's distance
+    // distance between neighbours, as a fraction of the face's width
+    const double share = 1.0 / std::sqrt(static_cast<double>(count));
     EXPECT_NEAR(c.wrench[2], force, 0.5 * share * force) << count;
     EXPECT_EQ(c.wrench.head<2>(), Eigen::Vector2d::Zero());
     EXPECT_NEAR(c.wrench[3], 0.0, 0.02 * share * force) << count;
@@ -46,8 +48,8 @@ TEST(ShellContact, ABoxFlatOnAPlane) {
   }
 }
 
-/// The points of the sides count, as the law says: against the face alone the force is larger by
-/// P d / (2 A), 8 % at 2 mm and 17 % at 4 mm for this box (docs/scenes.md, "Points or polygons").
+/// The points of the sides count too. Compared with the face alone, the force is larger by P d / (2
+/// A): 8 % at 2 mm and 17 % at 4 mm for this box (docs/scenes.md, "Points or polygons").
 TEST(ShellContact, ThePointsOfTheSidesCount) {
   const PointShell shell = box_shell(10000);
   for (const double depth : {1e-3, 2e-3, 3e-3, 4e-3}) {
@@ -58,15 +60,15 @@ TEST(ShellContact, ThePointsOfTheSidesCount) {
   }
 }
 
-// A box turned by a small angle about y: depth d + x sin a, torque k Iy sin a / A_c, with Iy the
-// face's second moment of area.
+// A box is rotated by a small angle about y. The depth is d + x sin a and the torque is k Iy sin a
+// / A_c, with the second moment of area Iy of the face.
 TEST(ShellContact, ABoxTurnedOnAPlane) {
   constexpr double a = 0.03, angle = 1e-3, d = 2e-4;
   const PointShell shell = box_shell(40000);
   const ShellContact c =
       contact(shell, {Vec3(0, 0, 0.01 - d), Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitY()))},
               object(Plane{}), kFace);
-  // To first order in the angle, with the sides.
+  // This formula is of first order in the angle and includes the sides.
   const double second =
       0.04 * std::pow(2.0 * a, 3) / 12.0 + d * (0.08 * a * a + 4.0 / 3.0 * a * a * a);
   const double torque = kStiffness / kFace * second * angle;
@@ -74,7 +76,7 @@ TEST(ShellContact, ABoxTurnedOnAPlane) {
   EXPECT_NEAR(c.wrench[2], flat_force(d, kFace), 0.01 * flat_force(d, kFace));
 }
 
-// Pushed down off its centre, the box feels a torque from the plane: the contact is off-centre.
+// The contact is off the box's centre and must give a torque.
 TEST(ShellContact, TheForceActsWhereThePointsAre) {
   const double area = kFace;
   const PointShell shell = box_shell(20000);
@@ -103,14 +105,15 @@ TEST(ShellContact, TheWrenchIsTheEnergysGradientAndTheStiffnessItsSecond) {
     const double scale = i < 3 ? 1.0 : 0.03;
     EXPECT_NEAR(c.wrench[i], -(up.energy - down.energy) / (2.0 * kStep),
                 3e-4 * c.wrench.head<3>().norm() * scale);
-    // The Gauss-Newton part ignores the field's own curvature, an effect of depth over radius.
+    // The Gauss-Newton part omits the curvature of the field. The error grows with depth over
+    // radius.
     EXPECT_NEAR(c.stiffness(i, i), -(up.wrench[i] - down.wrench[i]) / (2.0 * kStep),
                 0.25 * c.stiffness.diagonal().head<3>().sum() * scale * scale);
   }
   EXPECT_LT((c.stiffness - c.stiffness.transpose()).norm(), 1e-9 * c.stiffness.norm());
 }
 
-/// Point by point, without the tree and groups.
+/// Sums over all points, without the tree and groups.
 ShellContact brute_force(const PointShell& shell, const Pose& pose, const Object& o, double area) {
   ShellContact sum;
   const double scale =
@@ -157,7 +160,7 @@ TEST(ShellContact, IsThatOfEveryPointAlone) {
                         Quaternion(Eigen::AngleAxisd(random.uniform(-3, 3), random.direction()))};
         const ShellContact all = brute_force(shell, pose, o, 1e-3);
         const ShellContact felt = contact(shell, pose, o, 1e-3);
-        // A grid answers in float: a point within its rounding of the surface may touch or not.
+        // A grid uses float. A point within the rounding error of the surface may touch or not.
         const bool grid = std::holds_alternative<Grid>(shape);
         const double close = grid ? 1e-5 : 1e-12, size = all.wrench.norm();
         EXPECT_NEAR(static_cast<double>(felt.touching), static_cast<double>(all.touching),
@@ -187,8 +190,8 @@ TEST(ShellContact, FarPointsCostNothing) {
     EXPECT_LT(looked(0.005), 500u);
     const ShellContact touching =
         contact(shell, {Vec3(0, 0, top + 0.01 - 1e-4), Quaternion::Identity()}, o, 1e-3);
-    EXPECT_GT(touching.touching, 2500u);   // the whole face
-    EXPECT_LT(touching.looked_at, 6000u);  // and few others
+    EXPECT_GT(touching.touching, 2500u);   // the complete face
+    EXPECT_LT(touching.looked_at, 6000u);  // few other points
   }
 }
 

@@ -1,4 +1,4 @@
-// A polyhedron cut by planes stays closed and keeps the volume below them.
+// A polyhedron that is cut by planes must stay closed, and must keep the volume below the planes.
 
 #include "core/polyhedra/clipped_polyhedron.hpp"
 
@@ -19,11 +19,11 @@ using test::box_corners;
 using test::placed;
 using test::random_solid;
 
-/// Calls visit(tag, corners) for each face, with its corners counter-clockwise seen from outside.
+/// Calls visit(tag, corners) for each face. Its corners are counter-clockwise from outside.
 template <class Visit>
 void for_each_face(const ClippedPolyhedron& solid, const Visit& visit) {
   std::set<std::pair<std::size_t, std::size_t>>
-      seen;  // corners, each with the edge by which it was entered
+      seen;  // corners, each with the edge that leads to it
   for (std::size_t begin = 0; begin < solid.corner_count(); ++begin)
     for (std::size_t entry = 0; entry < 3; ++entry) {
       std::vector<std::size_t> loop;
@@ -46,7 +46,7 @@ double volume(const ClippedPolyhedron& solid) {
   return six / 6.0;
 }
 
-/// Every directed edge of a face is the reverse of an edge of another face.
+/// Checks that every directed edge of a face is the reverse of an edge of another face.
 void expect_closed(const ClippedPolyhedron& solid) {
   std::map<std::pair<int, int>, int> edges;
   for_each_face(solid, [&](ClippedPolyhedron::Tag, std::span<const std::size_t> face) {
@@ -73,7 +73,7 @@ TEST(ClippedPolyhedron, IsTheWholeSolidAtFirst) {
   }
 }
 
-// A narrow face, nearly in the plane of a wide one, tilted by more than the joining tolerance.
+// A narrow face is tilted against a wide face by slightly more than the joining tolerance.
 TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
   std::vector<Vec3> corners;
   for (const double z : {0.0, 1.0})
@@ -86,7 +86,7 @@ TEST(ClippedPolyhedron, ANarrowFaceBesideAWideOneCloses) {
   EXPECT_NEAR(volume(whole), 1.0 - 5e-7, 1e-9);
 }
 
-// A dome of many corners, flat within the joining tolerance, as in a fine mesh.
+// A dome of many corners is flat within the joining tolerance, as in a fine mesh.
 TEST(ClippedPolyhedron, ADomeThatIsNearlyFlatCloses) {
   for (const double bend : {1e-6, 1e-7, 1e-9, 1e-11, 1e-12}) {
     SCOPED_TRACE(bend);
@@ -142,13 +142,13 @@ TEST(ClippedPolyhedron, TheNewFaceHasTheTagAndTheOthersKeepTheirs) {
   EXPECT_EQ(tags.size(), 6u);
 }
 
-// Planes through corners, along edges and on faces: only rounding decides the side.
+// The planes pass through corners, along edges and on faces. Only rounding decides the side.
 TEST(ClippedPolyhedron, StaysClosedOnPlanesThatTouch) {
   const Polyhedron cube = polyhedron(box_corners(Vec3::Constant(0.01)));
   ClippedPolyhedron solid = placed(cube);
-  EXPECT_TRUE(solid.cut(Vec3::UnitX(), 0.01, 0));  // its own face
+  EXPECT_TRUE(solid.cut(Vec3::UnitX(), 0.01, 0));  // the plane of a face
   EXPECT_EQ(solid.corner_count(), 8u);
-  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 0.0), 0.0, 1));  // through two edges
+  EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 0.0), 0.0, 1));  // a plane through two edges
   EXPECT_TRUE(solid.cut(Vec3(1.0, 1.0, 1.0), 0.01, 2));
   EXPECT_TRUE(solid.cut(Vec3(1.0, -1.0, 0.0), 0.0, 3));
   EXPECT_TRUE(solid.cut(Vec3(1.0, 0.0, 1.0), 0.0, 4));
@@ -158,7 +158,7 @@ TEST(ClippedPolyhedron, StaysClosedOnPlanesThatTouch) {
   EXPECT_TRUE(solid.empty());
 }
 
-// A vertex in the middle of an edge, where only two edges meet.
+// A vertex in the middle of an edge has only two edges.
 TEST(ClippedPolyhedron, TheGraphHasAVertexWithTwoEdges) {
   const std::vector<Vec3> vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1),
                                       Vec3(0.5, 0, 0)};

@@ -1,4 +1,4 @@
-// The cells of a polyhedron, against cells that are cut out one by one.
+// Compares the cells of a polyhedron with cells that are cut out separately.
 
 #include "core/polyhedra/closest_face_cells.hpp"
 
@@ -34,8 +34,8 @@ ClosestFaceCells cells_of(const ClippedPolyhedron& whole, const std::vector<Line
   return cells;
 }
 
-/// Six times the signed volume of tetrahedra between triangles and the origin, summed by faces:
-/// each face is a fan of triangles from its first corner.
+/// Computes six times the signed volume of tetrahedra between triangles and the origin. Each face
+/// is a fan of triangles from its first corner.
 class Volume {
  public:
   explicit Volume(const Vec3& from) : from_(from) {}
@@ -74,7 +74,8 @@ double volume(const ClosestFaceCells& cells, std::size_t cell) {
   return sum.value();
 }
 
-/// At each corner the stored value is the least of all functions, and equals those of its cells.
+/// Checks that the stored value at each corner is the least of all functions. The functions of its
+/// cells must give this value.
 void expect_least(const ClosestFaceCells& cells, const std::vector<Linear>& functions,
                   double slack) {
   for (std::size_t i = 0; i < cells.corner_count(); ++i) {
@@ -89,7 +90,7 @@ void expect_least(const ClosestFaceCells& cells, const std::vector<Linear>& func
   }
 }
 
-/// Cuts each cell out of the whole by itself, for comparison.
+/// Compares each cell with a separate cut of the complete polyhedron.
 void expect_as_cut(const ClippedPolyhedron& whole, const std::vector<Linear>& functions) {
   const ClosestFaceCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-13);
@@ -129,19 +130,20 @@ TEST(ClosestFaceCells, OneFunctionIsLeastEverywhere) {
   const std::vector<Linear> functions = {{Vec3::UnitX(), 0.5}, {Vec3::UnitY(), 0.2}};
   const ClosestFaceCells cells = cells_of(whole, functions);
   expect_least(cells, functions, 1e-15);
-  EXPECT_EQ(volume(cells, 0), 0.0);  // the second cell took everything
+  EXPECT_EQ(volume(cells, 0), 0.0);  // The second cell must contain everything.
   EXPECT_NEAR(volume(cells, 1), 8e-6, 1e-18);
   EXPECT_EQ(cells.corner_count(), 8u);
 }
 
-/// The faces' own planes: six pyramids meet in the middle, and only rounding decides.
+/// The functions are the planes of the faces. Six pyramids meet in the middle, and only rounding
+/// decides.
 TEST(ClosestFaceCells, SixPyramidsOfACubeMeetInItsMiddle) {
   for (const double size : {1e-4, 0.01, 3.0}) {
     const ClippedPolyhedron whole = placed(polyhedron(box_corners(Vec3::Constant(size))));
     std::vector<Linear> functions;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
       for (const double side : {-1.0, 1.0}) functions.push_back({side * way, size});
-    functions.push_back(functions[2]);  // one of them appears twice
+    functions.push_back(functions[2]);  // This function appears twice.
     const ClosestFaceCells cells = cells_of(whole, functions);
     expect_least(cells, functions, 1e-13);
     for (std::size_t k = 0; k < 6; ++k)
@@ -150,7 +152,7 @@ TEST(ClosestFaceCells, SixPyramidsOfACubeMeetInItsMiddle) {
   }
 }
 
-/// Functions that vanish at corners and along edges of the whole.
+/// These functions vanish at corners and along edges of the polyhedron.
 TEST(ClosestFaceCells, FunctionsThatTouchLeaveItClosed) {
   test::Random random(12);
   for (int i = 0; i < 200; ++i) {

@@ -1,4 +1,4 @@
-// The integrals of depth against closed forms, differences and sums over points.
+// Compares the integrals of depth with closed forms, differences and sums over points.
 
 #include "core/polyhedra/depth_integrals.hpp"
 
@@ -49,7 +49,8 @@ TEST(DepthIntegrals, ABoxFlatOnABox) {
   }
 }
 
-// An edge of 90 degrees, turned by theta: below the plane a triangle of width (tan + cot) height.
+// An edge of 90 degrees is rotated by theta. Below the plane is a triangle of width (tan + cot)
+// height.
 TEST(DepthIntegrals, AnEdgeAndACornerOnAPlane) {
   const SolidParts plane = solid_parts(Plane{}, Side::outside);
   const Polyhedron box = polyhedron(box_corners(kHalf));
@@ -61,7 +62,7 @@ TEST(DepthIntegrals, AnEdgeAndACornerOnAPlane) {
     EXPECT_NEAR(sums.cubes, cubes, 1e-9 * cubes) << theta;
     EXPECT_NEAR(sums.slope[2], -5.0 * cubes / h, 1e-9 * 5.0 * cubes / h) << theta;
   }
-  // A cube on its corner: a section of area 3 sqrt(3) / 2 t^2.
+  // A cube stands on its corner. Its section has the area 3 sqrt(3) / 2 t^2.
   const Polyhedron cube = polyhedron(box_corners(Vec3::Constant(0.01)));
   const Quaternion on_corner =
       Quaternion::FromTwoVectors(Vec3(1, 1, 1).normalized(), -Vec3::UnitZ());
@@ -74,8 +75,8 @@ TEST(DepthIntegrals, AnEdgeAndACornerOnAPlane) {
             1e-9 * sums.slope.norm());
 }
 
-// A box tilted about y with its whole lower face below the plane. At x in its frame the face has
-// the depth D = h - c (1 - cos) + x sin, and the column above it gives D^4 / (4 cos).
+// A box is tilted about y, and its complete lower face is below the plane. At x in its frame, the
+// face has the depth D = h - c (1 - cos) + x sin. The column above gives D^4 / (4 cos).
 TEST(DepthIntegrals, ATiltedFaceHasItsTorque) {
   const SolidParts plane = solid_parts(Plane{}, Side::outside);
   const Polyhedron box = polyhedron(box_corners(kHalf));
@@ -94,7 +95,7 @@ TEST(DepthIntegrals, ATiltedFaceHasItsTorque) {
   }
 }
 
-/// The sum over the points of a lattice.
+/// Returns the sum over the points of a lattice.
 double brute_force(const Polyhedron& tool, const Pose& pose, const SolidPart& solid, int steps) {
   const Vec3 size = (solid.shape.most - solid.shape.least) / steps;
   double sum = 0.0;
@@ -134,7 +135,7 @@ TEST(DepthIntegrals, AreThoseOfAllPoints) {
   }
 }
 
-/// Checks the slope against central differences of V, at poses around the solid.
+/// Compares the slope with central differences of V, at poses around the solid.
 void expect_slope(const Polyhedron& tool, const SolidParts& solid, const Vec3* away,
                   double distance, std::uint64_t seed) {
   test::Random random(seed);
@@ -143,7 +144,8 @@ void expect_slope(const Polyhedron& tool, const SolidParts& solid, const Vec3* a
     const Pose pose{distance * random.uniform(0.3, 1.0) * random.direction(),
                     about(random.direction(), random.uniform(-3, 3))};
     const DepthSums sums = sums_of(tool, pose, solid, away);
-    if (!(sums.cubes > 1e-24)) continue;  // too shallow: the differences are only rounding
+    // The depth is too small: the differences consist of rounding errors.
+    if (!(sums.cubes > 1e-24)) continue;
     ++touching;
     Vec6 differences;
     constexpr double kStep = 1e-6;
@@ -159,7 +161,7 @@ void expect_slope(const Polyhedron& tool, const SolidParts& solid, const Vec3* a
     Vec6 slope = sums.slope;
     slope.tail<3>() /= 0.02;
     EXPECT_LT((slope - differences).norm(), 2e-5 * slope.norm() + 1e-4 * sums.cubes / 0.02) << i;
-    // The stiffness is positive and symmetric.
+    // The stiffness must be positive and symmetric.
     const Mat6 h = sums.curvature - sums.pushed * sums.pushed.transpose() / (2.0 * sums.cubes);
     EXPECT_LT((h - h.transpose()).norm(), 1e-9 * h.norm());
     const double least = Eigen::SelfAdjointEigenSolver<Mat6>(h).eigenvalues()[0];
@@ -178,13 +180,14 @@ TEST(DepthIntegrals, TheSlopeIsThatOfTheSum) {
   expect_slope(polyhedron(box_corners(kHalf)),
                solid_parts(Box{Vec3(0.03, 0.02, 0.04)}, Side::inside), nullptr, 0.03, 3);
   expect_slope(tool, solid_parts(Cylinder{0.02, 0.03}, Side::outside), nullptr, 0.05, 4);
-  // Two bars at an angle; their parts do not see each other's faces.
+  // Two bars form an angle. No part may use the faces of the other part.
   const SolidParts angle = solid_parts({box_corners(Vec3(0.03, 0.02, 0.01)),
                                         box_corners(Vec3(0.01, 0.02, 0.02), Vec3(-0.02, 0, 0.03))});
   expect_slope(tool, angle, nullptr, 0.06, 5);
 }
 
-/// The slope's change as the tool moves along each axis is H - R, including the ridges.
+/// Checks that the slope changes by H - R when the tool moves along each axis, including the
+/// ridges.
 void expect_curvature(const Polyhedron& tool, const SolidParts& solid, double reach, int seed) {
   test::Random random(seed);
   int touching = 0;
@@ -209,7 +212,7 @@ void expect_curvature(const Polyhedron& tool, const SolidParts& solid, double re
     }
   }
   EXPECT_GT(touching, 10);
-  EXPECT_GT(ridges, 0.1);  // large enough to show an error if ridges were left out
+  EXPECT_GT(ridges, 0.1);  // The ridges are large enough to reveal their omission.
 }
 
 TEST(DepthIntegrals, TheCurvatureIsTheSlopesChange) {
@@ -243,8 +246,8 @@ TEST(DepthIntegrals, ASolidInTwoPiecesIsTheSolid) {
   }
 }
 
-// All faces touch a ball of radius r, so each cell is a pyramid with its apex in the middle:
-// V = r^4 / 60 of the surface.
+// All faces touch a ball of radius r. Each cell is then a pyramid with its apex in the centre: V =
+// r^4 / 60 of the surface.
 TEST(DepthIntegrals, OfManyFacesRoundABall) {
   constexpr double kRadius = 0.02;
   const Polyhedron tool = polyhedron(box_corners(Vec3::Constant(0.05)));
@@ -286,10 +289,10 @@ TEST(DepthIntegrals, AThinWallIsAsDeepAsItsSurfaceIsFar) {
       EXPECT_LT(sums_of(tool, pose, wall).cubes, cubes);
     }
   }
-  // Beside the wall there is nothing, even where the wall is thickened.
+  // Beside the wall nothing must act, even where the wall is thickened.
   const Pose beside{Vec3(0.0551, 0, -0.003), kUpright};
   EXPECT_EQ(sums_of(tool, beside, wall, &up).cubes, 0.0);
-  // An oblique thickening extends obliquely from the wall's outline, and no farther.
+  // An oblique thickening must extend obliquely from the wall's outline, and no farther.
   const Vec3 aslant = Vec3(0.5, 0.0, 1.0).normalized();
   EXPECT_EQ(sums_of(tool, {Vec3(-0.06, 0, -0.003), kUpright}, wall, &aslant).cubes, 0.0);
   EXPECT_GT(sums_of(tool, {Vec3(-0.06, 0, -0.02), kUpright}, wall, &aslant).cubes, 0.0);

@@ -1,5 +1,5 @@
-// A client has these meshes in full: its local model equals the scene there, wherever the tool is
-// and however old the model is.
+// A client has the complete meshes. The client's local model must equal the scene, for any tool
+// position and age of the model.
 
 #include "core/prefetched_geometry/mesh_surfaces.hpp"
 
@@ -32,7 +32,7 @@ Object ring(const MeshOptions& options = {}) {
 
 Scene of(const Object& object) { return Scene("scene", {object}); }
 
-/// As after the transfer: made again from the object's data.
+/// Returns the surfaces as after the transfer, from the objects' data.
 std::shared_ptr<const PrefetchedSurfaces> surfaces_of(const Scene& scene) {
   std::vector<SurfaceData> all;
   for (std::size_t i = 0; i < scene.objects().size(); ++i)
@@ -48,7 +48,7 @@ LocalModel model_at(const Scene& scene, const Vec3& position, const TouchMemory&
   return model;
 }
 
-/// A path around the ring, in and out of it, over many facets.
+/// Returns a path around the ring, in and out, over many facets.
 Vec3 way(const Object& object, double t) {
   const double round = 2.0 * t, over = 9.0 * t, off = 0.02 + 0.004 * std::cos(31.0 * t);
   const Vec3 local((0.05 + off * std::cos(over)) * std::cos(round),
@@ -61,7 +61,7 @@ void expect_felt_as_the_scene(const Scene& scene) {
   TouchMemory memory = scene.memory();
   LocalContact local;
   local.use(surfaces.get());
-  LocalModel told;  // 100 ms old
+  LocalModel told;  // a model that is 100 ms old
   std::vector<LocalModel> on_the_way;
   double felt = 0.0;
   for (int n = 0; n < 3000; ++n) {
@@ -73,7 +73,7 @@ void expect_felt_as_the_scene(const Scene& scene) {
     local.take(on_the_way[static_cast<std::size_t>(n) - 100]);
     const LocalForce force = local.touch(tool, 0.1, kTick);
     ASSERT_EQ(force.weight, 1.0) << n;
-    if (n == 100) continue;  // the contact state is 100 ms old
+    if (n == 100) continue;  // The contact state is 100 ms old.
     EXPECT_LT((force.command.elastic - truth.elastic).norm(), 1e-6) << n;
     felt = std::max(felt, truth.elastic.norm());
   }
@@ -89,7 +89,7 @@ TEST(MeshSurfaces, AreFeltAsInTheScene) {
 }
 
 TEST(MeshSurfaces, AreFeltByABallAsInTheScene) {
-  Object smooth = ring({.radius = 1e-3});  // to which the tool's radius is added
+  Object smooth = ring({.radius = 1e-3});  // The tool's radius is added to this radius.
   smooth.material.static_friction = smooth.material.dynamic_friction = 0.0;
   Scene scene = of(smooth);
   scene.set_tool({.radius = 3e-3, .body = nullptr});
@@ -115,7 +115,8 @@ TEST(MeshSurfaces, TheirFrictionIsTheScenes) {
   EXPECT_GT(most, 0.5);
 }
 
-/// A session that gets its surfaces while the hand presses continues with the server's contact.
+/// A session gets its surfaces while the hand presses. The session must continue with the server's
+/// contact.
 TEST(MeshSurfaces, AContactThatTheServerHoldsIsTakenUp) {
   for (const double side : {1.0, -1.0}) {
     Object object = ring({.double_sided = true});
@@ -124,7 +125,8 @@ TEST(MeshSurfaces, AContactThatTheServerHoldsIsTakenUp) {
     TouchMemory memory = scene.memory();
     Command truth;
     Tool tool;
-    for (int n = 0; n <= 50; ++n) {  // 5 mm into the outer side, or out through it from inside
+    // 5 mm into the outer side, or from inside out through the same side
+    for (int n = 0; n <= 50; ++n) {
       const double out = 0.07 + side * (0.002 - 0.00014 * n);
       const Vec3 local(out * std::cos(0.3), out * std::sin(0.3), 1e-3 + 1e-5 * n);
       tool = {object.pose.position + object.pose.orientation * local, Vec3::Zero()};
@@ -164,7 +166,7 @@ TEST(MeshSurfaces, WithoutThemTheModelIsNotValid) {
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 0.0);
   local.use(surfaces.get());
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 1.0);
-  model.surfaces = kVersion + 1;  // from another scene
+  model.surfaces = kVersion + 1;  // a version of another scene
   local.take(model);
   EXPECT_EQ(local.touch(tool, 0.0, kTick).weight, 0.0);
   EXPECT_EQ(local.touch(tool, 0.0, kTick).command, Command{});

@@ -1,4 +1,5 @@
-// A client has a tool with a body and its solids in full: it equals the scene at every delay.
+// A client has a complete tool with a body and the solids. The client's force must equal the
+// scene's at every delay.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ namespace {
 
 constexpr std::uint32_t kVersion = 3;
 
-/// A box in the hand between a ring, a ball and the floor, all with friction and damping.
+/// Returns a box as the tool between a ring, a ball and the floor, all with friction and damping.
 Scene room(const BodyTool& tool) {
   std::vector<Object> objects = {test::object(Plane{}),
                                  test::object(Torus{0.05, 0.02}, Vec3(0.02, 0.0, 0.01)),
@@ -81,7 +82,8 @@ TEST(PrefetchedTool, MeetsItsSolidsAsTheSceneDoes) {
   EXPECT_GT(touched, 250);
 }
 
-// Known objects have no points in the model and do not limit its reach.
+// The model must omit points of objects that the client has. Such objects must not limit the valid
+// radius.
 TEST(PrefetchedTool, ItsModelHasOnlyWhatTheReceiverHasNot) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion::Identity()};
@@ -101,14 +103,14 @@ TEST(PrefetchedTool, ItsModelHasOnlyWhatTheReceiverHasNot) {
   for (const BodyPatch& patch : some.surfaces()) EXPECT_EQ(patch.object, 0);
 }
 
-// The fully known objects and the planes of the others add up to the scene at the model's pose.
+// The client's objects and the planes of the others must add up to the scene at the model's pose.
 TEST(PrefetchedTool, AddsThePlanesOfTheRest) {
   const Scene scene = room(test::tool(1500));
   const Pose device{Vec3(0, 0, 0.008), Quaternion(Eigen::AngleAxisd(0.1, Vec3::UnitX()))};
   BodyMemory memory;
   for (int i = 0; i < 50; ++i) scene.touch(device, Vec3::Zero(), 1e-3, memory);
   const ShellContact all = of_scene(scene, memory.pose);
-  ASSERT_EQ(all.part_count, 3u);  // every object is touched
+  ASSERT_EQ(all.part_count, 3u);  // The tool touches every object.
   const KnownSurfaces known = {false, true, true};
   const auto whole = fetched(scene, known);
   const BodyModel model = body_model(scene, device, memory, kVersion, known);
@@ -121,15 +123,15 @@ TEST(PrefetchedTool, AddsThePlanesOfTheRest) {
   EXPECT_LE((parts - sum.wrench).norm(), 1e-9 * all.wrench.norm());
 }
 
-/// A hand that rocks and slides among the solids.
+/// Returns the pose of a hand that rocks and slides among the solids.
 Pose hand_at(double t) {
   const double a = 2.0 * std::numbers::pi * t;
   return {Vec3(0.01 * std::sin(a), 0.004 * std::cos(2.0 * a), 0.009 + 0.003 * std::sin(3.0 * a)),
           turned(Quaternion::Identity(), 0.3 * Vec3(std::sin(a), std::cos(1.5 * a), 0.2))};
 }
 
-/// Errors over 2 s of this movement, with models `delay` ticks late: the torque's RMS error over
-/// its RMS, for the late reply and for the whole body.
+/// Errors over 2 s of this movement, with models `delay` ticks late. Each error is the RMS error of
+/// the torque divided by the RMS torque: for the late reply, and for the complete body.
 struct Errors {
   double late = 0.0, whole = 0.0;
 };
@@ -162,7 +164,7 @@ Errors followed(const Scene& scene, std::size_t delay) {
   return {std::sqrt(sum.late / size), std::sqrt(sum.whole / size)};
 }
 
-// Curved solids and edges, which planes describe badly. The remaining error is friction's history.
+// Planes describe curved solids and edges badly. The remaining error is the history of friction.
 TEST(PrefetchedTool, OverADelayIsTheScene) {
   const Scene scene = room(test::tool(600));
   const Errors errors = followed(scene, 50);
@@ -180,13 +182,14 @@ TEST(PrefetchedTool, AToolWithMassIsMovedAtTheClient) {
     const Scene scene = room(test::massive(0.1, {}, inertia, 600));
     BodyMemory placed;
     placed.placed = true;
-    EXPECT_EQ(body_model(scene, {}, placed).reach, 0.0);  // for a client without the body
+    // The local model's valid radius matters only for a client without the body.
+    EXPECT_EQ(body_model(scene, {}, placed).reach, 0.0);
     const Errors errors = followed(scene, 50);
     EXPECT_LT(10.0 * errors.whole, errors.late);
   }
 }
 
-// If a model refers to another version, its weight is zero: the reply is felt instead.
+// A model for another version must have no weight. The reply then gives the force.
 TEST(PrefetchedTool, OfAnotherVersionIsNotUsed) {
   const Scene scene = room(test::tool(600));
   const auto whole = fetched(scene, {true, true, true});
@@ -221,7 +224,7 @@ TEST(PrefetchedTool, NeverAllocatesOnceItIsMade) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-// The client meets a mesh as the grid that the server uses.
+// The client must use the server's grid of a mesh.
 TEST(PrefetchedTool, MeetsAMeshAsTheSceneDoes) {
   Object bumpy = test::object(Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(0.05, 3)))},
                               Vec3(0.0, 0.0, -0.055));
@@ -254,7 +257,7 @@ TEST(PrefetchedTool, OnlyABodyOfPointsAmongPrimitivesAndMeshesTravels) {
   Scene scene("room", objects);
   scene.set_tool({.body = std::make_shared<BodyTool>(points)});
   EXPECT_TRUE(can_travel(scene, 0));
-  EXPECT_FALSE(can_travel(scene, 1));  // only its samples are known
+  EXPECT_FALSE(can_travel(scene, 1));  // The client has only its samples.
   EXPECT_TRUE(can_travel(scene, 2));
   EXPECT_FALSE(can_travel(scene, 3));
 }
@@ -275,7 +278,7 @@ TEST(PrefetchedTool, NumbersThatAreNoneOfABodyAreRefused) {
       [](BodyData& b) { b.coupling.stiffness = -1.0; },
       [](BodyData& b) { b.coupling.max_torque = 0.0; },
       [](BodyData& b) { b.inertia.mass = -1.0; },
-      [](BodyData& b) { b.inertia.mass = 1.0; },  // without inertia
+      [](BodyData& b) { b.inertia.mass = 1.0; },  // The inertia is missing.
       [=](BodyData& b) {
         b.inertia.mass = 1.0;
         b.inertia.inertia.setIdentity();
@@ -302,7 +305,7 @@ TEST(PrefetchedTool, NumbersThatAreNoneOfABodyAreRefused) {
       [](SolidData& s) { s.material.dynamic_friction = 1.0; },
       [=](SolidData& s) { s.material.damping = nan; },
       [](SolidData& s) { s.shape = test::grid_of(Sphere{0.03}, 0.002); },
-      [](SolidData& s) {  // a mesh with a hole
+      [](SolidData& s) {  // The mesh has a hole.
         s.mesh = icosphere(0.03, 1);
         s.mesh.triangles.pop_back();
       }};

@@ -1,5 +1,5 @@
-// Contact with geometry that a client fetched is cut off when it takes too much work. A cut tick
-// has no effect, whatever the geometry is.
+// A client stops contact with fetched geometry that takes too much work. A stopped tick must have
+// no effect for any geometry.
 
 #include "core/base/work_limit.hpp"
 
@@ -59,8 +59,8 @@ bool same(const ContactMemory& a, const ContactMemory& b) {
          a.feature.side == b.feature.side && a.feature.tracked == b.feature.tracked;
 }
 
-/// At every limit a touch either equals the unlimited one to the last bit, or leaves the memory
-/// unchanged. A limit that suffices for a touch suffices for the same touch again.
+/// A touch with a limit must equal the unlimited touch bitwise, or leave the memory unchanged. If a
+/// limit is sufficient for a touch, it must be sufficient for an equal touch.
 TEST(WorkLimit, ATouchIsWholeOrLeavesNothing) {
   for (const double radius : {0.0, 5e-3}) {
     const auto surfaces = mesh_surfaces(kVersion, {with_radius(ring(), radius)});
@@ -99,14 +99,14 @@ bool same(const BodyMemory& a, const BodyMemory& b) {
          a.velocity.angular == b.velocity.angular && a.device_known == b.device_known;
 }
 
-/// [J] of a massless tool at rest at `tool`.
+/// Returns the energy [J] of a massless tool at rest at `tool`.
 double energy_at(const PrefetchedTool& body, const Pose& device, const Pose& tool) {
   return tool_coupling::pull(body.coupling, device, tool).energy +
          body.solids->contact(tool).energy;
 }
 
-/// At every limit a body's step is cut off without effect, or leads to a place with no more energy.
-/// A sufficient limit gives the unlimited step to the last bit.
+/// A limited step of a body must have no effect, or lead to a position without more energy. A
+/// sufficient limit must give the unlimited step bitwise.
 TEST(WorkLimit, AStepOfABodyGoesAsFarAsItsWorkLasts) {
   for (const double mass : {0.0, 0.1}) {
     BodyData data = test::ball_of_points(300);
@@ -171,7 +171,7 @@ std::vector<Lie> lies() {
           {"a ball at it", with_radius(test::round_a_corner(kTriangles), 2e-3)}};
 }
 
-/// A model that marks the surface as touched at `place`.
+/// Returns a model with contact on the surface at `place`.
 LocalModel marked(const Vec3& place) {
   LocalModel model;
   model.surfaces = kVersion;
@@ -185,8 +185,8 @@ LocalModel marked(const Vec3& place) {
   return model;
 }
 
-/// Whatever false surface a server sends, a tick stays within its limit and allocates nothing. The
-/// model of a cut tick has no weight.
+/// A tick must stay within its limit and must not allocate, for any false surface from a server.
+/// The model of a stopped tick must have no weight.
 TEST(WorkLimit, NoSurfaceTakesMoreThanATickHas) {
   for (const Lie& lie : lies()) {
     const auto surfaces = mesh_surfaces(kVersion, {lie.surface});
@@ -211,8 +211,8 @@ TEST(WorkLimit, NoSurfaceTakesMoreThanATickHas) {
   }
 }
 
-/// After a cut tick, a sufficient limit continues the contact as a fresh one: from the model's
-/// memory.
+/// A tick is stopped by its work limit. The next tick with a sufficient limit must use the contact
+/// memory of the model, like a new contact.
 TEST(WorkLimit, AfterACutTickTheModelsMemoryIsTaken) {
   const auto surfaces = mesh_surfaces(kVersion, {ring()});
   LocalContact cut_once, fresh;
@@ -242,7 +242,7 @@ BodyModel held_at(const Vec3& place, const PrefetchedTool& body) {
   return model;
 }
 
-/// 20,000 points against 150 thin boxes, wherever the server places the tool.
+/// 20,000 points against 150 thin boxes, at any tool position from the server.
 TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
   const auto body =
       make_prefetched_tool(kVersion, test::ball_of_points(20'000), test::thin_boxes(150));
@@ -263,7 +263,7 @@ TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
       ++cut;
       ASSERT_EQ(force.weight, 0.0);
       ASSERT_TRUE(force.command == Command{});
-      // No more work until the server has told where the tool is.
+      // The client must do no more work until the server sends the tool's position.
       WorkLimit next(kMost);
       EXPECT_EQ(local.touch({place, {1, 0, 0, 0}}, 0.0, kTick, &next).weight, 0.0);
       EXPECT_EQ(next.done(), 0u);
@@ -274,8 +274,7 @@ TEST(WorkLimit, NoBodyTakesMoreThanATickHas) {
   EXPECT_GT(cut, 10u);
 }
 
-/// Planes that a server sends with any friction: the search for the friction that holds the tool
-/// counts too.
+/// A server may send planes with any friction. The search for the holding friction must count too.
 TEST(WorkLimit, NoModelOfPlanesTakesMoreThanATickHas) {
   LocalBody local;
   BodyModel model = held_at(Vec3::Zero(), {.version = 0,
@@ -314,10 +313,10 @@ TEST(WorkLimit, NoModelOfPlanesTakesMoreThanATickHas) {
     EXPECT_LE(few.done(), 200u);
     local.clear();
   }
-  EXPECT_GT(most, 1000u);  // unlimited, it would be much
+  EXPECT_GT(most, 1000u);  // Without a limit the work would be large.
 }
 
-/// The trial places find too expensive geometry; a common mesh and a common tool pass.
+/// The trial positions must find too expensive geometry. A usual mesh and a usual tool must pass.
 TEST(ContactTrial, FindsWhatTakesTooMuch) {
   const auto most_of = [](const FetchedScene& scene) {
     std::uint64_t most = 0, ticks = 0;
@@ -325,7 +324,7 @@ TEST(ContactTrial, FindsWhatTakesTooMuch) {
       WorkLimit work(kMost), again(kMost);
       tick.evaluate(work);
       tick.evaluate(again);
-      EXPECT_EQ(work.done(), again.done());  // from the same memory
+      EXPECT_EQ(work.done(), again.done());  // Both runs start with equal memory.
       most = std::max(most, work.done());
       ++ticks;
       return !work.cut();

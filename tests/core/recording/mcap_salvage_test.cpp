@@ -1,4 +1,4 @@
-// The intact parts of damaged recordings.
+// Recovers the intact parts of damaged recordings.
 #include "core/recording/mcap_salvage.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ constexpr std::size_t kChunks = 8, kInChunk = 20;
 
 struct File {
   std::string bytes;
-  std::vector<std::size_t> begins, ends;  // positions of the chunks' records
+  std::vector<std::size_t> begins, ends;  // positions of the chunk records
   std::size_t data_end = 0;               // end of the last chunk's indexes
 };
 
@@ -42,7 +42,7 @@ File file_of(bool zstd) {
     }
     writer.end_chunk();
     file.bytes += writer.take();
-    // The chunk without its indexes: its head contains its length.
+    // The chunk's head has its length, without the indexes.
     std::uint64_t length = 0;
     for (std::size_t i = 8; i > 0; --i)
       length = length << 8 | static_cast<std::uint8_t>(file.bytes[file.begins.back() + i]);
@@ -72,7 +72,7 @@ Salvaged salvage(const std::string& bytes) {
   return found;
 }
 
-/// The messages, except those of the given chunks.
+/// Returns all messages except those of the given chunks.
 std::vector<ReadMessage> without(const std::vector<ReadMessage>& all,
                                  std::set<std::size_t> chunks) {
   std::vector<ReadMessage> left;
@@ -91,12 +91,13 @@ TEST(McapSalvage, AWholeFileIsWhole) {
   }
 }
 
-/// Whichever byte is bad, every chunk without it is found, and the damage is reported.
+/// For any bad byte, the search must find all undamaged chunks and report the damage.
 TEST(McapSalvage, OneBadByteAnywhereTakesNoOtherChunk) {
   for (const bool zstd : {false, true}) {
     const File file = file_of(zstd);
     const auto all = test::read_mcap(file.bytes).messages;
-    // Every byte of two chunks, of the part before them, and of the end; some of the others.
+    // The test changes every byte of two chunks, of the part before them and of the end, and some
+    // other bytes.
     const auto step = [&](std::size_t at) {
       return at > file.ends[1] + 300 && at < file.data_end ? std::size_t{11} : std::size_t{1};
     };
@@ -108,7 +109,7 @@ TEST(McapSalvage, OneBadByteAnywhereTakesNoOtherChunk) {
         std::set<std::size_t> lost;
         for (std::size_t c = 0; c < kChunks; ++c)
           if (at >= file.begins[c] && at < file.ends[c]) lost.insert(c);
-        // No CRC covers the times in a chunk's head: such a chunk is still whole.
+        // No CRC covers the times in a chunk's head. A chunk with wrong times is still intact.
         const auto& expected = found.messages.size() == all.size() ? all : without(all, lost);
         ASSERT_EQ(found.messages, expected) << at << " of " << file.bytes.size() << " ^ " << bits;
         ASSERT_FALSE(found.missing.empty()) << at << " ^ " << bits;
@@ -142,7 +143,7 @@ TEST(McapSalvage, ATruncatedFileGivesItsWholeChunks) {
       ASSERT_EQ(found.messages.size(), whole * kInChunk) << end;
       ASSERT_FALSE(found.missing.empty()) << end;
     }
-    // Truncated, with a bad chunk before the cut.
+    // The file is truncated and has a bad chunk before the cut.
     std::string bytes = file.bytes.substr(0, file.ends[5] + 20);
     bytes[file.ends[2] - 3] ^= 0x40;
     EXPECT_EQ(salvage(bytes).messages,
@@ -159,7 +160,7 @@ TEST(McapSalvage, SeveralDamagedPartsAreEachMissed) {
     std::set<std::size_t> lost;
     for (int bad = 0; bad < 3; ++bad) {
       const std::size_t c = random() % kChunks;
-      // A byte after the head of a chunk, or of its length, which then leads anywhere.
+      // The bad byte is after the head of a chunk, or in a length, which then has any value.
       const std::size_t at =
           bad == 0 ? file.begins[c] + 1 + random() % 4
                    : file.begins[c] + 60 + random() % (file.ends[c] - file.begins[c] - 60);

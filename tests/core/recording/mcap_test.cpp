@@ -58,7 +58,7 @@ std::string error_of(const std::string& bytes, mcap::ReaderLimits limits = {}) {
   return {};
 }
 
-/// A file that begins correctly and then has these records.
+/// Returns a file with a correct beginning and then these records.
 std::string begun(const std::string& records) {
   mcap::Writer writer({.library = "test"});
   const auto schema = writer.add(mcap::Schema{"a.B", "protobuf", ""});
@@ -145,7 +145,7 @@ TEST(Mcap, NoDamagedByteGoesUnseen) {
       damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
       bool seen = false;
       try {
-        seen = read_mcap(damaged).cut_at.has_value();  // a length that leads beyond the end
+        seen = read_mcap(damaged).cut_at.has_value();  // The length extends beyond the end.
       } catch (const FileError&) {
         seen = true;
       }
@@ -186,7 +186,7 @@ TEST(Mcap, LengthsAreNotBelieved) {
               HasSubstr("record that may not be in one"));
 }
 
-/// A chunk of zeros that would decompress to a large size.
+/// A chunk of zeros would decompress to a large size.
 TEST(Mcap, AChunkMayNotBeLargerThanTheLimitSays) {
   const std::string zeros(1 << 20, '\0');
   std::string small(ZSTD_compressBound(zeros.size()), '\0');
@@ -194,7 +194,7 @@ TEST(Mcap, AChunkMayNotBeLargerThanTheLimitSays) {
   const mcap::ReaderLimits limits{.chunk = 1 << 16};
   EXPECT_THAT(error_of(begun(chunk(zeros.size(), "zstd", small)), limits),
               HasSubstr("a chunk says that it has 1048576 bytes, and at most 65536 are read"));
-  // A chunk that states a false size.
+  // The chunk states a false size.
   EXPECT_THAT(error_of(begun(chunk(100, "zstd", small)), limits),
               HasSubstr("cannot be decompressed"));
 }

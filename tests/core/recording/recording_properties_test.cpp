@@ -63,7 +63,7 @@ RC_GTEST_PROP(McapProperty, EveryMessageComesBack, ()) {
   RC_ASSERT(!file.cut_at);
   RC_ASSERT(file.statistics->messages == written.size());
 
-  // Cut at any byte: the first messages remain.
+  // The file is cut at any byte. The first messages must remain.
   const auto cut = *rc::gen::inRange<std::size_t>(0, bytes.size());
   const ReadFile part = read_mcap(bytes.substr(0, cut));
   RC_ASSERT(part.cut_at.has_value());
@@ -92,7 +92,7 @@ RC_GTEST_PROP(MessageProperty, ASampleComesBackToTheBit, ()) {
   RC_ASSERT(same(read->held, sample.held));
   RC_ASSERT(same(read->torque, sample.torque));
   RC_ASSERT(same(read->age, sample.age));
-  // A part of a message is another message, or none.
+  // A part of a message must give another message or none.
   read_sample(std::string_view(bytes).substr(0, *rc::gen::inRange<std::size_t>(0, bytes.size())));
 }
 

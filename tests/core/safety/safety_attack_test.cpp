@@ -1,4 +1,4 @@
-// Whatever the limits of the safety stage are, no hand breaks them.
+// No hand may break the limits of the safety stage, for any limits.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ TEST(SafetyAttack, OnlyEverScalesDownEachChannelByOneFactor) {
       const double torque_share = in_torque > 0.0 ? out.torque.norm() / in_torque : 0.0;
       ASSERT_LE(share, 1.0 + 1e-15);
       ASSERT_LE(torque_share, 1.0 + 1e-15);
-      if (in_force > 0.0) {  // otherwise its two parts cancel: there is nothing to limit
+      if (in_force > 0.0) {  // If the sum of the two parts is zero, the direction is undefined.
         ASSERT_LE((out.elastic - share * in.elastic).norm(), 1e-12 * in.elastic.norm());
         ASSERT_LE((out.frictional - share * in.frictional).norm(), 1e-12 * in.frictional.norm());
       }
@@ -56,13 +56,13 @@ TEST(SafetyAttack, OnlyEverScalesDownEachChannelByOneFactor) {
 }
 
 struct Attack {
-  double worst = -1.0;  // greatest (delivered - burned) / exchanged
+  double worst = -1.0;  // largest (delivered - dissipated) / exchanged
   std::uint64_t violations = 0;
   int limited = 0, slewed = 0, too_fast = 0, ramped = 0, waiting = 0, rendered = 0;
 };
 
-/// A hand that knows the held force takes all that a sample can give, or sometimes moves otherwise.
-/// The stage stands behind a contact frame, which is told the held force.
+/// A hand extracts the most energy of each sample from the held force, or sometimes moves
+/// differently. The stage is behind a contact frame, which gets the held force.
 void attack(std::uint64_t seed, Attack& sum) {
   Random random(seed);
   Bounding bounding(contact_frame(seed % 2 ? Projection::joint : Projection::cone,
@@ -111,13 +111,13 @@ TEST(SafetyAttack, BehindTheContactFrameNoHandTakesMoreThanTheDeviceBurned) {
   for (const std::uint64_t seed : test::seeds(0, 400, 40)) attack(seed, all);
   EXPECT_EQ(all.violations, 0u);
   EXPECT_LE(all.worst, 1e-12);
-  // Every limit was active.
+  // Every limit must be active at some time.
   for (const int times : {all.limited, all.slewed, all.too_fast, all.ramped, all.waiting})
     EXPECT_GT(times, test::rounds(100));
   EXPECT_GT(all.rendered, test::rounds(100'000));
 }
 
-/// Presses in while the ramp gives almost no force, rests until it gives all, and moves out again.
+/// Presses in while the ramp gives almost no force, rests until the ramp ends, and moves out again.
 PortEnergy out_of_the_ramp(bool told) {
   Bounding bounding(contact_frame());
   SafetyStage stage({.ramp_up = 0.1});
@@ -139,7 +139,7 @@ PortEnergy out_of_the_ramp(bool told) {
   return port;
 }
 
-// A bound that does not learn the held force counts on work that was never done.
+// If the bound does not get the held force, it counts work that was never done.
 TEST(SafetyAttack, WhatWasWithheldCannotBeTakenBackLater) {
   EXPECT_EQ(out_of_the_ramp(true).violations(), 0u);
   const PortEnergy untold = out_of_the_ramp(false);

@@ -19,14 +19,14 @@ using namespace test;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A sample of a port without a bound: the stage gets the whole command.
+/// Returns a sample of a port without a bound. The stage gets the complete command.
 SafetyStep step(const Command& command, const Vec3& displacement = Vec3::Zero()) {
   return {
       .commanded = command, .bounded = command, .displacement = displacement, .hold_time = kPeriod};
 }
 Command push(double newtons, double newton_metres = 0.0) {
   return {.elastic = newtons * Vec3(0, 0.48, 0.6),
-          .frictional = newtons * Vec3(0, 0.12, 0.2),  // together newtons * (0, 0.6, 0.8)
+          .frictional = newtons * Vec3(0, 0.12, 0.2),  // The sum is newtons * (0, 0.6, 0.8).
           .torque = Vec3(newton_metres, 0, 0)};
 }
 double force(const Safeguarded& s) { return s.rendered.force().norm(); }
@@ -49,7 +49,8 @@ TEST(Safety, TheMaximumHoldsForForceAndTorqueApart) {
   SafetyStage stage({.force = {.max = 2.0}, .torque = {.max = 0.1}});
   Safeguarded out = stage.apply(step(push(5.0, 0.05)));
   EXPECT_TRUE(out.limited);
-  EXPECT_TRUE(out.rendered.elastic.isApprox(0.4 * push(5.0).elastic));  // each part by 2 / 5
+  // The stage scales each part by 2 / 5.
+  EXPECT_TRUE(out.rendered.elastic.isApprox(0.4 * push(5.0).elastic));
   EXPECT_TRUE(out.rendered.frictional.isApprox(0.4 * push(5.0).frictional));
   EXPECT_EQ(out.rendered.torque.x(), 0.05);
   out = stage.apply(step(push(1.5, 0.4)));
@@ -60,16 +61,17 @@ TEST(Safety, TheMaximumHoldsForForceAndTorqueApart) {
 }
 
 TEST(Safety, SlewLimitsTheRiseOnlyAndFromWhatWasHeld) {
-  SafetyStage stage({.force = {.slew = 500.0}, .torque = {.slew = 20.0}});  // 0.5 N, 0.02 N m
+  // 0.5 N and 0.02 N m per sample
+  SafetyStage stage({.force = {.slew = 500.0}, .torque = {.slew = 20.0}});
   for (const int n : {1, 2, 3}) {
     const Safeguarded out = stage.apply(step(push(5.0, 0.1)));
     EXPECT_TRUE(out.slewed);
     EXPECT_NEAR(force(out), 0.5 * n, 1e-12);
     EXPECT_NEAR(out.rendered.torque.x(), 0.02 * n, 1e-12);
   }
-  stage.set_held(push(0.2, 0.0));  // the device held less
+  stage.set_held(push(0.2, 0.0));  // The device held less force than commanded.
   EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 0.7, 1e-12);
-  stage.set_held({.elastic = Vec3(kNan, 0, 0)});  // ignored
+  stage.set_held({.elastic = Vec3(kNan, 0, 0)});  // The stage ignores this value.
   EXPECT_NEAR(force(stage.apply(step(push(5.0)))), 1.2, 1e-12);
   const Safeguarded fallen = stage.apply(step(push(0.1)));
   EXPECT_EQ(fallen.rendered.force(), push(0.1).force());
@@ -91,13 +93,13 @@ TEST(Safety, AboveTheSpeedLimitTheShareFallsLinearlyToNothingAtTwice) {
     SafetyStep s = step(push(3.0, 0.2), Vec3(0, 0, -speed * kPeriod));
     s.rotation = Vec3(10.0 * speed * kPeriod, 0, 0);
     Safeguarded out;
-    for (int n = 0; n < 1000; ++n) out = stage.apply(s);  // until the low-pass has settled
+    for (int n = 0; n < 1000; ++n) out = stage.apply(s);  // The low-pass filter settles.
     const double share = std::clamp(2.0 - speed, 0.0, 1.0);
     EXPECT_NEAR(force(out), 3.0 * share, 1e-9) << speed;
     EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << speed;
     EXPECT_EQ(out.too_fast, speed > 1.0) << speed;
   }
-  // Force and torque are each limited by their own movement.
+  // Each channel's own movement limits its output.
   SafetyStage stage({.force = {.speed = 1.0}, .torque = {.speed = 10.0}});
   Safeguarded out;
   for (int n = 0; n < 1000; ++n) out = stage.apply(step(push(3.0, 0.2), Vec3(0.005, 0, 0)));
@@ -105,8 +107,8 @@ TEST(Safety, AboveTheSpeedLimitTheShareFallsLinearlyToNothingAtTwice) {
   EXPECT_EQ(out.rendered.torque.x(), 0.2);
 }
 
-/// A hand moves steadily above the limit, read by encoders of 55 um. Raw differences jump between
-/// two speeds 55 mm/s apart, 5.5 % of the force; the rendered force must vary less.
+/// A hand moves steadily above the limit, with encoders of 55 um. Raw differences alternate between
+/// two speeds 55 mm/s apart, or 5.5 % of the force. The rendered force must vary less.
 TEST(Safety, NearTheSpeedLimitEncoderQuantaDoNotChatter) {
   constexpr double kQuantum = 55e-6;
   for (const double speed : {0.98, 1.0, 1.02, 1.3, 1.7}) {
@@ -125,23 +127,23 @@ TEST(Safety, NearTheSpeedLimitEncoderQuantaDoNotChatter) {
 
 TEST(Safety, TheFirstContactGrowsLinearly) {
   SafetyStage stage({.ramp_up = 0.1});
-  for (int n = 0; n < 500; ++n) stage.apply(step({}));  // free space is no contact
+  for (int n = 0; n < 500; ++n) stage.apply(step({}));  // Free space is no contact.
   for (int n = 0; n < 150; ++n) {
     const Safeguarded out = stage.apply(step(push(4.0, 0.2)));
     const double share = std::min(1.0, n * kPeriod / 0.1);
     EXPECT_NEAR(force(out), 4.0 * share, 1e-9) << n;
     EXPECT_NEAR(out.rendered.torque.x(), 0.2 * share, 1e-9) << n;
-    if (n == 100) continue;  // rounding decides here
+    if (n == 100) continue;  // Rounding decides this sample.
     EXPECT_EQ(out.ramped, n < 100) << n;
   }
   stage.apply(step({}));
   const Safeguarded again = stage.apply(step(push(4.0)));
-  EXPECT_EQ(again.rendered.force(), push(4.0).force());  // only the first contact has a ramp
+  EXPECT_EQ(again.rendered.force(), push(4.0).force());  // Only the first contact has a ramp.
   EXPECT_FALSE(again.ramped);
 }
 
-/// A hand presses in at once and rests. The bound's output depends on the held force, so a share of
-/// that output would vanish after a few samples.
+/// A hand presses in at once and rests. The bound's output depends on the held force. If the stage
+/// gave only a fraction of this output, the force would vanish after a few samples.
 TEST(Safety, BehindABoundTheRampAndTheSpeedKeepWhatTheyLetThrough) {
   for (const bool ramp : {true, false}) {
     SafetyLimits limits;
@@ -178,20 +180,22 @@ TEST(Safety, NothingIsGivenUntilTheScenesOwnCommandHasBeenSmall) {
     EXPECT_TRUE(out.waiting);
     EXPECT_EQ(force(out) + out.rendered.torque.norm(), 0.0);
   }
-  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);  // force and torque must both be small
-  // A bound gives nothing at first, even inside an object: this is not the scene's own command.
+  EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);  // Force and torque must both be small.
+  // Inside an object, a bound gives no force at first. This zero force is not the scene's own
+  // command.
   SafetyStep changed = step({});
   changed.original = false;
-  EXPECT_FALSE(stage.apply(changed).waiting);  // there is nothing to hold back
+  EXPECT_FALSE(stage.apply(changed).waiting);  // A zero force needs no wait.
   EXPECT_TRUE(stage.apply(step(push(0.05, 0.05))).waiting);
-  // Small once: the wait ends for good, and only now the ramp begins.
+  // A small command must end the wait permanently. The ramp must begin only now.
   EXPECT_FALSE(stage.apply(step(push(0.1, 0.01))).waiting);
   const Safeguarded out = stage.apply(step(push(4.0)));
   EXPECT_FALSE(out.waiting);
-  EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);  // one period of the ramp's 0.1 s
+  // The ramp lasts 0.1 s. One period of the ramp has passed.
+  EXPECT_NEAR(force(out), 0.01 * 4.0, 1e-12);
 }
 
-/// The force channel of a waiting stage, and a hand in it.
+/// A waiting stage and its force channel.
 struct Waiting {
   explicit Waiting(bool reduces = true) : stage({.force = {.small = 0.05}}, reduces) {}
   double at(double commanded, double moved = 0.0) {
@@ -203,32 +207,35 @@ struct Waiting {
 TEST(Safety, WhoBeginsInsideFeelsAtOnceWhatHeAdds) {
   Waiting w;
   EXPECT_EQ(w.at(4.0), 0.0);
-  EXPECT_NEAR(w.at(4.5), 0.5, 1e-12);  // deeper
+  EXPECT_NEAR(w.at(4.5), 0.5, 1e-12);  // The hand moves deeper.
   EXPECT_EQ(w.at(4.0), 0.0);
-  EXPECT_EQ(w.at(3.0), 0.0);  // less deep: the new floor
+  EXPECT_EQ(w.at(3.0), 0.0);  // The depth decreases and sets the new reference.
   EXPECT_NEAR(w.at(4.0), 1.0, 1e-12);
-  EXPECT_LE(w.at(0.05), 0.05);  // out: the wait ends
+  EXPECT_LE(w.at(0.05), 0.05);  // The hand moves out, and the wait ends.
   EXPECT_EQ(w.at(4.0), 4.0);
 }
 
-/// A field that is nowhere small fades in without a jump as the hand moves, not by itself.
+/// A field may be large everywhere. The force must fade in without a jump as the hand moves, but
+/// not while the hand rests.
 TEST(Safety, AFieldThatIsNeverSmallIsLetInAsTheHandMoves) {
   Waiting w;
   for (int n = 0; n < 10'000; ++n) ASSERT_EQ(w.at(2.0), 0.0);
-  constexpr double kStep = 1e-4;  // [m] 0.1 m/s
+  constexpr double kStep = 1e-4;  // [m] 0.1 m/s at 1 kHz
   double before = 0.0, way = 0.0;
   for (; before < 2.0 && way < 1.0; way += kStep) {
     const double given = w.at(2.0, kStep);
     ASSERT_GE(given, before);
-    // The floor ends small: the last step may rise by the threshold plus this movement's part.
+    // The reference force ends at a small value. The last step may rise by the threshold plus the
+    // part from this movement.
     ASSERT_LE(given - before, 0.05 * (1.0 + kStep / SafetyLimits::kFloorWay) + 1e-12);
     before = given;
   }
   EXPECT_EQ(before, 2.0);
-  EXPECT_NEAR(way, (2.0 - 0.05) / 0.05 * SafetyLimits::kFloorWay, 2e-3);  // the filter's delay
+  // [m] tolerance for the delay of the filter
+  EXPECT_NEAR(way, (2.0 - 0.05) / 0.05 * SafetyLimits::kFloorWay, 2e-3);
 }
 
-/// A free mass that connects 5 mm deep in a wall, with an initial speed of 2 mm/s outwards.
+/// A free mass connects 5 mm deep in a wall, with an initial speed of 2 mm/s outwards.
 TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
   for (const bool waits : {true, false}) {
     SafetyStage stage({.force = {.small = waits ? 0.05 : kInfinity}});
@@ -248,7 +255,8 @@ TEST(Safety, NobodyIsThrownOutOfAWallThatHeBeganIn) {
   }
 }
 
-// A law that also bounds from below must get no force or all of it.
+// Some methods also bound the force from below. Such a method must get no force until the wait
+// ends, and the complete force afterwards.
 TEST(Safety, BehindABoundThatAdmitsNoReductionAWaitGivesNothing) {
   Waiting w(false);
   for (const double commanded : {4.0, 4.5, 0.06, 3.0}) EXPECT_EQ(w.at(commanded, 1e-3), 0.0);
@@ -274,11 +282,11 @@ TEST(Safety, WhatIsNotFiniteGivesNothing) {
       EXPECT_TRUE(out.refused);
       EXPECT_EQ(out.rendered.force(), Vec3::Zero());
       EXPECT_EQ(out.rendered.torque, Vec3::Zero());
-      // The bad sample does not affect the next ones.
+      // The bad sample must not affect the next samples.
       EXPECT_EQ(stage.apply(step(push(2.0, 0.1))).rendered.force(), push(2.0).force());
     }
   }
-  // Finite numbers with an infinite velocity or sum.
+  // Finite numbers may give an infinite velocity or sum.
   SafetyStage stage;
   SafetyStep s = step(push(2.0), Vec3(1e300, 0, 0));
   s.hold_time = 1e-300;

@@ -1,4 +1,4 @@
-// Grids and tools in scene files.
+// Tests grids and tools in scene files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using test::error_of;
 
 using ::testing::HasSubstr;
 
-/// A scene of one object, with its shape on line 4 and the scene's tool on line 5.
+/// Returns a scene of one object, with its shape on line 4 and the scene's tool on line 5.
 std::string scene_text(const std::string& shape, const std::string& tool = "") {
   return "{\n\"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 1000 }],\n"
          "\"objects\": [{ \"name\": \"o\", \"material\": \"m\",\n" +
@@ -85,7 +85,7 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
   Command c;
   for (int i = 0; i < 20; ++i)
     c = scene.touch({Vec3(0, 0, 0.0095), Quaternion::Identity()}, Vec3::Zero(), 1e-3, memory);
-  // The hand holds the box by its end: the floor lifts the middle of the box and turns it.
+  // The hand holds the box at its end. The floor lifts the middle of the box and causes a torque.
   EXPECT_GT(c.elastic.z(), 0.05);
   EXPECT_LT(c.torque.y(), -1e-4);
   EXPECT_NEAR(c.torque.x(), 0.0, 1e-4);
@@ -93,11 +93,11 @@ TEST(FieldScene, ABodyGivesForceAndTorque) {
   EXPECT_EQ(local_model(scene, Vec3(0, 0, 0.01), contacts).reach, 0.0);
 }
 
-// A body touches a mesh through its distances, sampled when the scene is loaded.
+// A body touches a mesh through a distance grid, which the loader samples.
 TEST(FieldScene, ABodyTouchesAMeshAsAGrid) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "feltwire_body_on_mesh";
   std::filesystem::create_directories(folder);
-  // Flat, because its grid has 128 steps across, however thin the plate is.
+  // The thin plate has a flat grid with 128 steps across.
   std::ofstream(folder / "plate.obj")
       << obj_text(test::moved(test::box({30.0, 30.0, 3.0}), {0.0, 0.0, 27.0}));
   TriangleSoup open = icosphere(30.0, 1);
@@ -138,7 +138,8 @@ TEST(FieldScene, ABallForATool) {
   EXPECT_NEAR(scene.touch({Vec3(0, 0, 0.003), Vec3::Zero()}, memory).elastic.z(), 2.0, 1e-12);
   const LocalModel model = local_model(scene, Vec3(0, 0, 0.003), memory);
   ASSERT_EQ(model.count, 1);
-  EXPECT_NEAR(model.patches[0].point.z(), 0.005, 1e-15);  // of the plane below the body's middle
+  // height of the plane below the body's centre
+  EXPECT_NEAR(model.patches[0].point.z(), 0.005, 1e-15);
 }
 
 TEST(FieldScene, EveryMistakeIsNamed) {

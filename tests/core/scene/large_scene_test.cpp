@@ -1,5 +1,5 @@
-// Scenes and surfaces of many parts. A quadratic cost would take minutes here, and the test's time
-// limit would report it.
+// Tests scenes and surfaces with many parts. A quadratic cost would take minutes and exceed the
+// test's time limit.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ constexpr int kMany = 100000;
 
 std::string numbered(const char* name, int i) { return name + std::to_string(i); }
 
-/// part(0), part(1), ... as a list.
+/// Returns a list of part(0), part(1), ...
 template <class Part>
 std::string list(int count, const Part& part) {
   std::string text = "[";
@@ -90,7 +90,7 @@ TEST(LargeScene, FiftyThousandMaterialsAreFoundByTheirNames) {
     EXPECT_EQ(many.objects()[i].material.stiffness, static_cast<double>(kHalf - i));
 }
 
-/// A disc as one face, with `corners` corners on its rim.
+/// Returns a disc as one face, with `corners` corners on its rim.
 std::string disc(int corners, double height = 0.0) {
   std::string text;
   for (int i = 0; i < corners; ++i) {
@@ -107,10 +107,11 @@ TEST(LargeScene, AFaceOfAHundredThousandCornersBecomesASurface) {
   TriangleMesh mesh(parse_obj(disc(kMany), "disc.obj", 1.0), 0.0);
   const MeshReport& report = mesh.report();
   const std::size_t count = mesh.triangles().size();
-  EXPECT_GT(count, static_cast<std::size_t>(kMany) * 9 / 10);  // some are flat by rounding
+  // Rounding makes some triangles flat.
+  EXPECT_GT(count, static_cast<std::size_t>(kMany) * 9 / 10);
   EXPECT_EQ(report.non_manifold_edges, 0u);
   EXPECT_EQ(report.turned_edges, 0u);
-  // Every triangle of the fan has a neighbour on either side, except the two at its ends.
+  // Every triangle of the fan must have two neighbours, except the two at the ends.
   std::size_t joined = 0;
   for (std::uint32_t t = 0; t < count; ++t)
     for (int k = 0; k < 3; ++k) {
@@ -130,18 +131,19 @@ TEST(LargeScene, AFaceOfAHundredThousandCornersBecomesASurface) {
 
 TEST(LargeScene, OneTriangleAHundredThousandTimesIsOne) {
   TriangleSoup soup{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {}};
-  for (std::uint32_t i = 0; i < kMany; ++i)  // turned or rotated, it stays the same triangle
+  // A reversed or rotated order still means this triangle.
+  for (std::uint32_t i = 0; i < kMany; ++i)
     soup.triangles.push_back(i % 2 == 0 ? Triangle{i % 3, (i + 1) % 3, (i + 2) % 3}
                                         : Triangle{(i + 1) % 3, i % 3, (i + 2) % 3});
   soup.triangles.push_back({0, 1, 3});
   const TriangleMesh mesh(soup);
   EXPECT_EQ(mesh.triangles().size(), 2u);
-  EXPECT_EQ(mesh.triangles()[0], (Triangle{2, 1, 0}));  // its neighbour has the edge from 0 to 1
+  EXPECT_EQ(mesh.triangles()[0], (Triangle{2, 1, 0}));  // The neighbour has the edge from 0 to 1.
   EXPECT_EQ(mesh.report().duplicate, static_cast<std::size_t>(kMany - 1));
   EXPECT_EQ(mesh.report().boundary_edges, 4u);
 }
 
-/// Neighbours by their definition, for small surfaces with all kinds of edges.
+/// Compares neighbours with their definition, for small surfaces with all kinds of edges.
 TEST(LargeScene, NeighboursAreThoseThatShareAnEdgeTheOtherWayRound) {
   std::mt19937 random(11);
   for (int run = 0; run < 200; ++run) {
@@ -167,7 +169,7 @@ TEST(LargeScene, NeighboursAreThoseThatShareAnEdgeTheOtherWayRound) {
             others.push_back(u);
             agree = c == b;
           }
-        // The two sides of a face are no neighbours: its edges are open and count once.
+        // The two sides of a face are no neighbours. The face's edges are open and count once.
         const bool two_sides =
             others.size() == 1 && std::ranges::is_permutation(triangles[others[0]], triangles[t]);
         const bool good = others.size() == 1 && agree && !two_sides;

@@ -19,7 +19,7 @@ Object object(const char* name, Shape shape, Material material = {}) {
   return o;
 }
 
-/// Two planes at a right angle: solid below z = 0 and below x = 0.
+/// Returns two planes at a right angle, solid below z = 0 and below x = 0.
 std::vector<Object> corner() {
   Object floor = object("floor", Plane{}, {.stiffness = 1000});
   Object wall = object("wall", Plane{}, {.stiffness = 500});
@@ -48,7 +48,8 @@ TEST(Scene, RequiresOnlyWhatAnObjectNeeds) {
   EXPECT_TRUE(needs({.damping = 0.1}).velocity);
   EXPECT_TRUE(needs({.viscous_friction = 0.1}).velocity);
   EXPECT_FALSE(needs({.viscous_friction = 0.1}).friction);
-  EXPECT_EQ(needs({.stiffness = 2500.0}).stiffness, 2500.0);  // the stiffest material of all
+  // the largest stiffness of all materials
+  EXPECT_EQ(needs({.stiffness = 2500.0}).stiffness, 2500.0);
   EXPECT_EQ(needs({.stiffness = 10.0}).stiffness, Material{}.stiffness);
 }
 
@@ -65,7 +66,7 @@ TEST(Scene, AToolThatIsNotFiniteGivesZeroAndIsForgotten) {
     EXPECT_TRUE(memory[0].touching);
     EXPECT_EQ(memory[0].anchor, Vec3(0.1, 0.2, 0.0));
   }
-  // The stick point stays: the next good sample continues from it.
+  // The stick point must stay, and the next good sample must continue from it.
   const Command c = scene.touch({Vec3(0.1005, 0.2, -0.001), Vec3::Zero()}, memory);
   EXPECT_NEAR(c.frictional.x(), -0.5, 1e-12);
 }
@@ -79,7 +80,7 @@ TEST(Scene, AForeignMemoryGivesNoForce) {
 TEST(Scene, TakesOrientationsThatAreNotUnit) {
   for (const double scale : {1e-200, 0.5, 1e200}) {
     Object o = object("plane", Plane{}, {.stiffness = 1000});
-    o.pose.orientation = Quaternion(scale, -scale, 0, 0);  // +z to +y
+    o.pose.orientation = Quaternion(scale, -scale, 0, 0);  // rotates +z to +y
     const Scene scene("s", {o});
     TouchMemory memory = scene.memory();
     const Command c = scene.touch({Vec3(0, -0.001, 0), Vec3::Zero()}, memory);
@@ -128,7 +129,7 @@ TEST(Scene, RefusesWhatBreaksARule) {
   }
   EXPECT_THROW(Scene("s", {}), std::invalid_argument);
   EXPECT_THROW(Scene("", {good}), std::invalid_argument);
-  EXPECT_THROW(Scene("s", {good, good}), std::invalid_argument);  // one name twice
+  EXPECT_THROW(Scene("s", {good, good}), std::invalid_argument);  // Both objects have one name.
 }
 
 TEST(Scene, TouchNeverAllocates) {

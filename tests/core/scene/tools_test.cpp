@@ -1,4 +1,4 @@
-// A scene with several tools to choose from.
+// Tests a scene with several tools.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ std::shared_ptr<const BodyTool> brick(std::size_t points = 400) {
       point_shell(tessellate(Box{Vec3(0.03, 0.02, 0.01)}, 3), points), ToolCoupling{}, 2.4e-3);
 }
 
-/// A ring of triangles that hands move without gravity, for a point, a ball and a brick.
+/// Returns a ring of triangles without gravity, for a point, a ball and a brick as tools.
 Scene ring_for_all() {
   Scene scene =
       moving({object("ring", mesh_object(test::torus(0.05, 0.008, 40, 14)).shape, kRough)}, {0},
@@ -51,7 +51,8 @@ Scene ring_for_all() {
   return scene;
 }
 
-// Three hands hold three tools: the ring gets the opposite of all their forces, to rounding.
+// Three hands hold three tools. The ring must get the opposite of the sum of their forces, up to
+// rounding.
 TEST(Tools, OfManyKindsMoveOneMesh) {
   const Scene scene = ring_for_all();
   World world(scene);
@@ -86,7 +87,7 @@ TEST(Tools, OfManyKindsMoveOneMesh) {
     ASSERT_TRUE(world.step());
     allocated += test::allocations() - before;
     for (std::size_t i = 0; i < felt.size(); ++i) {
-      if (i == 2 && block.contact.touching == 0) continue;  // the tool still moves to the hand
+      if (i == 2 && block.contact.touching == 0) continue;  // The tool still moves to the hand.
       given += kDefaultTick * felt[i].force();
       pushed[i] += kDefaultTick * felt[i].force().norm();
     }
@@ -136,7 +137,7 @@ TEST(Tools, AHandFeelsASceneOfItsToolAlone) {
     const Pose at{hand.step().position, Quaternion::Identity()};
     ASSERT_EQ(held.touch(at, Vec3::Zero(), 1e-3, a), block.touch(at, Vec3::Zero(), 1e-3, b));
   }
-  // Each tool has its own local model; a body's has another form (body_model.hpp).
+  // Each tool has its own local model. The model of a body has another form (body_model.hpp).
   const Vec3 above(0.0, 0.01, 0.02);
   const TouchMemory memory = scene.view("tip")->memory();
   const LocalModel tip = local_model(*scene.view("tip"), above, memory);
@@ -195,7 +196,7 @@ TEST(Tools, ThatCannotBeAreRefusedAndChangeNothing) {
   EXPECT_EQ(error({tip}), "let through");
 }
 
-/// A scene with tools on lines 3, 4 and 5 of its file.
+/// Returns a scene with tools on lines 3, 4 and 5 of its file.
 std::string with_tools(const std::string& first, const std::string& second,
                        const std::string& shape = R"("plane": {})", const std::string& more = "") {
   return "{\"name\": \"s\", \"materials\": [{\"name\": \"m\", \"stiffness\": 1000}],\n\"tools\": "

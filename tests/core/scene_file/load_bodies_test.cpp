@@ -1,4 +1,4 @@
-// Bodies and MJCF from files.
+// Tests bodies and MJCF models from files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A scene's text with some lines replaced.
+/// Returns a scene's text with some lines replaced.
 std::string scene_text(const std::string& bodies, const std::string& more = "",
                        const std::string& object = R"("body": "b")") {
   return "{ \"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 900 }],\n" + more +
@@ -103,7 +103,7 @@ TEST(LoadBodies, TheWorkshopIsSound) {
   ASSERT_NE(scene.mechanism(), nullptr);
   EXPECT_EQ(scene.mechanism()->bodies(), 6);
   EXPECT_THAT(scene.mechanism()->warnings(), ::testing::IsEmpty());
-  // Untouched, everything stays at its place.
+  // Without contact everything must stay at its position.
   World world(scene);
   const auto before = world.objects();
   for (int n = 0; n < 1000; ++n) ASSERT_TRUE(world.step());
@@ -157,7 +157,7 @@ const char* const kRoom = R"(<mujoco>
 TEST_F(Mjcf, GeomsBecomeObjects) {
   write("room.xml", kRoom);
   const Scene scene = load();
-  ASSERT_EQ(scene.objects().size(), 3u);  // a geom that does not collide is decoration
+  ASSERT_EQ(scene.objects().size(), 3u);  // A geom without collision is only visual.
   EXPECT_EQ(scene.objects()[0].name, "floor");
   EXPECT_EQ(scene.objects()[0].material.stiffness, 900);
   EXPECT_EQ(scene.objects()[1].name, "cabin");
@@ -166,7 +166,7 @@ TEST_F(Mjcf, GeomsBecomeObjects) {
   EXPECT_TRUE(std::holds_alternative<Cylinder>(scene.objects()[2].shape));
   EXPECT_EQ(scene.mechanism()->still(), 1u);
 
-  // The cart rolls away from the hand.
+  // The hand pushes the cart away.
   World world(scene);
   test::Hand hand(world);
   for (int n = 0; n < 100; ++n) hand.step({-0.099, 0, 0.6});
@@ -174,7 +174,7 @@ TEST_F(Mjcf, GeomsBecomeObjects) {
   EXPECT_NEAR(world.objects()[2].pose.position.x(), world.objects()[1].pose.position.x(), 1e-12);
 }
 
-/// MuJoCo resets everything in each step: nothing would ever move.
+/// MuJoCo resets everything in each step. Nothing would ever move.
 TEST_F(Mjcf, ASceneThatBreaksAtItsFirstStepIsWarnedOf) {
   const auto warnings = [&](const std::string& spring) {
     write("room.xml", R"(<mujoco><asset><material name="steel"/></asset><worldbody>
@@ -192,7 +192,7 @@ TEST_F(Mjcf, ASceneThatBreaksAtItsFirstStepIsWarnedOf) {
 }
 
 TEST_F(Mjcf, MeshGeomsAreFelt) {
-  // A wedge of 0.2 m: MuJoCo moves its frame to the centre of mass.
+  // For a wedge of 0.2 m, MuJoCo moves the frame to the centre of mass.
   write("room.xml", R"(<mujoco>
   <asset><material name="steel"/><mesh name="wedge" vertex="0 0 0 0.2 0 0 0 0.2 0 0 0 0.2"
     face="0 2 1 0 1 3 0 3 2 1 2 3"/></asset>
@@ -205,16 +205,17 @@ TEST_F(Mjcf, MeshGeomsAreFelt) {
   test::Hand hand(world);
   EXPECT_EQ(hand.touch({-0.001, 0.05, 0.55}), Command{});
   const Command felt = hand.step({0.001, 0.05, 0.55});
-  EXPECT_NEAR((felt.elastic - Vec3(-0.9, 0.0, 0.0)).norm(), 0.0, 1e-4);  // single precision
+  // The mesh has single precision.
+  EXPECT_NEAR((felt.elastic - Vec3(-0.9, 0.0, 0.0)).norm(), 0.0, 1e-4);
   for (int n = 0; n < 100; ++n) hand.step({0.001, 0.05, 0.55});
-  EXPECT_GT(world.objects()[0].pose.position.x(), 0.0502);  // it rolls away from the hand
+  EXPECT_GT(world.objects()[0].pose.position.x(), 0.0502);  // The hand pushes the cart away.
 }
 
 const char* const kWedge =
     "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 0 0 0.2\n"
     "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
-/// A model that includes a file and names a mesh beside the scene's folder.
+/// Returns a model that includes a file and names a mesh beside the scene's folder.
 std::string room_of_files(const std::string& mesh) {
   return R"(<mujoco>
   <asset><material name="steel"/><mesh name="wedge" file=")" +
@@ -233,7 +234,7 @@ TEST_F(Mjcf, KeptFilesAreReadAgainWithoutTheDisk) {
   write("room.xml", room_of_files("../meshes/wedge.obj"));
   write("parts/cart.xml", kCart);
   write("../meshes/wedge.obj", kWedge);
-  load();  // writes s.json
+  load();  // This call writes s.json.
   const Scene scene = load_scene_and_keep(folder / "s.json");
   ASSERT_NE(scene.files(), nullptr);
   std::vector<std::string> names;
@@ -244,7 +245,7 @@ TEST_F(Mjcf, KeptFilesAreReadAgainWithoutTheDisk) {
   const Scene again = load_kept_scene(*scene.files());
   ASSERT_EQ(again.objects().size(), 1u);
   EXPECT_EQ(again.objects()[0].pose.position, scene.objects()[0].pose.position);
-  // Equal to the bit.
+  // Both scenes must give equal forces bitwise.
   World first(scene), second(again);
   test::Hand one(first), other(second);
   for (int n = 0; n < 50; ++n)
@@ -269,13 +270,13 @@ TEST_F(Mjcf, KeptFilesReachNothingElseOnTheDisk) {
   };
   CapturedFiles files = *scene.files();
   EXPECT_EQ(wrong_with(files), "no error");
-  // A recording whose author wants to read other files of this disk.
+  // The author of a recording tries to read other files of this disk.
   const std::string place = (folder / "wedge.obj").string();
   files.files["room.xml"] = room_of_files(place);
   EXPECT_THAT(wrong_with(files), HasSubstr("was not kept, name the scene's own file"));
   files.files[place] = kWedge;
   EXPECT_THAT(wrong_with(files), HasSubstr("from the root of the file system"));
-  // Or to write to the disk.
+  // The author tries to write to the disk.
   files.files.erase(place);
   const std::filesystem::path target = folder / "written";
   files.files["../../../../../../../.." + target.string()] = "x";
@@ -302,7 +303,7 @@ TEST_F(Mjcf, ErrorsNameWhatIsWrong) {
   write("room.xml",
         "<mujoco><asset><mesh name='m' vertex='0 0 0 1e30 0 0 0 1e30 0 0 0 1e30'/></asset>"
         "<worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>");
-  EXPECT_NE(error(), "no error");  // and the process does not end
+  EXPECT_NE(error(), "no error");  // The process must not end.
   write("room.xml", "<mujoco><worldbody/></mujoco>");
   EXPECT_THAT(error(), HasSubstr("has no geom and no material 'steel'"));
   write("room.xml", kRoom);

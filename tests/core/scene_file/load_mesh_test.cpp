@@ -20,7 +20,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A separate folder for the files of a test.
+/// Makes a separate folder for the files of a test.
 class LoadMesh : public ::testing::Test {
  protected:
   LoadMesh()
@@ -97,7 +97,7 @@ TEST_F(LoadMesh, WrongFieldsAreNamedWithTheRemedy) {
   EXPECT_THAT(error_of(R"("file": "sheet.obj", "unit": "m", "closed": true)"),
               HasSubstr("sheet.obj is not closed: 4 open edges, 1 hole 2"));
   EXPECT_THAT(error_of(ball + R"("unit": "m", "weld": -1)"), HasSubstr("mesh.weld: must be"));
-  // Beyond single precision, by the file or by the scale.
+  // The file or the scale makes coordinates beyond single precision.
   write("far.obj", "v 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 1 2 3\n");
   write("large.obj", "v 0 0 0\nv 1e38 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(error_of(R"("file": "far.obj", "unit": "m")"),
@@ -118,7 +118,7 @@ TEST_F(LoadMesh, AHeightMapIsReadBesideIt) {
     return s.touch({Vec3(x, 0, -0.002), Vec3::Zero()}, memory).elastic.z();
   };
   EXPECT_NEAR(force(0.005), 2.0,
-              1e-6);  // between two white pixels with middles at 0 and 1 cm
+              1e-6);  // between two white pixels with centres at 0 and 1 cm
   EXPECT_NEAR(force(0.015), 1.5, 1e-6);
   EXPECT_NEAR(force(0.025), 1.0, 1e-6);
   const auto error = [&](const std::string& map) { return error_of(mesh + map); };
@@ -168,7 +168,7 @@ TEST_F(LoadMesh, AWrongUnitIsSaidWithTheScaleThatHelps) {
   write("tiny.obj", obj_text(test::icosphere(0.00002, 2)));
   EXPECT_THAT(scene(R"("file": "tiny.obj", "unit": "m")").warnings(),
               ElementsAre(HasSubstr("tiny.obj: is 4e-05 m large")));
-  // Grids and tools too.
+  // Grids and tools must give the warning too.
   const Scene grid = parse_scene(R"({"name": "s", "materials": [{"name": "m", "stiffness": 1000}],
       "objects": [{"name": "o", "material": "m",
                    "grid": {"file": "part.obj", "scale": 1, "resolution": 2}}],
@@ -217,7 +217,7 @@ TEST_F(LoadMesh, ACornerInTheMiddleOfAnEdgeDoesNotOpenASurface) {
 }
 
 TEST_F(LoadMesh, EndsOfOpenEdgesAreJoinedAsFarApartAsTheSceneSays) {
-  // Two halves of a box of 1 m, a tenth of a millimetre apart.
+  // The two halves of a box of 1 m are a tenth of a millimetre apart.
   TriangleSoup soup = test::box(Vec3(0.5, 0.5, 0.5), 2);
   for (std::size_t i = 0; i < soup.vertices.size(); i += 4) {
     const bool upper = (soup.vertices[i] + soup.vertices[i + 2]).x() > 0.0;
@@ -262,8 +262,8 @@ TEST(BunnyScene, IsTouchedWhereItsStartSays) {
   const Vec3 p = s.start().position, n = s.start().normal;
   EXPECT_EQ(s.touch({p + 0.01 * n, Vec3::Zero()}, memory), Command{});
   EXPECT_EQ(s.touch({p + 0.0005 * n, Vec3::Zero()}, memory), Command{});
-  // The material's stiffness times the distance to the nearest surface point, whichever tree the
-  // mesh has.
+  // The force is the material's stiffness times the distance to the nearest surface point, for any
+  // tree of the mesh.
   const Object& bunny = s.objects()[1];
   const auto to_surface = [&](const Vec3& from) {
     const Vec3 own = bunny.pose.orientation.conjugate() * (from - bunny.pose.position);
@@ -281,8 +281,9 @@ TEST(BunnyScene, IsTouchedWhereItsStartSays) {
   const Vec3 expected = bunny.material.stiffness * to_surface(inside);
   EXPECT_GT(expected.dot(n), 1.0);
   EXPECT_NEAR(c.elastic.norm(), expected.norm(), 1e-6);
-  EXPECT_LT(test::angle(c.elastic, expected), 0.1);  // "smooth" bends the direction, not the force
-  // A fingertip touches a radius earlier, on the same triangles.
+  // "smooth" changes the direction, but not the magnitude.
+  EXPECT_LT(test::angle(c.elastic, expected), 0.1);
+  // A fingertip touches a radius earlier, on equal triangles.
   const ToolView& finger = *s.view("finger");
   const double radius = finger.tool().radius;
   TouchMemory of_finger = finger.memory();
@@ -320,7 +321,7 @@ std::vector<Object> crowd(int count) {
   return objects;
 }
 
-// A crowd gives the same force through a tree and object by object, to the last bit.
+// For many objects, the tree and a loop over all objects must give bitwise equal forces.
 TEST(BroadPhase, ACrowdIsFeltAsItIsOneByOne) {
   const Scene scene("crowd", crowd(400));
   for (const double step : {0.002, 0.01}) {

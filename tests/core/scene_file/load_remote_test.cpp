@@ -1,4 +1,4 @@
-// A robot's seat in a scene file, and its workspace.
+// Tests a robot in a scene file, and its workspace.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -161,7 +161,7 @@ TEST(LoadRemote, ARobotsTargetMayHaveAWorkspace) {
   EXPECT_THAT(error_of(scene(R"("lock": ["w"])")), HasSubstr("remote.workspace.lock"));
 }
 
-/// The robot is an arm in the scene's own MJCF file.
+/// The robot may be an arm in the scene's own MJCF file.
 TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
   const std::string file = FELTWIRE_SOURCE_DIR "/scenes/arm/s.json";
   const auto scene = [](const std::string& rest) {
@@ -182,7 +182,7 @@ TEST(LoadRemote, TheRobotMayBeAnArmOfTheScene) {
   EXPECT_EQ(arm.seed, 7u);
   EXPECT_EQ(arm.prefix, "");
   EXPECT_EQ(arm.turning_stiffness, ArmControl{}.turning_stiffness);
-  // It begins at home with its gripper open as specified, in the file and in the world.
+  // The robot must begin at home with its gripper open as specified, in the file and in the world.
   EXPECT_GT(place(none, "palm").z(), 0.8) << "all angles zero: upright";
   const Vec3 home(0.306891, 0.0, 0.559);
   EXPECT_LT((place(told, "palm") - home).norm(), 0.01);

@@ -1,4 +1,4 @@
-// Scenes that are loaded while memory is scarce.
+// The loader must survive a lack of memory.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace feltwire::load_scene_fault_test {
 namespace {
 
 #ifndef FELTWIRE_SANITIZED
-/// Whether the scene loads, in a separate thread: refused memory does not affect the caller.
+/// Returns true if the scene loads in a separate thread. Refused memory must not affect the caller.
 bool loads(const std::string& file) {
   bool loaded = false;
   std::thread([&] {
@@ -26,8 +26,8 @@ bool loads(const std::string& file) {
   return loaded;
 }
 
-/// Refuses every allocation of the loader in turn. Each load ends in an exception or manages
-/// without the memory, and the next load works as the first.
+/// Refuses every allocation of the loader in turn. Each load must end in an exception or continue
+/// without the memory. The next load must work as the first.
 TEST(LoadSceneFaults, OfEveryAllocationEndTheLoadOnly) {
   int injected = 0, ended = 0;
   for (const std::string name : {"plane.json", "room.json", "workshop.json"}) {

@@ -20,7 +20,7 @@ using ::testing::StartsWith;
 
 const std::string kScenes = std::string(FELTWIRE_SOURCE_DIR) + "/scenes/";
 
-// Line by line, so that the tests below can name the line of an error.
+// The text is stored by lines, so the tests below can name the line of an error.
 const std::vector<std::string> kGood = {
     R"({)",                                                                  // 1
     R"(  "name": "s",)",                                                     // 2
@@ -76,7 +76,7 @@ TEST(LoadScene, ReadsEveryField) {
   EXPECT_EQ(o[2].pose.position, Vec3(1, 2, 3));
   EXPECT_EQ(std::get<Box>(o[3].shape).half_extents, Vec3(1, 2, 3));
   EXPECT_EQ(std::get<Capsule>(o[4].shape).half_length, 1.0);
-  EXPECT_EQ(o[4].pose.orientation.z(), 1.0);  // made unit
+  EXPECT_EQ(o[4].pose.orientation.z(), 1.0);  // The loader normalizes the orientation.
   EXPECT_EQ(std::get<Cylinder>(o[5].shape).half_length, 1.5);
   EXPECT_EQ(std::get<Cylinder>(o[5].shape).radius, 0.5);
   EXPECT_EQ(std::get<Cone>(o[6].shape).half_length, 1.5);
@@ -114,9 +114,9 @@ TEST(LoadScene, StartIsWhereAHandBegins) {
 TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
   ASSERT_EQ(error_of(text_with(0, "")), "no error");
   struct Mistake {
-    int line;             // the line to change
-    std::string changed;  // its new text
-    std::string error;    // the beginning of the error
+    int line;             // line to change
+    std::string changed;  // new text of the line
+    std::string error;    // beginning of the error
   };
   const std::vector<Mistake> mistakes = {
       // Errors in the meaning.
@@ -337,7 +337,7 @@ TEST(LoadScene, RandomBytesNeverCrashAndErrorsPointIntoTheFile) {
       EXPECT_LE(line, lines + 5) << what;
     }
   }
-  EXPECT_GT(loaded, kTries / 100);  // changes of comments and digits
+  EXPECT_GT(loaded, kTries / 100);  // Changes of comments and digits still load.
   EXPECT_GT(refused, kTries / 2);
 }
 

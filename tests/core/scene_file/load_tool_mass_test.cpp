@@ -1,4 +1,4 @@
-// The mass of a tool in a scene file.
+// Tests the mass of a tool in a scene file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A scene with the tool's body on line 4, its fields on lines 5 and 6.
+/// Returns a scene with the tool's body on line 4 and its fields on lines 5 and 6.
 std::string text(const std::string& solid, const std::string& fields,
                  const std::string& scene = "") {
   return "{ \"name\": \"s\", \"materials\": [{ \"name\": \"m\", \"stiffness\": 1000 }],\n" + scene +

@@ -1,4 +1,5 @@
-// A process with little memory reports it; no library below the loader ends it by a signal.
+// A process with little memory must report this. No library below the loader may end the process by
+// a signal.
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -28,15 +29,15 @@ std::size_t address_space() {
 
 using Load = std::function<void()>;
 
-/// Loads a scene with `more` bytes of address space than the process has, and exits: 0 if the
-/// scene is loaded, 1 if the error mentions memory, 3 if it does not.
+/// Loads a scene in a process that may use `more` additional bytes of address space, and exits. The
+/// status is 0 if the scene is loaded, 1 if the error mentions memory, and 3 otherwise.
 [[noreturn]] void load_with(std::size_t more, const Load& load) {
   const rlimit limit{address_space() + more, RLIM_INFINITY};
   setrlimit(RLIMIT_AS, &limit);
   int status = 0;
   try {
     load();
-  } catch (const std::bad_alloc&) {  // no memory even for the text
+  } catch (const std::bad_alloc&) {  // No memory is left even for the text of the error.
     status = 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
@@ -45,7 +46,7 @@ using Load = std::function<void()>;
   _exit(status);
 }
 
-/// A scene of many boxes, with a tree.
+/// Returns a scene of many boxes with a tree.
 std::string boxes() {
   std::string text = R"({"name":"many","materials":[{"name":"m","stiffness":1000}],"objects":[)";
   for (int i = 0; i < 2000; ++i)
@@ -55,12 +56,13 @@ std::string boxes() {
   return text + "]}";
 }
 
-/// Raises the limit until the scene has loaded a few times. `little`: the first limit is too small.
+/// Raises the limit until the scene has loaded a few times. With `little`, the first limit is too
+/// small.
 void load_within_limits(const Load& load, bool little) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "a sanitizer reserves more address space than any limit here";
 #endif
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // each in its own process
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // Each test runs in its own process.
   int refused = 0, loaded = 0;
   const auto ended = [&](int status) {
     loaded += WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 1 : 0;

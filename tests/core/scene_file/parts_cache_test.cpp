@@ -1,4 +1,4 @@
-// A file with the convex parts of a mesh: whatever its content is, the scene stays the same.
+// A file stores the convex parts of a mesh. The scene must not depend on the file's content.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST_F(PartsCache, IsBesideTheMeshOneFileForEachUseOfIt) {
   EXPECT_EQ(status.st_mode & 0022, 0u);
   ring(R"(, "convex_parts": { "tolerance": 0.004, "most": 20 })");
   EXPECT_THAT(kept_in(scenes()), ElementsAre(scenes() / "ring.obj.m.0.004.20.convex", beside()));
-  // The mesh's file is replaced by another mesh.
+  // Another mesh replaces the mesh's file.
   write("ring.obj", test::torus(0.05, 0.014, 7, 5));
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is of another mesh")));
   EXPECT_EQ(kept_in(scenes()).size(), 2u);
@@ -84,7 +84,7 @@ TEST_F(PartsCache, ADamagedOrForeignFileIsSaidAndMadeAnew) {
                                       Contains(HasSubstr("computed in"))));
     EXPECT_EQ(text_of(beside()), bytes) << why;
   }
-  // Larger than the limit: not read to its end.
+  // The file is larger than the limit. The loader must not read it to its end.
   fs::resize_file(beside(), kMostConvexPartsFile + 1);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is larger than 64 MiB")));
   EXPECT_EQ(text_of(beside()), bytes);
@@ -97,17 +97,17 @@ TEST_F(PartsCache, WhatIsNoRegularFileIsNeitherReadNorReplaced) {
   fs::rename(beside(), away);
   fs::create_symlink(away, beside());
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
-  // The link was replaced, not its target.
+  // The loader must replace the link instead of its target.
   EXPECT_FALSE(fs::is_symlink(beside()));
   EXPECT_EQ(text_of(away), bytes);
   fs::remove(beside());
-  ASSERT_EQ(::mkfifo(beside().c_str(), 0600), 0);  // the loader does not wait for a writer
+  ASSERT_EQ(::mkfifo(beside().c_str(), 0600), 0);  // The loader must not wait for a writer.
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("is not a regular file")));
   EXPECT_TRUE(fs::is_fifo(beside()));
   EXPECT_THAT(kept_in(user_cache()), ElementsAre(::testing::_));
 }
 
-// A folder in the file's place: nothing can be written there, not even by root.
+// A folder has the file's name. Even root cannot write the file.
 TEST_F(PartsCache, WithoutARightToWriteTheUsersFolderHasIt) {
   fs::create_directory(beside());
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("kept in " + user_cache().string())));
@@ -119,7 +119,8 @@ TEST_F(PartsCache, WithoutARightToWriteTheUsersFolderHasIt) {
   ASSERT_EQ(::stat(kept[0].c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("read from " + user_cache().string())));
-  // The user's folder is not writable either: the load goes without a file and says what to do.
+  // The user's folder is not writable either. The load must continue without a file and name the
+  // remedy.
   fs::remove_all(user_cache());
   fs::create_directories(user_cache().parent_path());
   std::ofstream(user_cache()) << "a file";
@@ -136,13 +137,14 @@ TEST_F(PartsCache, AFileOfSomebodyElseIsNotRead) {
   constexpr uid_t kOther = 12345;
   ASSERT_EQ(::chown(beside().c_str(), kOther, kOther), 0);
   EXPECT_THAT(ring().notes(), Contains(HasSubstr("belongs to somebody else")));
-  // But the mesh's owner may own the file of its parts.
+  // The mesh's owner may also own the file of its parts.
   ASSERT_EQ(::chown(beside().c_str(), kOther, kOther), 0);
   ASSERT_EQ(::chown((scenes() / "ring.obj").c_str(), kOther, kOther), 0);
   EXPECT_THAT(ring().notes(), ElementsAre(HasSubstr("read from")));
 }
 
-// A scene's author chooses which files a server reads, but must not choose where it writes.
+// A scene's author chooses the files that a server reads. The author must not choose where the
+// server writes.
 TEST_F(PartsCache, NothingIsWrittenBesideAMeshOutsideOfTheScenesFolder) {
   fs::create_directory(folder / "other");
   fs::rename(scenes() / "ring.obj", folder / "other" / "ring.obj");
@@ -155,7 +157,7 @@ TEST_F(PartsCache, NothingIsWrittenBesideAMeshOutsideOfTheScenesFolder) {
   EXPECT_THAT(kept_in(scenes()), IsEmpty());
 }
 
-// Several threads load one mesh at once: each gets the parts, and the file is whole.
+// Several threads load one mesh at once. Each must get the parts, and the file must be complete.
 TEST_F(PartsCache, ManyLoadsAtOnceLeaveOneWholeFile) {
   const fs::path file = write_scene(R"({ "name": "b", "mass": 1 })",
                                     mesh_text("o", "ring.obj", "", R"(, "body": "b")"));
@@ -165,7 +167,8 @@ TEST_F(PartsCache, ManyLoadsAtOnceLeaveOneWholeFile) {
   for (std::thread& thread : threads) thread.join();
   for (const auto& own : notes) EXPECT_THAT(own, ElementsAre(HasSubstr("convex parts")));
   EXPECT_THAT(load_scene(file).notes(), ElementsAre(HasSubstr("read from")));
-  EXPECT_EQ(test::files_in(scenes()).size(), 3u);  // scene, mesh, parts: no partly written file
+  // scene, mesh and parts, but no partly written file
+  EXPECT_EQ(test::files_in(scenes()).size(), 3u);
 }
 
 TEST_F(PartsCache, ALoadIsCancelledWhileItCuts) {
@@ -204,7 +207,7 @@ TEST_F(PartsCache, WrongFieldsAreNamedWithTheRemedy) {
       HasSubstr("convex_parts.tolerance: must be at least 0.001 of the mesh's longest side"));
   EXPECT_THAT(wrong(R"({ "tolerence": 0.001 })"), HasSubstr("the fields are: tolerance, most"));
   EXPECT_EQ(wrong("{}"), "no error");
-  // This holds even if nothing moves.
+  // The check must also run if nothing moves.
   EXPECT_THAT(error_of("", mesh_text("o", "ring.obj", R"(, "convex_parts": { "most": 0 })")),
               HasSubstr("convex_parts.most"));
   EXPECT_THAT(error_of("", mesh_text("o", "ring.obj") + ", " +

@@ -1,4 +1,5 @@
-// Hollow meshes among bodies: objects pass through them or stay in them, and their mass is right.
+// Tests hollow meshes among bodies. Objects must pass through them or stay inside, and their mass
+// must be right.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -38,7 +39,7 @@ const Vec3& place(const World& world, std::size_t object) {
   return world.objects()[object].pose.position;
 }
 
-// The ball touches nothing on its way: the numbers are those of a free fall.
+// The ball touches nothing, so its movement must be a free fall.
 TEST_F(PartsWorld, ABallFallsFreelyThroughARing) {
   const Scene s = scene(
       R"({ "name": "ball", "mass": 0.1, "position": [0, 0, 0.1] })",
@@ -54,7 +55,7 @@ TEST_F(PartsWorld, ABallFallsFreelyThroughARing) {
   EXPECT_LT(place(world, 1).z(), -0.1);
 }
 
-// The ring slides down a slope until the rod through it holds it.
+// The ring slides down a slope until the rod in its hole holds it.
 TEST_F(PartsWorld, ARingOnARodStaysOnIt) {
   constexpr double kRod = 0.012;
   const Scene s = scene(R"({ "name": "ring", "mass": 0.1, "position": [0, 0, 0.03] })",
@@ -74,13 +75,13 @@ TEST_F(PartsWorld, ARingOnARodStaysOnIt) {
   EXPECT_EQ(world.counters().resets, 0u);
 }
 
-// A single hull, as the scene asks for, has no hole.
+// The scene requests a single hull, which has no hole.
 TEST_F(PartsWorld, TheHullOfARingHasNoHole) {
   const Scene s = scene(
       R"({ "name": "ball", "mass": 0.1, "position": [0, 0, 0.1] })",
       mesh_text("ring", "ring.obj", R"(, "convex_parts": { "most": 1 })") +
           R"(, { "name": "ball", "sphere": { "radius": 0.03 }, "body": "ball", "material": "m" })");
-  EXPECT_THAT(s.warnings(), IsEmpty());  // the scene asked for it
+  EXPECT_THAT(s.warnings(), IsEmpty());  // The scene requested the hull.
   EXPECT_EQ(s.mechanism()->model().ngeom, 2);
   World world(s);
   for (int n = 1; n <= 1000; ++n) ASSERT_TRUE(world.step());
@@ -88,7 +89,7 @@ TEST_F(PartsWorld, TheHullOfARingHasNoHole) {
   EXPECT_THAT(kept_in(scenes()), IsEmpty());
 }
 
-// The ball rolls to and fro as the slope turns, and the cup moves with it.
+// The ball rolls to and fro as the slope turns. The cup must move with it.
 TEST_F(PartsWorld, ACupHoldsABall) {
   constexpr double kBall = 0.02, kTolerance = 0.001;
   const Scene s = scene(
@@ -114,7 +115,7 @@ TEST_F(PartsWorld, ACupHoldsABall) {
   EXPECT_EQ(world.counters().resets, 0u);
 }
 
-// The parts overlap and reach out, but the mass is still the mesh's.
+// The parts overlap and extend outside. The mass must still be the mass of the mesh.
 TEST_F(PartsWorld, MassAndInertiaAreTheMeshs) {
   const auto model = [&](const std::string& parts) {
     const Scene s = scene(R"({ "name": "ring", "density": 2000, "position": [0, 0, 1] })",
@@ -129,7 +130,7 @@ TEST_F(PartsWorld, MassAndInertiaAreTheMeshs) {
   EXPECT_EQ(whole.first, 1);
   EXPECT_GT(parts.first, 4);
   EXPECT_EQ(parts.second, whole.second);
-  // The ring itself has 48 by 16 facets.
+  // The ring has 48 by 16 facets.
   const double volume = 2.0 * M_PI * M_PI * kRing * kTube * kTube;
   EXPECT_NEAR(parts.second[0], 2000 * volume, 0.04 * 2000 * volume);
 }
@@ -155,7 +156,7 @@ TEST_F(PartsWorld, AreTheSameBitsReadOrComputedOnAnyNumberOfCores) {
   const Scene read = scene(body, objects);
   EXPECT_THAT(read.notes(), Contains(AllOf(HasSubstr("read from"), Not(HasSubstr("computed")))));
   EXPECT_EQ(run(read), places);
-  // The result on a single core.
+  // The result on a single core must be equal.
   const auto kept = kept_in(scenes());
   ASSERT_EQ(kept.size(), 1u);
   const std::string bytes = test::text_of(kept[0]);
@@ -174,7 +175,7 @@ TEST_F(PartsWorld, AreTheSameBitsReadOrComputedOnAnyNumberOfCores) {
   EXPECT_EQ(run(alone), places);
 }
 
-// A recording contains the parts, so a replay needs neither the disk nor the time to compute them.
+// A recording contains the parts. A replay therefore needs neither the disk nor the computation.
 TEST_F(PartsWorld, KeptScenesHaveThem) {
   write("ring.obj", torus(kRing, kTube, 48, 16));
   const auto file =
@@ -192,7 +193,7 @@ TEST_F(PartsWorld, KeptScenesHaveThem) {
     const Scene replayed = load_kept_scene(files);
     EXPECT_THAT(replayed.notes(), Contains(HasSubstr("read from ring.obj.m.auto.64.convex")));
     EXPECT_EQ(run(replayed), places);
-    // An older or damaged recording: the parts are computed, and nothing is written.
+    // The recording is older or damaged. The loader must compute the parts and write nothing.
     files.files["ring.obj.m.auto.64.convex"] = "nonsense";
     const Scene damaged = load_kept_scene(files);
     EXPECT_THAT(damaged.notes(), Contains(HasSubstr("is no file of convex parts")));
@@ -205,7 +206,8 @@ TEST_F(PartsWorld, KeptScenesHaveThem) {
   EXPECT_EQ(kept_in(scenes()).size(), 1u);
 }
 
-// Meshes are not cut if no body runs into them or if they are their own hull.
+// The loader must not decompose a mesh that no body can hit. It must not decompose a convex mesh
+// either.
 TEST_F(PartsWorld, NothingIsCutThatNobodyRunsInto) {
   const std::string ring = mesh_text("ring", "ring.obj");
   const std::string moved = mesh_text("ring", "ring.obj", "", R"(, "body": "b")");
@@ -224,7 +226,8 @@ TEST_F(PartsWorld, NothingIsCutThatNobodyRunsInto) {
   EXPECT_THAT(scene("{" + still + " }", moved).notes(), Contains(HasSubstr("object 'ring'")));
 }
 
-// Many rings of one mesh are cut once, and MuJoCo has the parts once.
+// Many rings use one mesh. The loader must decompose the mesh once, and MuJoCo must have the parts
+// once.
 TEST_F(PartsWorld, ObjectsOfOneMeshShareItsParts) {
   std::string bodies, objects;
   for (int i = 0; i < 20; ++i) {

@@ -1,4 +1,4 @@
-// Polygonal tools in a scene file.
+// Tests polygonal tools in a scene file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(ReadPolygons, AToolOfPolygonsPressesFlatAsItsMaterialSays) {
 
 TEST(ReadPolygons, MeshesAreCutIntoParts) {
   const test::TemporaryFolder folder;
-  // An L shape: two boxes in one.
+  // The L shape consists of two boxes.
   std::ofstream(folder / "angle.obj")
       << "v 0 0 0\nv 30 0 0\nv 30 10 0\nv 10 10 0\nv 10 30 0\nv 0 30 0\n"
          "v 0 0 20\nv 30 0 20\nv 30 10 20\nv 10 10 20\nv 10 30 20\nv 0 30 20\n"
@@ -72,13 +72,13 @@ TEST(ReadPolygons, MeshesAreCutIntoParts) {
   double volume = 0.0;
   for (const Polyhedron& part : body.parts) {
     EXPECT_EQ(part.planes.size(), 6u);
-    EXPECT_GT(part.least.x(), 0.99);  // the part is placed
+    EXPECT_GT(part.least.x(), 0.99);  // The part is at its position.
     volume += (part.most - part.least).prod();
   }
   EXPECT_NEAR(volume, 1e-5, 1e-12);
 }
 
-/// Writes a ball of many triangles, 0.1 m wide. `dent` [m]: how far its pole is pushed in.
+/// Writes a ball of many triangles, 0.1 m wide. The pole is moved inwards by `dent` [m].
 void write_ball(const std::filesystem::path& file, double dent) {
   TriangleSoup ball = tessellate(Sphere{0.05}, 48);
   std::ranges::max_element(ball.vertices, {}, [](const Vec3& v) { return v.z(); })->z() -= dent;
@@ -89,8 +89,8 @@ void write_ball(const std::filesystem::path& file, double dent) {
     out << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
 }
 
-// A part may have as many corners as the mesh. Corners that stand out by less than the tolerance
-// are left out. A convex mesh must be exact, so its number of corners has a limit.
+// A part may omit corners that change its shape by less than the tolerance. A convex mesh must be
+// exact, so its number of corners has a limit.
 TEST(ReadPolygons, FineMeshesHavePartsOfFewCorners) {
   const test::TemporaryFolder folder;
   write_ball(folder / "dented.obj", 0.01);
@@ -114,7 +114,7 @@ TEST(ReadPolygons, FineMeshesHavePartsOfFewCorners) {
                     HasSubstr("simplify the mesh: one that is convex")));
 }
 
-// The tool pushes a floating box: the box gets the momentum that the hand gives.
+// The tool pushes a floating box. The box must get the momentum that the hand gives.
 TEST(ReadPolygons, ABoxThatFloatsIsPushed) {
   const Scene read = parse_scene(R"({ "name": "s", "gravity": [0, 0, 0],
     "tool": { "body": { "box": { "size": [0.04, 0.04, 0.04] }, "contact": "polygons", "contact_area": 1e-3 } },
@@ -140,7 +140,7 @@ TEST(ReadPolygons, ABoxThatFloatsIsPushed) {
   }
   EXPECT_GT(most, 0.3);
   EXPECT_GT(pushed, 0.02);
-  EXPECT_GT(nearest, 0.05 - 4e-3);  // distance of the middles: half of both boxes, minus the depth
+  EXPECT_GT(nearest, 0.05 - 4e-3);  // distance of the centres: half of both boxes, minus the depth
 }
 
 TEST(ReadPolygons, ErrorsNameTheFieldAndTheRemedy) {

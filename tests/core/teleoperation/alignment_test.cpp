@@ -1,4 +1,5 @@
-// A robot's tool turns as the hand turns: the gate, and how the offset shrinks.
+// A robot's tool must rotate with the hand. Tests the gate at the engagement, and how the remaining
+// offset shrinks.
 
 #include "core/teleoperation/alignment.hpp"
 
@@ -35,8 +36,9 @@ TEST(Alignment, AHandThatTurnsByWhatIsMissingIsAligned) {
   }
 }
 
-/// From any engagement within the gate: the first target is the robot's pose, no target turns by
-/// more than 1.5 times the hand's turn, and the offset only shrinks until it is zero.
+/// The test covers any engagement within the gate. The first target must be the robot's pose. No
+/// target may rotate by more than 1.5 times the hand's rotation. The offset must only shrink, down
+/// to zero.
 TEST(Alignment, WhatIsLeftIsGivenBackWhileTheHandTurns) {
   Random random(72);
   for (int run = 0; run < 200; ++run) {

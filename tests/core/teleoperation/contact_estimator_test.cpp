@@ -1,4 +1,5 @@
-// The surface estimated from a robot's wrench, the leader's contact with it, and target limits.
+// Tests the surface estimate from a robot's wrench, the leader's contact with this surface, and the
+// limits of targets.
 
 #include "core/teleoperation/contact_estimator.hpp"
 
@@ -18,10 +19,10 @@ namespace {
 constexpr double kPeriod = 1e-3;  // [s]
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A spring wall with a damper, its normal along n; the tip goes in along -n.
+/// A wall with spring and damper and the normal n. The tip enters along -n.
 struct Wall {
   Vec3 normal = Vec3::UnitZ();
-  double stiffness = 2000.0, damping = 0.0, place = 0.0;  // [m] along n
+  double stiffness = 2000.0, damping = 0.0, place = 0.0;  // [m] `place` is along n
   Vec3 force(const Vec3& tip, const Vec3& velocity) const {
     const double depth = place - tip.dot(normal);
     if (!(depth > 0.0)) return Vec3::Zero();
@@ -29,7 +30,7 @@ struct Wall {
   }
 };
 
-/// Moves from 2 mm in front to `depth` within `time` and stays there for the same time.
+/// Moves from 2 mm in front of the wall to `depth` within `time`, and stays for the same time.
 const RemoteContact& press(ContactEstimator& estimate, const Wall& wall, double depth,
                            double time) {
   const int steps = static_cast<int>(time / kPeriod);
@@ -90,7 +91,7 @@ TEST(ContactEstimator, ASurfaceThatIsNotThereRecedesAndIsForgotten) {
 TEST(ContactEstimator, AWallThatMovesHasItsSpeed) {
   ContactEstimator estimate({});
   Wall wall;
-  press(estimate, wall, 4e-3, 0.4);  // the stiffness is learnt in the first half second
+  press(estimate, wall, 4e-3, 0.4);  // The estimator learns the stiffness in the first half second.
   for (int n = 0; n < 1000; ++n) {
     wall.place += 0.02 * kPeriod;
     const Vec3 tip(0, 0, wall.place - 4e-3);
@@ -110,7 +111,8 @@ TEST(ContactEstimator, SlidingShowsFrictionAndKeepsTheNormal) {
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
 }
 
-/// A tool sticks to a ball and slips around it: the surface stays at rest, its normal turns.
+/// A tool sticks to a ball and slips around it. The estimated surface must stay at rest while the
+/// normal rotates.
 TEST(ContactEstimator, ACurvedSurfaceUnderAToolThatSlipsStands) {
   constexpr double kRadius = 0.1, kDepth = 2e-3, kFriction = 0.3;
   constexpr double kSlips = 0.2;               // [m/s]
@@ -139,7 +141,7 @@ TEST(ContactEstimator, ACurvedSurfaceUnderAToolThatSlipsStands) {
 TEST(ContactEstimator, FrictionOfATouchThatArrivesDoesNotTurnTheNormal) {
   ContactEstimator estimate({});
   for (int n = 0; n < 110; ++n) estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0, 0, 8), kPeriod});
-  // The tool moves in and slides a little: the force leans by atan(0.3).
+  // The tool moves in and slides slightly. Friction tilts the force by atan(0.3).
   for (int n = 0; n < 300; ++n)
     estimate.step({Vec3::Zero(), Vec3(0.005, 0, -0.02), Vec3(-2.4, 0, 8), kPeriod});
   EXPECT_NEAR(estimate.contact().normal.z(), 1.0, 1e-6);
@@ -164,7 +166,7 @@ TEST(ContactEstimator, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAt
   press(estimate, {}, 4e-3, 0.2);
   const Vec3 place = estimate.contact().point;
   for (int n = 0; n < 1000; ++n) {
-    const bool away = n % 50 >= 35;  // 15 ms in the air, 0.2 mm above
+    const bool away = n % 50 >= 35;  // 15 ms in the air, 0.2 mm above the surface
     const Vec3 tip(0.03 * n * kPeriod, 0, away ? 0.2e-3 : -4e-3);
     const Vec3 force = away ? Vec3::Zero() : Vec3(-2.4, 0, 8);
     estimate.step({tip, Vec3(0.03, 0, 0), force, kPeriod});
@@ -178,7 +180,7 @@ TEST(ContactEstimator, AToolThatSlidesAndLeavesForSomeSamplesTouchesOneSurfaceAt
 TEST(ContactEstimator, FrictionThatLeansTheFirstForceLeavesTheStiffness) {
   ContactEstimator estimate({});
   const Wall wall{.stiffness = 5000.0};
-  // The touch pushes an arm aside, to and fro: the force leans by atan(0.3) at first.
+  // The touch pushes an arm sideways. Friction tilts the force by atan(0.3) at first.
   Vec3 before(0, 0, 1e-4);
   for (int n = 0; n < 800; ++n) {
     const double t = n * kPeriod;
@@ -208,7 +210,7 @@ TEST(ContactEstimator, ATouchThatIsSlowIsLearntWhenItHasShownEnough) {
 
 TEST(ContactEstimator, AWeightThatIsCarriedIsNoFriction) {
   ContactEstimator estimate({});
-  // A gripper closes with some sideways force, then it lifts.
+  // A gripper closes with some lateral force. It then lifts a load.
   for (int n = 0; n < 200; ++n)
     estimate.step({Vec3::Zero(), Vec3::Zero(), Vec3(0.3, 0, 0), kPeriod});
   for (int n = 0; n < 1500; ++n)
@@ -235,12 +237,12 @@ TEST(SurfaceOffset, TheFirstTouchMeetsTheHandWhereItIs) {
   const Vec3 hand(0.01, 0.0, -0.017);
   index.step(hand, Vec3::Zero(), surface_at(0.0), kPeriod);
   EXPECT_EQ(index.known_surface(), 1u);
-  EXPECT_NEAR((hand - index.offset()).z(), 0.0, 1e-15);  // the target is on the surface
+  EXPECT_NEAR((hand - index.offset()).z(), 0.0, 1e-15);  // The target is on the surface.
   EXPECT_EQ(index.offset().x(), 0.0);
-  // The estimate settles: the surface stays at the hand.
+  // The estimate settles. The surface must stay at the hand.
   index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
   EXPECT_NEAR((hand - index.offset()).z(), -0.002, 1e-15);
-  // Later the hand feels a change of the place.
+  // Later the hand must feel a change of the position.
   for (int n = 0; n < 150; ++n) index.step(hand, Vec3::Zero(), surface_at(-0.002), kPeriod);
   const Vec3 settled = index.offset();
   index.step(hand, Vec3::Zero(), surface_at(-0.001), kPeriod);
@@ -255,7 +257,8 @@ TEST(SurfaceOffset, WhatAnotherLeaderMeetsMovesNoOffset) {
   EXPECT_EQ(index.known_surface(), 1u);
   index.step(hand, Vec3::Zero(), surface_at(-0.01), kPeriod, other);
   EXPECT_TRUE(index.offset().isZero(0.0));
-  // This holds also when this leader becomes the one that meets surfaces: the surface is known.
+  // The offset must also stay when this leader becomes the leader in contact, because the surface
+  // is already known.
   index.step(hand, Vec3::Zero(), surface_at(-0.012), kPeriod);
   EXPECT_TRUE(index.offset().isZero(0.0));
 }
@@ -317,8 +320,9 @@ struct PushedRobot {
   }
 };
 
-/// The claim of docs/teleoperation.md: whatever the leader wants, the environment gets no more than
-/// the hand paid, plus `unfelt` per metre, plus the energy of the robot's spring and mass.
+/// The guarantee of docs/teleoperation.md holds for all targets of the leader. The environment gets
+/// at most the energy from the hand, plus `unfelt` per metre, plus the energy of the robot's spring
+/// and mass.
 TEST(TargetLimiter, TheEnvironmentGetsNoMoreThanTheHandPaid) {
   const TargetLimits limits{.speed = 2.0};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -332,7 +336,7 @@ TEST(TargetLimiter, TheEnvironmentGetsNoMoreThanTheHandPaid) {
     for (int n = 0; n < 4000; ++n) {
       if (n % 100 == 0)
         wanted = Vec3(0.05 * any(random), 0.05 * any(random), -0.05 + 0.04 * any(random));
-      // The hand pays in bursts; in some runs it pays nothing.
+      // The hand provides energy in bursts. In some runs the hand provides none.
       if (seed % 4 != 0 && n % 500 < 100) hand += 2e-4 * (1.0 + any(random));
       const bool touches = robot.force.z() > 0.0;
       const Vec3 target = limiter.step({.wanted = wanted,

@@ -1,5 +1,5 @@
-// A surface that is known before it is touched: where it is felt, what corrects it, and when it is
-// not believed.
+// A prior is a surface that a model gives before the touch. Tests the position of the prior for the
+// hand, its correction, and when the estimator rejects the prior.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 constexpr double kPeriod = 1e-3;  // [s]
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A floor at `place` [m]; the model says that it is at 0.
+/// A floor at `place` [m]. The model assumes a floor at 0.
 struct Floor {
   double place = 0.0, stiffness = 2000.0;
   SurfacePrior prior{.key = 7, .normal = Vec3::UnitZ(), .stiffness = 1500.0, .friction = 0.2};
@@ -86,7 +86,7 @@ TEST(ContactPrior, AModelOfNothingRecedesAndIsNotBelieved) {
 
 TEST(ContactPrior, WhatNoModelHasIsASurfaceOfItsOwn) {
   ContactEstimator estimate({});
-  const Floor box{.place = 0.05};  // on the model's floor
+  const Floor box{.place = 0.05};  // a box on the model's floor
   box.go(estimate, 0.07, 0.048, 0.05);
   const std::uint32_t found = estimate.contact().surface;
   EXPECT_EQ(found, 2u);
@@ -128,16 +128,16 @@ TEST(ContactPrior, TheIndexMovesWithTheTouchAndNotWithTheModel) {
   }
   EXPECT_TRUE(index.offset().isZero(0.0)) << "the surface is met where the model has it";
   EXPECT_EQ(index.known_surface(), 1u);
-  seen.point.z() = 1e-4;  // the model moves
+  seen.point.z() = 1e-4;  // The model moves.
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_TRUE(index.offset().isZero(0.0));
-  // The touch shows that the surface lies 3 mm deeper: the hand feels no step.
+  // The touch shows that the surface is 3 mm deeper. The hand must feel no step.
   seen.touching = true;
   seen.point.z() = -3e-3;
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_NEAR(index.offset().z(), 3.1e-3, 1e-15);
   for (int n = 0; n < 150; ++n) index.step(hand, Vec3::Zero(), seen, kPeriod);
-  seen.point.z() = -4e-3;  // 0.1 s later: the hand feels the moving surface
+  seen.point.z() = -4e-3;  // After 0.1 s the hand must feel the moving surface.
   index.step(hand, Vec3::Zero(), seen, kPeriod);
   EXPECT_NEAR(index.offset().z(), 3.1e-3, 1e-15);
 }
@@ -165,7 +165,7 @@ TEST(SurfaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
   }
   EXPECT_LT(worst_place, 1e-4);
   EXPECT_LT(worst_speed, 0.1 * kRate * kSwing);
-  // The swing stops.
+  // The oscillation stops.
   const double rest = 0.1 + kSwing * std::sin(kRate * 3.0);
   for (int n = 0; n < 2000; ++n) place.step(rest, kPeriod);
   EXPECT_NEAR(place.speed(), 0.0, 1e-9);

@@ -1,4 +1,4 @@
-// A gripper follows a hand's lever.
+// A robot's gripper follows the lever in the hand.
 
 #include "core/teleoperation/gripper_follow.hpp"
 
@@ -36,7 +36,7 @@ TEST(GripperFollow, CatchesUpSlowlyAndFollowsFast) {
     const double now = gripper.step(0.02, kPeriod);
     EXPECT_NEAR(now, 0.07 - n * limits.speed * kPeriod, 1e-9);
   }
-  // After the next engagement it catches up again.
+  // After the next engagement, the gripper must catch up again.
   gripper.engage();
   EXPECT_NEAR(gripper.step(0.0, kPeriod), 0.05 - limits.catch_up * kPeriod, 1e-9);
 }

@@ -1,5 +1,5 @@
-// Bodies that a robot's target keeps out of: closed forms of their distance; invariants for any
-// bodies, room and path.
+// A robot's target must not enter keep-out bodies. Tests closed forms of the distance to these
+// bodies, and invariants for random bodies, rooms and paths.
 
 #include <gtest/gtest.h>
 
@@ -34,14 +34,14 @@ TEST(KeepOutBody, DistancesInClosedForm) {
   const KeepOutBody ball{{Vec3(0.1, 0.2, 0.3), Quaternion::Identity()}, Vec3::Zero(), 0.05};
   EXPECT_NEAR(distance(ball, Vec3(0.1, 0.2, 0.4)), 0.05, kRounding);
   EXPECT_NEAR(distance(ball, Vec3(0.1, 0.2, 0.3)), -0.05, kRounding) << "its middle";
-  // A capsule along x, turned upright.
+  // A capsule along x, rotated to the vertical.
   const KeepOutBody capsule{
       {Vec3::Zero(), Quaternion(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitY()))},
       Vec3(0.1, 0.0, 0.0),
       0.02};
   EXPECT_NEAR(distance(capsule, Vec3(0.0, 0.0, 0.2)), 0.08, kRounding);
   EXPECT_NEAR(distance(capsule, Vec3(0.03, 0.04, 0.05)), 0.03, kRounding);
-  // A box with round edges: over a face, off an edge, off a corner, inside.
+  // A box with round edges. The points are over a face, off an edge, off a corner and inside.
   const KeepOutBody box{{}, Vec3(0.1, 0.2, 0.3), 0.01};
   EXPECT_NEAR(distance(box, Vec3(0.05, 0.1, 0.4)), 0.09, kRounding);
   EXPECT_NEAR(distance(box, Vec3(0.13, -0.24, 0.1)), 0.04, kRounding);
@@ -50,7 +50,7 @@ TEST(KeepOutBody, DistancesInClosedForm) {
   EXPECT_EQ(box.wall_at(Vec3(-0.07, 0.0, 0.1)).normal, -Vec3::UnitX());
 }
 
-/// The basis of all else: f(x) >= f(p) + n . (x - p), where n is the gradient.
+/// All other properties need f(x) >= f(p) + n . (x - p), with the gradient n.
 TEST(KeepOutBody, TheDistanceIsConvex) {
   test::Random random(3);
   for (int run = 0; run < 20'000; ++run) {
@@ -75,7 +75,8 @@ Workspace any_workspace(test::Random& random) {
   return workspace;
 }
 
-/// This holds for any start, even inside a body, and any wanted place, even beyond all bodies.
+/// The target must stay outside for any start, even inside a body, and for any wanted position,
+/// even beyond all bodies.
 TEST(KeepOutBodies, TheTargetNeverEntersOneNorCrossesIt) {
   test::Random random(7);
   int touched = 0;
@@ -115,7 +116,7 @@ TEST(KeepOutBodies, TheTargetNeverEntersOneNorCrossesIt) {
   EXPECT_GE(touched, 1000) << "the bodies were met";
 }
 
-/// A plate thinner than a step: the target stays on its side, however far away the wanted place is.
+/// A plate is thinner than a step. The target must stay on its side, for any wanted position.
 TEST(KeepOutBodies, AThinPlateIsNotCrossed) {
   Workspace workspace;
   workspace.add_body({{}, Vec3(1.0, 1.0, 0.0), KeepOutBody::kLeastRadius});
@@ -127,8 +128,8 @@ TEST(KeepOutBodies, AThinPlateIsNotCrossed) {
   }
 }
 
-/// A hand pushes against a ball and moves sideways: the target slides around it, as with an index
-/// that moves with the target. It never moves farther than the hand.
+/// A hand pushes against a ball and moves sideways. The target must slide around the ball, as with
+/// a clutch offset that follows the target. The target must never move farther than the hand.
 TEST(KeepOutBodies, AHandSlidesAroundABall) {
   const KeepOutBody ball{{}, Vec3::Zero(), 0.1};
   Workspace workspace;
@@ -147,7 +148,7 @@ TEST(KeepOutBodies, AHandSlidesAroundABall) {
   EXPECT_LE(target.z(), 0.0);
 }
 
-/// A wanted place that is far away but free is reached in one step around the ball.
+/// The target must reach a free position on the far side of a ball in one step.
 TEST(KeepOutBodies, AWishBesideABodyIsReachedAtOnce) {
   Workspace workspace;
   workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
@@ -157,7 +158,7 @@ TEST(KeepOutBodies, AWishBesideABodyIsReachedAtOnce) {
   EXPECT_LE((limit.keep({wanted, Quaternion::Identity()}).position - wanted).norm(), kRounding);
 }
 
-/// Steps below the rounding limit do not add up.
+/// Steps below the rounding limit must not add up.
 TEST(KeepOutBodies, NoSmallStepsLeadIn) {
   Workspace workspace;
   workspace.add_body(KeepOutBody{{}, Vec3::Zero(), 0.1});
@@ -192,7 +193,8 @@ TEST(KeepOutBodies, TheHandIsToldTheWallOfEach) {
             Vec3(0.5, 0.1, 0.2));
 }
 
-/// The aim of a follower: the follower's own movement keeps out of the bodies.
+/// The aim of a follower ignores the bodies. The follower's own limit keeps the robot out of the
+/// bodies.
 TEST(KeepOutBodies, AnAimLooksPastThemAndChangesNothing) {
   Workspace workspace;
   workspace.add_box(Vec3::Constant(-1.0), Vec3::Constant(1.0));

@@ -1,4 +1,4 @@
-// The right to move a robot, and its motion: the switch, the index and the motion limits.
+// Tests the engagement of a robot's leader: the switch, the clutch offset and the motion limits.
 
 #include "core/teleoperation/lead_engagement.hpp"
 
@@ -26,7 +26,7 @@ LinkInputs with(LinkInputs in, bool LinkInputs::*what, bool value = true) {
   return in;
 }
 
-/// An engagement in the engaged state.
+/// Returns an engagement in the engaged state.
 LeadEngagement engaged_one() {
   LeadEngagement engagement;
   engagement.step(kReleased);
@@ -101,9 +101,9 @@ TEST(LeadEngagement, AHandThatIsNotAlignedDoesNotEngage) {
   EXPECT_EQ(engagement.step(with(turned_away, &LinkInputs::robot_well, false)), fault);
 }
 
-/// For any inputs in any order: the robot moves only while the newest sample's switch is pressed
-/// and nothing is wrong, and after a fault only once the switch was released. The motion begins
-/// only while the hand is aligned.
+/// Tests any inputs in any order. The robot must move only while the newest sample's switch is
+/// pressed and no fault is present. After a fault, the user must release the switch first. The
+/// motion must begin only while the hand is aligned.
 TEST(LeadEngagement, MovesNothingUnlessItMay) {
   Random random(41);
   LeadEngagement engagement;
@@ -164,12 +164,12 @@ TEST(ClutchOffset, ScalesMovementAndKeepsPower) {
       (rotation_between(robot.orientation, target.orientation) - 0.3 * Vec3::UnitZ()).norm(), 0.0,
       1e-12);
 
-  // The hand meets a surface where the target meets it.
+  // The hand must meet a surface when the target meets it.
   RemoteContact contact{.surface = 1, .point = target.position, .stiffness = 800.0};
   contact.velocity = Vec3(0.01, 0.0, 0.0);
   const RemoteContact seen = index.at_hand(contact);
   EXPECT_NEAR((seen.point - there.position).norm(), 0.0, 1e-12);
-  // The force is equal over a depth that is 1 / s of the robot's: the power is equal too.
+  // The force is equal over a depth that is 1 / s of the robot's. The power is therefore equal too.
   const double depth = 0.01;
   EXPECT_DOUBLE_EQ(seen.stiffness * depth / kScale, contact.stiffness * depth);
   EXPECT_DOUBLE_EQ(index.at_robot(1.0), kScale);
@@ -185,7 +185,7 @@ TEST(ClutchOffset, ScalesForcesAndKeepsPower) {
   const double force = contact.stiffness * depth;  // [N] on the robot
   const double at_hand = index.at_hand(contact).stiffness * depth / kScale;
   EXPECT_DOUBLE_EQ(at_hand, kForceScale * force);
-  // The spring's energy: at the robot, as the hand counts it, and back.
+  // The spring's energy at the robot, in the hand's scale, and back.
   const double held = 0.5 * force * depth, seen = 0.5 * at_hand * depth / kScale;
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).given, seen);
   EXPECT_DOUBLE_EQ(index.at_hand(EnergyCounters{held, held, held}).pushed, seen);

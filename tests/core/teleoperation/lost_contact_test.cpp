@@ -1,4 +1,4 @@
-// A surface that leaves the robot's tool: when the hand loses its force, and when it does not.
+// A surface moves away from the robot's tool. Tests when the hand must lose its force.
 
 #include <gtest/gtest.h>
 
@@ -14,17 +14,17 @@ namespace feltwire::lost_contact_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;       // [s]
-constexpr double kStiffness = 2000.0;  // [N/m] of the wall
-constexpr double kDepth = 1e-3;        // [m] of a tool that rests in it
-constexpr double kLead = 5e-3;         // [m] of the hand, deeper than its robot's tool
+constexpr double kStiffness = 2000.0;  // [N/m] stiffness of the wall
+constexpr double kDepth = 1e-3;        // [m] depth of the resting tool
+constexpr double kLead = 5e-3;         // [m] distance of the hand ahead of the tool
 
-/// A wall across z. The tool goes in along -z.
+/// A wall perpendicular to z. The tool enters along -z.
 struct Bench {
   ContactEstimator estimate{{}};
-  double wall = 0.0;         // [m]
+  double wall = 0.0;         // [m] position of the wall
   Vec3 tip = Vec3(0, 0, 0);  // [m]
   SurfacePrior prior = {};
-  std::optional<Vec3> force;  // [N] none: that of the wall
+  std::optional<Vec3> force;  // [N] replaces the force of the wall
 
   const RemoteContact& step(const Vec3& velocity = Vec3::Zero()) {
     tip += kPeriod * velocity;
@@ -35,14 +35,14 @@ struct Bench {
                           .elapsed = kPeriod,
                           .prior = prior});
   }
-  /// Moves in from 1 mm in front of the wall, and rests for a while.
+  /// Moves in from 1 mm in front of the wall, and rests for some time.
   void press() {
     constexpr double kSpeed = 0.02;  // [m/s]
     tip = Vec3(0, 0, wall + 1e-3);
     while (tip.z() > wall - kDepth) step(Vec3(0, 0, -kSpeed));
     for (int n = 0; n < 600; ++n) step();
   }
-  /// [N] on a hand that is ahead of the tool.
+  /// Returns the force [N] on a hand ahead of the tool.
   double felt() const {
     const RemoteContact& seen = estimate.contact();
     if (seen.surface == 0) return 0.0;
@@ -51,7 +51,8 @@ struct Bench {
   }
 };
 
-/// F = k (d - v t) falls below `off` at t = (d - off / k) / v. The hand is free kLeft later.
+/// F = k (d - v t) falls below `off` at t = (d - off / k) / v. The hand must lose its force kLeft
+/// later.
 TEST(LostContact, AWallThatLeavesIsNotFelt) {
   for (const double speed : {0.005, 0.02, 0.1}) {
     Bench bench;
@@ -77,7 +78,7 @@ TEST(LostContact, AWallThatLeavesIsNotFelt) {
   }
 }
 
-/// The tool follows its target into the free space. It was told the surface at its tip until then.
+/// The tool follows its target into free space. Until then the estimate has the surface at its tip.
 TEST(LostContact, AToolThatAdvancesIsFreeAtTheSameTime) {
   Bench bench;
   bench.press();
@@ -90,7 +91,7 @@ TEST(LostContact, AToolThatAdvancesIsFreeAtTheSameTime) {
   }
 }
 
-/// A surface that stands has no force only where the tool has come out of it.
+/// A resting surface has no force only after the tool has left it.
 TEST(LostContact, AToolThatLeavesTheWallFindsItAgainAtOnce) {
   for (const double speed : {0.002, 0.02, 0.2})
     for (const double height : {0.1e-3, 3e-3}) {
@@ -110,7 +111,7 @@ TEST(LostContact, AToolThatLeavesTheWallFindsItAgainAtOnce) {
     }
 }
 
-/// The plane of the estimate may lean. Sliding along it is no evidence.
+/// The estimated plane may be tilted. Sliding along it must not count as a loss of contact.
 TEST(LostContact, AToolThatSlidesDownALeaningPlaneHasNotLostIt) {
   for (const double slope : {0.3, 0.7}) {
     Bench bench;
@@ -122,7 +123,7 @@ TEST(LostContact, AToolThatSlidesDownALeaningPlaneHasNotLostIt) {
   }
 }
 
-/// A tool that bounces over a table touches it all the time, however deep it was.
+/// A tool that bounces over a table must count as in contact all the time, at any depth.
 TEST(LostContact, AForceThatIsMissingForAMomentIsNoLoss) {
   Bench bench;
   bench.press();
@@ -133,8 +134,8 @@ TEST(LostContact, AForceThatIsMissingForAMomentIsNoLoss) {
   }
 }
 
-/// The wall comes back at 30 mm/s to a tool that moves in with 10 mm/s. A fit would take the force
-/// over the tool's way for four times the stiffness.
+/// The wall returns at 30 mm/s to a tool that moves in at 10 mm/s. A fit of force over the tool's
+/// movement would give four times the stiffness.
 TEST(LostContact, AWallThatComesBackKeepsItsStiffnessAndItsNumber) {
   Bench bench;
   bench.press();
@@ -163,14 +164,14 @@ TEST(LostContact, AModelThatWasTouchedIsNotBelievedWhereItsSurfaceHasLeft) {
   bench.wall = -1.0;
   for (int n = 0; n < 100; ++n) bench.step();
   EXPECT_EQ(bench.felt(), 0.0);
-  // Another surface of the model is believed.
+  // The estimator must accept another surface of the model.
   bench.prior.key = 8;
   bench.prior.point.z() = bench.tip.z() - 1e-3;
   bench.step();
   EXPECT_GT(bench.felt(), 5.0);
 }
 
-/// The model may have its place too near: then the tool finds the surface farther on.
+/// The model's position may be too near. The tool then finds the surface farther on.
 TEST(LostContact, AModelThatWasNeverTouchedGoesBackWithTheTool) {
   Bench bench;
   bench.wall = -1.0;
@@ -181,7 +182,7 @@ TEST(LostContact, AModelThatWasNeverTouchedGoesBackWithTheTool) {
   }
 }
 
-/// A wall of a model that moves as the model says has not left.
+/// A wall that moves as its model predicts is still in contact.
 TEST(LostContact, AModelThatMovesIsBelieved) {
   Bench bench;
   bench.prior = {.key = 7, .normal = Vec3::UnitZ(), .stiffness = kStiffness};
@@ -208,7 +209,8 @@ TEST(LostContact, WhatHasLeftIsNotRememberedBesideAnotherSurface) {
   EXPECT_EQ(bench.estimate.others().count, 0);
 }
 
-/// A hand that still settles on a first touch must not take the told place for a change of it.
+/// The offset of a hand still settles after a first touch. The offset must not treat the reported
+/// position as a change.
 TEST(LostContact, TheIndexStaysWhenASurfaceLeavesAndComesBack) {
   for (const int young : {20, 500}) {
     SurfaceOffset index;

@@ -1,4 +1,4 @@
-// A robot's tool slides a little as it moves in and out, like the tool of an arm.
+// The tool slides slightly as it moves in and out, like the tool of an arm.
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@ namespace feltwire::second_touch_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;                        // [s]
-constexpr double kStiffness = 5000.0, kFriction = 0.3;  // of the floor z = 0
-constexpr double kAside = 0.3;  // sideways movement of the arm's tool per metre of depth
+constexpr double kStiffness = 5000.0, kFriction = 0.3;  // stiffness and friction of the floor z = 0
+constexpr double kAside = 0.3;  // lateral movement of the arm's tool per metre of depth
 
-/// Moves the tool to that depth [m] and a little aside. Returns the estimate.
+/// Moves the tool to this depth [m] and slightly sideways. Returns the estimate.
 const RemoteContact& move(ContactEstimator& estimate, double depth, double speed) {
   const Vec3 tip(kAside * depth, 0.0, -depth);
   const Vec3 velocity(kAside * speed, 0.0, -speed);
@@ -38,7 +38,8 @@ void touch(ContactEstimator& estimate, double speed, double rest, const See& see
   for (int n = 0; n < way; ++n) sees(move(estimate, kDepth - n * speed * kPeriod, -speed));
 }
 
-/// Friction tilts the first force of a touch. It must not affect a surface that is already known.
+/// Friction tilts the first force of a touch. The tilt must not affect a surface that is already
+/// known.
 TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
   ContactEstimator estimate({});
   touch(estimate, 0.03, 2.0, [](const RemoteContact&) {});
@@ -53,12 +54,12 @@ TEST(SecondTouch, KeepsTheNormalThatALongTouchHasShown) {
   EXPECT_GT(least, before - 1e-3) << "a force that friction leans is at 0.958";
 }
 
-/// The surface springs back: the tool moves out along the force and does not slide. The estimate
-/// once took this for sliding, and the normal turned with the tool's movement.
+/// The surface springs back, and the tool moves out along the force without sliding. An earlier
+/// version treated this movement as sliding, and the normal followed the tool.
 TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
   ContactEstimator estimate({});
   for (int n = 0; n < 1000; ++n) move(estimate, 2e-3, 0.0);
-  // Out and along, 27 degrees to the floor.
+  // The tool moves out and along the floor, at 27 degrees.
   double least = 1.0;
   for (int n = 0; n < 100; ++n) {
     const double u = n * kPeriod;
@@ -69,11 +70,12 @@ TEST(SecondTouch, AToolThatIsPushedOutDoesNotTurnTheNormal) {
   EXPECT_GT(least, 0.99);
 }
 
-/// Before the stiffness is known, a place computed with a wrong one would move with the force.
+/// Before the stiffness is known, a position from a wrong stiffness would move with the force.
 TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
   ContactEstimator estimate({});
   double fastest = 0.0;
-  // The tool hits and gives way: it moves too little for a fit while the force falls by 10 N.
+  // The tool hits the surface and recedes. The movement is too small for a fit while the force
+  // falls by 10 N.
   for (int n = 0; n < 300; ++n) {
     const double force = 12.0 * std::exp(-n * kPeriod / 0.05);
     const double depth = force / 1e6;
@@ -84,8 +86,8 @@ TEST(SecondTouch, AStiffnessThatIsNotKnownYetIsNoMotionOfTheSurface) {
   EXPECT_LT(fastest, 1e-3) << "the tool did not move, and neither did the surface";
 }
 
-/// An arm that hits a surface sticks and springs back: friction tilts the force to either side in
-/// turn. The normal once followed it, and the hand's force jumped with the normal.
+/// An arm that hits a surface sticks and springs back. Friction tilts the force to alternating
+/// sides. In an earlier version the normal followed, and the hand's force jumped.
 TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   ContactEstimator estimate({});
   double most = -1.0, least = 1.0;
@@ -101,8 +103,8 @@ TEST(FirstTouch, AForceThatLeansToBothSidesDoesNotSwingTheNormal) {
   EXPECT_LT(most, 0.05) << "both sides cancel";
 }
 
-/// The stiffness is learnt late, because the tool shakes at first, unlike a spring. Place and
-/// stiffness then change together, so that the force does not jump.
+/// The tool vibrates at first, so the estimator learns the stiffness late. Position and stiffness
+/// must then change together, without a jump of the force.
 TEST(FirstTouch, AStiffnessThatIsLearntLateChangesNoForce) {
   ContactEstimator estimate({});
   Vec3 tip(0, 0, -0.5e-3);

@@ -1,4 +1,4 @@
-// An enabling switch that flickers.
+// Tests an enabling switch with contact bounce.
 
 #include "core/teleoperation/steady_switch.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Presses and releases for these times [ms]; counts how often the switch becomes pressed.
+/// Presses and releases for these times [ms]. Returns how often the switch becomes pressed.
 int presses(SteadySwitch& steady, Nanoseconds& now, int held, int released, int times) {
   int counted = 0;
   for (int n = 0; n < times; ++n) {
@@ -40,11 +40,11 @@ TEST(SteadySwitch, AFlickerStaysReleased) {
     SteadySwitch steady;
     Nanoseconds now{0};
     EXPECT_EQ(presses(steady, now, held, released, 50), int{SteadySwitch::kPresses}) << held;
-    // Held steadily, it counts as pressed.
+    // A steady press must count.
     bool counts = false;
     for (int t = 0; t <= 500; ++t, now += milliseconds(1)) counts = steady.step(true, now);
     EXPECT_TRUE(counts) << held;
-    // After a rest it counts at once.
+    // After a rest the switch must count at once.
     now += std::chrono::seconds(2);
     EXPECT_FALSE(steady.step(false, now));
     EXPECT_TRUE(steady.step(true, now + milliseconds(1)));

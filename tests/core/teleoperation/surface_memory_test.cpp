@@ -1,4 +1,4 @@
-// A robot that touches several surfaces in turn.
+// A robot touches several surfaces in turn.
 
 #include "core/teleoperation/surface_memory.hpp"
 
@@ -22,10 +22,10 @@ namespace {
 
 constexpr double kPeriod = 1e-3;       // [s]
 constexpr double kStiffness = 2000.0;  // [N/m]
-constexpr double kPlay = 0.25e-3;      // [m] play of a tool in a slot, to each side
+constexpr double kPlay = 0.25e-3;      // [m] clearance of a tool in a slot, on each side
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-/// Two walls across x, or only one.
+/// Two walls perpendicular to x, or a single wall.
 struct Slot {
   bool left = true, right = true;
   Vec3 force(const Vec3& tip) const {
@@ -57,14 +57,14 @@ class Tool {
   Vec3 before_ = Vec3::Zero();
 };
 
-/// All surfaces that a hand is told of.
+/// Returns all surfaces that the hand gets.
 std::vector<RemoteContact> told(const ContactEstimator& estimate) {
   std::vector<RemoteContact> all(estimate.others().view().begin(), estimate.others().view().end());
   if (estimate.contact().surface != 0) all.push_back(estimate.contact());
   return all;
 }
 
-/// The force of the told surfaces on a tool at `tip`.
+/// Returns the force of these surfaces on a tool at `tip`.
 Vec3 force_of(const std::vector<RemoteContact>& surfaces, const Vec3& tip) {
   Vec3 force = Vec3::Zero();
   for (const RemoteContact& s : surfaces)
@@ -73,7 +73,8 @@ Vec3 force_of(const std::vector<RemoteContact>& surfaces, const Vec3& tip) {
 }
 
 TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
-  constexpr double kWay = 0.75e-3, kTurns = 2.0;  // [m], [Hz] of the tool from side to side
+  // [m], [Hz] movement of the tool from side to side
+  constexpr double kWay = 0.75e-3, kTurns = 2.0;
   ContactEstimator estimate({});
   Tool tool(estimate);
   const auto x = [](int n) { return kWay * std::sin(kTwoPi * kTurns * n * kPeriod); };
@@ -87,7 +88,7 @@ TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
     EXPECT_NEAR(wall.stiffness, kStiffness, 0.01 * kStiffness);
   }
   EXPECT_LT(known[0].normal.dot(known[1].normal), 0.0);
-  // The told surfaces give the forces of the second visits before the tool has felt them.
+  // On the second visits, the reported surfaces must give the force before the tool touches.
   for (int n = round; n < 3 * round; ++n) {
     const Vec3 tip(x(n), 0.0, 0.0), force = Slot{}.force(tip);
     EXPECT_LT(length(Vec3(force_of(told(estimate), tip) - force)), 0.03) << n;
@@ -96,7 +97,7 @@ TEST(SurfaceMemory, BothWallsOfASlotAreKnownAfterOneVisitEach) {
   EXPECT_EQ(estimate.newest(), 2u) << "no visit opened a third surface";
 }
 
-/// The tool moves from one wall into the other within a sample: the touch goes on.
+/// The tool moves from one wall into the other within a sample. The touch must continue.
 TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
   ContactEstimator estimate({});
   Tool tool(estimate);
@@ -110,7 +111,8 @@ TEST(SurfaceMemory, AForceFromTheOtherSideIsOfAnotherSurface) {
   EXPECT_LT(estimate.others().surfaces[0].normal.x(), -0.99);
 }
 
-/// A load shows no stiffness: a push against it counts as another surface only after a gap.
+/// A load has no measurable stiffness. A push against the load must count as another surface only
+/// after a gap.
 TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
   for (const bool gap : {false, true}) {
     ContactEstimator estimate({});
@@ -125,7 +127,7 @@ TEST(SurfaceMemory, APushAgainstALoadIsNoOtherSurface) {
   }
 }
 
-/// Short touches of a tool that falls along a wall: friction tilts each force by 17 degrees.
+/// A tool falls along a wall with short touches. Friction tilts each force by 17 degrees.
 TEST(SurfaceMemory, TheWayBetweenTwoTouchesLiesInTheSurface) {
   constexpr double kFriction = 0.3, kFall = 0.1, kDeep = 1e-3;  // mu, [m/s], [m]
   constexpr double kInAndOut = 0.04, kBetween = 0.05;           // [s]
@@ -159,7 +161,8 @@ TEST(SurfaceMemory, AWallThatIsGoneIsForgotten) {
     tool.go({}, -1e-3, kPlay, 0.01);
     ASSERT_EQ(told(estimate).size(), 2u);
     const Slot left{.right = !gone};
-    // Until 10 ms after the wall would press with 0.4 N: exactly as long as the evidence takes.
+    // The tool moves until 10 ms after the wall would press with 0.4 N. The estimator needs exactly
+    // this time.
     constexpr double kSpeed = 0.01;
     const double clear = SurfaceMemory::kClear / kStiffness, speed = kSpeed;
     const double after = SurfaceMemory::kAbsent * speed;
@@ -171,7 +174,7 @@ TEST(SurfaceMemory, AWallThatIsGoneIsForgotten) {
 }
 
 TEST(SurfaceMemory, ATouchOfAnotherSurfaceIsNoWitnessForThisOne) {
-  // The tool is behind the plane of an old surface, which ends before this place.
+  // The tool is below the plane of an old surface, but this surface ends before the tool.
   SurfaceMemory memory;
   std::uint32_t counted = 1;
   memory.keep({.contact = {.surface = 1, .normal = Vec3::UnitX(), .stiffness = kStiffness}},
@@ -179,7 +182,7 @@ TEST(SurfaceMemory, ATouchOfAnotherSurfaceIsNoWitnessForThisOne) {
   const Vec3 inside(-1e-3, 0.0, 0.0), from_below(0.0, 0.0, 5.0);
   for (int n = 0; n < 9; ++n) memory.step(inside, from_below, kPeriod, counted);
   EXPECT_EQ(memory.told().count, 1);
-  memory.step(inside, Vec3(2.0, 0.0, 5.0), kPeriod, counted);  // both press
+  memory.step(inside, Vec3(2.0, 0.0, 5.0), kPeriod, counted);  // Both walls press.
   for (int n = 0; n < 9; ++n) memory.step(inside, from_below, kPeriod, counted);
   EXPECT_EQ(memory.told().count, 1);
   for (int n = 0; n < 2; ++n) memory.step(inside, from_below, kPeriod, counted);
@@ -203,7 +206,7 @@ TEST(SurfaceMemory, FrictionOpensNoSecondSurface) {
     }
 }
 
-/// Walls around the tool; each is touched once.
+/// Walls surround the tool. The tool touches each wall once.
 TEST(SurfaceMemory, TheNumberOfSurfacesIsBounded) {
   SurfaceMemory memory;
   std::uint32_t counted = 0;
@@ -242,7 +245,8 @@ TEST(SurfaceMemory, TheNearestAreTold) {
   ASSERT_EQ(memory.told().count, 2);
   EXPECT_EQ(memory.told().surfaces[0].surface, 1u);
   EXPECT_EQ(memory.told().surfaces[1].surface, 2u);
-  // The hand has forgotten the third: when it is told again, the third gets a new number.
+  // The memory has dropped the third surface. When the surface is reported again, it must get a new
+  // number.
   const Vec3 there(0.0, 0.045, 0.0);  // too far from the first two
   EXPECT_EQ(counted, 3u);
   memory.take(Vec3::Zero(), -Vec3::UnitX(), 0.011);
@@ -298,7 +302,8 @@ RemoteContact wall_at(double x, double normal, std::uint32_t surface, bool touch
           .stiffness = kStiffness};
 }
 
-/// The hand changes between two known walls: the index stays, so the force is the wall's own.
+/// The hand changes between two known walls. The offset must stay, so the force belongs to the
+/// wall.
 TEST(SurfaceOffset, AKnownWallIsMetWhereItIs) {
   SurfaceOffset index;
   const RemoteContact right = wall_at(kPlay, -1.0, 1, true);
@@ -315,7 +320,7 @@ TEST(SurfaceOffset, AKnownWallIsMetWhereItIs) {
   index.step(deep, Vec3::Zero(), wall_at(-kPlay, 1.0, 2, true), kPeriod, {}, others);
   EXPECT_EQ(index.known_surface(), 2u);
   EXPECT_TRUE(index.offset().isApprox(offset));
-  // Back and forth, half a millimetre inside either wall: both are known.
+  // The hand moves back and forth, half a millimetre into each wall. Both walls are known.
   for (int n = 0; n < 10; ++n) {
     const bool on_right = n % 2 == 0;
     others.surfaces[0] = on_right ? wall_at(-kPlay, 1.0, 2, false) : wall_at(kPlay, -1.0, 1, false);
@@ -342,7 +347,7 @@ TEST(SurfaceOffset, AnUnknownSurfaceBesideTheContactIsMetAtTheHandToo) {
   EXPECT_EQ(index.known_surface(), 2u);
 }
 
-/// Free motion reduces the offset only while the hand is in front of all surfaces.
+/// Free motion must reduce the offset only while the hand is in front of all surfaces.
 TEST(SurfaceOffset, NothingIsGivenBackBesideAnotherSurface) {
   for (const double near : {1e-3, 1e-2}) {
     SurfaceOffset index;

@@ -1,4 +1,4 @@
-// The two-port law: what a hand can take from the leader's port, for any hand, network, command and
+// The two-port bound limits the energy from the leader's port, for any hand, network, command and
 // follower.
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ using namespace test;
 constexpr double kPeriod = 1e-3, kDamping = 0.5;  // [s], [N s/m]
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A follower and a network without rules: counters grow at random or lie; messages come late, get
-/// lost, come twice or overtake each other.
+/// A follower and a network without rules. Counters grow at random or lie. Messages are late, lost,
+/// repeated or reordered.
 class Remote {
  public:
   explicit Remote(bool lies) : lies_(lies) {}
@@ -55,15 +55,16 @@ class Remote {
 };
 
 struct Outcome {
-  double worst = -1.0;  // (delivered - burned - credited) / exchanged
-  double credit = 0.0;  // [J]
+  double worst = -1.0;  // (delivered - dissipated - credited) / exchanged
+  double credit = 0.0;  // [J] credit from the follower
   double most_in_contact = 0.0;
-  double rendered = 0.0;  // [N] a bound that renders nothing proves nothing
-  double taken = 0.0;     // [J] the most in one contact, beyond the burned energy
+  // [N] The bound must render some force, otherwise the test proves nothing.
+  double rendered = 0.0;
+  double taken = 0.0;  // [J] most energy in one contact, beyond the dissipated energy
 };
 
-/// A hand that knows the held force takes all that a sample can give, presses, or moves at random.
-/// `told`: the damping that the law is told, as a share of the true one.
+/// A hand extracts the most energy of each sample from the held force, presses, or moves at random.
+/// `told`: the assumed damping divided by the true damping.
 Outcome attack(std::uint64_t seed, bool lies, const RemoteTrust& trust, double told = 1.0,
                bool account = false) {
   Random random(seed);
@@ -128,7 +129,7 @@ TEST(TwoPortProperty, NoHandTakesMoreThanTheDeviceBurnedAndTheEnvironmentGave) {
       taken = std::max(taken, o.taken);
       rendered += o.rendered;
     }
-    EXPECT_GT(taken, 1e-3);  // the credit reaches the hand
+    EXPECT_GT(taken, 1e-3);  // The credit must reach the hand.
     EXPECT_GT(rendered, test::rounds(1000));
   }
 }
@@ -174,7 +175,8 @@ TEST(TwoPort, LostDoubledAndOvertakenCountersGiveTheSameAsAllInOrder) {
 }
 
 TEST(TwoPort, AWallThatPushesMovesTheHandOnlyWithItsEnergy) {
-  // The hand is pushed back with 2 N over 1 mm: 2 mJ. Without credit the force fades.
+  // A force of 2 N pushes the hand back by 1 mm and does 2 mJ of work. Without credit the force
+  // must fade.
   const auto pushed = [](double given) {
     RemoteEnergy energy(kOwnRobot);
     TwoPortBound bound(kDamping, kPeriod);
@@ -190,8 +192,8 @@ TEST(TwoPort, AWallThatPushesMovesTheHandOnlyWithItsEnergy) {
     return work;
   };
   EXPECT_EQ(pushed(0.0), 0.0);
-  EXPECT_NEAR(pushed(1e-2), 2e-3, 4e-6);  // enough for all the work
-  EXPECT_LE(pushed(1e-3), 1e-3 + 1e-6);   // and no more than the credit
+  EXPECT_NEAR(pushed(1e-2), 2e-3, 4e-6);  // enough for the complete work
+  EXPECT_LE(pushed(1e-3), 1e-3 + 1e-6);   // at most the credit
   EXPECT_GT(pushed(1e-3), 0.5e-3);
 }
 
@@ -208,7 +210,7 @@ TEST(TwoPort, AnotherRobotsTotalsAreNoGrowth) {
   EXPECT_EQ(energy.step(1e-3), 0.25);
   EXPECT_EQ(energy.net(), 0.25);
   EXPECT_EQ(energy.credit(), 0.75);
-  // Totals that are smaller than the ones before count too.
+  // Smaller totals than before must count too.
   energy.restart();
   energy.take({.given = 1.0, .taken = 0.0, .pushed = 1.0});
   energy.take({.given = 1.5, .taken = 0.0, .pushed = 1.5});
@@ -243,7 +245,8 @@ TEST(TwoPort, WhatIsNotFiniteRendersNothingAndMakesNothing) {
   bound.step({in, kPeriod, out, 0.0});
   EXPECT_GT(bound.step({in, kPeriod, out, 0.0}).norm(), 0.5);
   EXPECT_TRUE(bound.step({Vec3(kNan, 0, 0), kPeriod, out, 0.0}).isZero(0.0));
-  EXPECT_TRUE(bound.step({Vec3::Zero(), kPeriod, out, 1.0}).isZero(0.0));  // W is lost
+  // The energy W at the bound is unknown after NaN, so the force must be zero.
+  EXPECT_TRUE(bound.step({Vec3::Zero(), kPeriod, out, 1.0}).isZero(0.0));
   EXPECT_TRUE(bound.step({in, kPeriod, Vec3(kNan, 0, 0), 1.0}).isZero(0.0));
   EXPECT_TRUE(bound.step({in, kPeriod, out, kNan}).allFinite());
 }

@@ -1,4 +1,4 @@
-// Walls and locked axes: closed forms for boxes, invariants for any room and path.
+// Tests walls and locked axes: closed forms for boxes, and invariants for any room and path.
 
 #include "core/teleoperation/workspace.hpp"
 
@@ -42,7 +42,7 @@ Workspace box(const Vec3& low, const Vec3& high) {
   return workspace;
 }
 
-/// Walls around the origin, which is in front of all of them.
+/// Returns walls around the origin. The origin is in front of all of them.
 Workspace any_room(Dice& dice) {
   Workspace room;
   const int walls = static_cast<int>(dice.between(1.0, 16.0));
@@ -76,7 +76,7 @@ TEST(Workspace, ThePointInFrontIsTheNearest) {
     const Workspace room = any_room(dice);
     const Vec3 point = dice.vector(1.0), found = nearest_in_front(point, room.view());
     if (farthest_behind(found, room) > kRounding) continue;
-    // The room is convex: no place in it lies beyond the plane through the found point.
+    // The room is convex. No position in the room may be beyond the plane through the found point.
     double beyond = 0.0;
     for (int n = 0; n < 50; ++n) {
       const Vec3 other = nearest_in_front(dice.vector(0.5), room.view());
@@ -102,7 +102,7 @@ TEST(Workspace, TheTargetNeverLeavesTheRoomAndNeverJumps) {
     Pose wanted = begun;
     for (int i = 0; i < 200; ++i) {
       wanted.position += dice.vector(0.02);
-      if (i % 50 == 7) wanted.position = dice.vector(1e3);  // and the next jump leads back
+      if (i % 50 == 7) wanted.position = dice.vector(1e3);  // The next jump leads back.
       const Vec3 kept = limit.keep(wanted).position;
       for (std::size_t n = 0; n < room.count; ++n) {
         const double now = -room.walls[n].clearance(kept);
@@ -155,7 +155,7 @@ TEST(Workspace, ALockedAxisKeepsItsValueAndWallsHoldOnTheOthers) {
   }
 }
 
-/// A hand goes 100 mm behind a wall: its first millimetre back already moves the target.
+/// A hand moves 100 mm beyond a wall. The first millimetre back must already move the target.
 TEST(Workspace, AnIndexThatMovesWithTheClampHasNoRatchet) {
   for (const double scale : {0.2, 1.0, 5.0}) {
     WorkspaceLimit limit(box(Vec3(-1, -1, -1), Vec3(1, 1, 0.1)));
@@ -172,7 +172,7 @@ TEST(Workspace, AnIndexThatMovesWithTheClampHasNoRatchet) {
     };
     for (int i = 0; i < 100; ++i) move((0.1 / scale + 0.1) / 100.0);
     EXPECT_NEAR(target.position.z(), 0.1, kRounding);
-    // The wall is where the hand is now, and every millimetre back moves the target.
+    // The wall is now at the hand. Each millimetre back must move the target.
     const WorkspaceWall& top = limit.walls()[5];
     EXPECT_NEAR(index.at_hand(top).clearance(hand.position), 0.0, kRounding);
     for (int i = 1; i <= 10; ++i) {
@@ -183,7 +183,8 @@ TEST(Workspace, AnIndexThatMovesWithTheClampHasNoRatchet) {
   }
 }
 
-/// Only the free axes change the height above a surface, and only they feel its push.
+/// Only the free axes change the height above a surface. Only these axes get the force of the
+/// surface.
 TEST(Workspace, AContactOfALockedRobotIsSeenAlongItsFreeAxes) {
   Dice dice;
   for (int run = 0; run < 200; ++run) {

@@ -1,4 +1,4 @@
-// The resistance to a body in the hand: friction, contact damping, viscosity.
+// Tests the resistance to a tool with a body: friction, contact damping, viscosity.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ Object rough(const Shape& shape, const Vec3& position = Vec3::Zero()) {
 
 const Quaternion kUpright = Quaternion::Identity();
 
-/// Lowers the box onto a floor at z = 0 until the hand presses by `pressed`.
+/// Lowers the box onto a floor at z = 0, until the device is deeper by `pressed` [m].
 BodyStep lowered(const BodyTool& body, const std::vector<Object>& objects, double pressed,
                  BodyMemory& memory) {
   BodyStep last;
@@ -67,9 +67,10 @@ TEST(Sliding, MakesLeastOfWhatTheMotionCosts) {
       by << random.vector(-9.0, -3.0), random.vector(-8.0, -2.0);
       EXPECT_GE(cost(found.motion + by), least - 1e-4 * scale) << n;
     }
-    EXPECT_LE(least, 1e-8) << n;  // rest costs nothing, except for the give of a held patch
+    // The friction does no work at rest, except for the compliance of a sticking patch.
+    EXPECT_LE(least, 1e-8) << n;
     ++(found.slips ? slipped : held);
-    // At the end of the motion the forces balance.
+    // At the end of the motion the forces must balance.
     Vec6 rest = wrench - stiffness * found.motion;
     for (std::size_t i = 0; i < sum.grip_count; ++i) rest += found.friction[i];
     EXPECT_LE(rest.norm(), 1e-6 * wrench.norm()) << n;
@@ -78,7 +79,8 @@ TEST(Sliding, MakesLeastOfWhatTheMotionCosts) {
   EXPECT_GT(slipped, 100);
 }
 
-// Flat on a floor: friction mu N acts at the face, so r x F about the tool's origin.
+// On a flat floor, friction mu N acts at the face. This force gives the torque r x F about the
+// tool's origin.
 TEST(Sliding, AFaceIsHeldAtTheFloor) {
   constexpr double kDepth = 5e-4;
   ShellContact sum;
@@ -96,7 +98,7 @@ TEST(Sliding, AFaceIsHeldAtTheFloor) {
   EXPECT_NEAR(s.friction[0][2], 0.0, 1e-6 * load);
   EXPECT_NEAR(s.friction[0][4], 0.01 * kDynamic * load, 0.05 * 0.01 * kDynamic * load);
   EXPECT_NEAR(s.friction[0][5], 0.0, 1e-4 * load);
-  // Turned in place: mu N times the face's root mean square arm.
+  // A rotation in place gives mu N times the root mean square arm of the face.
   wrench.setZero();
   wrench[5] = load;
   const double arm = std::sqrt((0.06 * 0.06 + 0.04 * 0.04) / 12.0);
@@ -128,7 +130,7 @@ TEST(BodyFriction, DraggedAlongAFloorItIsHeldBackByMuN) {
       EXPECT_NEAR(c.force().dot(Vec3(0.6, 0.8, 0.0)), 0.0, 0.01 * load) << i;
       EXPECT_NEAR(c.frictional.dot(way), -held, 0.01 * load) << i;
     }
-    EXPECT_GT(most, 0.9 * kStatic);  // the tool had to break loose
+    EXPECT_GT(most, 0.9 * kStatic);  // The tool had to break loose.
   }
 }
 
@@ -141,11 +143,11 @@ TEST(BodyFriction, WhatIsHeldDoesNotCreep) {
   Pose hand{Vec3(aside, 0, 0.0071), kUpright};
   for (int i = 0; i < 50; ++i) step(body, objects, hand, memory);
   const Pose held = memory.pose;
-  EXPECT_LT(std::abs(held.position.x()), 0.1 * aside);  // the tool leans
+  EXPECT_LT(std::abs(held.position.x()), 0.1 * aside);  // The tool tilts.
   for (int i = 0; i < 3000; ++i) step(body, objects, hand, memory);
   EXPECT_EQ(memory.pose.position, held.position);
   EXPECT_EQ(memory.pose.orientation.coeffs(), held.orientation.coeffs());
-  // A trembling hand moves it by less than the tremble, for any length of time.
+  // A trembling hand must move the tool by less than the tremble, for any length of time.
   for (int i = 0; i < 3000; ++i) {
     hand.position.x() = aside + (i % 2 == 0 ? 1e-5 : -1e-5);
     step(body, objects, hand, memory);
@@ -153,7 +155,7 @@ TEST(BodyFriction, WhatIsHeldDoesNotCreep) {
   EXPECT_LT((memory.pose.position - held.position).norm(), 2e-6);
 }
 
-// In a corner two faces hold the tool, each with its own load.
+// In a corner two faces hold the tool. Each has its own load.
 TEST(BodyFriction, AlongAnEdgeBothFacesHold) {
   const BodyTool body = tool(2000);
   const std::vector<Object> objects = {rough(Plane{}),
@@ -178,7 +180,8 @@ Object any_material(Object o, test::Random& random) {
   return o;
 }
 
-// For any movement the stored energy came from the hand: friction and damping never give energy.
+// For any movement, the stored energy must come from the hand. Friction and damping must never give
+// energy.
 TEST(BodyFriction, NoMotionGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 2000.0});
   test::Random random(3);
@@ -229,7 +232,8 @@ TEST(BodyFriction, DampingPushesAgainstTheWayInAndNeverPulls) {
     const Command a = step(body, objects, {Vec3(0, 0, z), kUpright}, memory).command;
     const Command b = step(body, plain, {Vec3(0, 0, z), kUpright}, other).command;
     if (i <= 5) continue;
-    // The sides below the floor are damped too, and the coupling gives way twice.
+    // The damping also acts on the sides below the floor. The compliance of the coupling counts
+    // twice.
     const double share = 1e4 / (1e4 + kStiffness);
     const double expected =
         10.0 * kSpeed * (1.0 + test::kRound * (0.01 - z) / kFace) * share * share;
@@ -261,11 +265,11 @@ TEST(BodyFriction, ViscosityIsByTheSpeed) {
   }
 }
 
-// A belt below a resting hand pulls it along; a hand that moves with the belt feels nothing.
+// A belt below a resting hand must pull it. A hand that moves with the belt must feel nothing.
 TEST(BodyFriction, WhatMovesTakesTheToolAlong) {
   const BodyTool body = tool(1000);
   const std::vector<Object> objects = {rough(Plane{})};
-  for (const double speed : {1e-3, 0.1}) {  // [m/s] of the belt
+  for (const double speed : {1e-3, 0.1}) {  // [m/s] speed of the belt
     const ObjectMotion belt{.linear = Vec3(1e-3 * speed, 0, 0)};
     BodyMemory still, along;
     const double load = lowered(body, objects, 3e-3, still).command.elastic.z();

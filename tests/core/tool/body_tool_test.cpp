@@ -1,4 +1,4 @@
-// A body in the hand: the coupling against closed forms and against malicious hands.
+// Compares the coupling of a tool with a body with closed forms, and tests malicious hands.
 
 #include "core/tool/body_tool.hpp"
 
@@ -54,7 +54,8 @@ TEST(BodyTool, InFreeSpaceGivesNothing) {
   }
 }
 
-// Two springs in series: coupling and contact have equal forces, up to the coupling's limit.
+// Coupling and contact are two springs in series. Their forces are equal up to the coupling's
+// limit.
 TEST(BodyTool, OnAPlaneIsTwoSpringsInARow) {
   const BodyTool body = tool(20000, {.stiffness = 500.0, .max_force = 3.0});
   const std::vector<Object> objects = {object(Plane{})};
@@ -71,15 +72,16 @@ TEST(BodyTool, OnAPlaneIsTwoSpringsInARow) {
   }
 }
 
-// A hand that turns the box on the plane feels the moment of the box's face: again two springs in
-// series.
+// A hand that rotates the box on the plane gets the moment of the box's face. Coupling and contact
+// are again two springs in series.
 TEST(BodyTool, TurnedOnAPlaneGivesTorque) {
   const BodyTool body =
       tool(40000, {.stiffness = 1e6, .rotational_stiffness = 0.3, .max_force = 100});
   const std::vector<Object> objects = {object(Plane{})};
   BodyMemory memory;
   test::step(body, objects, {Vec3(0, 0, 0.0101), Quaternion::Identity()}, memory);
-  const double contact = kStiffness * 0.06 * 0.06 / 12.0;  // [N m/rad] of the face
+  // [N m/rad] rotational stiffness of the face
+  const double contact = kStiffness * 0.06 * 0.06 / 12.0;
   const double angle = 1e-3, expected = angle * 0.3 * contact / (0.3 + contact);
   Command c;
   for (int i = 0; i < 20; ++i)
@@ -92,8 +94,8 @@ TEST(BodyTool, TurnedOnAPlaneGivesTorque) {
 }
 
 TEST(BodyTool, AFastHandDoesNotTakeTheToolThroughAWall) {
-  const BodyTool body = tool(2000, {.max_force = 5.0});  // deflects by 5 mm
-  // A sampled wall of 20 mm; the hand comes at 10 m/s and stops 0.3 m behind it.
+  const BodyTool body = tool(2000, {.max_force = 5.0});  // The coupling deflects by 5 mm.
+  // A sampled wall of 20 mm. The hand comes at 10 m/s and stops 0.3 m beyond the wall.
   const std::vector<Object> objects = {object(grid_of(Box{Vec3(0.2, 0.2, 0.01)}, 1e-3))};
   for (const double stride : {0.01, 0.6}) {  // 10 m/s, and a jump in one step
     BodyMemory memory;
@@ -103,13 +105,12 @@ TEST(BodyTool, AFastHandDoesNotTakeTheToolThroughAWall) {
     for (int i = 0; i < 100; ++i)
       c = test::step(body, objects, {Vec3(0, 0, -0.3), Quaternion::Identity()}, memory).command;
     EXPECT_GT(memory.pose.position.z(), 0.0) << stride;
-    EXPECT_NEAR(c.elastic.z(), 5.0, 1e-9) << stride;  // the coupling's limit
+    EXPECT_NEAR(c.elastic.z(), 5.0, 1e-9) << stride;  // the limit of the coupling
   }
 }
 
-// Only the hand can add stored energy. Whatever it does and however it turns, a step adds nothing
-// beyond the work against the coupling's force. The held force's own work bounds the parts that
-// the hand moves against in one step.
+// Only the hand can add stored energy. For any movement and rotation, a step must add no more than
+// the hand's work against the coupling.
 TEST(BodyTool, AStepNeverAddsEnergy) {
   const BodyTool body = tool(500, {.stiffness = 2000.0});
   const std::vector<Object> objects = {object(grid_of(Sphere{0.03}, 1e-3)),
@@ -135,7 +136,8 @@ TEST(BodyTool, AStepNeverAddsEnergy) {
   EXPECT_GT(touched, 1e3);
 }
 
-// The greediest hand against the whole chain: the body, then the bound with rotation and torque.
+// A hand extracts as much energy as possible from the complete chain: the body, then the bound with
+// rotation and torque.
 TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
   const BodyTool body = tool(300, {.stiffness = 5000.0});
   const std::vector<Object> objects = {object(grid_of(Sphere{0.03}, 1e-3)),
@@ -150,7 +152,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
     Command held;
     double largest = 0.0;
     for (int i = 0; i < 1500; ++i) {
-      // Either along the force, which takes most from the port, or back in.
+      // The hand moves along the force, which extracts the most energy, or back in.
       Vec3 by = test::greediest(held.force(), config.period, 0.5);
       Vec3 turn = test::greediest(held.torque, config.period, 1e-3);
       if (random.chance(0.5)) by = -random.uniform(0.0, 1e-3) * device.position.normalized();
@@ -162,7 +164,7 @@ TEST(BodyTool, BehindTheBoundNoHandGainsEnergy) {
       largest = std::max(largest, held.torque.norm());
     }
     EXPECT_EQ(port.violations(), 0u) << seed;
-    EXPECT_GT(largest, 1e-4);  // there was torque to take energy from
+    EXPECT_GT(largest, 1e-4);  // The torque must be large enough to give energy.
   }
 }
 

@@ -1,4 +1,4 @@
-// A polygonal tool in the hand: closed forms, pegs, thin walls, and malicious hands.
+// Tests a polygonal tool: closed forms, pegs, thin walls, and malicious hands.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using Corners = std::vector<Vec3>;
 Object object(const Vec3& position = Vec3::Zero()) {
   Object o;
   o.name = "o";
-  o.shape = Plane{};  // unused: the tool has the solids
+  o.shape = Plane{};  // The shape is unused, because the tool has the solids.
   o.pose.position = position;
   o.material.stiffness = kStiffness;
   return o;
@@ -59,7 +59,8 @@ Quaternion about(const Vec3& axis, double angle) {
   return Quaternion(Eigen::AngleAxisd(angle, axis));
 }
 
-// Two springs in series: a face of A_c has the material's stiffness, a quarter of it has half.
+// Two springs in series. A face of area A_c has the material's stiffness. A quarter of this area
+// has half the stiffness.
 TEST(PolygonBody, AFlatFaceIsASpring) {
   for (const double share : {1.0, 0.25}) {
     const BodyTool body = tool({box_corners(kHalf)}, {box(Vec3(0.1, 0.1, 0.05))},
@@ -86,7 +87,7 @@ TEST(PolygonBody, ClearanceIsNoLie) {
   test::Random random(4);
   int near_ones = 0;
   for (int i = 0; i < 200; ++i) {
-    // The gap is equal for every turn of the box about the axis through both.
+    // A rotation about z, the axis through tool and box, does not change the gap.
     const double gap = random.chance(0.5) ? random.uniform(1e-5, 5e-3) : random.uniform(0.0, 0.5);
     const Pose pose{Vec3(0, 0, 0.03 + gap), about(Vec3::UnitZ(), random.uniform(-3, 3))};
     PartPairs near;
@@ -132,7 +133,7 @@ TEST(PolygonBody, AStepNeverAddsEnergy) {
     const double worked =
         coupling_energy(body, memory.pose, device) - coupling_energy(body, memory.pose, before);
     const BodyStep now = step(body, objects, device, memory);
-    // V of redirected pairs agrees to kSameDepth.
+    // A redirected pair changes its depth integral V by the fraction kSameDepth at most.
     ASSERT_LE(now.stored, last.stored * (1.0 + 1e-9) + worked + 1e-12) << i;
     touched += now.touching > 0 ? 1 : 0;
     last = now;
@@ -180,7 +181,7 @@ TEST(PolygonBody, TheWrenchIsTheGradientOfTheEnergy) {
   EXPECT_GT(touching, 30);
 }
 
-/// A plate of 20 mm with a square hole, made of four bars.
+/// Returns a plate of 20 mm with a square hole, made of four bars.
 SolidParts plate_with_hole(double half_hole) {
   const double outer = 0.04, half_bar = 0.5 * (outer - half_hole), at = half_hole + half_bar;
   return solid_parts({box_corners(Vec3(half_bar, outer, 0.01), Vec3(at, 0, -0.01)),
@@ -189,7 +190,7 @@ SolidParts plate_with_hole(double half_hole) {
                       box_corners(Vec3(half_hole, half_bar, 0.01), Vec3(0, -at, -0.01))});
 }
 
-/// The largest change of the force in a single step.
+/// Stores the largest change of the force in a single step.
 struct Jumps {
   Vec3 last = Vec3::Zero();
   double largest = 0.0;
@@ -200,7 +201,8 @@ struct Jumps {
 };
 
 TEST(PolygonBody, APegWithATenthOfAMillimetreOfPlayGoesIn) {
-  // A peg 20 mm square, 40 mm long; the hole is 0.1 mm wider. The hand sways and tilts by more.
+  // The peg is 20 mm square and 40 mm long. The hole is 0.1 mm wider, but the hand moves and tilts
+  // by more.
   const BodyTool body = tool({box_corners(Vec3(0.01, 0.01, 0.02))}, {plate_with_hole(0.01005)});
   const std::vector<Object> objects = {object()};
   BodyMemory memory;
@@ -214,14 +216,16 @@ TEST(PolygonBody, APegWithATenthOfAMillimetreOfPlayGoesIn) {
     device.orientation = about(Vec3(1, 2, 0).normalized(), 20.0 * sway * std::sin(7.0 * time));
     jumps.add(step(body, objects, device, memory).command.force());
   }
-  EXPECT_LT(memory.pose.position.z(), 0.0025);  // it is in, nearly as far as the hand
+  // The peg is in the hole, nearly as far as the hand.
+  EXPECT_LT(memory.pose.position.z(), 0.0025);
   EXPECT_LT(std::abs(memory.pose.position.x()), 1e-3);
   EXPECT_LT(jumps.largest, 0.2);
-  EXPECT_GT(jumps.last.norm(), 0.05);  // and it touches
+  EXPECT_GT(jumps.last.norm(), 0.05);  // The peg still touches.
 }
 
 TEST(PolygonBody, TheCornerOfABoxGoesOverASharpEdgeWithoutAJump) {
-  // Pressed down with about 2 N on a lower edge, the tool slides off the table across its edge.
+  // A hand presses a lower edge of the tool down with about 2 N. The tool slides off the table
+  // across its edge.
   const BodyTool body = tool({box_corners(kHalf)}, {box(Vec3(0.05, 0.05, 0.02))});
   const std::vector<Object> objects = {object()};
   for (const double tilt : {0.0, 0.3}) {
@@ -238,13 +242,13 @@ TEST(PolygonBody, TheCornerOfABoxGoesOverASharpEdgeWithoutAJump) {
       most = std::max(most, force.norm());
     }
     EXPECT_GT(most, 0.5) << tilt;
-    EXPECT_LT(jumps.last.norm(), 1e-3) << tilt;  // off the table
+    EXPECT_LT(jumps.last.norm(), 1e-3) << tilt;  // The tool is off the table.
     EXPECT_LT(jumps.largest, 0.2) << tilt;
   }
 }
 
-// A hand moves through a wall of 0.2 mm at 1 m/s, or in one step, with a face, an edge or a corner
-// first, from both sides and near the rim.
+// A hand moves through a wall of 0.2 mm at 1 m/s or in one step. A face, an edge or a corner is in
+// front, from both sides and near the rim.
 TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
   const Corners spike = {Vec3(0, 0, -0.02), Vec3(0.008, 0, 0.01), Vec3(-0.004, 0.007, 0.01),
                          Vec3(-0.004, -0.007, 0.01)};
@@ -266,7 +270,7 @@ TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
             now = step(body, objects, {Vec3(0.003, 0.002, -side * 0.07), from}, memory);
           EXPECT_GT(side * now.command.force().z(), 9.9) << stride;
           EXPECT_GT(side * memory.pose.position.z(), -0.02) << stride;
-          // Pulled back out, no force is left.
+          // After a movement back out, no force must remain.
           for (int i = 0; i < 300; ++i)
             now = step(body, objects, {Vec3(0.003, 0.002, side * (2e-4 * i)), from}, memory);
           EXPECT_LT(now.command.force().norm(), 1e-3) << stride;
@@ -274,7 +278,8 @@ TEST(PolygonBody, AFastHandDoesNotPassAThinWall) {
   }
 }
 
-// The tool slides along the wall with force, off its end and down beside it: there the wall ends.
+// The tool slides along the wall under load, passes the end of the wall and moves down next to the
+// wall. The force must end there.
 TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   const BodyTool body =
       tool({box_corners(Vec3::Constant(0.005))}, {box(Vec3(0.02, 0.02, 1e-4))}, {}, 1e-4);
@@ -290,7 +295,7 @@ TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   for (int i = 0; i < 400; ++i)
     now = step(body, objects, {Vec3(0.032, 0, 2e-3 - 1e-4 * i), kUpright}, memory);
   EXPECT_LT(now.command.force().norm(), 1e-3);
-  // Below the wall, and up against its other side.
+  // The tool moves below the wall, and up against its other side.
   for (int i = 0; i < 400; ++i)
     now = step(body, objects, {Vec3(0.032 - 1e-4 * i, 0, -0.038), kUpright}, memory);
   EXPECT_LT(now.command.force().norm(), 1e-3);
@@ -299,14 +304,16 @@ TEST(PolygonBody, BesideAThinWallThereIsNothing) {
   EXPECT_LT(now.command.force().z(), -1.0);
 }
 
-// A direction from an oblique approach turns to the force's direction if the energy stays equal.
+// After an oblique approach, the depth of a pair of convex parts is measured in an oblique
+// direction. If the energy stays equal, the direction must turn to the force's direction.
 TEST(PolygonBody, TheDirectionOfAPairFollowsTheForce) {
   const PolygonBody body =
       polygon_body({box_corners(Vec3::Constant(0.005))}, {box(Vec3(0.05, 0.05, 1e-3))});
   const std::vector<Object> objects = {object()};
   const Vec3 aslant = Vec3(0.5, 0.0, 1.0).normalized();
   for (const bool beyond : {false, true}) {
-    // In the middle of the wall, or at its end, where an oblique thickening widens the wall.
+    // The tool is in the middle of the wall, or at its end, where an oblique thickening widens the
+    // wall.
     const Pose pose{Vec3(beyond ? -0.0525 : 0.0, 0, 6e-3 - 1e-4), kUpright};
     PartPairs near;
     update_part_pairs(body, objects, pose, true, near);
@@ -335,7 +342,7 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   const double holds = 0.4 * load / 1000.0;
   for (int i = 0; i < 20; ++i)
     now = step(body, objects, {Vec3(holds, 0, 0.061 - 5e-5 * 99), kUpright}, memory);
-  // The hand pulls above the table, so the tool rocks a little, but its face stays in place.
+  // The hand pulls above the table and tilts the tool slightly. The face must stay in place.
   const Vec3 sole = memory.pose.position + memory.pose.orientation * Vec3(0, 0, -0.01);
   EXPECT_LT(std::abs(sole.x()), 0.02 * holds);
   EXPECT_NEAR(now.command.force().x(), -0.4 * load, 0.02 * load);
@@ -344,7 +351,7 @@ TEST(PolygonBody, FrictionHoldsUpToItsCone) {
   EXPECT_NEAR(now.command.force().x(), -0.5 * now.command.force().z(), 0.02 * load);
 }
 
-// The memory of the previous step only saves time: the result is the same without it.
+// The memory of the previous step only saves time. The result must not depend on this memory.
 TEST(PolygonBody, WhatItRemembersOfAPairChangesNothing) {
   const BodyTool body =
       tool({box_corners(kHalf), box_corners(Vec3(0.004, 0.004, 0.02))},

@@ -1,4 +1,4 @@
-// A tool with mass against malicious hands: energy, stability, limits.
+// Tests a tool with mass against malicious hands: energy, stability, limits.
 
 #include <gtest/gtest.h>
 
@@ -32,8 +32,9 @@ std::vector<Object> corner(const Material& material) {
           with(object(Box{Vec3(0.02, 0.02, 0.02)}, Vec3(0.04, 0, 0)), material)};
 }
 
-// The inequality of step_coupled_tool(), in steps of any length: stored and kinetic energy grow by
-// no more than the hand's work against spring and damper. Neither of these exceeds its limit.
+// Tests the inequality of step_coupled_tool() in steps of any length. Stored and kinetic energy may
+// grow by the hand's work against spring and damper at most. Spring and damper must not exceed
+// their limits.
 void energy_holds(const ToolIntegration integration, double mass, const Material& material,
                   double damping, std::uint64_t seed, double& touched) {
   const ToolCoupling coupling{.stiffness = 2000.0, .max_force = 15.0};
@@ -64,7 +65,8 @@ void energy_holds(const ToolIntegration integration, double mass, const Material
     pulled << -now.command.force(), -now.command.torque;
     way << device.position - before.position,
         rotation_between(before.orientation, device.orientation);
-    // The hand's work, by either of two sums.
+    // The hand's work against the spring is either the change of the spring's energy or the mean
+    // force times the movement.
     const double damper = (pulled - tool.spring(device)).dot(way);
     const double mean = 0.5 * (spring + tool.spring(device)).dot(way);
     const double rounding = 1e-12 * (1.0 + std::abs(had));
@@ -94,7 +96,7 @@ void energy_holds(const ToolIntegration integration, double mass, const Material
 
 TEST(ToolMassEnergy, AStepNeverAddsEnergy) {
   std::uint64_t seed = 1;
-  double touched = 0.0;  // touching points, over all steps
+  double touched = 0.0;  // number of touching points over all steps
   for (const ToolIntegration integration : kBoth)
     for (const double mass : {1e-3, 0.1, 3.0})
       for (const Material& material : {Material{.stiffness = 1000.0}, Material{.stiffness = 1e6,
@@ -111,8 +113,8 @@ TEST(ToolMassEnergy, AStepNeverAddsEnergy) {
   EXPECT_GT(touched, 1000.0);
 }
 
-// A tool is thrown into a corner while the device rests: over the whole grid no energy is made, and
-// the tool comes to rest.
+// A tool hits a corner while the device rests. No energy may arise for any stiffness and mass, and
+// the tool must come to rest.
 TEST(ToolMassEnergy, AtEveryStiffnessAndMassItIsStable) {
   for (const ToolIntegration integration : kBoth)
     for (double stiffness = 1e2; stiffness < 2e7; stiffness *= 10.0)
@@ -144,14 +146,15 @@ TEST(ToolMassEnergy, AtEveryStiffnessAndMassItIsStable) {
           }
           EXPECT_LT(tool.memory.velocity.linear.norm(), 1e-3);
           EXPECT_LT(tool.memory.velocity.angular.norm(), 2e-2);
-          // The forces balance.
+          // The forces must balance.
           double held = -now.command.force().z();
           for (const ObjectWrench& part : now.touched()) held += part.wrench.z();
           EXPECT_NEAR(held, mass * kGravity, 0.02 * mass * kGravity + 1e-3);
         }
 }
 
-// True for backward Euler. Under the midpoint rule a light tool keeps swinging.
+// Without mass a tool must have the force of a tiny mass. The test uses backward Euler, because a
+// light tool keeps oscillating under the midpoint rule.
 TEST(ToolMassEnergy, ALittleMassIsNoMass) {
   const Material rough{.stiffness = 1000.0, .static_friction = 0.3, .dynamic_friction = 0.3};
   Massive light(massive(1e-9, {}, {.gravity = Vec3(0, 0, -kGravity)}, 500), corner(rough));
@@ -174,7 +177,8 @@ TEST(ToolMassEnergy, ALittleMassIsNoMass) {
   EXPECT_GT(felt, 10.0);
 }
 
-// No time: no movement. An invalid time or pose changes nothing. A long pause leads to balance.
+// Without time nothing moves. An invalid time or pose must change nothing. A long pause must lead
+// to equilibrium.
 TEST(ToolMassEnergy, PausesAndNumbersThatAreNone) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const ToolIntegration integration : kBoth) {
@@ -206,7 +210,7 @@ TEST(ToolMassEnergy, PausesAndNumbersThatAreNone) {
   }
 }
 
-// The tool moves 24 mm a step when it meets a sampled wall of 20 mm that can stop it.
+// The tool moves 24 mm per step when it hits a sampled wall of 20 mm. The wall must stop it.
 TEST(ToolMassEnergy, AFastToolDoesNotPassAWall) {
   for (const ToolIntegration integration : kBoth) {
     Massive tool(

@@ -1,4 +1,5 @@
-// A tool with mass against closed forms: free fall, springs, spinning tops, impacts, friction.
+// Compares a tool with mass with closed forms: free fall, springs, spinning tops, impacts,
+// friction.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ using test::Massive;
 using test::object;
 
 constexpr ToolIntegration kBoth[] = {ToolIntegration::implicit, ToolIntegration::midpoint};
-constexpr double kLoose = 1e-9;  // [N/m], [N m/rad] of a negligible coupling
+constexpr double kLoose = 1e-9;  // [N/m], [N m/rad] stiffness of a negligible coupling
 const Pose kOrigin{};
 
 TEST(ToolMass, FallsAsTheIntegrationsSumsSay) {
@@ -53,8 +54,8 @@ TEST(ToolMass, HangsBelowTheDeviceByItsWeight) {
   }
 }
 
-// For x' = x + h v', v' = v - h w^2 x' each step multiplies the energy by 1 / (1 + (w h)^2) and
-// advances the phase by atan(w h).
+// With x' = x + h v' and v' = v - h w^2 x', each step multiplies the energy by 1 / (1 + (w h)^2)
+// and advances the phase by atan(w h).
 TEST(ToolMass, ImplicitDampsAnOscillationAsItsFormulaSays) {
   for (const double mass : {1e-3, 0.1, 10.0}) {
     const double spring = 1000.0, turn = std::sqrt(spring / mass) * kStep;
@@ -73,7 +74,7 @@ TEST(ToolMass, ImplicitDampsAnOscillationAsItsFormulaSays) {
   }
 }
 
-// The phase advances by 2 atan(w h / 2) a step; no energy is lost, even with varying steps.
+// The phase advances by 2 atan(w h / 2) per step. No energy is lost, even with varying steps.
 TEST(ToolMass, MidpointKeepsTheEnergyOfASpring) {
   test::Random random(5);
   for (const double mass : {1e-3, 0.1, 10.0})
@@ -113,15 +114,16 @@ TEST(ToolMass, OfARotationTheFormulasAreTheSame) {
   }
 }
 
-// Euler's equations without torque: angular momentum and energy stay, to 1e-8 in 5 s. The tool
-// tumbles as with steps ten times finer, to a second-order error.
+// Euler's equations without torque keep angular momentum and energy, to 1e-8 in 5 s. The tumbling
+// must agree with steps ten times finer, up to a second-order error.
 TEST(ToolMass, ATopKeepsMomentumAndEnergy) {
   const double mass = 0.2;
   const auto run = [&](ToolIntegration integration, double h) {
     Massive tool(massive(mass, {.stiffness = kLoose, .rotational_stiffness = 1e-18},
                          {.integration = integration}));
     tool.place(kOrigin);
-    tool.memory.velocity.angular = Vec3(0.5, 10.0, 0.3);  // about the middle axis: unstable
+    // The rotation about the middle axis is unstable.
+    tool.memory.velocity.angular = Vec3(0.5, 10.0, 0.3);
     const Vec3 momentum = box_inertia(mass) * tool.memory.velocity.angular;
     const double energy = 0.5 * momentum.dot(tool.memory.velocity.angular);
     for (int n = 0; n < std::lround(5.0 / h); ++n) {
@@ -142,7 +144,7 @@ TEST(ToolMass, ATopKeepsMomentumAndEnergy) {
   }
 }
 
-// A hand that holds a rod off-centre feels the moment of its weight.
+// A hand that holds a rod off-centre gets the moment of its weight.
 TEST(ToolMass, HeldBesideItsMiddleItTurnsTheHand) {
   constexpr double kMass = 0.15;
   const Vec3 center(0.02, 0.005, 0.0), weight(0.0, 0.0, -kMass * kGravity);
@@ -172,12 +174,13 @@ TEST(ToolMass, AHandThatSpeedsUpFeelsMassTimesAcceleration) {
       felt = tool.step({Vec3(0.5 * kRate * t * t, 0.0, 0.0), Quaternion::Identity()}).command;
     }
     EXPECT_LT((felt.force() - Vec3(-kMass * kRate, 0.0, 0.0)).norm(), 1e-3 * kMass * kRate);
-    // The tool has the hand's acceleration.
+    // The tool must have the hand's acceleration.
     EXPECT_NEAR(tool.memory.velocity.linear.x(), kRate * 0.999, 0.02);
   }
 }
 
-// Dropped on a plane, it ends where the plane carries its weight; the parts show this force.
+// A tool that falls on a plane must rest where the plane carries its weight. The parts must report
+// this force.
 TEST(ToolMass, AfterAnImpactItRestsInThePlaneByItsWeight) {
   constexpr double kMass = 0.2;
   Object plane = object(Plane{});
@@ -196,15 +199,15 @@ TEST(ToolMass, AfterAnImpactItRestsInThePlaneByItsWeight) {
   EXPECT_GT(hardest, 3.0 * kMass * kGravity) << "an impact is felt by what is hit";
   const double sunk = 0.01 - tool.memory.pose.position.z();
   EXPECT_NEAR(test::flat_force(sunk, kFace), kMass * kGravity, 0.01 * kMass * kGravity);
-  EXPECT_NEAR(sunk, kMass * kGravity / test::kStiffness, 0.1 * sunk);  // the sides carry some
+  EXPECT_NEAR(sunk, kMass * kGravity / test::kStiffness, 0.1 * sunk);  // The sides carry a part.
   ASSERT_EQ(last.part_count, 1u);
   EXPECT_NEAR(last.parts[0].wrench.z(), kMass * kGravity, 1e-6);
   EXPECT_LT(last.command.force().norm(), 1e-6);
   EXPECT_LT(tool.memory.velocity.linear.norm(), 1e-6);
 }
 
-// On a plane without friction or damping nothing may take energy: the midpoint rule throws the tool
-// back as high as it fell from, except for an energy error at the surface's edge.
+// A plane without friction or damping dissipates nothing. The midpoint rule must throw the tool
+// back to its initial height, except for an energy error at the surface.
 TEST(ToolMass, WithoutDampingTheMidpointRuleBouncesAndImplicitDoesNot) {
   const auto highest = [](ToolIntegration integration) {
     Massive tool(massive(0.2, {.stiffness = kLoose},
@@ -224,7 +227,7 @@ TEST(ToolMass, WithoutDampingTheMidpointRuleBouncesAndImplicitDoesNot) {
   EXPECT_LT(highest(ToolIntegration::implicit), 0.017);
 }
 
-// It decelerates by mu g, stops, and stays there: friction creeps by at most kHeld a step.
+// The tool decelerates by mu g, stops, and stays. Friction creep is at most kHeld per step.
 TEST(ToolMass, SlidesToAStopByFriction) {
   constexpr double kMass = 0.3, kSpeed = 0.4;  // [kg], [m/s]
   for (const ToolIntegration integration : kBoth) {
@@ -243,14 +246,14 @@ TEST(ToolMass, SlidesToAStopByFriction) {
     for (int n = 0; n < 300; ++n) tool.step(kOrigin);
     const double way = kSpeed * kSpeed / (2.0 * 0.3 * kGravity);
     EXPECT_NEAR(tool.memory.pose.position.x() - from, way, 0.02 * way);
-    for (int n = 0; n < 500; ++n) tool.step(kOrigin);  // it tilted while it slid
+    for (int n = 0; n < 500; ++n) tool.step(kOrigin);  // The tool tilted during the slide.
     const double stopped = tool.memory.pose.position.x();
     for (int n = 0; n < 300; ++n) tool.step(kOrigin);
     EXPECT_NEAR(tool.memory.pose.position.x(), stopped, 300 * kHeld);
   }
 }
 
-// Friction alone, without a damper, suffices to make a midpoint step implicit.
+// Friction alone, without a damper, must make a midpoint step implicit.
 TEST(ToolMass, FrictionSlowsAMidpointToolToo) {
   Object plane = object(Plane{});
   plane.material.static_friction = plane.material.dynamic_friction = 0.3;

@@ -1,4 +1,4 @@
-// A server, a gateway that observes it, and the gateway's viewers, over real sockets.
+// Tests a server, a gateway that observes it, and the gateway's viewers, over real sockets.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(Gateway, ShowsAHandThatMoves) {
   expect_hand(page, 0.003, 0.0);
   hand.put(-0.002, 2.5);
   expect_hand(page, -0.002, 2.5);
-  // The server's stiffness of 2000 N/m.
+  // The server's stiffness is 2000 N/m.
   test::eventually("a picture with the elastic force",
                    [&] { return std::abs(at<float>(page.picture(), kElasticZ) - 4.0f) < 1e-4f; });
   test::eventually("the sessions' table", [&] {
@@ -59,7 +59,7 @@ TEST(Gateway, ShowsAHandThatMoves) {
     return said.size() == 1 && said[0]["number"] == 1 && said[0]["samples"] == 2 &&
            said[0]["late_ticks"] == 5 && !said[0]["client"].is_null();
   });
-  // The gateway is a single observer for the server, whatever its viewers do.
+  // The gateway must be a single observer for the server, for any number of viewers.
   EXPECT_EQ(server.summary().front().sessions, 2u);
 }
 
@@ -78,13 +78,14 @@ TEST(Gateway, ShowsTheSurfacesNearAHandAsTheServerDoes) {
   ASSERT_GT(expected.size(), kHead);
   ASSERT_EQ(seen.size(), expected.size());
   for (std::size_t patch = kHead; patch < seen.size(); patch += kPatch) {
-    EXPECT_EQ(at<std::uint64_t>(seen, patch), at<std::uint64_t>(expected, patch));  // the object
+    // the object number
+    EXPECT_EQ(at<std::uint64_t>(seen, patch), at<std::uint64_t>(expected, patch));
     for (std::size_t i = patch + kNumbers; i < patch + kPatch; i += sizeof(float))
       EXPECT_NEAR(at<float>(seen, i), at<float>(expected, i), 1e-6f);
   }
 }
 
-/// The gateway's page shows the values of the server's page.
+/// The gateway's page must show the values of the server's page.
 TEST(Gateway, TellsWhoIsThereAsTheServerDoes) {
   ServerConfig config = test::any_port();
   config.web = "0";
@@ -107,7 +108,8 @@ TEST(Gateway, TellsWhoIsThereAsTheServerDoes) {
   EXPECT_EQ(seen["round_trips"][1], 4);
   EXPECT_EQ(seen["hand_damping"], 1.5);
   EXPECT_LT(std::abs(seen["seconds"].get<double>() - expected["seconds"].get<double>()), 60.0);
-  for (const char* name : {"seconds", "samples_per_s", "loss"}) {  // measured at another moment
+  // These values are measured at different moments.
+  for (const char* name : {"seconds", "samples_per_s", "loss"}) {
     seen.erase(name);
     expected.erase(name);
   }
@@ -160,7 +162,7 @@ TEST(Gateway, StrangersTakeNoPlaceOfAViewer) {
   std::vector<std::unique_ptr<test::RawSocket>> silent;
   for (int n = 0; n < 200; ++n)
     silent.push_back(std::make_unique<test::RawSocket>(SOCK_STREAM, test::page_port(gateway)));
-  Page pinging(gateway);  // admitted after all of them
+  Page pinging(gateway);  // The page connects after all strangers.
   for (int n = 0; n < 3000; ++n) pinging.say_frame(9, "x");
   EXPECT_EQ(pinging.close().reason(), "too many messages");
   page.say({{"ticket", "room"}});
@@ -192,7 +194,7 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   EXPECT_THAT(got(gateway, "/ready", shown(viewer())), HasSubstr("scene room is not seen"));
   EXPECT_THAT(got(gateway, "/ready", shown(observer())), ::testing::Not(HasSubstr("room")));
   EXPECT_THAT(got(gateway, "/health"), StartsWith("HTTP/1.1 200 "));
-  // A viewer that connects meanwhile gets the message, too.
+  // A viewer that connects meanwhile must get the message too.
   Page other = page_of(gateway);
   EXPECT_THAT(other.text("log")["text"].get<std::string>(), HasSubstr("not seen"));
 
@@ -200,7 +202,7 @@ TEST(Gateway, SaysThatTheServerIsGoneAndFindsItAgain) {
   hand = std::make_unique<Hand>(*server);
   hand->put(0.004);
   Json back = page.text("log");
-  while (back["level"] == "error") back = page.text("log");  // messages of the search
+  while (back["level"] == "error") back = page.text("log");  // These are messages of the search.
   EXPECT_EQ(back["text"], "Scene room is seen.");
   expect_hand(page, 0.004, 0.0);
   EXPECT_THAT(got(gateway, "/ready"), StartsWith("HTTP/1.1 200 "));
@@ -233,7 +235,7 @@ TEST(Gateway, RefusesWhatOnlyTheServerCanDo) {
     EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("feltwire-client admin"))
         << wish;
   }
-  page.say({{"hand", "take"}});  // no hand is offered, but the viewer stays
+  page.say({{"hand", "take"}});  // No hand is offered, but the viewer must stay connected.
   page.say({{"reload", true}});
   EXPECT_EQ(page.text("refused")["type"], "refused");
 }
@@ -270,7 +272,7 @@ TEST(Gateway, HasViewersOfItsOwn) {
   EXPECT_THAT(got(gateway, "/metrics"), HasSubstr("feltwire_viewers_total 2\n"));
 }
 
-/// The error at its start.
+/// Returns the error at the start of the gateway.
 std::string wrong(std::uint16_t port, Scene scene) {
   try {
     gateway_for(port, std::move(scene));

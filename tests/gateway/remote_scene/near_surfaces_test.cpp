@@ -1,4 +1,4 @@
-// The surfaces that a gateway finds near the hands it sees.
+// Tests the surfaces that a gateway finds near the observed hands.
 
 #include "gateway/remote_scene/near_surfaces.hpp"
 
@@ -11,7 +11,7 @@
 namespace feltwire::near_surfaces_test {
 namespace {
 
-/// A plate of 4 mm (object 0) and a moving ball (object 1).
+/// Returns a plate of 4 mm (object 0) and a moving ball (object 1).
 std::shared_ptr<const Scene> scene() {
   return std::make_shared<const Scene>(
       parse_scene(R"({"name": "plate", "materials": [{"name": "wood", "stiffness": 1000}],
@@ -36,7 +36,7 @@ control::SessionDescription told_of_hand(std::uint32_t number = 3) {
   return told;
 }
 
-/// A server's observer.
+/// An observer of a server.
 struct Observer {
   std::shared_ptr<const Scene> scene = near_surfaces_test::scene();
   std::vector<control::SessionDescription> told{told_of_hand()};
@@ -76,8 +76,8 @@ TEST(NearSurfaces, AreThoseOfTheServer) {
   Observer observer;
   const ToolView& view = *observer.scene;
   TouchMemory memory = view.memory();
-  // Down into the plate, far beyond its middle: the hand is held by the face that it came through,
-  // and only its path shows that face.
+  // The hand moves down into the plate, far beyond the middle. The face of the entry must hold the
+  // hand. Only the path of the hand determines this face.
   for (const double z : {0.05, 0.01, 0.002, 0.001, -0.001, -0.0019}) {
     const LocalModel found = observer.look({hand_at(z)});
     view.touch({hand_at(z).pose.position}, memory);
@@ -94,13 +94,13 @@ TEST(NearSurfaces, OfABodyAreWhereItIsSeen) {
   ball.pose.position = {0.01, 0.02, 0.1};
   observer.bodies = {ball};
   const LocalModel above =
-      observer.look({hand_at(0.13)});  // 10 mm above it, and far from the plate
+      observer.look({hand_at(0.13)});  // The hand is 10 mm above the ball, and far from the plate.
   ASSERT_EQ(above.count, 1);
   EXPECT_EQ(above.view()[0].object, 1);
   EXPECT_LT((above.view()[0].point - Vec3(0.01, 0.02, 0.12)).norm(), 1e-12);
   EXPECT_FALSE(above.view()[0].touching);
   EXPECT_TRUE(observer.look({hand_at(0.115)}).view()[0].touching);
-  // The ball is gone: only the plate is near.
+  // The ball is gone, so only the plate is near.
   observer.bodies[0].pose.position.x() = 5.0;
   const LocalModel gone = observer.look({hand_at(0.05)});
   ASSERT_GT(gone.count, 0);
@@ -112,17 +112,17 @@ TEST(NearSurfaces, HasWhoseClientRendersThem) {
   EXPECT_GT(observer.look({hand_at(0.01)}).count, 0);
   observer.told[0].parameters.local_model = false;
   EXPECT_EQ(observer.look({hand_at(0.01)}).count, 0);
-  observer.told = {told_of_hand(4)};  // for another hand
+  observer.told = {told_of_hand(4)};  // This session belongs to another hand.
   EXPECT_EQ(observer.look({hand_at(0.01)}).count, 0);
   EXPECT_GT(observer.look({hand_at(0.01, 4)}).count, 0);
   observer.told = {told_of_hand()};
   SeenHand hand = hand_at(0.01);
-  hand.figures->samples = 0;  // no sample yet: its place is unknown
+  hand.figures->samples = 0;  // Without a sample, the position is unknown.
   EXPECT_EQ(observer.look({hand}).count, 0);
-  hand.figures.reset();  // from an older server
+  hand.figures.reset();  // An older server sends no figures.
   EXPECT_EQ(observer.look({hand}).count, 0);
   hand = hand_at(0.01);
-  hand.figures->tool = 7;  // not in the file
+  hand.figures->tool = 7;  // This tool is not in the file.
   EXPECT_EQ(observer.look({hand}).count, 0);
   EXPECT_GT(observer.look({hand_at(0.01)}).count, 0);
 }

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// A floor and a moving ball (object 1).
+/// Returns a floor and a moving ball (object 1).
 Scene moving() {
   return parse_scene(R"({"name": "box", "materials": [{"name": "wood", "stiffness": 1000}],
     "bodies": [{"name": "loose", "position": [0, 0, 0.05], "mass": 0.1}],
@@ -45,7 +45,7 @@ TEST(SeenPicture, HasTheHandsAndWhatMoves) {
   EXPECT_EQ(picture.hands[1].states, bit(HandState::free_space));
   ASSERT_EQ(picture.bodies.size(), 1u);
   EXPECT_EQ(picture.bodies[0].pose.position, pose.position);
-  // A hand that left is removed.
+  // A hand that left must be removed.
   seen.take(view_of({{7, {}, Vec3::Zero()}}, {}));
   draw(seen, moving(), {}, picture);
   EXPECT_EQ(picture.hands.size(), 1u);
@@ -82,9 +82,9 @@ TEST(SeenPicture, HasTheFiguresOfAHand) {
   EXPECT_EQ(drawn.burned, 0.75);
   ASSERT_TRUE(drawn.report.has_value());
   EXPECT_EQ(drawn.report->balance, 0.125);
-  // Unknown bits would look like the client's reasons.
+  // Unknown bits must not appear as reasons of the client.
   EXPECT_EQ(drawn.states, (1u << kHandStates) - 1u);
-  // A tool that is not in the file is omitted.
+  // A tool that is not in the file must be omitted.
   const auto described = hands_of(seen, moving(), {}, Nanoseconds(0));
   ASSERT_EQ(described.size(), 1u);
   EXPECT_EQ(described[0].number, 3u);
@@ -121,13 +121,13 @@ TEST(SeenPicture, HasWhatTheServerTellsOfASession) {
   EXPECT_EQ(hands[0].parameters->mode, "per_axis");
   EXPECT_EQ(hands[0].asked, "mode a -> b");
   EXPECT_EQ(hands[0].answer, ChangeAnswer::refused);
-  EXPECT_EQ(hands[0].lead_share, std::nullopt);  // no robot
+  EXPECT_EQ(hands[0].lead_share, std::nullopt);  // The scene has no robot.
   EXPECT_EQ(hands[0].joined, std::chrono::milliseconds(8500));
   EXPECT_EQ(hands[0].times.wakeups()[7], 8u);
   EXPECT_EQ(hands[0].times.round_trips()[0], 8u);
-  EXPECT_EQ(hands[1].client, "");  // it has just joined and is not described yet
+  EXPECT_EQ(hands[1].client, "");  // The client has just joined and has no description yet.
   EXPECT_EQ(hands[1].parameters, std::nullopt);
-  // Impossible parameters are hidden.
+  // Impossible parameters must be hidden.
   told.parameters.servo_period = 0.0;
   EXPECT_EQ(hands_of(seen, moving(), std::vector{told}, Nanoseconds(0))[0].parameters,
             std::nullopt);
@@ -146,7 +146,7 @@ TEST(SeenPicture, TakesTheMaterialsInForce) {
   EXPECT_EQ(changed->objects()[0].material.stiffness, 1000.0);
   EXPECT_EQ(changed->objects()[1].material.stiffness, 250.0);
   EXPECT_EQ(changed->objects()[1].material.dynamic_friction, 0.5);
-  // Refuses another file's materials and impossible ones.
+  // The call must refuse materials of another file and impossible materials.
   EXPECT_FALSE(with_materials(scene, std::vector{soft}));
   soft.stiffness = -1.0;
   EXPECT_FALSE(with_materials(scene, std::vector{wood, soft}));

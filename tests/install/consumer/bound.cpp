@@ -1,5 +1,5 @@
-// A bound without a session. A wall of 1 kN/m is softer than 2 b / T = 4 kN/m, so the hand gets its
-// whole force.
+// A bound without a session. A wall of 1 kN/m is softer than 2 b / T = 4 kN/m, so the hand gets the
+// complete force.
 
 #include <cstdio>
 #include <feltwire/core/bounding/bounding.hpp>
@@ -7,7 +7,7 @@
 int main() {
   feltwire::BoundingConfig config;
   config.period = 1e-3;                     // [s]
-  config.damping = feltwire::Damping(2.0);  // the device's [N s/m]
+  config.damping = feltwire::Damping(2.0);  // [N s/m] damping of the device
   feltwire::Bounding bounding(config);
   feltwire::BoundingStep step;
   step.displacement = feltwire::Vec3(0.0, 0.0, -1e-3);

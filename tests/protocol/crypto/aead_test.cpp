@@ -1,5 +1,5 @@
-// The ciphers and the key derivation against published vectors: libsodium, as we call it, follows
-// the standards.
+// Compares the ciphers and the key derivation with published vectors. libsodium, as we call it,
+// must follow the standards.
 
 #include "protocol/crypto/aead.hpp"
 

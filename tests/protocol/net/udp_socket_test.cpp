@@ -65,7 +65,7 @@ TEST(Dscp, TheSocketSaysWhatItWasTold) {
   if (six.descriptor < 0) GTEST_SKIP() << "this machine has no IPv6";
   EXPECT_TRUE(set_dscp(six.descriptor, 40));
   EXPECT_EQ(get_dscp(six.descriptor), 40);
-  EXPECT_EQ(six.option(IPPROTO_IP, IP_TOS), 40 << 2);  // for the IPv4 packets that it may carry
+  EXPECT_EQ(six.option(IPPROTO_IP, IP_TOS), 40 << 2);  // for the IPv4 packets of this socket
 }
 
 TEST(Fragments, AreForbiddenInBothFamilies) {
@@ -96,7 +96,7 @@ TEST(PathMtu, IsThatOfTheWayThere) {
   six.sin6_family = AF_INET6;
   EXPECT_EQ(header_bytes(there), 48u);
   ::inet_pton(AF_INET6, "::ffff:127.0.0.1", &six.sin6_addr);
-  EXPECT_EQ(header_bytes(there), 28u);  // it is IPv4
+  EXPECT_EQ(header_bytes(there), 28u);  // The path uses IPv4.
   EXPECT_EQ(path_mtu(sockaddr_storage{}, sizeof(sockaddr_in)), std::nullopt);
 }
 

@@ -1,4 +1,4 @@
-// Weber's fraction, and the lines that both ends extrapolate.
+// Tests Weber's fraction, and the lines that both ends extrapolate.
 
 #include "protocol/session/deadband.hpp"
 
@@ -16,7 +16,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Deadband, IsAFractionOfTheValueAndAFloor) {
   const Vec3 ten(0, 6, 8);
-  const Vec3 aside(1, 0, 0);  // every direction counts alike
+  const Vec3 aside(1, 0, 0);  // Every direction counts equally.
   for (const Vec3& way : {ten.normalized().eval(), Vec3(-ten.normalized()), aside}) {
     EXPECT_FALSE(beyond_deadband(ten, ten - 1.0999 * way, 0.1, 0.1));
     EXPECT_TRUE(beyond_deadband(ten, ten - 1.1001 * way, 0.1, 0.1));
@@ -29,7 +29,7 @@ TEST(Deadband, IsAFractionOfTheValueAndAFloor) {
 
 TEST(Deadband, OfACommandIsOfItsForceAndOfItsTorque) {
   const Command held{.elastic = Vec3(0, 0, 4), .frictional = Vec3(1, 0, 0)};
-  // A different split of the same force feels the same.
+  // A different split of an equal force makes no difference.
   EXPECT_FALSE(
       beyond_deadband(held, {.elastic = Vec3(0.5, 0, 3.5), .frictional = Vec3(0.5, 0, 0.5)}, 0.01));
   EXPECT_TRUE(
@@ -55,7 +55,7 @@ TEST(Extrapolation, IsALineThatTurnsNoPartRound) {
   EXPECT_TRUE(later.frictional.isApprox(Vec3(1.2, 0, 0), 1e-15));
   EXPECT_TRUE(later.torque.isApprox(Vec3(0, 0.2, 0), 1e-15));
 
-  // The elastic part falls to zero after 10 ms and stays there; the others continue.
+  // The elastic part falls to zero after 10 ms and stays zero. The other parts continue.
   const Command falling{.elastic = Vec3(0, 0, -200), .frictional = Vec3(2, 0, 0)};
   EXPECT_NEAR(extrapolated(c, falling, 0.009).elastic.z(), 0.2, 1e-12);
   EXPECT_NEAR(extrapolated(c, falling, 0.05).elastic.norm(), 0.0, 1e-12);
@@ -73,7 +73,7 @@ TEST(Extrapolation, APushNeverBecomesAPull) {
     const Command rates{test::vector(random, 1e4), test::vector(random, 1e4),
                         test::vector(random, 1e4)};
     const Command later = extrapolated(c, rates, test::uniform(random, 0, 0.5));
-    // The rounding limit: a hundred ulps of the products.
+    // The rounding limit is a hundred ulps of the products.
     const auto least = [](const Vec3& a, const Vec3& b) { return -1e-13 * a.norm() * b.norm(); };
     ASSERT_GE(c.elastic.dot(later.elastic), least(c.elastic, later.elastic));
     ASSERT_GE(c.frictional.dot(later.frictional), least(c.frictional, later.frictional));
@@ -95,8 +95,8 @@ TEST(CommandTrend, FindsTheLineAtAnyRate) {
   }
 }
 
-/// Encoder noise of q at each end of a window W changes a slope by at most 2 q / W. A difference
-/// of single samples would change by 2 q / T.
+/// Encoder noise of q at each end of a window W changes a slope by at most 2 q / W. A difference of
+/// single samples would change it by 2 q / T.
 TEST(CommandTrend, DividesTheEncodersNoiseByItsWindow) {
   test::Generator random(3);
   CommandTrend trend;
@@ -118,7 +118,7 @@ TEST(CommandTrend, ForgetsWhatWasBeforeContactBegan) {
   for (int i = 0; i < 50; ++i) trend.add({}, period);
   EXPECT_EQ(trend.rates(), Command{});
   for (int i = 0; i < 4; ++i) trend.add(ramp(i * period), period);
-  EXPECT_NEAR(trend.rates().elastic.z(), 20, 1e-9);  // without the step to 1 N
+  EXPECT_NEAR(trend.rates().elastic.z(), 20, 1e-9);  // The step to 1 N is excluded.
   trend.add({}, period);
   EXPECT_EQ(trend.rates(), Command{});
 }

@@ -1,4 +1,4 @@
-// The parameters that a server may grant to a client.
+// Tests the parameters that a server may grant to a client.
 
 #include "protocol/session/grant.hpp"
 
@@ -64,14 +64,14 @@ TEST(Grant, ADifferenceIsNamedWithBothValues) {
   granted = {};
   granted.mode = "none";
   EXPECT_EQ(forbidden_grant(asked, granted), "mode: asked contact_frame, granted none");
-  granted.mode = "none\x1b[2J";  // a foreign server may send this
+  granted.mode = "none\x1b[2J";  // A foreign server may send this.
   EXPECT_EQ(forbidden_grant(asked, granted), "mode: asked contact_frame, granted none\\x1b[2J");
   granted = {};
   granted.local_model = true;
   EXPECT_EQ(difference(asked, granted), "local_model: asked off, granted on");
 }
 
-// A permitted change does not hide a forbidden one.
+// A permitted change must not hide a forbidden one.
 TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
   for (const auto& change : test::parameter_changes()) {
     if (change.permitted) continue;
@@ -82,7 +82,7 @@ TEST(Grant, AForbiddenFieldIsFoundAmongThoseThatMayDiffer) {
   }
 }
 
-// A longer hold time keeps a force longer: the client's owner decides the limit.
+// A longer hold time keeps a force longer. The client's owner sets the limit.
 TEST(Grant, AHoldTimeIsLengthenedAsFarAsTheClientsOwnerAllows) {
   SessionParameters asked, granted;
   for (const double hold_time : {0.10001, 0.2, 0.8, 1.0}) {
@@ -96,8 +96,8 @@ TEST(Grant, AHoldTimeIsLengthenedAsFarAsTheClientsOwnerAllows) {
   EXPECT_EQ(forbidden_grant(asked, granted, {.hold_time = 0.05}), std::nullopt);
 }
 
-// Nothing lengthens it while a session runs: a server's change of it is refused, and a change of
-// the law has no such field.
+// No change may lengthen the hold time during a session. The client must refuse such a request of a
+// server. A change of the bounding method has no such field.
 TEST(Grant, NoLaterChangeLengthensAHoldTime) {
   SessionParameters running, wanted;
   wanted.hold_time = 0.8;
@@ -106,8 +106,8 @@ TEST(Grant, NoLaterChangeLengthensAHoldTime) {
   EXPECT_EQ(with_law(running, law).hold_time, running.hold_time);
 }
 
-// An honest server behind a thin line keeps the rules at every servo rate. For a longer hold time
-// it may need the permission of the client's owner.
+// An honest server with a thin line must keep the rules at every servo rate. For a longer hold time
+// the server may need the permission of the client's owner.
 TEST(Grant, WhatOurServersGrantIsPermitted) {
   for (const NetworkProfile& line : kNetworkProfiles)
     for (const double rate : {10.0, 100.0, 250.0, 1000.0, 4000.0, 1e4, 1e5})
@@ -127,7 +127,7 @@ TEST(Grant, WhatOurServersGrantIsPermitted) {
             EXPECT_EQ(forbidden_grant(asked, given, {.hold_time = kLongestGrantedHold}),
                       std::nullopt)
                 << line.name << ' ' << rate << ' ' << asked.mode << ' ' << hold_time;
-            // A second grant, to a client that lost its session, changes nothing.
+            // A second grant, to a client that lost its session, must change nothing.
             EXPECT_EQ(granted(line, given), given);
           }
 }

@@ -38,7 +38,7 @@ TEST(Profiles, AreGoodAtEveryServoRateAndMode) {
         EXPECT_NO_THROW(validate(there)) << profile.name << ' ' << rate << ' ' << p.mode;
         EXPECT_EQ(there.servo_period, p.servo_period);
         EXPECT_EQ(there.mode, p.mode);
-        // As many datagrams as the line has room for, within whole ticks and at most 1000 of them.
+        // The number of datagrams must fill the line, within whole ticks and at most 1000 ticks.
         if (rate >= profile.packet_rate && rate <= 1000.0 * profile.packet_rate) {
           EXPECT_NEAR(rate / there.packet_interval, profile.packet_rate,
                       0.34 * profile.packet_rate);
@@ -50,10 +50,11 @@ TEST(Profiles, AreWhatTheDefaultsAreOnALan) {
   EXPECT_EQ(over(network_profile("lan"), {}), SessionParameters{});
 }
 
-// For every scene: the largest reply to every datagram, with rotation, in both directions.
+// The test covers every scene with the largest reply to every datagram, with rotation, in both
+// directions.
 TEST(Profiles, AThinLineHasRoomForAllOfIt) {
-  constexpr double kRoom = 64e3;        // [bit/s]
-  constexpr std::size_t kHeaders = 28;  // [bytes] of UDP and IPv4
+  constexpr double kRoom = 64e3;        // [bit/s] capacity of the line
+  constexpr std::size_t kHeaders = 28;  // [bytes] headers of UDP and IPv4
   const SessionParameters p = over(network_profile("thin"), {});
   Encoder encoder;
   SampleBatch samples;
@@ -72,7 +73,7 @@ TEST(Profiles, AThinLineHasRoomForAllOfIt) {
   };
   EXPECT_LT(bits(encoder.samples(samples)), kRoom);
   EXPECT_LT(bits(encoder.reply(reply)), kRoom);
-  // An observer's view must fit this room too.
+  // An observer's view must also fit.
   reply.modelled = false;
   SceneView view;
   view.present = true;
@@ -91,7 +92,7 @@ TEST(Profiles, AServerGrantsWhatItsLineHasRoomFor) {
   bound_at_server.side = BoundingSide::server;
   EXPECT_EQ(granted(thin, bound_at_server).side, BoundingSide::client);
   EXPECT_EQ(granted(network_profile("lan"), {}), SessionParameters{});
-  // A hold time that is long enough for the line stays; the keep-alive interval becomes shorter.
+  // A sufficient hold time must stay. The keep-alive interval must become shorter.
   const SessionParameters over_wan = granted(network_profile("wan"), {});
   EXPECT_EQ(over_wan.hold_time, SessionParameters{}.hold_time);
   EXPECT_DOUBLE_EQ(over_wan.keep_alive, 0.02);

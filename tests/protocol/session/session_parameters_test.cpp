@@ -81,8 +81,9 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       {"packet_interval", [](auto& p) { p.packet_interval = 1001; }},
       {"packet_interval", [](auto& p) { p.packet_interval = 101; }},  // longer than the hold time
       {"batch", [](auto& p) { p.batch = 0; }},
-      {"batch", [](auto& p) { p.batch = 2; }},                          // of one sample
-      {"batch", [](auto& p) { p.packet_interval = 10, p.batch = 7; }},  // and 3 repeated
+      {"batch", [](auto& p) { p.batch = 2; }},  // The interval has only one sample.
+      // too many together with 3 repeated samples
+      {"batch", [](auto& p) { p.packet_interval = 10, p.batch = 7; }},
       {"position_deadband", [](auto& p) { p.position_deadband = -0.1; }},
       {"position_deadband", [](auto& p) { p.position_deadband = 0.6; }},
       {"force_deadband", [=](auto& p) { p.force_deadband = nan; }},

@@ -1,4 +1,4 @@
-// The local model of a tool with a body, to bytes and back.
+// Tests the local model of a tool with a body: encoding and decoding.
 
 #include <gtest/gtest.h>
 
@@ -42,10 +42,9 @@ Reply random_reply(Generator& random) {
   for (BodyPoint& p : m.points) {
     const Vec3 wide = vector(random, 0.01), tall = vector(random, 0.002);
     p = {vector(random, 0.06),
-         wide * wide.transpose() + tall * tall.transpose(),  // flat: one eigenvalue is zero
-         vector(random, 1.0).normalized(),
-         number(random, 0.01),
-         std::abs(number(random, 1000.0)),
+         // a flat distribution with one eigenvalue of zero
+         wide * wide.transpose() + tall * tall.transpose(), vector(random, 1.0).normalized(),
+         number(random, 0.01), std::abs(number(random, 1000.0)),
          static_cast<std::uint8_t>(random() % kMaxBodyPatches)};
   }
   for (BodyPatch& p : m.patches)
@@ -96,14 +95,15 @@ TEST(BodyCodec, RoundTrip) {
   }
 }
 
-// Every root gives a valid covariance, whatever its bits.
+// Every root must give a valid covariance, for any bits.
 TEST(BodyCodec, EveryRootIsACovariance) {
   Generator random(2);
   Reply received;
   for (int round = 0; round < 200; ++round) {
     Reply sent = random_reply(random);
     for (BodyPoint& p : sent.body.points)
-      p.spread = Mat3::NullaryExpr([&] { return number(random, 1e-3); });  // not a covariance
+      // This matrix is no covariance.
+      p.spread = Mat3::NullaryExpr([&] { return number(random, 1e-3); });
     ASSERT_EQ(verdict(sent, received), DropReason::none);
     for (const BodyPoint& p : received.body.view()) {
       EXPECT_EQ(p.spread, p.spread.transpose());
@@ -143,7 +143,7 @@ TEST(BodyCodec, ModelsThatAreNoneAreDropped) {
       [](BodyModel& m) { m.radius = 0.0; },
       [=](BodyModel& m) { m.points[1].distance = nan; },
       [=](BodyModel& m) { m.points[1].stiffness = inf; },
-      [](BodyModel& m) { m.points[1].stiffness = -1.0; },  // negative stiffness would pull in
+      [](BodyModel& m) { m.points[1].stiffness = -1.0; },  // A negative stiffness would pull.
       [](BodyModel& m) { m.points[1].normal *= 0.9; },
       [=](BodyModel& m) { m.points[1].normal.x() = nan; },
       [](BodyModel& m) { m.patches[1].dynamic_friction = 0.6; },

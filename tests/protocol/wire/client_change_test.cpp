@@ -1,5 +1,6 @@
-// A change that an admin wants of a client: it fits every reply and arrives unchanged, garbage is
-// refused, and each client decides which law it takes.
+// Tests a change that an admin requests from a client. The change must fit in every reply and
+// arrive unchanged. Invalid bytes must be refused, and each client decides which bounding method it
+// accepts.
 
 #include "protocol/session/client_change.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 constexpr std::size_t kHeaderAndTag = 40;
 
-/// A change with the longest possible method name.
+/// Returns a change with the longest possible method name.
 ClientChange longest() {
   return {.number = 63,
           .law = LawChoice{MethodName(std::string(kLongestMethodName, 'm')), Projection::joint,
@@ -25,7 +26,7 @@ ClientChange longest() {
           .link = LinkQuality{.delay = 0.25, .jitter = 0.125, .loss = 0.5}};
 }
 
-/// A reply to a hand with everything that it can contain.
+/// Returns a reply to a hand with all possible contents.
 Reply fullest() {
   Reply reply;
   reply.sample_index = 7;
@@ -53,7 +54,7 @@ TEST(ClientChange, ArrivesInTheFullestReplyThatThereIs) {
   sent.change = longest();
   const Bytes payload = encoder.reply(sent);
   EXPECT_LE(payload.size() + kHeaderAndTag, kMaxDatagram);
-  EXPECT_LE(payload.size(), without + 136);  // as PROTOCOL.md says
+  EXPECT_LE(payload.size(), without + 136);  // the limit of PROTOCOL.md
   Reply received;
   ASSERT_EQ(decode(payload, received), DropReason::none);
   EXPECT_EQ(received.change, sent.change);
@@ -73,7 +74,7 @@ TEST(ClientChange, TakesNoMemoryOnItsWay) {
   Encoder encoder;
   Reply sent = fullest(), received;
   sent.change = longest();
-  encoder.reply(sent);  // the first reply allocates the buffer
+  encoder.reply(sent);  // The first reply allocates the buffer.
   const std::size_t before = test::allocations();
   const bool arrived = decode(encoder.reply(sent), received) == DropReason::none;
   EXPECT_EQ(test::allocations(), before);
@@ -171,20 +172,21 @@ SessionParameters started(std::string_view mode, BoundingSide side = BoundingSid
 }
 LawChoice law(std::string_view mode) { return LawChoice{MethodName(mode)}; }
 
-/// A client whose device a person may hold takes only a law that is passive by itself, or its own.
+/// A person may hold the client's device. Such a client must accept only its own method, or a
+/// method that is passive by itself.
 TEST(LawsTaken, SafeOnesRaiseNoRisk) {
   const SessionParameters shaped = started("shaped"), unbounded = started("none");
   using enum LawsTaken;
   for (const char* passive : {"contact_frame", "energy_tank"})
     EXPECT_FALSE(refuses_law(shaped, law(passive), safe)) << passive;
-  EXPECT_FALSE(refuses_law(shaped, law("shaped"), safe));  // back to its own law
+  EXPECT_FALSE(refuses_law(shaped, law("shaped"), safe));  // The client returns to its own method.
   for (const char* not_by_itself : {"none", "midpoint", "credited"}) {
     EXPECT_THAT(refuses_law(shaped, law(not_by_itself), safe).value_or(""),
                 HasSubstr("a person's hand may be at this device"))
         << not_by_itself;
     EXPECT_FALSE(refuses_law(shaped, law(not_by_itself), any)) << not_by_itself;
   }
-  EXPECT_FALSE(refuses_law(unbounded, law("none"), safe));  // the operator's own choice
+  EXPECT_FALSE(refuses_law(unbounded, law("none"), safe));  // The operator chose this method.
   EXPECT_TRUE(refuses_law(unbounded, law("shaped"), safe));
 }
 

@@ -70,7 +70,7 @@ TEST(Codec, SamplesRoundTrip) {
   }
 }
 
-/// Decoding into a batch keeps nothing of its former content.
+/// Decoding into a batch must keep nothing of its former content.
 TEST(Codec, SamplesWithoutRotationsAreUpright) {
   Generator random(2);
   Encoder encoder;
@@ -114,7 +114,7 @@ TEST(Codec, ReplyRoundTrip) {
   }
 }
 
-// The bits of PROTOCOL.md, one by one.
+// Checks each bit of PROTOCOL.md.
 TEST(Codec, TheFlagsOfAReplyAreTheProtocols) {
   Encoder encoder;
   const std::vector<bool Reply::*> flags = {&Reply::active, &Reply::saturated, &Reply::refused,
@@ -164,7 +164,7 @@ TEST(Codec, PayloadMayLieAnywhere) {
   }
 }
 
-// The codec's own refusals, one by one.
+// Tests each refusal of the codec itself.
 
 DropReason verdict(const SampleBatch& batch) {
   Encoder encoder;
@@ -176,7 +176,7 @@ TEST(CodecDrops, Count) {
   Generator random(6);
   EXPECT_EQ(verdict(random_batch(random, 9, 0, false)), DropReason::count);
 
-  // Ten samples, or fewer rotations than samples: the encoder refuses them, so build them by hand.
+  // The test builds payloads that the encoder refuses.
   for (const auto& [samples, rotations] : {std::pair{10u, 0u}, {3u, 2u}, {1u, 9u}}) {
     flatbuffers::FlatBufferBuilder builder;
     std::vector<wire::Sample> s;
@@ -299,7 +299,7 @@ TEST(CodecDrops, EverySizeThatIsNone) {
   }
 }
 
-/// For any bytes: no crash, no allocation, and a payload that passes is usable.
+/// Any bytes must cause no crash and no allocation. A payload that passes must be usable.
 void expect_harmless(Bytes payload) {
   const std::size_t before = test::allocations();
   SampleBatch batch;
@@ -391,7 +391,7 @@ TEST(CodecAllocation, NoneOnceTheEncoderIsMade) {
   EXPECT_EQ(worst, DropReason::none);
 
   const std::size_t counting = test::allocations();
-  ::operator delete(::operator new(1));  // the counter works
+  ::operator delete(::operator new(1));  // The counter must work.
   EXPECT_EQ(test::allocations(), counting + 2);
 }
 

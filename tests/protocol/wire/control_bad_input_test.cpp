@@ -1,4 +1,4 @@
-// Frames without a valid message, and messages at the limits.
+// Tests frames without a valid message, and messages at the limits.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(ControlBadInput, LimitsOfNamesAndFrames) {
         {i + 1, std::string(kMaxName, 'x'), std::string(kMaxName, 'y'), Role::admin});
   EXPECT_EQ(round_trip(longest).sessions.size(), kMaxSessionEntries);
   EXPECT_FALSE(decode(body(encode(Authenticate{Secret(std::string(kMaxName + 1, 'x'))}))));
-  // The longest token fits the first frame of an unknown client.
+  // The longest token must fit in the first frame of an unknown client.
   EXPECT_LE(encode(Authenticate{Secret(std::string(kMaxName, 'x'))}).size(), kMaxFirstFrame);
 }
 
@@ -93,7 +93,7 @@ TEST(ControlBadInput, ChoicesThatAreNoneAreRefused) {
   EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(14), "x"}))));
 }
 
-/// A list may point to one entry many times: a small frame would decode to an enormous list.
+/// A list may point to one entry many times. A small frame would then decode to an enormous list.
 TEST(ControlBadInput, ListThatMultipliesOneEntry) {
   flatbuffers::FlatBufferBuilder builder;
   const auto entry = wire::CreateSceneEntryDirect(builder, "again", 1, 1, 1);
@@ -131,7 +131,7 @@ TEST(ControlFuzz, TruncationsAndFlipsAreHarmless) {
       valid += decode(spoiled).has_value();
     }
   }
-  EXPECT_GT(valid, 0);  // some flips change only numbers: such frames are still messages
+  EXPECT_GT(valid, 0);  // Some flips change only numbers. Such frames are still messages.
 }
 
 }  // namespace

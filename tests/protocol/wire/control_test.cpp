@@ -64,7 +64,7 @@ JoinAccepted accepted_with_all() {
   return accepted;
 }
 
-/// FNV-1a of a frame.
+/// FNV-1a hash of a frame.
 std::uint64_t hash(const std::vector<std::uint8_t>& frame) {
   std::uint64_t sum = 0xcbf29ce484222325u;
   for (const std::uint8_t byte : frame) sum = (sum ^ byte) * 0x100000001b3u;
@@ -83,8 +83,8 @@ TEST(Control, TheVersionsOfBothProgramsTravelWhereTheyAreSaid) {
   EXPECT_FALSE(decode(body(encode(got))));
 }
 
-// If a client asks for no tool, or a scene has one tool, the bytes are those without the
-// field.
+// If a client requests no tool, or a scene has a single tool, the message must have no field for
+// the tool.
 TEST(Control, AToolIsSentOnlyWhereThereIsOne) {
   EXPECT_EQ(encode(request()).size(), 436u);
   EXPECT_EQ(hash(encode(request())), 0xebb103770318de82u);
@@ -157,14 +157,14 @@ TEST(Control, AWorkspaceThatIsNoneIsRefused) {
     if (which == 2) wall.normal.y() = std::numeric_limits<double>::quiet_NaN();
     if (which == 3) wall.distance = 1001.0;
     if (which == 4) wall.distance = std::numeric_limits<double>::quiet_NaN();
-    if (which == 5) sent.workspace.add(wall);  // one more than allowed
+    if (which == 5) sent.workspace.add(wall);  // exceeds the limit by one
     KeepOutBody& kept = sent.workspace.bodies[2];
     if (which == 6) kept.radius = 0.0009;
     if (which == 7) kept.radius = std::numeric_limits<double>::quiet_NaN();
     if (which == 8) kept.half.y() = -0.01;
     if (which == 9) kept.pose.orientation.coeffs() *= 1.01;
     if (which == 10) kept.pose.position.z() = -1001.0;
-    if (which == 11) sent.workspace.add_body(kept);  // one more than allowed
+    if (which == 11) sent.workspace.add_body(kept);  // exceeds the limit by one
     JoinRequest asked = request();
     asked.workspace = sent.workspace;
     EXPECT_FALSE(decode(body(encode(sent)))) << which;
@@ -210,7 +210,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_EQ(joined.start_normal, accepted.start_normal);
   EXPECT_EQ(joined.stiffness, 1234.5);
   EXPECT_EQ(joined.suite, CipherSuite::aes_256_gcm);
-  EXPECT_EQ(joined.parameters, SessionParameters{});  // c1, c2 stay not given
+  EXPECT_EQ(joined.parameters, SessionParameters{});  // c1 and c2 must stay undefined.
 
   EXPECT_EQ(round_trip(LeaveRequest{3}).session, 3u);
   EXPECT_EQ(round_trip(Left{4}).session, 4u);
@@ -271,7 +271,7 @@ TEST(Control, OtherMessagesRoundTrip) {
   }
 }
 
-/// A reason may quote a whole file: the frame can be sent at any length of it.
+/// A reason may quote a complete file. The frame must be valid for any length of the reason.
 TEST(Control, AReasonOfAnyLengthIsSent) {
   const auto sent = [](const std::string& reason) {
     return round_trip(Refused{RefusalCode::bad_scene, reason}).reason;
@@ -283,7 +283,7 @@ TEST(Control, AReasonOfAnyLengthIsSent) {
     EXPECT_EQ(sent(std::string(size, 'x')), cut) << size;
 }
 
-/// Characters of 1 to 4 bytes at every place of the cut: none is split.
+/// Characters of 1 to 4 bytes are at every position of the cut. None may be split.
 TEST(Control, AReasonIsCutBetweenCharacters) {
   for (const std::string character : {"a", "\u00e9", "\u20ac", "\U0001f44b"})
     for (std::size_t before = 0; before < 4; ++before) {
@@ -297,7 +297,7 @@ TEST(Control, AReasonIsCutBetweenCharacters) {
       EXPECT_TRUE(text.starts_with(kept));
       EXPECT_EQ((kept.size() - before) % character.size(), 0u) << kept;
     }
-  // Text that is not UTF-8 may be cut anywhere; the search for a boundary must end.
+  // Text that is not UTF-8 may be cut anywhere. The search for a boundary must end.
   EXPECT_EQ(shortened(std::string(100, '\x80'), 18), std::string(12, '\x80') + " [...]");
 }
 
@@ -323,7 +323,7 @@ TEST(Control, TextsArriveWholeWhateverIsInThem) {
   EXPECT_EQ(round_trip(Refused{RefusalCode::full, "no\0room"s}).reason, "no\0room"s);
 }
 
-/// The program decides whether such a method exists: the message arrives with its name.
+/// The codec must accept any name of a method. Only the program checks whether the method exists.
 TEST(Control, ANameOfAMethodArrivesUpToItsLimit) {
   SessionParameters p;
   for (const std::string& name :

@@ -1,4 +1,4 @@
-// The descriptions of sessions and scenes for observers arrive unchanged.
+// The descriptions of sessions and scenes for observers must arrive unchanged.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ using test::body;
 using test::round_trip;
 using test::unusual_parameters;
 
-/// The longest descriptions, as many as an answer may have, fit a frame and its limits.
+/// The largest number of the longest descriptions must fit in a frame and its limits.
 TEST(Control, SessionDescriptionsAreReadAsWritten) {
   SessionDescription one;
   one.number = 7;
@@ -91,7 +91,7 @@ TEST(Control, ASceneDescriptionIsReadAsWritten) {
   EXPECT_EQ(timed.times.world_late, one.times.world_late);
   one.gravity.reset();
   EXPECT_EQ(round_trip(one).gravity, std::nullopt);
-  one.materials.emplace_back();  // one more than allowed
+  one.materials.emplace_back();  // exceeds the limit by one
   EXPECT_FALSE(decode(body(encode(one))));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr unsigned kSamplesOnly = 1u << static_cast<unsigned>(DatagramKind::samples);
 
-/// A header as in PROTOCOL.md, followed by room for a tag.
+/// Returns a header as in PROTOCOL.md, followed by room for a tag.
 std::vector<std::uint8_t> golden() {
   std::vector<std::uint8_t> datagram = {
       'F',  'W',  1,    1,    0,    0,    0,    0,      // magic, version, kind, reserved
@@ -45,7 +45,7 @@ TEST(Guard, SizeLimits) {
   EXPECT_EQ(guard({}, kSamplesOnly).drop, DropReason::size);
 }
 
-/// At first all is wrong. Repairs in the documented order show each next fault in turn.
+/// At first every field is wrong. Corrections in the documented order must reveal each next fault.
 TEST(Guard, FaultsShowInTheOrderOfTheProtocol) {
   std::vector<std::uint8_t> datagram(kMaxDatagram + 1, 0xff);
   const auto drop = [&] { return guard(datagram, kSamplesOnly).drop; };
@@ -58,7 +58,7 @@ TEST(Guard, FaultsShowInTheOrderOfTheProtocol) {
   EXPECT_EQ(drop(), DropReason::version);
   datagram[2] = 1;
   EXPECT_EQ(drop(), DropReason::kind);
-  datagram[3] = 2;  // a reply: known, but not expected here
+  datagram[3] = 2;  // A reply is a known kind, but the server does not expect it.
   EXPECT_EQ(drop(), DropReason::kind);
   datagram[3] = 1;
   EXPECT_EQ(drop(), DropReason::reserved);

@@ -1,4 +1,4 @@
-// A client's report about its hand, in a datagram.
+// Tests a client's report about its hand in a datagram.
 
 #include <gtest/gtest.h>
 
@@ -31,13 +31,13 @@ TEST(HandReportCodec, TravelsWithTheSamples) {
   EXPECT_EQ(received.report->hand_damping, 1.5);
   EXPECT_EQ(received.report->late_ticks, 0xFEDCBAu);
 
-  sent.report->late_ticks = 0x1000001;  // counted modulo 2^24
+  sent.report->late_ticks = 0x1000001;  // The wire carries this number modulo 2^24.
   sent.report->has_account = false;
   ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
   EXPECT_EQ(received.report->late_ticks, 1u);
   EXPECT_FALSE(received.report->has_account);
 
-  sent.report->reasons = ~0u;  // from a newer client: unknown reasons are ignored
+  sent.report->reasons = ~0u;  // A newer client may send unknown reasons, which must be ignored.
   ASSERT_EQ(decode(encoder.samples(sent), received), DropReason::none);
   EXPECT_EQ(received.report->reasons, (1u << kHandReasons) - 1);
   sent.report.reset();
@@ -99,7 +99,7 @@ TEST(HandTimes, AreHeardOverLossAndWrapping) {
   EXPECT_TRUE(heard.heard());
   EXPECT_EQ(heard.wakeups()[3], 0u);
   std::uint64_t counted = 0;
-  for (int i = 0; i < 10; ++i) {  // reports lost in between do not matter
+  for (int i = 0; i < 10; ++i) {  // Lost reports in between must have no effect.
     said.wakeups[3] = static_cast<std::uint16_t>(said.wakeups[3] + 60'000);
     ++said.round_trips[7];
     counted += 60'000;

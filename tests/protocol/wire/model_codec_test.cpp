@@ -1,4 +1,4 @@
-// The parts of a reply besides the command: rates and a local model.
+// Tests the parts of a reply besides the command: rates and a local model.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ double single(Generator& random, double most) {
   return static_cast<float>(test::uniform(random, 0.0, most));
 }
 
-/// Positions relative to a center, exact in float32, as on the wire.
+/// Returns positions relative to a center that are exact in float32, as on the wire.
 SurfacePatch random_patch(Generator& random, const Vec3& center) {
   SurfacePatch p;
   p.point = center + float_vector(random, 0.1);
@@ -65,7 +65,7 @@ Reply random_reply(Generator& random, int patches) {
 }
 
 void expect_same(const SurfacePatch& a, const SurfacePatch& b) {
-  constexpr double kHalfUlp = 1e-8;  // [m] of 0.1 m as float32
+  constexpr double kHalfUlp = 1e-8;  // [m] half an ulp of 0.1 m as float32
   EXPECT_TRUE(a.point.isApprox(b.point, kHalfUlp));
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.axis, b.axis);
@@ -202,7 +202,8 @@ TEST(ModelCodec, NormalsThatAreNoneAreDropped) {
     sent.normals = walls({Vec3::UnitX(), bad});
     EXPECT_EQ(verdict(sent, received), DropReason::not_finite);
   }
-  // A normal nearly equal to another is not an error of the sender, and not a separate wall.
+  // A normal nearly equal to another is no error of the sender. Such a normal must not count as a
+  // separate wall.
   sent.normals = walls({Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitZ()});
   ASSERT_EQ(verdict(sent, received), DropReason::none);
   EXPECT_EQ(received.normals.count, 2);
@@ -267,7 +268,7 @@ TEST(ModelCodec, AnOffsetToEachPatchOrNone) {
   }
 }
 
-// A field that no surface needs takes no bytes.
+// A field that no surface needs must take no bytes.
 TEST(ModelCodec, WithoutOffsetsAModelIsShorter) {
   Generator random(15);
   Encoder encoder;

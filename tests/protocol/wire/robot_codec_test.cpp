@@ -1,5 +1,6 @@
-// The messages between a leading hand and a following robot. They arrive unchanged, garbage is
-// dropped, and a client without a robot sends the same bytes as before.
+// Tests the messages between a leading hand and a following robot. The messages must arrive
+// unchanged, and invalid bytes must be dropped. A client without a robot must send the bytes of
+// earlier versions.
 
 #include <gtest/gtest.h>
 
@@ -328,7 +329,7 @@ TEST(RobotCodec, RefusesWhatNoRobotSays) {
       [](RobotState& s) { s.contact.stiffness = 0.0; },
       [](RobotState& s) { s.contact.stiffness = 1e10; },
       [](RobotState& s) { s.contact.friction = -1.0; },
-      [](RobotState& s) { s.contact.surface = 0; },  // but touches it
+      [](RobotState& s) { s.contact.surface = 0; },  // The robot still reports contact.
       [](RobotState& s) { s.energy.given = kNan; },
       [](RobotState& s) { s.energy.taken = -1.0; },
       [](RobotState& s) { s.energy.pushed = kInfinity; },

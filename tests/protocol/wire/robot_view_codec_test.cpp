@@ -1,4 +1,4 @@
-// A robot in an observer's view, as bytes.
+// Tests a robot in an observer's view as bytes.
 
 #include <gtest/gtest.h>
 
@@ -110,7 +110,7 @@ TEST(RobotViewCodec, RefusesARobotThatIsNone) {
       [](SeenRobot& r) { r.state = static_cast<LinkState>(7); },
       [](SeenRobot& r) { r.gripper = kNotANumber; },
       [](SeenRobot& r) { r.age = -1.0; },
-      [](SeenRobot& r) { r.seat = 1; },  // a seat without a robot
+      [](SeenRobot& r) { r.seat = 1; },  // This number has no robot.
       [](SeenRobot& r) { r.seat = 200; },
       [](SeenRobot& r) { r.age = kInfinity; }};
   for (std::size_t i = 0; i < wrong.size(); ++i) {

@@ -1,5 +1,5 @@
-// Keys that change as the packet numbers rise, and a receiver's reaction to numbers near the
-// borders.
+// The keys change as the packet numbers rise. Tests a receiver's reaction to numbers near the
+// borders of key generations.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ INSTANTIATE_TEST_SUITE_P(Suites, SealGeneration, ::testing::ValuesIn(test::suite
                                                                           : "ChaCha20Poly1305";
                          });
 
-/// Across the border, with loss and reordering: the number alone determines the key.
+/// The numbers cross the border with loss and reordering. The number alone must determine the key.
 TEST_P(SealGeneration, TheKeyChangesWithoutAWord) {
   Generator random(1);
   for (int round = 0; round < 10; ++round) {
@@ -43,21 +43,21 @@ TEST_P(SealGeneration, TheKeyChangesWithoutAWord) {
         waiting.erase(which);
       }
     }
-    EXPECT_EQ(opened + lost + waiting.size(), 1200u);  // no datagram that arrived was refused
+    EXPECT_EQ(opened + lost + waiting.size(), 1200u);  // No datagram that arrived may be refused.
   }
 }
 
 TEST_P(SealGeneration, AFirstDatagramBeyondTheBorderIsEnough) {
   Opener opener = up.opener_from(kBorder - 2);
   EXPECT_EQ(read(opener, up.datagram(kBorder + 3, payload)).payload, payload);
-  // Datagrams that it overtook were sealed with the previous key.
+  // Datagrams with lower numbers arrive later. The previous key has sealed them.
   EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).payload, payload);
   EXPECT_EQ(read(opener, up.datagram(kBorder, payload)).payload, payload);
   EXPECT_EQ(read(opener, up.datagram(kBorder - 1, payload)).drop, DropReason::packet_number);
 }
 
 TEST_P(SealGeneration, AWrongGenerationIsRefused) {
-  // The key of a generation with a number of another generation.
+  // The key of a generation is used with a number of another generation.
   for (const std::uint64_t sealed_in : {0u, 1u, 2u}) {
     for (const std::uint64_t said : {0u, 1u, 2u}) {
       Opener opener = up.opener_from(kBorder + 9);
@@ -76,14 +76,15 @@ TEST_P(SealGeneration, AWrongGenerationIsRefused) {
           << sealed_in << said << own;
     }
   }
-  // Two generations ahead: no receiver loses a whole generation and remains connected.
+  // The number is two generations ahead. A receiver that loses a complete generation does not
+  // remain connected.
   Opener opener(GetParam(), session_keys.up);
   EXPECT_EQ(read(opener, up.datagram(2 * kBorder, payload)).drop, DropReason::sealed);
-  EXPECT_EQ(opener.forgeries(), 0u);  // no key was tried
+  EXPECT_EQ(opener.forgeries(), 0u);  // The opener must try no key.
 }
 
-/// Compared with a plain model: numbers of all kinds around the borders of three generations, good,
-/// replayed and forged.
+/// Compares the opener with a simple model. Numbers of all kinds are around the borders of three
+/// generations: valid, replayed and forged.
 TEST_P(SealGeneration, OpensWhatAModelOpens) {
   Generator random(2);
   for (int round = 0; round < 20; ++round) {
@@ -127,9 +128,9 @@ TEST_P(SealGeneration, OpensWhatAModelOpens) {
   }
 }
 
-/// A number is never used twice, so sending ends after the last number.
+/// The sender must never use a number twice, so sending ends after the last number.
 TEST_P(SealGeneration, AtTheLastNumberTheSenderStops) {
-  const Key last_secret = session_keys.up;  // of any generation
+  const Key last_secret = session_keys.up;  // the secret of any generation
   Sealer sealer(GetParam(), last_secret, kLastPacketNumber - 2);
   Opener opener(GetParam(), last_secret, kLastPacketNumber - 2);
   DatagramBuffer out;

@@ -1,4 +1,4 @@
-// Sealed datagrams: the protocol's bytes, and the refusal of everything else.
+// Tests sealed datagrams: the protocol's bytes, and the refusal of everything else.
 
 #include "protocol/wire/seal.hpp"
 
@@ -34,7 +34,7 @@ std::string spaced_hex(Bytes bytes) {
   return text;
 }
 
-/// The text with every run of whitespace replaced by a blank.
+/// Returns the text with a blank for every run of whitespace.
 std::string protocol_text() {
   std::ifstream file(std::string(FELTWIRE_SOURCE_DIR) + "/protocol/PROTOCOL.md");
   std::string text, word;
@@ -42,8 +42,8 @@ std::string protocol_text() {
   return text;
 }
 
-/// PROTOCOL.md's example has numbers from another implementation (Python's cryptography), so that
-/// two implementations agree.
+/// The example in PROTOCOL.md has numbers from another implementation (Python's cryptography). Two
+/// implementations must therefore agree.
 TEST_P(Sealing, BytesAreTheProtocols) {
   Key secret;
   for (std::size_t i = 0; i < secret.size(); ++i) secret[i] = static_cast<std::uint8_t>(i);
@@ -76,12 +76,12 @@ TEST_P(Sealing, EverySizeGoesAndComes) {
     ASSERT_EQ(got.payload, message);
   }
   EXPECT_EQ(opener.highest(), kMaxPayload + 1);
-  // A payload that is too long is not sent and uses no number.
+  // A payload that is too long must not be sent and must use no number.
   EXPECT_TRUE(sealer.seal(DatagramKind::samples, kSession, Octets(kMaxPayload + 1), out).empty());
   EXPECT_EQ(sealer.sent(), kMaxPayload + 1);
 }
 
-/// The sealed bytes do not show the payload.
+/// The sealed bytes must not contain the payload.
 TEST_P(Sealing, PayloadsAreHidden) {
   const Octets sealed = up.datagram(1, payload);
   EXPECT_EQ(std::search(sealed.begin(), sealed.end(), payload.begin(), payload.begin() + 8),
@@ -105,7 +105,7 @@ TEST_P(Sealing, EveryBitOfADatagramCounts) {
     datagram[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
   }
   EXPECT_EQ(opener.highest(), 0u);
-  EXPECT_EQ(read(opener, datagram).drop, DropReason::none);  // the forgeries did no harm
+  EXPECT_EQ(read(opener, datagram).drop, DropReason::none);  // The forgeries must have no effect.
 }
 
 TEST_P(Sealing, EveryTruncationAndExtensionIsRefused) {
@@ -132,7 +132,7 @@ TEST_P(Sealing, NothingIsOfUseElsewhere) {
     EXPECT_EQ(read(opener, datagram).drop, DropReason::sealed);
     EXPECT_EQ(opener.highest(), 0u);
   }
-  // Headers with another session, number or kind, and a tag of another datagram.
+  // The headers have another session, number or kind, or the tag belongs to another datagram.
   Opener opener(GetParam(), session_keys.up);
   Octets spliced = datagram;
   write_header(spliced, {DatagramKind::samples, kSession + 1, 1});
@@ -157,7 +157,7 @@ TEST_P(Sealing, AReplayIsRefusedInAndOutOfTheWindow) {
   EXPECT_EQ(opener.forgeries(), 0u);
 }
 
-/// Forged numbers change neither the window nor the keys.
+/// Forged numbers must change neither the window nor the keys.
 TEST_P(Sealing, ForgedNumbersMoveNothing) {
   Opener opener(GetParam(), session_keys.up);
   EXPECT_EQ(read(opener, up.datagram(1, payload)).drop, DropReason::none);
@@ -209,7 +209,7 @@ TEST_P(Sealing, NeverAllocates) {
   DatagramBuffer out, in, spoiled;
   std::uint64_t opened = 0, refused = 0;
   const std::size_t before = test::allocations();
-  for (int i = 0; i < 4000; ++i) {  // across the border
+  for (int i = 0; i < 4000; ++i) {  // The numbers cross the border of a generation.
     const Bytes sealed = sealer.seal(DatagramKind::samples, kSession, payload, out);
     std::copy(sealed.begin(), sealed.end(), spoiled.bytes.begin());
     spoiled.bytes[kHeaderSize] ^= 1;
@@ -224,14 +224,14 @@ TEST_P(Sealing, NeverAllocates) {
   EXPECT_EQ(refused, 8000u);
 }
 
-/// Memory that held a key contains none afterwards.
+/// Memory that held a key must contain no key afterwards.
 TEST_P(Sealing, KeysAreWiped) {
   alignas(Sealer) std::array<std::uint8_t, sizeof(Sealer)> sealer_memory{};
   alignas(Opener) std::array<std::uint8_t, sizeof(Opener)> opener_memory{};
   auto* sealer = new (sealer_memory.data()) Sealer(GetParam(), session_keys.up);
   auto* opener = new (opener_memory.data()) Opener(GetParam(), session_keys.up);
   const auto holds = [](const auto& memory, const Key& key) {
-    // Read through volatile: the memory belongs to an object whose lifetime has ended.
+    // The object's lifetime has ended, so the test reads its memory through volatile.
     const volatile std::uint8_t* at = memory.data();
     for (std::size_t i = 0; i + key.size() <= memory.size(); ++i) {
       std::size_t same = 0;
@@ -240,8 +240,8 @@ TEST_P(Sealing, KeysAreWiped) {
     }
     return false;
   };
-  // The secrets, and the keys unless they are stored in another form (AES: the first round key is
-  // half of the key).
+  // The test searches the memory for the secrets and keys. (With AES, the first round key is half
+  // of the key.)
   const std::array<Key, 3> secrets = {session_keys.up, next_secret(session_keys.up),
                                       sealing_key(session_keys.up)};
   EXPECT_TRUE(holds(sealer_memory, secrets[0]));

@@ -9,7 +9,7 @@
 namespace feltwire::sequence_test {
 namespace {
 
-/// True, once, for a fresh number.
+/// Returns true for a fresh number, and only once.
 bool take(PacketWindow& window, std::uint64_t number) {
   if (!window.fresh(number)) return false;
   window.mark(number);
@@ -22,7 +22,7 @@ TEST(PacketWindow, EachNumberOnce) {
   EXPECT_TRUE(take(window, 1));
   EXPECT_FALSE(take(window, 1));
   EXPECT_TRUE(take(window, 3));
-  EXPECT_TRUE(take(window, 2));  // late, not lost
+  EXPECT_TRUE(take(window, 2));  // late, but not lost
   EXPECT_FALSE(take(window, 2));
   EXPECT_EQ(window.highest(), 3u);
 }
@@ -38,7 +38,7 @@ TEST(PacketWindow, AskingMarksNothing) {
 TEST(PacketWindow, EdgeOfTheWindow) {
   PacketWindow window;
   EXPECT_TRUE(take(window, PacketWindow::kWidth + 5));
-  EXPECT_FALSE(take(window, 5));  // kWidth behind the highest: too old to know
+  EXPECT_FALSE(take(window, 5));  // a number that is kWidth below the highest number and too old
   EXPECT_TRUE(take(window, 6));
 }
 
@@ -54,7 +54,7 @@ TEST(PacketWindow, UpToTheLastNumber) {
   EXPECT_FALSE(take(window, last - PacketWindow::kWidth));
 }
 
-/// Compared with a plain set, with reordering, repeats and jumps of all sizes.
+/// Compares the window with a simple set, with reordering, repeats and jumps of all sizes.
 TEST(PacketWindow, MatchesASetOfAllSeen) {
   std::mt19937_64 random(7);
   for (int round = 0; round < 20; ++round) {

@@ -1,4 +1,4 @@
-// Messages with a tool's body and its solids in full arrive unchanged or are refused.
+// Messages with a complete tool body and its solids must arrive unchanged or be refused.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ SolidData solid(const Shape& shape) {
                        .viscous_friction = 5.0}};
 }
 
-/// A solid of every shape, each with different numbers.
+/// Returns a solid of every shape. Each has different numbers.
 std::vector<SolidData> solids() {
   std::vector<SolidData> all;
   Primitives::for_each([&](auto primitive) {
@@ -132,8 +132,8 @@ TEST(Control, TooManySolidsAreNoMessage) {
   EXPECT_TRUE(refused(BodyPoints{std::vector<Vec3>(kMaxPart + 1, Vec3::Zero())}));
 }
 
-/// A list of a single solid with this name and these lengths. The body has mass; unless `whole`,
-/// it lacks the inertia.
+/// Decodes a list of a single solid with this name and these lengths. The body has mass. Unless
+/// `whole` is set, the body lacks the inertia.
 std::optional<Message> decoded(const char* shape, const std::vector<double>& lengths,
                                bool whole = true) {
   flatbuffers::FlatBufferBuilder builder;
@@ -153,7 +153,7 @@ std::optional<Message> decoded(const char* shape, const std::vector<double>& len
   return decode({builder.GetBufferPointer(), builder.GetSize()});
 }
 
-/// A newer server may send shapes that this program does not know: they stay planes.
+/// A newer server may send shapes that are unknown here. Such shapes must stay planes.
 TEST(Control, AShapeThatIsNotKnownIsLeftOut) {
   const auto list = decoded("dodecahedron", {1.0});
   ASSERT_TRUE(list.has_value());

@@ -1,4 +1,4 @@
-// Messages with meshes in full arrive unchanged or are refused.
+// Messages with complete meshes must arrive unchanged or be refused.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// An observer's view as bytes.
+// Tests an observer's view as bytes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ SceneView view_of(std::size_t hands, std::size_t bodies, Generator& random) {
   return view;
 }
 
-/// A reply with all that it can contain, except a model.
+/// Returns a reply with all possible contents except a model.
 Reply longest_reply() {
   Reply reply;
   reply.sample_index = reply.withheld = ~std::uint64_t{0};
@@ -146,7 +146,7 @@ TEST(ViewCodec, FiguresOfHandsRoundTrip) {
       EXPECT_EQ(b.report->late_ticks, 77u);
     }
   }
-  // The next view has no figures: those of the last view must not remain.
+  // The next view has no figures. Figures of the last view must not remain.
   const SceneView plain = view_of(3, 0, random);
   ASSERT_EQ(decode(encoder.reply(longest_reply(), &plain), reply, &got), DropReason::none);
   for (const SeenHand& hand : got.hands()) EXPECT_FALSE(hand.figures.has_value());
@@ -214,7 +214,7 @@ TEST(ViewCodec, FiguresOutOfPlaceAreDropped) {
   EXPECT_EQ(decode(moved, reply), DropReason::malformed);
 }
 
-/// Without an observer a reply has the bytes that it had before views existed.
+/// Without an observer, a reply must have the bytes of versions without views.
 TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
   Encoder encoder;
   Reply reply = longest_reply();
@@ -232,7 +232,7 @@ TEST(ViewCodec, WhoIsShownNothingPaysNoByte) {
   EXPECT_FALSE(view.present);
 }
 
-/// The sizes that PROTOCOL.md states.
+/// PROTOCOL.md states these sizes.
 TEST(ViewCodec, IsAsLongAsItSays) {
   Generator random(32);
   Encoder encoder;
@@ -296,7 +296,7 @@ TEST(ViewCodec, WhatIsNoViewIsDropped) {
       {DropReason::not_finite, [](SceneView& v) { v.hand[0].pose.orientation.w() = kNotANumber; }},
       {DropReason::not_finite, [](SceneView& v) { v.body[1].pose.position.z() = kInfinity; }},
       {DropReason::not_finite, [](SceneView& v) { v.body[0].pose.orientation.coeffs() *= 1.01; }},
-      // With two faults, the verdict is that of the first check.
+      // With two faults, the result of the first check must count.
       {DropReason::order,
        [](SceneView& v) { v.hand[0].force.x() = kNotANumber, v.body[1].object = 0; }},
   };
@@ -322,7 +322,7 @@ std::vector<wire::SeenHand> hands_at_rest(std::size_t count) {
   return hands;
 }
 
-/// The verdict on a reply that shows `view`.
+/// Returns the verdict on a reply that contains `view`.
 DropReason verdict_on(flatbuffers::FlatBufferBuilder& builder,
                       flatbuffers::Offset<wire::SceneView> view) {
   const wire::Vec3d zero;
@@ -368,7 +368,8 @@ TEST(ViewCodec, MoreThanAViewMayHave) {
   EXPECT_EQ(verdict(0, SceneView::kMaxBodies + 1), DropReason::count);
 }
 
-/// Any truncation, any flipped bit: no read beyond the end, and accepted bytes give a valid view.
+/// Any truncation and any flipped bit must cause no read beyond the end. Accepted bytes must give a
+/// valid view.
 TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
   Generator random(35);
   Encoder encoder;
@@ -378,7 +379,7 @@ TEST(ViewCodec, SpoiledBytesAreDroppedOrStillAView) {
   Reply reply;
   SceneView got;
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    // A separate vector, so that a read beyond its end is detected.
+    // A separate vector lets a sanitizer detect a read beyond its end.
     const std::vector<std::uint8_t> part(bytes.begin(),
                                          bytes.begin() + static_cast<std::ptrdiff_t>(size));
     decode(part, reply, &got);

@@ -1,4 +1,5 @@
-// The control port's connection places and rates: for networks, strangers and known clients.
+// Tests the control port's limits of connections and rates, for networks, strangers and known
+// clients.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ TEST(NetworkOf, AnAddressIsWhatWhoeverHasItHas) {
   EXPECT_NE(of("2001:db8:1:2::1"), of("2001:db8:2:2::1"));
   EXPECT_EQ(of("192.0.2.1"), of("192.0.2.255"));
   EXPECT_NE(of("192.0.2.1"), of("192.0.3.1"));
-  EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 as an IPv6 socket shows it
+  EXPECT_EQ(of("::ffff:192.0.2.1"), of("192.0.2.77"));  // IPv4 in the form of an IPv6 socket
   EXPECT_NE(of("::"), of("0.0.0.0"));
   EXPECT_NE(of("::1"), of("127.0.0.1"));
 }
@@ -45,7 +46,7 @@ TEST(NetworkOf, AHostIsAPartOfIt) {
   EXPECT_NE(host("192.0.2.1"), host("192.0.2.2"));
 }
 
-/// A member that takes many places loses only its own, not its neighbours'.
+/// A member that takes many slots must lose only its own slots.
 TEST(ConnectionSlots, OneMemberTakesPlacesFromItself) {
   ConnectionSlots places(100, 8);
   const Network net = of("192.0.2.1");
@@ -55,14 +56,14 @@ TEST(ConnectionSlots, OneMemberTakesPlacesFromItself) {
   for (int i = 0; i < 7; ++i) EXPECT_FALSE(places.take(next++, net, "busy"));
   for (int i = 0; i < 100; ++i) {
     const auto loser = places.take(next, net, "busy");
-    ASSERT_EQ(loser, next - 7);  // its own oldest
+    ASSERT_EQ(loser, next - 7);  // the member's own oldest slot
     ++next;
   }
-  EXPECT_EQ(places.take(next, net, "new"), next - 7);  // a newcomer finds a place
+  EXPECT_EQ(places.take(next, net, "new"), next - 7);  // A new member must get a slot.
   EXPECT_TRUE(places.leave(honest));
 }
 
-/// A client name that connects from many networks also loses only its own places.
+/// A client that connects from many networks must lose only its own slots.
 TEST(ConnectionSlots, AMemberHasALimitInAllNetworksTogether) {
   ConnectionSlots places(100, 50, 4);
   ConnectionSlots::Id next = 0;
@@ -70,7 +71,8 @@ TEST(ConnectionSlots, AMemberHasALimitInAllNetworksTogether) {
   EXPECT_FALSE(places.take(honest, of("10.0.0.1"), "honest"));
   for (int i = 0; i < 200; ++i) {
     const auto loser = places.take(next, of("10.0." + std::to_string(i % 60) + ".1"), "busy");
-    ASSERT_EQ(loser, i < 4 ? std::nullopt : std::optional(next - 4));  // its own oldest
+    // the member's own oldest slot
+    ASSERT_EQ(loser, i < 4 ? std::nullopt : std::optional(next - 4));
     ++next;
   }
   EXPECT_EQ(places.size(), 5u);
@@ -85,12 +87,13 @@ TEST(WrongTokens, OneHostLeavesTheOthersTheirs) {
   EXPECT_EQ(taken, 10);
   EXPECT_TRUE(wrong.take(at("192.0.2.2"), 1s));
   for (int i = 3; i < 250; ++i) wrong.take(at(("192.0.2." + std::to_string(i)).c_str()), 1s);
-  EXPECT_FALSE(wrong.take(at("192.0.2.251"), 1s));  // its network's limit is used up
+  // The network of this address has reached its limit.
+  EXPECT_FALSE(wrong.take(at("192.0.2.251"), 1s));
   EXPECT_TRUE(wrong.take(at("192.0.3.1"), 1s));
   EXPECT_TRUE(wrong.take(at("192.0.2.1"), 2s));
 }
 
-/// The review's attack: an IPv6 network with any number of addresses.
+/// An attack from the security review: an IPv6 network with any number of addresses.
 TEST(ConnectionSlots, ANetworkOfManyAddressesTakesPlacesFromItself) {
   ConnectionSlots places(256, 64);
   ConnectionSlots::Id next = 0;
@@ -106,15 +109,15 @@ TEST(ConnectionSlots, ANetworkOfManyAddressesTakesPlacesFromItself) {
       EXPECT_FALSE(loser);
       continue;
     }
-    ASSERT_EQ(loser, held.front());  // its own oldest
+    ASSERT_EQ(loser, held.front());  // the network's own oldest slot
     held.pop_front();
   }
   EXPECT_EQ(places.size(), 65u);
   EXPECT_TRUE(places.leave(honest));
 }
 
-/// Five networks together take all places. A newcomer still gets a place and keeps it while the
-/// five continue.
+/// Five networks together take all slots. A new client must get a slot and keep it while the five
+/// continue.
 TEST(ConnectionSlots, TheLargestNetworkGivesWay) {
   ConnectionSlots places(256, 64);
   ConnectionSlots::Id next = 0;
@@ -141,13 +144,13 @@ TEST(ConnectionSlots, WhoIsRenewedGoesLast) {
   EXPECT_FALSE(places.take(1, of("10.0.0.1")));
   EXPECT_FALSE(places.take(2, of("10.0.0.1")));
   places.renew(1);
-  places.renew(77);  // 77 has no place
+  places.renew(77);  // 77 has no slot.
   EXPECT_EQ(places.take(3, of("10.0.0.1")), 2u);
   EXPECT_EQ(places.take(4, of("10.0.0.2")), 1u);
 }
 
-/// A random test against a list of the holders. There are never too many holders, in all or in a
-/// network. Only a network with the most places loses a place.
+/// Compares random operations with a list of the holders. The number of holders must not exceed the
+/// limits, in total and per network. Only a network with the most slots may lose a slot.
 TEST(ConnectionSlots, HoldAtRandom) {
   const auto seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -181,12 +184,12 @@ TEST(ConnectionSlots, HoldAtRandom) {
           ASSERT_EQ(theirs, network);
         } else {
           for (const auto& [other, net] : there) {
-            if (other == id && count(net) == 1) continue;  // its network has no other member
+            if (other == id && count(net) == 1) continue;  // This network has no other member.
             ASSERT_LE(count(net), count(theirs));
           }
         }
         for (auto earlier = there.begin(); earlier != lost; ++earlier)
-          ASSERT_NE(earlier->second, theirs);  // the oldest of its network
+          ASSERT_NE(earlier->second, theirs);  // The loser is the oldest of its network.
         there.erase(lost);
       }
       ASSERT_EQ(places.size(), there.size());
@@ -202,14 +205,14 @@ TEST(RateLimit, IsABucketForEachNetwork) {
   RateLimit<Network> rate(2.0, 3.0);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(rate.take(a, 0s));
   EXPECT_FALSE(rate.take(a, 499ms));
-  EXPECT_FALSE(rate.take(of("::ffff:10.0.0.9"), 499ms));  // the same network
+  EXPECT_FALSE(rate.take(of("::ffff:10.0.0.9"), 499ms));  // an address of the same network
   EXPECT_TRUE(rate.take(b, 499ms));
   EXPECT_TRUE(rate.take(a, 500ms));
   EXPECT_FALSE(rate.take(a, 501ms));
   EXPECT_TRUE(rate.take(a, 1h));
 }
 
-/// The burst is complete at any rate: rounding takes nothing off it.
+/// The burst must be complete at any rate, without rounding loss.
 TEST(RateLimit, GivesTheWholeBurst) {
   for (const double rate : {0.1, 1.0 / 3.0, 1.0, 7.0, 49.0})
     for (const int burst : {1, 3, 7, 20, 49}) {
@@ -219,13 +222,13 @@ TEST(RateLimit, GivesTheWholeBurst) {
     }
 }
 
-/// Forged addresses of many networks need limited memory.
+/// Forged addresses of many networks must need limited memory.
 TEST(RateLimit, IsNotOutnumbered) {
   RateLimit<std::uint32_t> rate(1.0, 1.0);
   for (std::uint32_t n = 0; n < RateLimit<std::uint32_t>::kMost; ++n) EXPECT_TRUE(rate.take(n, 0s));
-  EXPECT_TRUE(rate.take(1'000'000, 0s));  // beyond the limit, so all such networks share a bucket
+  EXPECT_TRUE(rate.take(1'000'000, 0s));  // Beyond the limit, all such networks share a bucket.
   EXPECT_FALSE(rate.take(1'000'001, 0s));
-  EXPECT_TRUE(rate.take(1'000'001, 2s));  // the others' buckets are full again
+  EXPECT_TRUE(rate.take(1'000'001, 2s));  // The other buckets are full again.
 }
 
 constexpr auto kNever = 1h;
@@ -240,8 +243,8 @@ ControlOptions patient(std::size_t connections, std::size_t of_a_network = 128) 
           .handshake_burst = 1e6};
 }
 
-/// The review's attack: four addresses with 64 silent connections each held all places for the
-/// whole handshake timeout.
+/// An attack from the security review: four addresses with 64 silent connections each held all
+/// slots during the complete handshake timeout.
 TEST(Access, SilentStrangersKeepNobodyOut) {
   Endpoint endpoint(patient(16), control::SceneList{});
   ControlClient known(endpoint.port());
@@ -259,8 +262,8 @@ TEST(Access, SilentStrangersKeepNobodyOut) {
   EXPECT_GE(counters.crowded_out, 100u - 16u / 2);
 }
 
-/// A client with a token keeps its place whatever strangers do. A new known client takes the place
-/// of the one that was idle longest.
+/// A client with a token must keep its slot in spite of strangers. A new known client must replace
+/// the client with the longest idle time.
 TEST(Access, PlacesOfTheKnownAreTheirs) {
   Endpoint endpoint(patient(4), control::SceneList{});
   ControlClient first(endpoint.port(), AF_INET, test::admin_token().text, "127.0.1.1");
@@ -277,7 +280,7 @@ TEST(Access, PlacesOfTheKnownAreTheirs) {
   third.ask<control::SceneList>(control::ListScenes{});
 }
 
-/// Each needs much memory: a stranger for its handshake, a known client for its frame.
+/// Both clients need much memory: a stranger for its handshake, and a known client for its frame.
 TEST(Access, StrangersAndEachClientHaveLimitsOfTheirOwn) {
   ControlOptions options = patient(64);
   options.max_strangers = 2;
@@ -305,7 +308,7 @@ TEST(Access, HandshakesOfANetworkAreLimited) {
   ControlOptions options = patient(512);
   options.handshake_rate = 1e-3;
   options.handshake_burst = 3;
-  options.handshake_patience = 10ms;  // further ones wait in vain
+  options.handshake_patience = 10ms;  // Further handshakes must time out.
   Endpoint endpoint(options, control::SceneList{});
   for (const char* from : {"127.0.1.1", "127.0.1.2", "127.0.1.3"})
     EXPECT_TRUE(served(endpoint.port(), from));
@@ -319,8 +322,8 @@ TEST(Access, HandshakesOfANetworkAreLimited) {
   EXPECT_EQ(counters.too_often, 20u);
 }
 
-/// The review's attack on a whole endpoint: two neighbours connect without end and send nothing.
-/// All others of the /24 must get in.
+/// An attack from the security review, on a complete endpoint: two neighbours connect repeatedly
+/// and send nothing. All other hosts of the /24 must get in.
 TEST(Access, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
   ControlOptions options = patient(512);
   options.handshake_rate = 50.0;
@@ -332,7 +335,7 @@ TEST(Access, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
     while (!over) try {
         held.push_back(std::make_unique<RawSocket>(SOCK_STREAM, endpoint.port(), AF_INET, from));
         if (held.size() > 64) held.pop_front();
-      } catch (const std::runtime_error&) {  // no free port for a moment
+      } catch (const std::runtime_error&) {  // The system has no free port at the moment.
         held.clear();
       }
   };

@@ -1,4 +1,4 @@
-// The turns of hosts while a network connects without end, with a simulated clock.
+// Tests the turns of hosts while a network connects repeatedly. The clock is simulated.
 
 #include "server/access/connection_turns.hpp"
 
@@ -22,7 +22,8 @@ using Outcome = ConnectionTurns::Outcome;
 
 asio::ip::address at(const std::string& text) { return asio::ip::make_address(text); }
 
-/// An endpoint with a simulated clock. It judges an admitted connection after `kHandshake`.
+/// An endpoint with a simulated clock. The endpoint judges an admitted connection after
+/// `kHandshake`.
 class Door {
  public:
   explicit Door(const TurnLimits& limits = {}) : turns_(limits) {}
@@ -79,8 +80,8 @@ class Door {
   std::deque<std::pair<Nanoseconds, ConnectionTurns::Id>> handshakes_;
 };
 
-/// Honest clients, each with its own address. They arrive one after another and try again a second
-/// after a rejection.
+/// Honest clients with separate addresses. The clients arrive in turn. After a rejection they try
+/// again a second later.
 struct Crowd {
   struct Client {
     asio::ip::address address;
@@ -123,7 +124,7 @@ Crowd crowd(const std::function<std::string(int)>& address, Nanoseconds begin,
   return result;
 }
 
-/// Runs the attack for 10 s before the honest clients come, and until they are in. All its
+/// Runs the attack for 10 s before the honest clients arrive, and until all are in. The attacker's
 /// addresses together make `rate` connections a second.
 void hold_out(const std::function<std::string(int)>& attacker, int addresses, int rate,
               Outcome becomes, Crowd& honest, Door& door) {
@@ -145,14 +146,15 @@ std::string six(int network) {
   return text.data();
 }
 
-/// The review's attack: it had kept out 29 of 50 clients of the /24.
+/// An attack from the security review. In an earlier version 29 of 50 clients of the /24 did not
+/// get in.
 TEST(ConnectionTurns, ANeighbourWhoConnectsWithoutEndKeepsNobodyOut) {
   for (const int addresses : {1, 2, 8, 50, 200})
     for (const int rate : {100, 400, 2000})
       for (const Outcome becomes : {Outcome::none, Outcome::left}) {
         SCOPED_TRACE(std::to_string(addresses) + " addresses, " + std::to_string(rate) + "/s");
         Door door;
-        // They arrive one after another, or all at once as after an outage.
+        // The clients arrive in turn, or all at once as after an outage.
         Crowd honest = crowd([](int i) { return four(200 + i); }, 11s, rate == 400 ? 0ms : 20ms);
         hold_out([](int i) { return four(i); }, addresses, rate, becomes, honest, door);
         ASSERT_TRUE(honest.all_in());
@@ -174,7 +176,7 @@ TEST(ConnectionTurns, NorDoesOneWithManyNetworksOfIpv6) {
     }
 }
 
-/// Each connection comes from a new /64. Honest clients differ only because they come again.
+/// Each attacking connection comes from a new /64. Honest clients differ only by their retries.
 TEST(ConnectionTurns, WhoComesAgainGoesBeforeWhoIsNew) {
   Door door;
   Crowd honest = crowd([](int i) { return six(0xf000 + i); }, 11s, 20ms);
@@ -183,7 +185,7 @@ TEST(ConnectionTurns, WhoComesAgainGoesBeforeWhoIsNew) {
   EXPECT_LE(honest.most_tries(), 6);
 }
 
-/// A hand that lost its session gets back in at once, although its network is crowded.
+/// A hand that lost its session must get in at once, even in a crowded network.
 TEST(ConnectionTurns, WhoShowedAGoodTokenLatelyGoesFirst) {
   Door door;
   const ConnectionTurns::Id first = door.connect(at("192.0.2.7"), Outcome::good);
@@ -195,11 +197,11 @@ TEST(ConnectionTurns, WhoShowedAGoodTokenLatelyGoesFirst) {
   }
   const ConnectionTurns::Id again = door.connect(at("192.0.2.7"), Outcome::good);
   for (int n = 0; n < 21 && !door.is_in(again); ++n)
-    door.pass(1ms);  // the next token, at 50 a second
+    door.pass(1ms);  // At 50 a second, the next token is available.
   EXPECT_TRUE(door.is_in(again));
 }
 
-/// A single address can use its network's whole rate, but no more.
+/// A single address may use the complete rate of its network, but no more.
 TEST(ConnectionTurns, LosesNothingWhereNobodyElseComes) {
   Door door;
   for (int n = 0; n < 10'000; ++n) {
@@ -222,7 +224,7 @@ TEST(ConnectionTurns, ClosesWhoWaitedForTooLong) {
   EXPECT_EQ(door.turns().waiting(), 0u);
 }
 
-/// A crowded network leaves room for others in the waiting room.
+/// A crowded network must leave room for others in the waiting list.
 TEST(ConnectionTurns, TheWaitingRoomIsShared) {
   Door door(
       {.rate = 1e-3, .burst = 1, .waiting = 20, .waiting_of_network = 16, .waiting_of_host = 2});
@@ -231,7 +233,7 @@ TEST(ConnectionTurns, TheWaitingRoomIsShared) {
       door.connect(at("10.0." + std::to_string(net) + "." + std::to_string(n % 250)),
                    Outcome::none);
   EXPECT_EQ(door.turns().waiting(), 20u);
-  door.connect(at("192.0.2.1"), Outcome::none);  // gets in
+  door.connect(at("192.0.2.1"), Outcome::none);  // This connection gets in.
   const ConnectionTurns::Id waits = door.connect(at("192.0.2.2"), Outcome::none);
   for (int n = 0; n < 500; ++n)
     for (int net = 0; net < 4; ++net)
@@ -241,7 +243,7 @@ TEST(ConnectionTurns, TheWaitingRoomIsShared) {
   EXPECT_EQ(door.turns().waiting(), 20u);
 }
 
-/// The memory is limited for any number of addresses.
+/// The memory must be limited for any number of addresses.
 TEST(ConnectionTurns, RemembersWithinBounds) {
   ConnectionTurns turns({});
   Nanoseconds now{1s};

@@ -1,4 +1,4 @@
-// JSON output of the server: summary and tokens.
+// Tests the server's JSON output: summary and tokens.
 
 #include "server/access/json_text.hpp"
 
@@ -37,7 +37,7 @@ TEST(JsonText, WhatIsNoUtf8IsReplaced) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// Building a tree with nlohmann::json would end the program.
+/// With a tree of nlohmann::json, a failed allocation would end the program.
 TEST(JsonText, EveryAllocationRefusedEndsInAnException) {
   SceneSummary scene;
   scene.scene = "room";
@@ -50,7 +50,7 @@ TEST(JsonText, EveryAllocationRefusedEndsInAnException) {
         summary_json({scene, scene}, {});
         json(tokens);
       } catch (const std::bad_alloc&) {
-        // An exception is the expected result.
+        // The test expects this exception.
       }
     }).join();
     happened = failing.happened();

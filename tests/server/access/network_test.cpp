@@ -1,4 +1,4 @@
-// A whole server on the network: IPv4 and IPv6, DSCP marks, and clients that do not read.
+// Tests a complete server on the network: IPv4 and IPv6, DSCP marks, and clients that do not read.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ std::vector<Scene> room() {
   return scenes;
 }
 
-/// Null if this machine has no IPv6.
+/// Returns null if this machine has no IPv6.
 std::unique_ptr<Server> serve_six(const char* address) {
   try {
     return std::make_unique<Server>(listening(address), room(), test::security());
@@ -75,7 +75,7 @@ TEST(Network, EveryNetworkIsBothFamilies) {
   EXPECT_EQ(six.command.elastic, four.command.elastic);
 }
 
-/// The DSCP mark of the next datagram; -1: none.
+/// Returns the DSCP mark of the next datagram, or -1.
 int mark_of_next(int descriptor, int family) {
   std::array<std::uint8_t, kMaxDatagram> bytes;
   alignas(cmsghdr) std::array<char, 64> control;
@@ -133,7 +133,8 @@ TEST(Network, RepliesAreMarkedInBothFamilies) {
   }
 }
 
-/// Its unread replies get lost in its own socket. Its neighbour gets all replies.
+/// The replies to a client that never reads are lost in the client's own socket. Another client
+/// must get all replies.
 TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   ServerConfig config = listening("127.0.0.1");
   config.sample_rate_limit = 1e3;  // no rate limit in this test
@@ -160,15 +161,15 @@ TEST(Network, AClientThatNeverReadsHarmsNobodyElse) {
   EXPECT_EQ(server.summary()[0].counters.samples.replies, sent + 500);
 }
 
-/// Joins and sends samples to another address of the server than its control connection uses. It
-/// must also get the end of its session there. Returns the failure; empty: none.
+/// Joins, and sends samples to a different server address than the control connection's. The
+/// goodbye must also arrive there. Returns the failure, or an empty text.
 std::string speak_to(const Server& server, int family, const char* from, const char* to,
                      Role role = Role::operator_) {
   ControlClient control(server.control_port(), family);
   control::JoinRequest request = test::join_request();
   request.role = role;
   const auto joined = control.join(request);
-  // Connected, so it accepts replies from that address only.
+  // The socket is connected and accepts replies from this address only.
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port, family, from, to);
   test::SealedEncoder encoder(test::Way::up, joined.keys);
   for (std::uint64_t n = 1; n <= 5; ++n) {
@@ -191,7 +192,7 @@ std::string speak_to(const Server& server, int family, const char* from, const c
   return reason == GoodbyeReason::evicted ? "" : "another goodbye";
 }
 
-/// A server on all addresses of its machine; the client uses any of them.
+/// A server listens on all addresses of its machine. The client may use any of them.
 TEST(Network, AnswersLeaveFromTheAddressThatTheClientSpokeTo) {
   const Server server(listening("0.0.0.0"), room(), test::security());
   for (const Role role : {Role::operator_, Role::observer})
@@ -209,7 +210,8 @@ TEST(Network, AnswersOfBothFamiliesLeaveFromTheAddressThatTheClientSpokeTo) {
 
 constexpr int kNotPermitted = 77;
 
-/// Enters a network namespace with a loopback interface of this MTU. Needs a single thread.
+/// Enters a network namespace with a loopback interface of this MTU. The process must have a single
+/// thread.
 bool enter_own_network(int mtu) {
   if (::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
   const int any = ::socket(AF_INET, SOCK_DGRAM, 0);
@@ -238,7 +240,7 @@ int in_child(int (*run)()) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// A network namespace with two IPv6 addresses.
+/// Uses a network namespace with two IPv6 addresses.
 int speak_to_a_second_six() {
   constexpr int kUsual = 65536;
   if (!enter_own_network(kUsual)) return kNotPermitted;
@@ -271,7 +273,7 @@ std::vector<Scene> desk() {
   return scenes;
 }
 
-/// A hand turns and moves a box over a desk; a reply's model has up to 15 parts.
+/// A hand rotates and moves a box over a desk. The model in a reply has up to 15 parts.
 int feel_through_a_narrow_path() {
   if (!enter_own_network(576)) return kNotPermitted;
   Server server(listening("0.0.0.0"), desk(), test::security());
@@ -296,7 +298,7 @@ int feel_through_a_narrow_path() {
         Quaternion(Eigen::AngleAxisd(0.3 * std::sin(5.0 * t), Vec3::UnitY()))};
     datagrams.send(encoder.samples(joined.accepted.session, n, batch));
     pollfd waiting{datagrams.descriptor(), POLLIN, 0};
-    constexpr int kSoon = 200;  // [ms], then the reply is lost
+    constexpr int kSoon = 200;  // [ms] After this time the reply counts as lost.
     if (::poll(&waiting, 1, kSoon) != 1) continue;
     const auto payload = test::opened(datagrams.receive(), test::Way::down, joined.keys);
     Reply reply;
@@ -304,11 +306,11 @@ int feel_through_a_narrow_path() {
     ++replies;
     shortened += is_shortened(payload) ? 1 : 0;
   }
-  if (replies + 2 < kSamples) return 2;  // one is lost until the path MTU is known
+  if (replies + 2 < kSamples) return 2;  // A reply is lost until the server finds the path MTU.
   return shortened == 0 ? 3 : 0;
 }
 
-/// Before the fix, 41 % of such replies were lost silently.
+/// In an earlier version, 41 % of such replies were lost.
 TEST(Network, WhereThePathIsNarrowRepliesAreShorterAndArrive) {
   const int status = in_child(feel_through_a_narrow_path);
   if (status == kNotPermitted) GTEST_SKIP() << "this machine permits no network of one's own";

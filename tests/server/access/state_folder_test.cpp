@@ -1,4 +1,4 @@
-// The state folder: an interrupted first start, and the permission to write there.
+// Tests the state folder: an interrupted first start, and the permission to write.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -21,10 +21,10 @@ namespace feltwire::state_folder_test {
 namespace {
 
 constexpr int kStopped = 42;
-/// Calls until this process stops; negative: it does not stop.
+/// Remaining calls until this process stops. A negative number means no stop.
 int calls_left = -1;
 
-/// Stops as if the power failed, before or after a call that changes the folder.
+/// Stops the process like a power failure, before or after a call that changes the folder.
 void step() {
   if (calls_left >= 0 && calls_left-- == 0) ::_exit(kStopped);
 }
@@ -32,7 +32,7 @@ void step() {
 }  // namespace
 }  // namespace feltwire::state_folder_test
 
-// Replaces the C library's functions. Each counts a step before and a step after.
+// Replaces functions of the C library. Each counts a step before and a step after the call.
 extern "C" int rename(const char* from, const char* to) noexcept {
   feltwire::state_folder_test::step();
   const long result = ::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0);
@@ -80,7 +80,7 @@ mode_t mode_of(const fs::path& file) {
   return status.st_mode & 0777u;
 }
 
-/// Opens the folder in a child process that stops after these steps; returns its exit status.
+/// Opens the folder in a child process that stops after these steps. Returns the exit status.
 int open_and_stop(const ServerConfig& config, int steps) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -124,7 +124,8 @@ TEST(StateFolder, MendsWhereverAFirstStartWasStopped) {
     ASSERT_EQ(status, kStopped);
     ++stopped;
   }
-  // Five files, each created, chmodded, flushed and renamed, and two folders.
+  // Each of five files is created, chmodded, flushed and renamed. The start also creates two
+  // folders.
   EXPECT_GE(stopped, 2 * 2 + 5 * 4);
 }
 
@@ -140,7 +141,7 @@ TEST(StateFolder, MendsAfterTwoStops) {
     }
 }
 
-/// A later interrupted start keeps the certificate that clients know.
+/// A later interrupted start must keep the certificate that clients trust.
 TEST(StateFolder, KeepsItsCertificateWhateverIsStopped) {
   const TemporaryFolder folder;
   const ServerConfig config = config_for(folder / "state");
@@ -152,7 +153,8 @@ TEST(StateFolder, KeepsItsCertificateWhateverIsStopped) {
   EXPECT_EQ(text_of(config.state / "local.token"), local);
 }
 
-/// Half of the key pair is missing, but clients know its fingerprint: a person must decide.
+/// Half of the key pair is missing, but clients trust the fingerprint of this pair. The error must
+/// leave the decision to a person.
 TEST(StateFolder, SaysWhatToRemove) {
   for (const auto& [gone, there] :
        {std::pair{"key.pem", "certificate.pem"}, std::pair{"certificate.pem", "key.pem"}}) {
@@ -199,7 +201,7 @@ TEST(StateFolder, TokensAreNobodyElsesToReadOrWrite) {
     const auto said = running.refresh();
     ASSERT_TRUE(said.has_value());
     EXPECT_THAT(*said, refused);
-    EXPECT_EQ(running.tokens().size(), 1u);  // unchanged
+    EXPECT_EQ(running.tokens().size(), 1u);  // The tokens must not change.
     ASSERT_EQ(::chmod(tokens.c_str(), 0600), 0);
     EXPECT_EQ(running.refresh(), std::nullopt);
   }
@@ -245,7 +247,7 @@ TEST(TokenCommand, AnOutThatCanBeWrittenHasTheTokenThatWasAdded) {
   EXPECT_EQ(anna->client, "anna");
 }
 
-/// If the token file cannot be changed, no text of the new token remains.
+/// If the token file cannot change, no text of the new token may remain.
 TEST(TokenCommand, ATokenThatCannotBeStoredLeavesNoOut) {
   const TemporaryFolder folder;
   const ServerConfig config = config_for(folder / "state");
@@ -253,10 +255,10 @@ TEST(TokenCommand, ATokenThatCannotBeStoredLeavesNoOut) {
   std::ofstream(config.state / "tokens.json") << "broken";
   const std::string out = folder / "anna.token";
   EXPECT_EQ(test::Program(FELTWIRE_SERVER_PROGRAM, add_to(config.state, out)).finish().status, 1);
-  EXPECT_EQ(folder.entries(), 1u);  // the state folder
+  EXPECT_EQ(folder.entries(), 1u);  // only the state folder
 }
 
-/// The token is for a scene that the server does not have.
+/// The server does not have the token's scene.
 TEST(TokenCommand, AnUnknownSceneIsWarnedOfWithTheNearestName) {
   const TemporaryFolder folder;
   const std::string config = folder / "server.json";
@@ -275,7 +277,7 @@ TEST(TokenCommand, AnUnknownSceneIsWarnedOfWithTheNearestName) {
               AllOf(HasSubstr("feltwire-server token: warning: this server has no scene 'rom'"),
                     HasSubstr("did you mean room?"), HasSubstr("room, table")));
   for (const char* known : {"room", "table", "*"}) EXPECT_EQ(add(known, {"--config", config}), "");
-  // Without a configuration the scenes of the newest start count. Before a start there are none.
+  // Without a configuration, the scenes of the last start count. Before a start the list is empty.
   const std::string state = folder / "state";
   EXPECT_EQ(add("rom", {"--state", state}), "");
   std::ofstream(state + "/scenes.txt") << "room\ntable\n";

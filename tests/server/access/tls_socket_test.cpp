@@ -1,5 +1,5 @@
-// The server's side of TLS: its memory for a silent client, its checks of the first message, and
-// complete delivery.
+// Tests the server's side of TLS: its memory for a silent client, its checks of the first message,
+// and complete delivery.
 
 #include "server/access/tls_socket.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 using asio::ip::tcp;
 using Bytes = std::vector<std::uint8_t>;
 
-/// The first message of an OpenSSL client, in a single record.
+/// Returns the first message of an OpenSSL client in a single record.
 Bytes hello() {
   const test::TlsContext context = test::client_context();
   const std::unique_ptr<SSL, decltype(&SSL_free)> client(SSL_new(context.get()), &SSL_free);
@@ -35,7 +35,7 @@ Bytes hello() {
   return bytes;
 }
 
-/// These bytes as a record of the handshake.
+/// Returns these bytes as a record of the handshake.
 Bytes record(std::span<const std::uint8_t> part) {
   Bytes bytes = {22, 3, 1, static_cast<std::uint8_t>(part.size() >> 8U),
                  static_cast<std::uint8_t>(part.size())};
@@ -43,7 +43,7 @@ Bytes record(std::span<const std::uint8_t> part) {
   return bytes;
 }
 
-/// The message of a record, split into records of this size.
+/// Splits the message of a record into records of this size.
 Bytes in_records(std::span<const std::uint8_t> one, std::size_t size) {
   Bytes all;
   for (std::span<const std::uint8_t> rest = one.subspan(5); !rest.empty();) {
@@ -55,7 +55,7 @@ Bytes in_records(std::span<const std::uint8_t> one, std::size_t size) {
   return all;
 }
 
-/// The head of a ClientHello of `message` bytes, in a record of `in_record` bytes.
+/// Returns the head of a ClientHello of `message` bytes, in a record of `in_record` bytes.
 Bytes announced(std::size_t message, std::size_t in_record) {
   const auto byte = [](std::size_t value) { return static_cast<std::uint8_t>(value); };
   return {22,
@@ -84,7 +84,7 @@ class TlsSocketTest : public ::testing::Test {
     io_.poll();
     io_.restart();
   }
-  /// True once the socket has made its TLS engine.
+  /// Returns true after the socket has made its TLS engine.
   bool has_engine() const { return server_->native_handle() != nullptr; }
 
   static tcp::socket accepted(asio::io_context& io, std::optional<test::RawSocket>& client) {
@@ -100,10 +100,10 @@ class TlsSocketTest : public ::testing::Test {
   std::optional<test::RawSocket> client_;
   std::unique_ptr<TlsSocket> server_ =
       std::make_unique<TlsSocket>(accepted(io_, client_), *context_);
-  std::optional<std::error_code> shaken_;  // empty: not finished
+  std::optional<std::error_code> shaken_;  // empty until the handshake ends
 };
 
-/// The first message comes byte by byte.
+/// The first message arrives byte by byte.
 TEST_F(TlsSocketTest, HasNoEngineBeforeTheFirstMessageIsWhole) {
   const Bytes all = hello();
   ASSERT_GT(all.size(), 100u);
@@ -136,7 +136,7 @@ TEST_F(TlsSocketTest, TakesAFirstMessageInManyRecords) {
   EXPECT_EQ(client_->receive(5).at(0), 22);
 }
 
-/// OpenSSL would allocate 128 KiB at once for the first of these.
+/// OpenSSL would allocate 128 KiB at once for a message of 131392 bytes.
 TEST_F(TlsSocketTest, RefusesAFirstMessageThatIsTooLong) {
   constexpr std::size_t kMost = TlsSocket::kMostHello;
   EXPECT_EQ(first_message(announced(131'392, 16'384)), FirstMessage::none);
@@ -153,9 +153,9 @@ TEST_F(TlsSocketTest, RefusesAFirstMessageThatIsTooLong) {
   EXPECT_FALSE(has_engine());
 }
 
-/// Record headers count, too.
+/// Record headers must count too.
 TEST_F(TlsSocketTest, RefusesAFirstMessageThatNeverEnds) {
-  Bytes bytes = in_records(record(Bytes{1, 0, 31, 0}), 1);  // 7936 bytes still to come
+  Bytes bytes = in_records(record(Bytes{1, 0, 31, 0}), 1);  // 7936 bytes are missing.
   const Bytes more = record(Bytes{0});
   while (bytes.size() < 2 * TlsSocket::kMostHello)
     bytes.insert(bytes.end(), more.begin(), more.end());
@@ -189,7 +189,7 @@ TEST_F(TlsSocketTest, SaysThatTheClientHasGone) {
   EXPECT_EQ(*shaken_, asio::error::eof);
 }
 
-/// Long answers to a client that reads late and sends as much.
+/// The server sends long answers. The client reads late and sends as much.
 TEST_F(TlsSocketTest, LosesNothing) {
   constexpr std::size_t kSize = 3'000'000;
   Bytes from_client(kSize), from_server(kSize);
@@ -243,7 +243,8 @@ TEST_F(TlsSocketTest, LosesNothing) {
   EXPECT_TRUE(ended);
 }
 
-/// A close during a waiting write drops the data. No later socket with that number gets them.
+/// A close during a waiting write must drop the data. No later socket with this number may get this
+/// data.
 TEST_F(TlsSocketTest, EndsWhatIsUnderWayWhenItIsClosed) {
   std::thread client([&] {
     const test::TlsContext context = test::client_context();

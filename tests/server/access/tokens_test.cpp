@@ -1,4 +1,4 @@
-// Tokens: their texts, their files, and concurrent writers.
+// Tests tokens: their texts, their files, and concurrent writers.
 
 #include "server/access/tokens.hpp"
 
@@ -40,7 +40,7 @@ TEST(Tokens, OneIsKnownByItsTextAlone) {
   EXPECT_EQ(authenticate(tokens, berta.text.text(), kNow), &tokens[1]);
   EXPECT_EQ(authenticate({berta.token}, text, kNow), nullptr);
   EXPECT_EQ(authenticate({}, text, kNow), nullptr);
-  // The stored text is not the token text.
+  // The stored text must differ from the token text.
   EXPECT_THAT(json(tokens), ::testing::Not(HasSubstr(text.substr(text.size() - 43))));
 }
 
@@ -51,7 +51,7 @@ TEST(Tokens, NoOtherTextIsOne) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string spoiled = text;
     spoiled[i] = spoiled[i] == 'x' ? 'y' : 'x';
-    // The last of 43 digits holds four bits of the secret and two zero bits.
+    // The last of 43 digits contains four bits of the secret and two zero bits.
     EXPECT_EQ(authenticate(tokens, spoiled, kNow), nullptr) << i;
     EXPECT_EQ(authenticate(tokens, text.substr(0, i), kNow), nullptr) << i;
   }
@@ -161,7 +161,8 @@ TEST(Tokens, BadFilesNameLineAndField) {
         << text;
 }
 
-/// Two writers at once, many times: no change is lost, and a reader sees only whole files.
+/// Two writers work at once, many times. No change may be lost, and a reader must see only complete
+/// files.
 TEST(TokenFile, WritersLoseNothing) {
   const TemporaryFolder folder;
   const auto path = folder / "tokens.json";
@@ -180,7 +181,7 @@ TEST(TokenFile, WritersLoseNothing) {
   struct stat status {};
   ASSERT_EQ(::stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777u, kPrivate);
-  EXPECT_EQ(folder.entries(), 2u);  // the file and its lock, and no temporary file
+  EXPECT_EQ(folder.entries(), 2u);  // The folder has the file and its lock, but no temporary file.
 }
 
 TEST(TokenFile, ABadOneChangesNothing) {
@@ -194,7 +195,7 @@ TEST(TokenFile, ABadOneChangesNothing) {
   const auto wrong = file.refresh();
   ASSERT_TRUE(wrong.has_value());
   EXPECT_THAT(*wrong, AllOf(HasSubstr("tokens.json:2"), HasSubstr("tokens")));
-  EXPECT_EQ(file.refresh(), std::nullopt);  // reported once
+  EXPECT_EQ(file.refresh(), std::nullopt);  // The error must be reported once.
   EXPECT_EQ(file.tokens().size(), 1u);
   std::filesystem::remove(path);
   EXPECT_TRUE(file.refresh().has_value());
@@ -202,13 +203,14 @@ TEST(TokenFile, ABadOneChangesNothing) {
   replace_file(path, json({}), kPrivate);
   EXPECT_EQ(file.refresh(), std::nullopt);
   EXPECT_TRUE(file.tokens().empty());
-  // A change that throws writes nothing.
+  // A change that throws must write nothing.
   EXPECT_THROW(change_tokens(path, [](Tokens&) { throw std::invalid_argument("no"); }),
                std::invalid_argument);
   EXPECT_EQ(text_of(path), json({}));
 }
 
-/// A token is revoked while no descriptor is free. It becomes invalid once one is free.
+/// A token is revoked while no descriptor is free. It must become invalid when a descriptor is
+/// free.
 TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
 #ifdef FELTWIRE_SANITIZED
   GTEST_SKIP() << "the sanitizer itself needs descriptors to look at an object's type";
@@ -226,7 +228,7 @@ TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   ASSERT_TRUE(first.has_value());
   EXPECT_THAT(*first, HasSubstr("Too many open files"));
-  EXPECT_EQ(second, std::nullopt);  // reported once
+  EXPECT_EQ(second, std::nullopt);  // The error must be reported once.
   EXPECT_EQ(file.tokens().size(), 1u);
   EXPECT_EQ(file.refresh(), std::nullopt);
   EXPECT_TRUE(file.tokens().empty());
@@ -262,7 +264,8 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
   config.tokens = folder / "t.json";
   replace_file(config.certificate, identity.certificate, kPublic);
   replace_file(config.key, identity.key.text(), kPrivate);
-  EXPECT_THROW(open_security(config), FileError);  // the server never creates a named token file
+  // The server must never create a token file that the user named.
+  EXPECT_THROW(open_security(config), FileError);
   replace_file(config.tokens, json({}), kPrivate);
   const Security security = open_security(config);
   EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));

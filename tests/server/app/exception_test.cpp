@@ -1,4 +1,4 @@
-// An exception in a server handler ends at most its connection or its scene.
+// An exception in a server handler must end at most its connection or its scene.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,9 +28,9 @@ using test::ControlClient;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-/// Throws for a list of sessions. Gives a list of scenes, or later a leave request, an answer too
-/// long for a frame. Answers an eviction. Keeps the answer of a reload; drops that of
-/// SetParameters.
+/// An endpoint with special answers. A list of sessions throws. A list of scenes, or a later leave
+/// request, gets an answer that is too long for a frame. The endpoint stores the answer to a
+/// reload, drops the answer to SetParameters, and answers other requests as evictions.
 class Endpoint {
  public:
   Endpoint()
@@ -100,7 +100,7 @@ TEST(Exceptions, OfAControlHandlerEndItsConnectionOnly) {
   EXPECT_EQ(later.ask<control::Evicted>(control::Evict{7}).session, 7u);
 }
 
-/// The client of the lost answer must not wait for ever.
+/// The client of the lost answer must not wait forever.
 TEST(Exceptions, AConnectionWhoseAnswerIsLostEndsAndNoOther) {
   Endpoint endpoint;
   ControlClient idle(endpoint.port()), waiting(endpoint.port()), lost(endpoint.port());
@@ -118,7 +118,7 @@ TEST(Exceptions, AConnectionWhoseAnswerIsLostEndsAndNoOther) {
   EXPECT_EQ(::poll(&open, 1, 0), 0);
 }
 
-/// The refusal lists 700 names, which do not fit into a frame.
+/// The refusal lists 700 names and is too long for a frame.
 TEST(Exceptions, ARefusalLongerThanAFrameIsCutAndTheServerGoesOn) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "room.json";
@@ -148,7 +148,7 @@ TEST(Exceptions, ARefusalLongerThanAFrameIsCutAndTheServerGoesOn) {
   EXPECT_EQ(other.join(test::join_request()).accepted.port_offset, 1u);
 }
 
-/// Asks a host as the control thread does and waits for the answer.
+/// Sends requests to a host as the control thread does, and waits for the answer.
 class Asker {
  public:
   ~Asker() {
@@ -185,7 +185,7 @@ TEST(Exceptions, OfASceneEndItsSessionsAndNothingElse) {
   options.ended = [&](const std::vector<EndedSession>&) {
     if (throwing-- > 0) throw std::runtime_error("injected");
   };
-  Asker asker;  // outlives the threads that answer through it
+  Asker asker;  // The asker outlives the threads that answer through it.
   SceneHost failing(test::room(), options), other(test::room(), host_options());
   failing.start();
   other.start();
@@ -195,7 +195,7 @@ TEST(Exceptions, OfASceneEndItsSessionsAndNothingElse) {
   EXPECT_TRUE(joins(failing, kFirst));
   EXPECT_TRUE(joins(failing, kSecond));
   EXPECT_TRUE(joins(other, kFirst));
-  // The second session gets an address for its goodbye.
+  // The server needs an address for the goodbye of the second session.
   test::RawSocket socket(SOCK_DGRAM, failing.port());
   test::SealedEncoder encoder(test::Way::up);
   socket.send(encoder.samples(kSecond, 1, test::hand_batch(1)));
@@ -242,22 +242,23 @@ TEST(Exceptions, OfASignalHandlerEndNothing) {
 }
 
 #ifndef FELTWIRE_SANITIZED
-/// Each allocation of the server's threads fails once, in turn, while a client joins, sends a
+/// Each allocation of the server's threads fails once, in turn. Meanwhile a client joins, sends a
 /// sample, changes parameters, is listed and evicted, and the scene is reloaded. All connections
-/// stay open, so each needs its own memory. tests/core/scene_file/load_scene_fault_test.cpp covers
-/// scene files.
+/// stay open, so each connection needs its own memory.
+/// tests/core/scene_file/load_scene_fault_test.cpp covers scene files.
 TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
   ServerConfig config = test::any_port();
   config.scenes = {"room.json"};
   config.join_burst = config.join_rate = 1e9;
-  config.max_sessions_per_client = config.max_sessions_per_scene = 1000;  // lost ones stay a while
+  // Lost sessions stay for some time.
+  config.max_sessions_per_client = config.max_sessions_per_scene = 1000;
   config.max_connections = config.max_connections_per_network = 2000;
   config.handshake_burst = config.handshake_rate = 1e9;
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
   Server server(config, std::move(scenes), test::security(),
                 [](const std::filesystem::path&) { return test::room(); });
-  // A session that ends before the scene knows its address gets no datagram.
+  // A session that ends before its first sample gets no datagram.
   const auto hears = [](test::RawSocket& socket) {
     pollfd waiting{socket.descriptor(), POLLIN, 0};
     return ::poll(&waiting, 1, test::kPatience / 10) == 1 && !socket.receive().empty();
@@ -288,7 +289,7 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
         all_of_it();
         ++survived;
       } catch (const std::runtime_error&) {
-        // The allocation may have cost the connection or the session.
+        // The failed allocation may have ended the connection or the session.
       }
       happened = failing.happened();
     }

@@ -1,5 +1,5 @@
-// Honest clients during a flood of garbage. The test only counts; feltwire-netbench measures the
-// speed (docs/lab/benchmarks.md).
+// Tests honest clients during a flood of invalid datagrams. The test only counts. feltwire-netbench
+// measures the speed (docs/lab/benchmarks.md).
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 using test::ControlClient;
 using test::RawSocket;
 
-/// Sends until its destruction.
+/// Sends until the destructor runs.
 class Flood {
  public:
   Flood(std::uint16_t port, const std::vector<std::uint64_t>& known) : socket_(SOCK_DGRAM, port) {
@@ -35,7 +35,7 @@ class Flood {
     ended_.store(true, std::memory_order_relaxed);
     if (thread_.joinable()) thread_.join();
   }
-  /// True if the flood ever got an answer.
+  /// Returns true if the flood ever got an answer.
   bool answered() const {
     std::uint8_t byte = 0;
     return ::recv(socket_.descriptor(), &byte, 1, MSG_DONTWAIT) >= 0;
@@ -48,7 +48,7 @@ class Flood {
   std::thread thread_;
 };
 
-/// An honest hand. The flood may crowd its datagrams out of the server's socket.
+/// An honest hand. The flood may displace the hand's datagrams in the server's socket.
 struct Honest {
   std::uint64_t session;
   RawSocket socket;
@@ -84,7 +84,8 @@ struct Honest {
 
 TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
   constexpr int kClients = 20, kAnswers = 50;
-  constexpr std::uint64_t kMostSamples = 100'000;  // more means that the server stopped answering
+  // More samples mean that the server stopped answering.
+  constexpr std::uint64_t kMostSamples = 100'000;
   ServerConfig config = test::any_port();
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
@@ -112,7 +113,7 @@ TEST(Flood, HonestClientsAreAnsweredAndNobodyElse) {
     std::this_thread::yield();
   }
   flood.end();
-  // The sessions still exist, and the control port answers.
+  // The sessions must still exist, and the control port must answer.
   EXPECT_GE(control.ask<control::SceneList>(control::ListScenes{}).scenes[0].sessions,
             static_cast<std::uint32_t>(kClients));
   server.stop();

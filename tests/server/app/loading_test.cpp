@@ -1,4 +1,4 @@
-// The server's behaviour while scenes load slowly or never finish.
+// Tests the server while scenes load slowly or never finish.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::string json(const std::string& name, double stiffness = 500) {
 "objects": [{"name": "floor", "plane": {}, "material": "m"}]})";
 }
 
-/// Holds loads of a file until it is released.
+/// Blocks loads of a file until the test releases them.
 class Hold {
  public:
   explicit Hold(std::string file, bool looks_at_cancel = true)
@@ -71,7 +71,8 @@ class Hold {
   std::atomic<int> begun_{0}, ended_{0};
 };
 
-/// A server of two scenes: loads of "slow" are held, "quick" loads at once. Tokens are in a file.
+/// A server of two scenes. Loads of "slow" are blocked, and "quick" loads at once. The tokens are
+/// in a file.
 struct TwoScenes {
   explicit TwoScenes(bool looks_at_cancel = true) : hold(slow, looks_at_cancel) {
     std::ofstream(slow) << json("slow");
@@ -123,7 +124,8 @@ TEST(Loading, HoldsUpNeitherJoinsNorHealthNorRevocationNorOtherReloads) {
   EXPECT_EQ(again.code, RefusalCode::too_many);
   EXPECT_THAT(again.reason, HasSubstr("is being loaded already"));
 
-  ControlClient looker(port, AF_INET, two.looker.text);  // an admin with limited requests
+  // an admin with a limited number of requests
+  ControlClient looker(port, AF_INET, two.looker.text);
   std::size_t seen = 0;
   const auto sessions = [&] {
     looker.send(control::ListSessions{});
@@ -160,7 +162,7 @@ TEST(Loading, KeepsTheConnectionOfWhoeverAskedForIt) {
   ControlClient reloading(server.control_port());
   reloading.send(control::ReloadScene{"slow"});
   hold.wait_until_begun();
-  // Meanwhile idle connections are closed after the idle time.
+  // The server meanwhile closes idle connections after the idle time.
   for (int n = 0; n < 3; ++n) {
     ControlClient idle(server.control_port());
     EXPECT_TRUE(idle.closed());
@@ -168,7 +170,7 @@ TEST(Loading, KeepsTheConnectionOfWhoeverAskedForIt) {
   hold.let_go();
   const auto answer = reloading.receive();
   EXPECT_TRUE(answer && std::holds_alternative<control::SceneReloaded>(*answer));
-  EXPECT_TRUE(reloading.closed());  // idle now
+  EXPECT_TRUE(reloading.closed());  // The connection is now idle.
 }
 
 TEST(Loading, IsCancelledWhenTheServerStops) {
@@ -178,7 +180,7 @@ TEST(Loading, IsCancelledWhenTheServerStops) {
   EXPECT_TRUE(two.server->stop());
 }
 
-/// A read from a dead disk cannot be cancelled and may return after the server's end.
+/// A read from a dead disk cannot be cancelled. The read may return after the server's end.
 TEST(Loading, ThatNeverEndsIsLeftBehindWhenTheServerStops) {
   TwoScenes two(false);
   bool told = false;
@@ -191,7 +193,7 @@ TEST(Loading, ThatNeverEndsIsLeftBehindWhenTheServerStops) {
   EXPECT_FALSE(told);
 }
 
-/// A scene of 50 fine grids of a mesh, which takes minutes to load.
+/// Writes a scene of 50 fine grids of a mesh. Loading this scene takes minutes.
 void write_slow_scene(const testing::TemporaryFolder& folder, const std::string& file) {
   std::ofstream(folder / "cube.obj")
       << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"

@@ -1,4 +1,5 @@
-// The log and the counters of sessions: names, reasons and durations. Runs the whole program.
+// Tests the log and the counters of sessions: names, reasons and durations. Runs the complete
+// program.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +49,7 @@ bool becomes(const std::function<bool()>& condition) {
   return true;
 }
 
-/// The next goodbye that a socket receives; empty if no datagram comes.
+/// Returns the next goodbye at a socket, or nothing if no datagram arrives.
 std::optional<GoodbyeReason> goodbye(RawSocket& socket, const SessionKeys& keys) {
   for (;;) {
     const auto bytes = socket.receive();
@@ -60,7 +61,7 @@ std::optional<GoodbyeReason> goodbye(RawSocket& socket, const SessionKeys& keys)
   }
 }
 
-/// A flooding session ends soon, although the silence timeout is an hour.
+/// A flooding session must end soon, although the silence timeout is an hour.
 TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   ServerConfig config = test::any_port();
   config.silence_timeout = 3600.0;
@@ -70,7 +71,8 @@ TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   const auto joined = control.join(test::join_request());
   RawSocket datagrams(SOCK_DGRAM, joined.udp_port);
   test::SealedEncoder encoder(test::Way::up, joined.keys);
-  // Nine new samples a datagram; 2200 a second, after a burst of as many, count as a flood.
+  // Each datagram has nine new samples. After a burst of 2200 samples, 2200 samples a second count
+  // as a flood.
   constexpr std::uint64_t kEach = 9, kDatagrams = 5000;
   for (std::uint64_t n = 1; n <= kDatagrams; ++n) {
     datagrams.send(
@@ -89,7 +91,7 @@ TEST(SessionEnds, AFloodIsEndedWhateverTheSilenceTimeout) {
   EXPECT_EQ(counted["control"]["connections"], 1);
 }
 
-/// A client says goodbye three times, for some may be lost. The server counts no drop.
+/// A client sends three goodbyes, because some may be lost. The server must count no drop.
 TEST(SessionEnds, GoodbyesThatComeAgainAreNotDropped) {
   Server server(test::any_port(), room(), test::security());
   ControlClient control(server.control_port());
@@ -173,7 +175,7 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     const std::uint64_t second = client.join(request).accepted.session;
     admin.ask<control::Evicted>(control::Evict{second});
     client.join(request);
-    // The answer shows that earlier requests are in the log.
+    // After this answer, earlier requests are in the log.
     admin.ask<control::SceneList>(control::ListScenes{});
   }
   program.signal(SIGTERM);
@@ -199,7 +201,8 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
   logged(who + " left scene room after [0-9.]+ s: the server shut down");
 }
 
-/// Changes on the live page are logged as on the control port, with their origin.
+/// The server must log changes on the live page as on the control port. The log must name the
+/// source of each change.
 TEST(Log, SaysWhatAnAdminDidOnThePage) {
   const TemporaryFolder folder;
   const std::string scene = folder / "room.json", tokens = folder / "tokens.json";
@@ -246,12 +249,12 @@ TEST(Log, SaysWhatAnAdminDidOnThePage) {
   EXPECT_THAT(log, HasSubstr("scene room is reloaded " + by + "\n"));
 }
 
-/// The printed join line works in another terminal.
+/// The printed join line must work in another terminal.
 TEST(JoinLine, NamesAProgramThatIsThere) {
   const TemporaryFolder folder;
   const std::string scene = folder / "room.json";
   std::ofstream(scene) << kScene;
-  // An installation with the client beside the server, in a folder outside of PATH.
+  // The installation has the client beside the server, in a folder outside of PATH.
   const auto bin = folder / "my bin";
   std::filesystem::create_directory(bin);
   std::filesystem::copy_file(FELTWIRE_SERVER_PROGRAM, bin / "feltwire-server");
@@ -270,7 +273,7 @@ TEST(JoinLine, NamesAProgramThatIsThere) {
   const std::string line = join_line();
   EXPECT_THAT(
       line, HasSubstr("join: '" + (canonical(bin) / "feltwire-client").string() + "' --connect "));
-  // A shell can run the line.
+  // A shell must accept the line.
   EXPECT_EQ(std::system((line.substr(std::string("join: ").size()) + " >/dev/null").c_str()), 0);
 
   const std::string path = std::getenv("PATH");
@@ -282,7 +285,7 @@ TEST(JoinLine, NamesAProgramThatIsThere) {
 TEST(Suggestion, IsTheNearestWord) {
   EXPECT_EQ(edit_distance("", "abc"), 3u);
   EXPECT_EQ(edit_distance("abc", "abc"), 0u);
-  EXPECT_EQ(edit_distance("abcd", "acbd"), 1u);  // swapped
+  EXPECT_EQ(edit_distance("abcd", "acbd"), 1u);  // Two letters are swapped.
   EXPECT_EQ(edit_distance("--duraton", "--duration"), 1u);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
   const std::vector<std::string> words = {"--duration", "--device", "--rate"};

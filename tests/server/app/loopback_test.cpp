@@ -1,4 +1,4 @@
-// A whole server in this process, with real sockets on free ports.
+// Tests a complete server in this process, with real sockets on free ports.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using test::any_port;
 using test::ControlClient;
 using test::RawSocket;
 
-/// A client's UDP side.
+/// The UDP side of a client.
 struct DatagramClient {
   control::JoinAccepted joined;
   RawSocket socket;
@@ -84,7 +84,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_EQ(a.joined.start_normal, Vec3(0, 0, 1));
   EXPECT_EQ(a.joined.stiffness, 2000.0);
 
-  // Each session gets the answers of a session alone.
+  // Each session must get the answers of a session that is alone.
   const Scene scene = test::room();
   Session alone(test::join_request(), scene);
   for (std::uint64_t n = 1; n <= 300; ++n) {
@@ -119,7 +119,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   EXPECT_THAT(text(summary), ::testing::HasSubstr("scene room: sessions 2"));
 }
 
-/// A timer of the scene's thread steps moving bodies, whether the thread sleeps or polls.
+/// A timer of the scene's thread must step moving bodies, whether the thread sleeps or polls.
 TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
   for (const double busy_poll : {0.0, std::numeric_limits<double>::infinity()}) {
     ServerConfig config = any_port();
@@ -138,14 +138,14 @@ TEST(Loopback, WhatMovesIsSteppedWhileNoDatagramComes) {
     EXPECT_NEAR(client.exchange(batch).command.elastic.x(), -1.0, 1e-9);
     EXPECT_EQ(client.await_goodbye(), GoodbyeReason::evicted);
     server.stop();
-    // Some 200 steps; the datagram alone would make a single step.
+    // The server makes some 200 steps. The datagram alone would make a single step.
     EXPECT_GT(server.summary()[0].counters.world.steps, 20u);
     EXPECT_EQ(server.summary()[0].counters.world.resets, 0u);
     EXPECT_THAT(text(server.summary()), ::testing::HasSubstr("steps of what moves"));
   }
 }
 
-/// The number of threads of this process with SCHED_FIFO.
+/// Returns the number of threads of this process with SCHED_FIFO.
 std::size_t real_time_threads() {
   std::size_t count = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
@@ -166,16 +166,17 @@ TEST(Loopback, AScenesThreadIsScheduledBeforeOthersWhereItAsksAndMay) {
       request.scene = scene;
       ControlClient control(server.control_port());
       DatagramClient client(control.join(request));
-      client.exchange(test::hand_batch(1));  // its thread runs
+      client.exchange(test::hand_batch(1));  // The scene's thread runs.
     }
     return real_time_threads();
   };
   EXPECT_EQ(beside(false, 0.0), 0u);
   EXPECT_EQ(beside(true, 0.0), permitted ? 2u : 0u);
-  EXPECT_EQ(beside(true, HUGE_VAL), 0u);  // the kernel would stop it for 50 ms of every second
+  // The kernel would stop a polling thread for 50 ms of every second.
+  EXPECT_EQ(beside(true, HUGE_VAL), 0u);
 }
 
-/// A burst longer than a batch gets all its answers, in the order of the samples.
+/// A burst longer than a batch must get all its answers, in the order of the samples.
 TEST(Loopback, BurstIsDrained) {
   Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
@@ -244,7 +245,8 @@ TEST(Loopback, ParametersChangeWhileRunning) {
   const auto set = control.ask<control::ParametersSet>(
       control::SetParameters{client.joined.session, parameters});
   EXPECT_EQ(set.parameters.mode, "none");
-  // The whole device force for a hand that came in one step: no bound would allow it.
+  // The hand moved in one step and gets the complete device force. Any bound would reduce this
+  // force.
   const Reply unbounded = client.exchange(pressed);
   EXPECT_TRUE(unbounded.saturated);
   EXPECT_NEAR(unbounded.command.force().norm(), test::device().max_force, 1e-6);
@@ -255,9 +257,9 @@ TEST(Loopback, HostileFramesAreRefusedAndClosed) {
   const std::vector<std::vector<std::uint8_t>> frames = {
       {0xff, 0xff, 0xff, 0xff},           // announces four gigabytes
       {0x00, 0x00, 0x00, 0x00},           // announces nothing
-      {0x01, 0x00, 0x01, 0x00, 1, 2, 3},  // one byte over the limit
+      {0x01, 0x00, 0x01, 0x00, 1, 2, 3},  // one byte above the limit
       {0x08, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8},
-      control::encode(control::Left{1}),  // an answer
+      control::encode(control::Left{1}),  // an answer instead of a request
   };
   for (const auto& frame : frames) {
     ControlClient client(server.control_port());
@@ -284,7 +286,7 @@ TEST(Loopback, StopEndsConnections) {
   ControlClient idle(server.control_port());
   idle.ask<control::SceneList>(control::ListScenes{});
   server.stop();
-  server.stop();  // a second stop does nothing
+  server.stop();  // A second stop must do nothing.
   EXPECT_TRUE(idle.closed());
 }
 

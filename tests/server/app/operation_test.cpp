@@ -1,4 +1,4 @@
-// Operation of a server: live counters, health, options from the environment.
+// Tests the operation of a server: live counters, health, options from the environment.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ TEST(Operation, ASummaryReplacesNoPipe) {
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
-/// Temporary files of other programs may exist beside it.
+/// The folder may contain temporary files of other programs.
 TEST(Operation, ASummaryIsWrittenBesideWhatIsThere) {
   const std::string file = path("beside.json"), other = file + ".part";
   std::ofstream(other) << "another program's";
@@ -105,7 +105,8 @@ TEST(Operation, HealthIsAnAnswerInTime) {
   Server server = room_server();
   const int port = server.control_port();
   EXPECT_NO_THROW(check_health("127.0.0.1", port, kWait));
-  EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));  // a wildcard: asked on this machine
+  // The check of a wildcard address uses this machine.
+  EXPECT_NO_THROW(check_health("0.0.0.0", port, kWait));
   server.stop();
   EXPECT_THAT([&] { check_health("127.0.0.1", port, kWait); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("refused")));
@@ -133,7 +134,8 @@ TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
   const Variable from_scene("FELTWIRE_SERVER_SCENE", scene), port("FELTWIRE_SERVER_PORT", "99999"),
       file("FELTWIRE_SERVER_SUMMARY", summary);
   const Variable state("FELTWIRE_SERVER_STATE", path("state"));
-  test::Program program(FELTWIRE_SERVER_PROGRAM, {"--port", "0"});  // the command line wins
+  // The command line has priority.
+  test::Program program(FELTWIRE_SERVER_PROGRAM, {"--port", "0"});
   EXPECT_THAT(program.line(), StartsWith("fingerprint: "));
   EXPECT_THAT(program.line(), StartsWith("listening: control tcp "));
   EXPECT_THAT(test::text_of(summary), HasSubstr("wall"));

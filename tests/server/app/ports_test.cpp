@@ -20,13 +20,13 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 const fs::path kRoot = FELTWIRE_SOURCE_DIR;
-constexpr int kScenes = 16;  // scenes of the image's and the relay's open ports
+constexpr int kScenes = 16;  // number of scenes for which the image and the relay open ports
 constexpr int kFirstDds = 7400, kFirstEphemeral = 32768;
-constexpr int kFirstUnassigned = 6717, kLastUnassigned = 6766;  // IANA: the block of our port
+constexpr int kFirstUnassigned = 6717, kLastUnassigned = 6766;  // the IANA block of our port
 
 std::string file(const char* name) { return read_text(kRoot / name); }
 
-/// The numbers in the first group of a pattern's matches.
+/// Returns the numbers in the first group of a pattern's matches.
 std::set<int> found(const std::string& text, const char* pattern) {
   std::set<int> numbers;
   const std::regex regex(pattern);
@@ -49,7 +49,7 @@ TEST(Ports, TheSchemaHasTheSame) {
   EXPECT_EQ(ServerConfig{}.port, int{kDefaultPort});
 }
 
-/// Each port in a command line or address of the documents is a default port.
+/// Each port in a command line or address of the documents must be a default port.
 TEST(Ports, DocumentsShowTheSame) {
   const std::set<int> ours = {kDefaultPort, kDefaultRelayPort, kExamplePagePort};
   std::vector<fs::path> pages = {kRoot / "README.md", kRoot / "protocol/PROTOCOL.md"};

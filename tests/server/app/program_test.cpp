@@ -1,4 +1,4 @@
-// feltwire-server as its user sees it.
+// Tests feltwire-server as a program.
 
 #include "tests/support/program.hpp"
 
@@ -106,7 +106,7 @@ TEST(Program, TheLogShowsControlCharacters) {
   EXPECT_EQ(outcome.error.find_first_of("\x1b\x07"), std::string::npos) << outcome.error;
 }
 
-/// The output on a terminal of a program that is ended after it has printed `text`.
+/// Returns the output of a program on a terminal. The program ends after it has printed `text`.
 std::string on_terminal(std::vector<std::string> words, const std::string& text) {
   words.insert(words.begin(), FELTWIRE_SERVER_PROGRAM);
   std::vector<char*> argv;
@@ -120,7 +120,8 @@ std::string on_terminal(std::vector<std::string> words, const std::string& text)
   }
   std::string said;
   bool told = false;
-  for (char c = 0; ::read(terminal, &c, 1) == 1;) {  // a read error: the program has ended
+  // A read error means that the program has ended.
+  for (char c = 0; ::read(terminal, &c, 1) == 1;) {
     said += c;
     if (!told && said.find(text) != std::string::npos) told = ::kill(process, SIGTERM) == 0;
   }
@@ -129,8 +130,8 @@ std::string on_terminal(std::vector<std::string> words, const std::string& text)
   return said;
 }
 
-/// The links contain tokens. Others may read a file or a journal, so they are printed to a terminal
-/// only.
+/// The links contain tokens. Other users may read a file or a journal, so the program prints links
+/// to a terminal only.
 TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
   const testing::TemporaryFolder folder;
   const std::string state = folder / "state", file = state + "/admin.token";
@@ -153,7 +154,7 @@ TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
 
   const std::vector<std::string> here = Program::with(words, state);
   EXPECT_THAT(on_terminal(here, "live page: "), HasSubstr("/#token=" + token + "\r\n"));
-  // A revoked token is not printed, and no new token replaces it.
+  // The program must not print a revoked token, and must not replace it.
   const std::string id = token.substr(3, token.find('_', 3) - 3);
   EXPECT_EQ(Program({"token", "revoke", id}, state).finish().status, 0);
   const std::string revoked = on_terminal(here, "live page: ");
@@ -161,7 +162,7 @@ TEST(Program, PrintsTheLinkOfAnAdminOnATerminalOnly) {
   EXPECT_EQ(testing::text_of(file), token);
 }
 
-/// No page needs no link. The owners of a named token file make their own tokens.
+/// Without a page no link is necessary. Owners of a named token file make their own tokens.
 TEST(Program, MakesNoTokenOfAnAdminThatNobodyUses) {
   const testing::TemporaryFolder folder;
   const auto serve = [&](std::vector<std::string> words) {
@@ -187,7 +188,7 @@ TEST(Program, CommandLineWinsOverTheFile) {
   program.signal(SIGTERM);
   const Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(outcome.error, "");  // the file's log level still applies
+  EXPECT_EQ(outcome.error, "");  // The file's log level still applies.
 }
 
 TEST(Program, FaultsAreOneLineAndANonZeroExit) {

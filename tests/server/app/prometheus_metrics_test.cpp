@@ -1,4 +1,4 @@
-// Histograms for Prometheus: cumulative buckets, a sum in seconds, a count.
+// Tests histograms for Prometheus: cumulative buckets, a sum in seconds, a count.
 
 #include "server/app/prometheus_metrics.hpp"
 
@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 TEST(Metrics, AHistogramAddsUp) {
   SceneSummary scene;
   scene.scene = "a \"room\"";
-  scene.answers.record(15'000, 3);    // up to 20 us
-  scene.answers.record(150'000);      // up to 200 us
+  scene.answers.record(15'000, 3);    // bucket up to 20 us
+  scene.answers.record(150'000);      // bucket up to 200 us
   scene.answers.record(900'000'000);  // above the last bucket
   scene.counters.world_late.record(500);
   const std::string text = metrics_text({scene}, {}, {});
@@ -50,7 +50,7 @@ TEST(Metrics, ClientsTimesAreHistogramsWithoutASum) {
   EXPECT_THAT(text, ::testing::Not(HasSubstr(name + "_sum")));
 }
 
-/// Each counter has a distinct value, so each value in the text belongs to a single counter.
+/// Each counter has a distinct value. Each value in the text therefore belongs to a single counter.
 TEST(Metrics, HaveEachCounterOfTheSummary) {
   SceneSummary scene;
   scene.scene = "room";

@@ -28,7 +28,7 @@ using ::testing::StartsWith;
 
 constexpr std::uint64_t kId = 0x1234567800;
 
-/// A floor at z = 0 with the hand 1 mm below.
+/// Returns a floor at z = 0. The hand is 1 mm below.
 Scene floor_of(double stiffness) {
   return Scene("room", {test::object("floor", Plane{}, {.stiffness = stiffness})});
 }

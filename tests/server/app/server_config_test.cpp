@@ -131,7 +131,7 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
   const std::vector<std::pair<const char*, std::function<void(ServerConfig&)>>> faults = {
       {"--scene", [](auto& c) { c.scenes.clear(); }},
       {"--scene", [](auto& c) { c.scenes.resize(257, "x"); }},
-      {"--port", [](auto& c) { c.port = 65535; }},  // leaves no port for the scene
+      {"--port", [](auto& c) { c.port = 65535; }},  // This leaves no port for the scene.
       {"--address", [](auto& c) { c.address = "nowhere"; }},
       {"--silence-timeout", [](auto& c) { c.silence_timeout = 1e9; }},
       {"--dscp", [](auto& c) { c.dscp = "64"; }},

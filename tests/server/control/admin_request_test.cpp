@@ -1,4 +1,4 @@
-// An admin's requests to a running server over TLS: changes, lists, counters and refusals.
+// Tests an admin's requests to a running server over TLS: changes, lists, counters and refusals.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,7 +82,7 @@ TEST_F(AdminRequest, NobodyElseMay) {
       EXPECT_THAT(refused.reason, HasSubstr("this is for admins"));
     }
   }
-  // For an admin of another scene this scene does not exist.
+  // The server must hide this scene from an admin of another scene.
   ControlClient client(server_.control_port(), AF_INET, other_.text);
   for (const control::Message& request :
        {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
@@ -111,7 +111,7 @@ TEST_F(AdminRequest, AnObserverIsToldWhoIsThereAndWhatIsInForce) {
   std::uint64_t answers = 0;
   for (const std::uint64_t count : scene.times.answers->counts()) answers += count;
   EXPECT_EQ(answers, list[0].samples);
-  EXPECT_EQ(scene.times.world_late, TimeCounts());  // nothing moves
+  EXPECT_EQ(scene.times.world_late, TimeCounts());  // Nothing moves in this scene.
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(scene.materials[0].stiffness, 500.0);
   EXPECT_EQ(scene.materials[1].stiffness, 1500.0);
@@ -129,7 +129,7 @@ TEST_F(AdminRequest, ARobotIsToldOfNobody) {
     EXPECT_EQ(robot.ask<Refused>(request).code, RefusalCode::forbidden);
 }
 
-/// A scene's thread answers an observer's questions, so their rate is limited.
+/// A scene's thread answers an observer's requests, so the server must limit their rate.
 TEST_F(AdminRequest, AnObserverThatAsksWithoutEndIsRefused) {
   ControlClient eye(server_.control_port(), AF_INET, eye_.text);
   const auto is_refused = [&] {
@@ -172,7 +172,7 @@ TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
   EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));
 }
 
-/// Requests without a specific limit end in a refusal that allows a retry.
+/// Requests without a specific limit must finally get a refusal that allows a retry.
 TEST_F(AdminRequest, NoRequestIsAnsweredWithoutEnd) {
   const auto asked_until_refused = [](ControlClient& client, const control::Message& request) {
     for (int asked = 0; asked < 20'000; ++asked) {
@@ -204,7 +204,7 @@ TEST_F(AdminRequest, NoRequestIsAnsweredWithoutEnd) {
     EXPECT_LT(asked_until_refused(admin_, request), 20'000) << request.index();
 }
 
-/// A client name that asks without end does not use up another name's limit.
+/// A client that sends requests without end must not use up the limit of another client name.
 TEST_F(AdminRequest, TheLimitIsOfOneClientsName) {
   ControlClient anna(server_.control_port(), AF_INET, anna_.text);
   for (int n = 0; n < 3'000; ++n) {

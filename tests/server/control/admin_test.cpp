@@ -1,4 +1,4 @@
-// Admins with rights for some scenes only.
+// Tests admins with rights for some scenes only.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Scene named(const std::string& name) {
   return Scene(name, {floor});
 }
 
-/// An admin of one scene gets the same answers as if the sessions of another scene did not exist.
+/// An admin of one scene must get answers as if the sessions of another scene did not exist.
 TEST(Admin, OfOneSceneKnowsAndTouchesNothingOfAnother) {
   const IssuedToken of_lab = issue_token("lab admin", "lab", Role::admin, std::nullopt);
   std::vector<Scene> scenes;

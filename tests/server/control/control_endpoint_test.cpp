@@ -1,4 +1,4 @@
-// The control endpoint alone: clients that are silent or do not read.
+// Tests the control endpoint alone, with clients that are silent or do not read.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -44,8 +44,8 @@ TEST(ControlEndpoint, WhoseAnswerNeverComesIsClosed) {
   EXPECT_TRUE(joining.closed());
 }
 
-/// A client sends requests without reading answers. The endpoint keeps only one answer, then closes
-/// the connection. It serves others meanwhile.
+/// A client sends requests without reading answers. The endpoint must keep only one answer and then
+/// close the connection. The endpoint must serve others meanwhile.
 TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   control::SceneList long_answer;
   const std::string name(control::kMaxName, 'x');
@@ -56,8 +56,8 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   ::setsockopt(deaf.descriptor(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
   const auto request = control::encode(control::ListScenes{});
   ::fcntl(deaf.descriptor(), F_SETFL, O_NONBLOCK);
-  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to a closed socket like to any other
-  // First the endpoint stops reading, and then it closes the connection.
+  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL raises SIGPIPE when it writes to a closed socket.
+  // The endpoint first stops reading, and then closes the connection.
   const auto is_closed = [&] {
     const int sent =
         SSL_write(deaf.tls().native(), request.data(), static_cast<int>(request.size()));
@@ -70,7 +70,7 @@ TEST(ControlEndpoint, WhoDoesNotReadIsClosed) {
   });
 }
 
-/// Until a good token comes, a single time limit applies, however active the stranger is.
+/// Until a valid token arrives, a single time limit must apply, even for an active stranger.
 TEST(ControlEndpoint, WhoIsSlowToBeKnownIsClosed) {
   Endpoint endpoint({.address = {}, .handshake_timeout = 100ms, .idle_timeout = kNever},
                     control::SceneList{});
@@ -111,8 +111,8 @@ TEST(ControlEndpoint, ARefusedStrangerIsClosed) {
   EXPECT_TRUE(stranger.closed());
 }
 
-/// After a refusal the endpoint discards input so that the stranger gets the reason, but not for
-/// ever.
+/// After a refusal the endpoint discards input, so that the stranger gets the reason. The endpoint
+/// must not discard input forever.
 TEST(ControlEndpoint, ARefusedStrangerThatSendsWithoutEndIsClosed) {
   Endpoint endpoint({.address = {}, .handshake_timeout = kNever, .idle_timeout = kNever},
                     control::SceneList{});

@@ -1,5 +1,5 @@
-// Clients fetch whole surfaces and solids over TLS: the list, the parts of a mesh or a body, and
-// the right to ask.
+// Clients fetch complete surfaces and solids over TLS. Tests the list, the parts of a mesh or a
+// body, and the right to request them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST_F(SurfaceRequest, ItsPartsMakeUpTheMesh) {
       hand.session());
 }
 
-/// The surfaces have the radius of the session's tool.
+/// The surfaces must have the radius of the session's tool.
 TEST_F(SurfaceRequest, ABallsRadiusIsInItsSurfaces) {
   for (const auto& [tool, radius] : {std::pair("tip", 0.0), std::pair("ball", 0.004)}) {
     control::JoinRequest join = test::join_request();
@@ -127,7 +127,7 @@ TEST_F(SurfaceRequest, PartsMakeUpTheBody) {
   };
   EXPECT_EQ(admin_.ask<Refused>(take(1, {3})).code, RefusalCode::bad_parameters);
   EXPECT_EQ(admin_.ask<control::SurfacesTaken>(take(1, {0, 1, 2})).session, session);
-  // A new material makes a new version, since the body's client has the materials.
+  // The client of the body has the materials. A new material must therefore make a new version.
   admin_.ask<control::SceneChanged>(
       control::SetMaterial{"room", {.object = "floor", .stiffness = 321.0}});
   const auto next = admin_.ask<control::SolidList>(control::ListSolids{session});
@@ -155,7 +155,7 @@ TEST_F(SurfaceRequest, WhatIsNotThereIsRefused) {
   EXPECT_EQ(refused(control::GetSurface{hand.session(), 1, 3, 0, 0}), RefusalCode::bad_parameters);
   EXPECT_EQ(refused(control::GetSurface{hand.session(), 2, 2, 0, 0}), RefusalCode::bad_scene);
   EXPECT_EQ(refused(control::ListSurfaces{hand.session() ^ 0x100}), RefusalCode::unknown_session);
-  // Parts beyond the end are empty.
+  // Parts beyond the end must be empty.
   const auto part = admin_.ask<control::SurfacePart>(
       control::GetSurface{hand.session(), 1, 2, 0xFFFFFFFF, 0xFFFFFFFF});
   EXPECT_TRUE(part.vertices.empty());
@@ -174,7 +174,7 @@ TEST_F(SurfaceRequest, AreForTheSessionsClientOnly) {
     EXPECT_EQ(other.ask<Refused>(request).code, RefusalCode::unknown_session);
 }
 
-/// A client that fetches a scene again and again is refused after some 2000 parts. An honest client
+/// A client that fetches a scene repeatedly must be refused after some 2000 parts. An honest client
 /// needs at most 750 parts.
 TEST_F(SurfaceRequest, AreNotAnsweredWithoutEnd) {
   test::RestingHand hand(admin_), other(admin_);
@@ -195,7 +195,7 @@ TEST_F(SurfaceRequest, AreNotAnsweredWithoutEnd) {
   const int asked = refused_at(hand.session(), 20'000);
   EXPECT_GT(asked, 750);
   EXPECT_LT(asked, 20'000);
-  EXPECT_EQ(refused_at(other.session(), 750), 750);  // another session has its own limit
+  EXPECT_EQ(refused_at(other.session(), 750), 750);  // Another session must have its own limit.
 }
 
 }  // namespace

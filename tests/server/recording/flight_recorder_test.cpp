@@ -1,4 +1,5 @@
-// The last seconds of a scene go to a file when a session ends, unless its client ended it.
+// When a session ends, the recorder writes the last seconds of the scene to a file. No file is
+// written if the client ended the session.
 
 #include "server/recording/flight_recorder.hpp"
 
@@ -42,7 +43,7 @@ Read read(const std::filesystem::path& file) {
   return result;
 }
 
-/// Two hands for 12 s, longer than the recorder keeps.
+/// Records two hands for 12 s, which is longer than the recorder keeps.
 class FlightRecorderTest : public ::testing::Test {
  protected:
   test::RecordedScene scene{test::repository_scene("plane.json")};
@@ -74,7 +75,7 @@ TEST_F(FlightRecorderTest, EvictionIsWrittenWithTheLastTenSeconds) {
   EXPECT_THAT(files_in(folder), IsEmpty());
   scene.exchange.sessions.evict(kB);
   take();
-  flight.write_if_due(false, scene.exchange.now);  // simultaneous causes share a file
+  flight.write_if_due(false, scene.exchange.now);  // Simultaneous causes share a file.
   EXPECT_THAT(files_in(folder), IsEmpty());
   flight.write_if_due(false, scene.exchange.now + FlightRecorder::kTogether);
   ASSERT_THAT(files_in(folder), SizeIs(1));
@@ -88,7 +89,7 @@ TEST_F(FlightRecorderTest, EvictionIsWrittenWithTheLastTenSeconds) {
   EXPECT_NEAR(static_cast<double>(file.pictures), 600.0, 10.0);
 }
 
-/// A lasting debt counts once, and so do further debts within ten seconds of a file.
+/// A lasting debt counts once. Further debts within ten seconds of a file do not count.
 TEST_F(FlightRecorderTest, ADebtThatAClientTellsOfIsWrittenOnce) {
   const auto report = [&](double balance, bool has_account = true) {
     scene.exchange.now += 1ms;
@@ -151,7 +152,7 @@ TEST_F(FlightRecorderTest, GoodbyeIsNoFault) {
   EXPECT_THAT(files_in(folder), IsEmpty());
 }
 
-/// Writing a file keeps the stored seconds.
+/// Writing a file must keep the stored seconds.
 TEST_F(FlightRecorderTest, WhoAsksGetsAFileEachTime) {
   flight.write_if_due(true, scene.exchange.now);
   run(100);
@@ -187,7 +188,7 @@ TEST(FlightRecorder, FolderThatCannotBeMadeIsNamed) {
   }
 }
 
-/// A flight record has personal data: the movement of a hand.
+/// A flight record contains personal data: the movement of a hand.
 TEST_F(FlightRecorderTest, OnlyItsOwnerReadsIt) {
   run(20);
   const auto file = flight.write_if_due(true, scene.exchange.now);

@@ -1,4 +1,4 @@
-// A scene's own thread serves it while another thread records it.
+// A scene's own thread serves the scene while another thread records it.
 
 #include "server/recording/recorder.hpp"
 
@@ -31,7 +31,7 @@ std::vector<Scene> scenes() {
   return all;
 }
 
-/// A host on a free port, with a session.
+/// A host on a free port with a session.
 struct Served {
   explicit Served(const RecorderOptions& options) : loaded(scenes()), recorder(options, loaded) {
     SceneHostOptions host_options;
@@ -50,7 +50,7 @@ struct Served {
   Served(const Served&) = delete;
   Served& operator=(const Served&) = delete;
 
-  /// Sends samples one by one, each answered.
+  /// Sends samples and waits for each answer.
   void exchange(std::uint64_t samples) {
     for (std::uint64_t n = 0; n < samples; ++n) {
       ++packet;
@@ -112,7 +112,7 @@ TEST(Recorder, EvictionGivesAFlightRecord) {
   served.recorder.ask_for_flight_records();
   ASSERT_TRUE(test::becomes([&] { return flights() == 1; }));
   served.host->evict(kId);
-  served.stop();  // writes the pending files
+  served.stop();  // This call writes the pending files.
   EXPECT_EQ(flights(), 2);
 }
 
@@ -128,7 +128,7 @@ TEST(Recorder, AFlightRecordThatIsAskedForIsNamed) {
   };
   const auto file = asked();
   ASSERT_TRUE(file.has_value());
-  // The join, and a check for each second of the samples, are events too.
+  // The join is also an event, and so is a check for each second of the samples.
   EXPECT_GE(messages_of(*file, "/scene/events"), kSamples + 1);
   std::filesystem::remove_all(folder / "flights");
   EXPECT_EQ(asked(), std::nullopt);

@@ -1,5 +1,5 @@
-// Recorded scenes with more than datagrams: a MuJoCo model of several files, an arm in the server's
-// world, and changes that a client is asked for.
+// Tests recorded scenes with more than datagrams: a MuJoCo model of several files, an arm in the
+// server's world, and changes that a server requests from a client.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 constexpr std::uint64_t kA = 0x100;
 
-/// A MuJoCo model in three files; the hand pushes its cart.
+/// A MuJoCo model in three files. The hand pushes the cart of the model.
 class ReplayOfMjcf : public ::testing::Test {
  protected:
   ReplayOfMjcf() {
@@ -42,7 +42,7 @@ class ReplayOfMjcf : public ::testing::Test {
   std::filesystem::path record() {
     recorded.emplace(source / "scene.json");
     recorded->join(kA);
-    // Move to a face and on.
+    // The hand moves to a face and farther.
     for (int n = 0; n < 900; ++n) {
       recorded->exchange.now += std::chrono::milliseconds(1);
       Sample sample;
@@ -61,7 +61,7 @@ class ReplayOfMjcf : public ::testing::Test {
 
 TEST_F(ReplayOfMjcf, IsBitEqualWithoutTheScenesFiles) {
   const std::filesystem::path file = record();
-  EXPECT_GT(moved, 0.0505);  // from 0.05
+  EXPECT_GT(moved, 0.0505);  // The cart started at 0.05.
   std::filesystem::remove_all(source);
   const Replay result = replay({file});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
@@ -86,7 +86,7 @@ TEST_F(ReplayOfMjcf, SaysWhichFileIsMissing) {
   }
 }
 
-/// The replay computes an arm of the scene's world again, with its sensor noise.
+/// The replay must compute an arm of the scene's world again, including its sensor noise.
 TEST(ReplayOfAnArm, IsBitEqual) {
   RecordedScene scene(repository_scene("arm/workcell.json"));
   scene.join(kA);
@@ -104,7 +104,7 @@ TEST(ReplayOfAnArm, IsBitEqual) {
     if (n % 100 == 0) sessions.check(scene.exchange.now);
     if (n % 10 == 0) scene.write();
   }
-  EXPECT_LT(lowest, 0.31);  // from 0.49
+  EXPECT_LT(lowest, 0.31);  // The arm started at 0.49.
   EXPECT_EQ(scene.exchange.allocated, 0u);
   const Replay result = replay({scene.finish()});
   ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
@@ -112,8 +112,8 @@ TEST(ReplayOfAnArm, IsBitEqual) {
   EXPECT_EQ(result.replies, 2500u);
 }
 
-/// tests/recording/check_export.py knows these numbers: two hands and a body. A hand sends each
-/// sample twice and sometimes a report.
+/// tests/recording/check_export.py expects these numbers: two hands and a body. A hand sends each
+/// sample twice, and sometimes a report.
 TEST(RecordingForExport, TwoHandsAndABody) {
   constexpr std::uint64_t kB = 0x200;
   RecordedScene scene(repository_scene("plane.json"));
@@ -164,7 +164,7 @@ TEST(RecordingForExport, TwoHandsAndABody) {
   EXPECT_EQ(result.replies, 1500u);
 }
 
-/// An admin asks a client for another law and another link, and the client answers.
+/// An admin requests another bounding method and another link, and the client answers.
 TEST(ReplayOfClientChanges, IsBitEqual) {
   RecordedScene scene(repository_scene("room.json"));
   SessionParameters parameters = test::server_bounds();
@@ -188,17 +188,18 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   const control::Message set =
       sessions.answer(control::SetParameters{kA, wanted}, 0, {}, scene.exchange.now);
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(set));
-  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, parameters);  // until it is taken
+  // The old parameters stay until the client accepts the change.
+  EXPECT_EQ(std::get<control::ParametersSet>(set).parameters, parameters);
   ASSERT_TRUE(asked());
   EXPECT_EQ(asked()->number, 1);
   EXPECT_EQ(asked()->law->mode.view(), "shaped");
-  // Another change while the first waits: both are sent.
+  // Another change arrives while the first waits. The server must send both.
   ASSERT_TRUE(std::holds_alternative<Changed>(
       sessions.change(LinkChange{kA, {.delay = 0.025, .loss = 0.5}}, scene.exchange.now)));
   EXPECT_EQ(asked()->number, 2);
   EXPECT_EQ(asked()->law->mode.view(), "shaped");
   EXPECT_EQ(asked()->link->loss, 0.5);
-  scene.exchange.report = HandReport{.change = 1};  // for the first change
+  scene.exchange.report = HandReport{.change = 1};  // This is the report for the first change.
   EXPECT_TRUE(asked());
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "contact_frame");
   scene.exchange.report = HandReport{.change = 2};
@@ -208,7 +209,7 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
   EXPECT_EQ(sessions.answers().size(), 1u);
   EXPECT_FALSE(sessions.has_answers());
-  // A refused change has no effect.
+  // A refused change must have no effect.
   sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
   EXPECT_EQ(asked()->number, 3);
   scene.exchange.report = HandReport{.change = 3, .change_refused = true};
@@ -217,8 +218,8 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   const auto listed = sessions.describe_after(0, scene.exchange.now).sessions.at(0);
   EXPECT_EQ(listed.answer, ChangeAnswer::refused);
   EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
-  // The answer about a law gets lost, then a change is refused. The client may have either law, so
-  // the server asks it to return to the session's law.
+  // The answer about a bounding method is lost. Then a change is refused. The client may have
+  // either method. The server must therefore request a return to the session's method.
   EXPECT_EQ(sessions.answers().size(), 1u);
   sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now);
   EXPECT_EQ(asked()->number, 4);

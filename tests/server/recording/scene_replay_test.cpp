@@ -1,4 +1,4 @@
-// A replay computes a recorded scene to equal bits, and finds changes in the file.
+// A replay must compute a recorded scene bitwise equally, and must find changes in the file.
 
 #include "server/recording/scene_replay.hpp"
 
@@ -40,7 +40,7 @@ void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
   ASSERT_TRUE(std::holds_alternative<control::ParametersSet>(
       sessions.answer(control::SetParameters{kA, parameters}, 0, {}, scene.exchange.now)));
   scene.run(150);
-  static std::vector<std::shared_ptr<const Scene>> changed;  // they outlive the sessions
+  static std::vector<std::shared_ptr<const Scene>> changed;  // The scenes outlive the sessions.
   const auto change = [&](const LiveChange& wanted) {
     ChangeOutcome outcome = sessions.change(wanted, scene.exchange.now);
     ASSERT_TRUE(std::holds_alternative<Changed>(outcome));
@@ -53,7 +53,7 @@ void live(RecordedScene& scene, const std::filesystem::path& reloaded) {
                           .dynamic_friction = 0.2});
   if (sessions.world() != nullptr) change(GravityChange{Vec3(0.5, 0.0, -3.0)});
   scene.run(150);
-  static std::vector<std::unique_ptr<Scene>> entered;  // they outlive the sessions
+  static std::vector<std::unique_ptr<Scene>> entered;  // The scenes outlive the sessions.
   entered.push_back(std::make_unique<Scene>(load_scene_and_keep(reloaded)));
   sessions.enter(*entered.back(), scene.exchange.now);
   scene.run(100);
@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Replay, RecordedIn,
                          ::testing::Values("plane.json", "room.json", "bunny.json", "guided.json",
                                            "workshop.json"));
 
-/// The fetched surfaces decide a client's models.
+/// A client's models depend on the fetched surfaces.
 TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   RecordedScene scene(repository_scene("bunny.json"));
   control::JoinRequest request = test::join_request({});
@@ -102,7 +102,7 @@ TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   EXPECT_EQ(result.replies, 400u);
 }
 
-/// A robot's states decide the replies to its hand.
+/// The replies to a robot's hand depend on the robot's states.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));
   control::JoinRequest robot = test::join_request(), second = test::join_request();
@@ -148,7 +148,8 @@ TEST(ReplayOfARobot, IsBitEqual) {
 
 class ReplayOfParts : public test::PartsScene {};
 
-/// A hollow body: the recording has its convex parts; without them the replay computes them.
+/// The recording of a hollow body has its convex parts. Without these parts, the replay must
+/// compute them.
 TEST_F(ReplayOfParts, IsBitEqualWhereverThePartsComeFrom) {
   write("ring.obj", test::torus(0.05, 0.015, 24, 12));
   const auto scene_file = write_scene(
@@ -157,7 +158,7 @@ TEST_F(ReplayOfParts, IsBitEqualWhereverThePartsComeFrom) {
   { "name": "rod", "cylinder": { "radius": 0.01, "length": 0.3 }, "material": "m" }, )" +
           test::mesh_text("ring", "ring.obj", "", R"(, "body": "ring")"),
       R"("start": { "position": [0.05, 0, 0.04] }, )");
-  for (const bool is_kept : {false, true}) {  // as it is recorded
+  for (const bool is_kept : {false, true}) {  // The recorded file has the parts.
     SCOPED_TRACE(is_kept);
     ASSERT_EQ(kept_in(scenes()).size(), is_kept ? 1u : 0u);
     RecordedScene scene(scene_file);
@@ -215,7 +216,7 @@ TEST_F(ReplayTest, ChangedDigestIsFoundWhereItIs) {
   EXPECT_THAT(result.difference->what, HasSubstr("the reply has other bytes"));
 }
 
-/// A single bit of a hand's place is changed.
+/// The test changes a single bit of a hand's position.
 TEST_F(ReplayTest, ChangedSampleIsFound) {
   const auto file = record();
   std::uint64_t seen = 0;
@@ -244,7 +245,7 @@ TEST_F(ReplayTest, ChangedSceneIsFound) {
   std::ostringstream text;
   text << in.rdbuf();
   std::string changed = text.str();
-  const auto at = changed.find("\"stiffness\": 900,");  // the table's, under the hands
+  const auto at = changed.find("\"stiffness\": 900,");  // This is the table under the hands.
   ASSERT_NE(at, std::string::npos);
   changed.replace(at, std::string_view("\"stiffness\": 900,").size(), "\"stiffness\": 901,");
   const auto other =
@@ -276,12 +277,12 @@ TEST_F(ReplayTest, MissingEventIsSaid) {
   EXPECT_FALSE(result.bit_equal());
 }
 
-/// The full log must not stop the answers to a hand.
+/// A full log must not stop the answers to a hand.
 TEST(Replay, FullLogIsCountedAndMarkedInTheFile) {
   RecordedScene scene(repository_scene("plane.json"), 1 << 12);
   scene.join(kA);
   scene.run(20);
-  for (int n = 0; n < 100; ++n) {  // nobody takes the events
+  for (int n = 0; n < 100; ++n) {  // No thread takes the events.
     scene.exchange.now += std::chrono::milliseconds(1);
     EXPECT_FALSE(scene.exchange.send(kA, test::hand(1), false).empty());
   }
@@ -313,7 +314,7 @@ TEST(Replay, PartsGoTogetherInTheirOrder) {
   EXPECT_THAT(refusal({part(1), part(1)}), HasSubstr("each once"));
 }
 
-/// Session keys, too, must not be in the file; the server keeps them only during the session.
+/// Session keys must not be in the file. The server keeps them only during the session.
 TEST_F(ReplayTest, KeysAreNotInTheFile) {
   const auto file = record();
   std::ifstream in(file, std::ios::binary);
@@ -321,7 +322,7 @@ TEST_F(ReplayTest, KeysAreNotInTheFile) {
   std::string all;
   while (const auto message = reader.next()) all += message->data;
   for (const auto& attachment : reader.attachments()) all += attachment.data;
-  ASSERT_THAT(all, HasSubstr("tester"));  // the client's name
+  ASSERT_THAT(all, HasSubstr("tester"));  // the name of the client
   for (const std::uint64_t id : {kA, kB}) {
     const SessionKeys keys = test::keys(id);
     for (const Key* key : {&keys.up, &keys.down})
@@ -329,7 +330,7 @@ TEST_F(ReplayTest, KeysAreNotInTheFile) {
   }
 }
 
-/// Numbers that no server writes: the replay reports an error or a difference.
+/// For numbers that no server writes, the replay must report an error or a difference.
 TEST_F(ReplayTest, HostileEventsHarmNothing) {
   const auto file = record();
   const auto original = file.string() + ".original";
@@ -383,7 +384,7 @@ TEST(Replay, FilesWithoutAnInputLogAreRefused) {
   EXPECT_THROW(replay({folder / "missing.mcap"}), FileError);
 }
 
-/// The scene's thread allocates nothing for the recorder.
+/// The scene's thread must not allocate for the recorder.
 TEST(Replay, RecordingAllocatesNothingOnTheServoPath) {
   RecordedScene scene(repository_scene("room.json"));
   scene.join(kA);

@@ -1,4 +1,4 @@
-// A scene with slow answers reports it at loading. The clock is simulated.
+// At loading, a scene with slow answers must be reported. The clock is simulated.
 
 #include "server/scene/answer_time.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-/// A clock that advances by `by` at each reading.
+/// Returns a clock that advances by `by` at each reading.
 std::function<Nanoseconds()> stepping(Nanoseconds by) {
   return [by, now = Nanoseconds(0)]() mutable { return now += by; };
 }
@@ -34,7 +34,7 @@ TEST(AnswerTime, ASceneThatTakesLongerThanAPeriodIs) {
   EXPECT_THAT(*warning, HasSubstr("longer than the usual servo period of 1 ms"));
 }
 
-/// A tenth of slow answers suffices, for a hand may stay where all answers are slow.
+/// A tenth of slow answers must suffice, because a hand may stay at a slow position.
 TEST(AnswerTime, OneInTenIsEnough) {
   int looks = 0;
   Nanoseconds now{0};
@@ -42,7 +42,7 @@ TEST(AnswerTime, OneInTenIsEnough) {
   EXPECT_TRUE(warning_of_slow_answers(test::room(), clock));
 }
 
-/// Measuring ends soon: a few answers of half a minute suffice.
+/// A few answers of half a minute must suffice, so the measurement ends soon.
 TEST(AnswerTime, AFewVerySlowAnswersAreEnough) {
   EXPECT_EQ(measure_answers(test::room(), stepping(30s)).answers, 6u);
 }

@@ -1,5 +1,5 @@
-// Changes of a running scene: their effect on a hand, their refusals, and equal results of equal
-// changes.
+// Tests changes of a running scene: their effect on a hand, their refusals, and equal results of
+// equal changes.
 
 #include "server/scene/apply_live_change.hpp"
 
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 constexpr std::uint64_t kId = 0x1234567800;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A scene with a hand; it keeps the scenes that changes make.
+/// A scene with a hand. The stage keeps the scenes that changes make.
 struct Stage {
   explicit Stage(Scene begin, const SessionParameters& parameters = {})
       : scene(std::make_shared<const Scene>(std::move(begin))), sessions(*scene, 2s, 2) {
@@ -87,13 +87,13 @@ TEST(LiveChange, AStiffnessIsFeltFromTheNextSampleOnAndToldToLocalModels) {
   EXPECT_NEAR(after.command.elastic.z(), 2000.0 * kDepth, 1e-12);
   ASSERT_EQ(after.model.count, 1);
   EXPECT_EQ(after.model.patches[0].material.stiffness, 2000.0);
-  // The client treats the surface as new, but continues the held force.
+  // The client must treat the surface as new, but continue the held force.
   EXPECT_EQ(after.reloads, before.reloads + 1);
   EXPECT_EQ(after.model.scene, before.model.scene);
   EXPECT_TRUE(after.model.patches[0].touching);
 }
 
-/// A sticking hand keeps its stick point: the force is stretch times the new stiffness.
+/// A sticking hand must keep its stick point. The force is then stretch times the new stiffness.
 TEST(LiveChange, AStickPointStaysWhereItIs) {
   const Material rough{.stiffness = 1000.0, .static_friction = 1.0, .dynamic_friction = 1.0};
   Stage stage(floor_of(rough));
@@ -106,7 +106,7 @@ TEST(LiveChange, AStickPointStaysWhereItIs) {
               1e-9);
 }
 
-/// A new stick point is at the tool's place, so the change itself makes no force.
+/// A new stick point is at the tool's position. The change itself must make no force.
 TEST(LiveChange, FrictionThatASurfaceGetsBeginsAtZero) {
   Stage stage(floor_of({.stiffness = 1000.0}), with_model());
   const Vec3 place(0.03, 0.02, -kDepth);
@@ -115,7 +115,7 @@ TEST(LiveChange, FrictionThatASurfaceGetsBeginsAtZero) {
   stage.make(MaterialChange{.object = "floor", .static_friction = 0.8, .dynamic_friction = 0.5});
   const Reply after = stage.at(place);
   EXPECT_EQ(after.command.frictional.norm(), 0.0);
-  EXPECT_NE(after.model.scene, before.model.scene);  // the client has none either
+  EXPECT_NE(after.model.scene, before.model.scene);  // The client has no stick point either.
   const Reply moved = stage.at(place + Vec3(1e-4, 0, 0));
   EXPECT_NEAR(moved.command.frictional.x(), -1000.0 * 1e-4, 1e-9);
 }
@@ -126,7 +126,7 @@ TEST(LiveChange, DampingThatASurfaceGetsBeginsWithTheVelocityOfNow) {
   stage.make(MaterialChange{.object = "floor", .viscous_friction = 3.0});
   const Vec3 still(0.004, 0.0, -kDepth);
   EXPECT_EQ(stage.at(still).command.frictional.norm(), 0.0);
-  // 0.1 mm in a millisecond.
+  // a velocity of 0.1 mm per millisecond
   EXPECT_NEAR(stage.at(still + Vec3(1e-4, 0, 0)).command.frictional.x(), -3.0 * 0.1, 1e-9);
 }
 
@@ -135,7 +135,7 @@ struct Bad {
   const char* says;
 };
 
-/// A refused change names its field and does not change any bit of an answer.
+/// A refused change must name its field. The change must not affect any bit of an answer.
 TEST(LiveChange, RefusesWhatCannotBeAndChangesNothing) {
   SessionParameters other;
   other.mode = "per_axis";
@@ -151,7 +151,7 @@ TEST(LiveChange, RefusesWhatCannotBeAndChangesNothing) {
       {MaterialChange{.object = "floor", .static_friction = 101.0}, "static_friction"},
       {MaterialChange{.object = "floor", .dynamic_friction = 0.7},
        "dynamic_friction: must not exceed static_friction = 0.6"},
-      // A wrong field beside a good one: neither changes.
+      // A request has a wrong field and a valid field. Neither field may change.
       {MaterialChange{.object = "floor", .stiffness = 10.0, .damping = -1.0}, "damping"},
       {GravityChange{Vec3(0, 0, -1)}, "nothing moves in scene 'room'"},
       {ParameterChange{kId, other}, "its client takes no other law"},
@@ -180,7 +180,7 @@ TEST(LiveChange, RefusesAGravityThatIsNone) {
   EXPECT_EQ(stage.sessions.gravity(), std::optional(Vec3(0, 0, -9.81)));
 }
 
-/// m dv = m g dt, from the step after the next. A reload restores the gravity of the file.
+/// m dv = m g dt, from the step after the next. A reload must restore the gravity of the file.
 TEST(LiveChange, GravityActsOnWhatMoves) {
   Stage stage(falling_ball());
   const Vec3 away(5, 0, 0), gravity(0, 1.5, -1.62);
@@ -192,14 +192,14 @@ TEST(LiveChange, GravityActsOnWhatMoves) {
   stage.at(away);
   EXPECT_NEAR(gained(10).z(), -0.2 * 9.81 * 0.010, 1e-9);
   EXPECT_EQ(stage.make(GravityChange{gravity}), "gravity (0, 0, -9.81) -> (0, 1.5, -1.62) [m/s^2]");
-  stage.at(away);  // evaluated before the change
+  stage.at(away);  // This sample was evaluated before the change.
   EXPECT_LT((gained(10) - 0.2 * 0.010 * gravity).norm(), 1e-9);
   EXPECT_EQ(stage.sessions.gravity(), std::optional(gravity));
   stage.sessions.enter(*stage.scene, stage.now);
   EXPECT_EQ(stage.sessions.gravity(), std::optional(Vec3(0, 0, -9.81)));
 }
 
-/// A moving body continues from its place with its new stiffness.
+/// A moving body must continue from its position with its new stiffness.
 TEST(LiveChange, AMaterialOfWhatMovesChangesNotWhereItIs) {
   Stage stage(test::moving({test::object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                            {test::body("ball", 0.2)}, test::kWeightless));
@@ -218,7 +218,7 @@ TEST(LiveChange, AMaterialOfWhatMovesChangesNotWhereItIs) {
   EXPECT_NEAR(felt.command.elastic.x(), 3000.0 * depth, 1e-9);
 }
 
-/// This change sets the bound of a session that the server bounds.
+/// This change must set the bound of a session that the server bounds.
 TEST(LiveChange, TheBoundOfASessionThatTheServerBounds) {
   SessionParameters parameters;
   parameters.side = BoundingSide::server;
@@ -233,7 +233,8 @@ TEST(LiveChange, TheBoundOfASessionThatTheServerBounds) {
   EXPECT_EQ(stage.sessions.find(kId)->parameters().mode, "per_axis");
 }
 
-/// Recordings need it: equal changes among equal samples give equal bytes.
+/// Equal changes among equal samples must give equal bytes. Replays of recordings need this
+/// property.
 TEST(LiveChange, TheSameChangesHaveTheSameResultBitForBit) {
   const std::vector<LiveChange> changes = {
       MaterialChange{.object = "ball", .stiffness = 700.0, .damping = 1.0},

@@ -1,5 +1,5 @@
-// A session of a tool with a body: orientation goes in and torque comes out, if the device has
-// them.
+// Tests a session of a tool with a body. The session gets the orientation and returns torque if the
+// device supports them.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,8 @@ control::JoinRequest request(int rotation) {
   return r;
 }
 
-/// A hand lowers a box, tilted by `angle` about y, onto the desk.
+/// Returns a sample of a hand that lowers a box onto the desk. The box is tilted by `angle` about
+/// y.
 SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
   SampleBatch batch;
   batch.count = 1;
@@ -42,8 +43,9 @@ SampleBatch lowered(std::uint64_t index, double angle, bool rotation) {
   return batch;
 }
 
-// The scene's answers if the client bounds. (The torque channel of a server's bound has a separate
-// account, which gives no torque until the hand has turned against it.)
+// The client bounds, so these answers are the scene's forces. (The torque channel of a server's
+// bound has a separate account. This account gives no torque until the hand has rotated against the
+// torque.)
 TEST(BodySession, ATiltedBoxTurnsTheHandBack) {
   const Scene desk = scene();
   for (const double angle : {0.1, -0.1}) {
@@ -71,8 +73,8 @@ TEST(BodySession, ADeviceWithoutRotationGetsTheForceAlone) {
   EXPECT_GT(reply.command.elastic.z(), 0.1);
 }
 
-// A tool with mass weighs in the hand. A client that asks for models gets no model of it, for it
-// would render the tool without mass.
+// The hand must feel the weight of a tool with mass. A client would render a model of this tool
+// without mass, so the server must send no model.
 TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
   const Scene heavy = parse_scene(R"({
     "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
@@ -89,7 +91,7 @@ TEST(BodySession, AToolWithMassWeighsAndHasNoModel) {
     SampleBatch still = lowered(i, 0.0, true);
     still.samples[0].pose.position.z() = 0.1;
     reply = session.take(still, Nanoseconds{0}).reply;
-    EXPECT_FALSE(reply.body_modelled);  // the client would drop an empty one
+    EXPECT_FALSE(reply.body_modelled);  // The client would drop an empty model.
   }
   EXPECT_NEAR((reply.command.force() - Vec3(0.0, 0.0, -0.2 * 9.81)).norm(), 0.0, 1e-6);
   EXPECT_EQ(reply.command.elastic, Vec3::Zero());
@@ -102,8 +104,8 @@ control::JoinRequest modelled() {
   return client_bounds;
 }
 
-// A client with the whole tool and solids gets the tool's place and no planes, until a material
-// changes.
+// A client with the complete tool and solids must get the tool's pose and no planes, until a
+// material changes.
 TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
   Scene desk = scene();
   Session session(modelled(), desk);
@@ -113,7 +115,7 @@ TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
     return reply.body;
   };
   EXPECT_GT(model(1).count, 0);
-  EXPECT_TRUE(session.take_surfaces(5, {1}).has_value());  // object 5 does not exist
+  EXPECT_TRUE(session.take_surfaces(5, {1}).has_value());  // Object 5 does not exist.
   EXPECT_EQ(model(2).solids, 0u);
   EXPECT_EQ(session.take_surfaces(5, {0}), std::nullopt);
   EXPECT_EQ(model(3).solids, 5u);
@@ -125,7 +127,8 @@ TEST(BodySession, AClientThatHasTheSolidsGetsNoPlanes) {
   EXPECT_GT(model(6).count, 0);
 }
 
-// A client with the solids can have a model of a tool with mass. A new gravity ends that.
+// A client with the solids may get a model of a tool with mass. A change of gravity must end the
+// model.
 TEST(BodySession, AToolWithMassHasAModelOnceItsClientHasIt) {
   const Scene heavy = parse_scene(R"({
     "name": "desk", "materials": [{ "name": "m", "stiffness": 1000 }],
@@ -144,7 +147,8 @@ TEST(BodySession, AToolWithMassHasAModelOnceItsClientHasIt) {
   session.weigh_anew();
   const Reply weighed = reply(3);
   EXPECT_FALSE(weighed.body_modelled);
-  EXPECT_NE(weighed.reloads, modelled.reloads);  // so the client asks again
+  // The new number makes the client send a new request.
+  EXPECT_NE(weighed.reloads, modelled.reloads);
 }
 
 TEST(BodySession, NeverAllocates) {

@@ -1,4 +1,4 @@
-// A hand that breaks the simulation repeatedly is found and ended; the other hands stay.
+// A hand that breaks the simulation repeatedly must be found and ended. The other hands must stay.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,14 +26,14 @@ using test::object;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A device that claims ten kilonewtons, more than any real device.
+/// Returns a device that claims ten kilonewtons, more than any real device.
 DeviceSpec giant() {
   DeviceSpec spec = test::device();
   spec.max_force = spec.continuous_force = 1e4;
   return spec;
 }
 
-/// Two boxes apart, on a table.
+/// Returns two separate boxes on a table.
 Scene boxes() {
   const Material wood{.stiffness = 1e5, .static_friction = 0.5, .dynamic_friction = 0.4};
   return moving(
@@ -49,8 +49,8 @@ struct Course {
   std::vector<GoodbyeReason> goodbyes;
 };
 
-/// The place of a giant's hand at this time: it stabs a third of a metre through the first box, and
-/// returns above it.
+/// Returns the position of the strong hand at this time. The hand moves a third of a metre through
+/// the first box, and returns above the box.
 Vec3 stab(std::int64_t milliseconds) {
   const auto phase = milliseconds % 320;
   if (phase < 20) return {0.3, 0, 0.02};
@@ -59,7 +59,8 @@ Vec3 stab(std::int64_t milliseconds) {
   return {-0.025, 0, 0.02};
 }
 
-/// A giant stabs the first box; another hand lies on that box, and a third hand on the other box.
+/// The strong hand hits the first box. Another hand rests on this box, and a third hand on the
+/// other box.
 Course play(MovingBench& bench, bool giant_is_there) {
   Course course;
   bench.join(kLeft);
@@ -95,7 +96,7 @@ TEST(Disturbing, WhoBreaksWhatMovesEndsAndNobodyElse) {
   EXPECT_THAT(course.goodbyes, ElementsAre(GoodbyeReason::disturbing));
   EXPECT_EQ(bench.sessions.counters().disturbing, 1u);
   EXPECT_EQ(bench.sessions.counters().evicted, 0u);
-  // After that nothing breaks.
+  // The simulation must stay stable afterwards.
   EXPECT_GT(course.ticks_after, 4000);
   EXPECT_NE(bench.sessions.find(kLeft), nullptr);
   EXPECT_NE(bench.sessions.find(kRight), nullptr);
@@ -107,14 +108,15 @@ TEST(Disturbing, WithoutHimNothingBreaks) {
   EXPECT_EQ(play(bench, false).resets, 0u);
 }
 
-/// Occasional resets are allowed: only more than half a reset a second ends a session.
+/// The server must tolerate occasional resets. Only more than half a reset a second may end a
+/// session.
 TEST(Disturbing, NowAndThenIsForgiven) {
   const Scene scene = test::explosive();
   MovingBench bench(scene);
   bench.join(kLeft);
   std::uint64_t resets = 0;
   for (int n = 0; n < 60'000; ++n) {
-    // It touches every three seconds until the scene breaks.
+    // The hand touches every three seconds until the simulation breaks.
     const bool touches = bench.world().counters().resets <= resets && n % 3000 > 2500;
     if (n % 3000 == 0) resets = bench.world().counters().resets;
     bench.hand(kLeft, touches ? Vec3(0, 0, 0.1705) : Vec3(0, 0, 0.5));
@@ -125,7 +127,7 @@ TEST(Disturbing, NowAndThenIsForgiven) {
   EXPECT_GE(bench.world().counters().resets, 15u);
 }
 
-/// No hand is to blame for a scene that breaks by itself: all hands stay.
+/// A scene may break by itself. No hand is the cause, and all hands must stay.
 TEST(Disturbing, ASceneThatBreaksByItselfBlamesNobody) {
   // The ball is too fast after a tenth of a second.
   const Scene scene = moving({object("ball", Sphere{0.05}, {.stiffness = 1000})}, {0},
@@ -141,14 +143,15 @@ TEST(Disturbing, ASceneThatBreaksByItselfBlamesNobody) {
   EXPECT_NE(bench.sessions.find(kLeft), nullptr);
 }
 
-/// A whole server: log and summary report it, and the client must stay out for a while.
+/// The log and summary of a complete server must report the hand. The client must stay out for some
+/// time.
 TEST(Disturbing, IsCountedAndKeptOut) {
   std::vector<Scene> scenes;
   scenes.push_back(boxes());
   Server server(test::any_port(), std::move(scenes), test::security());
   test::ControlClient control(server.control_port());
   SessionParameters parameters;
-  parameters.servo_period = 1e-5;  // allows many samples
+  parameters.servo_period = 1e-5;  // [s] allows many samples
   control::JoinRequest request = test::join_request(parameters);
   request.scene = "moving";
   request.device = giant();

@@ -1,4 +1,4 @@
-// The shares of a scene's thread when time is short. The clock is simulated.
+// Tests how sessions share a scene's thread when time is short. The clock is simulated.
 
 #include "server/scene/fair_share.hpp"
 
@@ -21,11 +21,11 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-/// A thread that answers datagrams one by one, from a socket that holds 5000.
+/// A thread that answers datagrams in turn, from a socket with room for 5000.
 class Thread {
  public:
   static constexpr std::size_t kRoom = 5000;
-  static constexpr Nanoseconds kDropped{1000};  // cost of a dropped datagram
+  static constexpr Nanoseconds kDropped{1000};  // [ns] cost of a dropped datagram
 
   explicit Thread(const Scene& scene) : sessions_(scene, 60s, 64, nullptr, {.sample_rate = 1.5}) {}
 
@@ -49,7 +49,7 @@ class Thread {
       answer(id);
     }
   }
-  /// An answer of this session takes `time`.
+  /// Lets an answer of this session take `time`.
   void stall(std::uint64_t id, Nanoseconds time) {
     const Nanoseconds cost = std::exchange(clients_[id].cost, time);
     answer(id);
@@ -82,7 +82,7 @@ class Thread {
   }
   void answer(std::uint64_t id) {
     Client& client = clients_[id];
-    // A datagram that the socket lost shows only as a gap.
+    // The session detects a lost datagram only by a gap.
     const std::uint64_t index = ++sent_[id];
     DatagramBuffer out;
     const Bytes reply =
@@ -104,7 +104,8 @@ class Thread {
 
 constexpr std::uint64_t kGreedy = 9 << 8;
 
-/// A session at 100 kHz beside ten at 1 kHz asks for twice the thread's time.
+/// Ten sessions send at 1 kHz and one session at 100 kHz. Their requests take twice the thread's
+/// time.
 TEST(FairShare, WhoAsksForAHundredKilohertzTakesNothingFromTheOthers) {
   const Scene scene = test::room();
   Thread thread(scene);
@@ -114,15 +115,15 @@ TEST(FairShare, WhoAsksForAHundredKilohertzTakesNothingFromTheOthers) {
   thread.forget();
   thread.run(2s);
   for (std::uint64_t n = 1; n <= 10; ++n) EXPECT_GT(thread.answered((100 + n) << 8), 0.99) << n;
-  // It gets the rest of nine tenths: 70 % of the thread.
+  // The greedy session gets the rest of nine tenths: 70 % of the thread.
   EXPECT_NEAR(thread.share(kGreedy), 0.7, 0.1);
   EXPECT_GT(thread.sessions().shed(), 10'000u);
   EXPECT_EQ(thread.sessions().counters().drops[static_cast<std::size_t>(DropReason::rate)],
             thread.sessions().shed());
 }
 
-/// All ask for more than exists: each gets an equal time, although the costs of their answers
-/// differ tenfold.
+/// All sessions request more time than exists. Each must get an equal time, although their costs
+/// per answer differ tenfold.
 TEST(FairShare, EqualDemandGetsEqualTime) {
   const Scene scene = test::room();
   Thread thread(scene);
@@ -142,7 +143,8 @@ TEST(FairShare, WhoIsAloneAndAsksForLittleLosesNothing) {
   EXPECT_EQ(thread.sessions().shed(), 0u);
 }
 
-/// An answer takes five periods: the thread drops waiting datagrams instead of answering them late.
+/// An answer takes five periods. The thread must drop waiting datagrams instead of answering them
+/// late.
 TEST(FairShare, ASceneThatIsTooSlowAnswersTheNewest) {
   const Scene scene = test::room();
   Thread thread(scene);
@@ -176,15 +178,15 @@ TEST(FairShare, TheLevelGoesUpByWhatOthersLeave) {
   EXPECT_FALSE(share.admit(other));
   EXPECT_TRUE(share.admit(one));
   EXPECT_TRUE(share.admit(idle));
-  // All but the 10 ms of `one`, which fade meanwhile.
+  // The level is 90 ms minus the time of `one`, which has decayed from 10 ms.
   EXPECT_NEAR(share.level(), 0.09 - share.used(one), 1e-9);
-  // The time of an ended session is freed and soon forgotten.
+  // The time of an ended session must become free and must be forgotten soon.
   share.remove(other);
   share.balance(1s + 500ms);
   EXPECT_EQ(share.level(), std::numeric_limits<double>::infinity());
 }
 
-/// A forged datagram with a session's number costs that session nothing.
+/// A forged datagram with a session's number must cost the session no time.
 TEST(FairShare, WhatIsForgedIsChargedToNobody) {
   FairShare share(2);
   const auto session = share.add(1e-3);
@@ -198,7 +200,7 @@ TEST(FairShare, WhatIsForgedIsChargedToNobody) {
   EXPECT_TRUE(share.admit(session));
 }
 
-/// Other programs stopped the thread for a second: no session is charged.
+/// Other programs stopped the thread for a second. The server must charge this time to no session.
 TEST(FairShare, AStallOfTheMachineIsChargedToNobody) {
   const Scene scene = test::room();
   Thread thread(scene);

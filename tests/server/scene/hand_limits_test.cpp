@@ -1,4 +1,5 @@
-// Hands that act on moving objects beyond human limits must not hurt the others.
+// Hands that exceed human limits act on moving objects. These hands must not disturb the other
+// hands.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,8 +25,8 @@ using test::object;
 
 constexpr double kTick = kDefaultTick;
 
-/// A hand lies on the box. Another hand jumps at each sample from a kilometre on one side of it to
-/// a kilometre on the other side.
+/// A hand rests on the box. At each sample, another hand jumps from a kilometre on one side to a
+/// kilometre on the other side.
 TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
   const Scene scene = box_on_table();
   const auto run = [&](bool disturbed) {
@@ -45,7 +46,7 @@ TEST(HandLimits, AHandThatJumpsAKilometreDisturbsNobody) {
   EXPECT_EQ(run(true), run(false));
 }
 
-/// A hand pushes a ball in a tick with at most its device's force, at any depth.
+/// A hand must push a ball in a tick with at most its device's force, at any depth.
 TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
   const Scene scene = moving({object("ball", Sphere{0.1}, {.stiffness = 1000})}, {0},
                              {body("ball", 2.0)}, kWeightless);
@@ -66,8 +67,8 @@ TEST(HandLimits, AHandPushesWithItsDevicesForceAtMost) {
   EXPECT_NEAR(largest, most, 1e-9);
 }
 
-/// A hand stays right behind the ball at any speed. It repeatedly moves the metre that a network
-/// may have held back, and then the ball is gone.
+/// A hand stays directly beside the ball at any speed. The hand repeatedly moves by a metre, which
+/// network delay may explain. The ball then moves away.
 TEST(HandLimits, AHandThatChasesABodyBreaksNothing) {
   const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                              {body("ball", 0.1)}, kWeightless);
@@ -90,7 +91,7 @@ TEST(HandSpeedLimit, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
   std::uint64_t now = 0;
   // 1 kHz at 9.9 m/s for five seconds.
   for (; now < 5000; ++now) ASSERT_TRUE(pace.follow(9.9e-3, now)) << now;
-  // No sample for 100 ms, then all of them at once.
+  // No sample arrives for 100 ms. Then all arrive at once.
   now += 100;
   for (int n = 0; n < 100; ++n) ASSERT_TRUE(pace.follow(9.9e-3, now)) << n;
   EXPECT_EQ(pace.trust(now), 1.0);
@@ -101,7 +102,7 @@ TEST(HandSpeedLimit, CountsTheServersTimeAndForgivesWhatANetworkHeldBack) {
   EXPECT_EQ(pace.trust(now + 5000), 1.0);
 }
 
-/// If the world cannot keep up, the clock and not the world's steps measures a hand's speed.
+/// If the world is too slow, the speed of a hand must use the clock instead of the world's steps.
 TEST(HandLimits, AHandIsNotTooFastBecauseTheWorldIsSlow) {
   const Material smooth{.stiffness = 1000};
   const Vec3 half(0.2, 0.2, 0.02), low(0, 0, 0.02);
@@ -112,7 +113,7 @@ TEST(HandLimits, AHandIsNotTooFastBecauseTheWorldIsSlow) {
   bench.join(kLeft);
   double least = 1e9;
   for (int n = 0; n < 200; ++n) {
-    // Some 0.3 m/s by the clock, up to 100 m/s by the world's steps.
+    // The speed is some 0.3 m/s by the clock, and up to 100 m/s by the world's steps.
     const double x = 0.1 * std::sin(50.0 * n);
     const double felt = bench.hand(kLeft, {x, 0, 0.039}).command.elastic.z();
     if (n > 20) least = std::min(least, felt);

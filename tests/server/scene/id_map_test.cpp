@@ -8,7 +8,7 @@
 namespace feltwire::id_map_test {
 namespace {
 
-/// Compares it with std::map, with colliding ids.
+/// Compares IdMap with std::map, with colliding ids.
 TEST(IdMap, MatchesAMap) {
   std::mt19937_64 random(5);
   for (const std::size_t capacity : {1u, 2u, 7u, 64u}) {

@@ -1,5 +1,5 @@
-// A session's local model over the wire: the server makes it, the wire rounds it to float32, and a
-// client renders it like the scene.
+// Tests a session's local model over the wire. The server makes it, the wire rounds it to float32,
+// and a client must render the force of the scene.
 
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST(ModelSession, OnlyWhoAsksForItGetsOne) {
   EXPECT_FALSE(modelled.take(sample(2, over_table), {}).reply.modelled);
 }
 
-// A reload brings other surfaces with equal names: the client must not continue the old ones.
+// A reload brings other surfaces with equal names. The client must not continue the old contacts.
 TEST(ModelSession, EachSceneThatItEntersHasANumberOfItsOwn) {
   const Scene scene = room(), again = room();
   Session session(request(true), scene);
@@ -93,7 +93,8 @@ TEST(ModelSession, WhoShapesIsToldTheWallsOfACorner) {
     const Reply three = session.take(sample(3, {-1e-3, -2e-3, -3e-3}), {}).reply;
     ASSERT_EQ(three.normals.count, 3);
     for (const Reply* reply : {&two, &three}) {
-      Vec3 across = reply->command.elastic;  // less the walls' part
+      // starts as the command, minus the part along each wall's normal
+      Vec3 across = reply->command.elastic;
       for (int i = 0; i < reply->normals.count; ++i) {
         const Vec3& normal = reply->normals.unit[static_cast<std::size_t>(i)];
         EXPECT_NEAR(normal.maxCoeff(), 1.0, 1e-12);
@@ -109,13 +110,13 @@ TEST(ModelSession, WhoShapesIsToldTheWallsOfACorner) {
   }
 }
 
-// Hands near places on the room's surfaces; every 20 ms a model passes through the codec.
+// Hands move near the surfaces of the room. Every 20 ms a model passes through the codec.
 TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
   const Scene scene = room();
   Random random(6);
   Encoder encoder;
   int touched = 0, ticks = 0, spoke = 0;
-  double worst = 0.0;  // [N]
+  double worst = 0.0;  // [N] largest error
   for (int run = 0; run < 60; ++run) {
     Session session(request(true), scene);
     test::FollowedHand hand(scene, 20);
@@ -140,8 +141,8 @@ TEST(ModelSession, OverTheWireItIsTheSceneToFloatPrecision) {
       sent = session.take(sample(static_cast<std::uint64_t>(n), tool.position), {}).reply;
     }
   }
-  // float32 stores 0.1 m with an error of 4 nm, or 6 uN at 1500 N/m; friction and damping add as
-  // much.
+  // float32 stores 0.1 m with an error of 4 nm, or 6 uN at 1500 N/m. Friction and damping add an
+  // equal error.
   EXPECT_LT(worst, 5e-5);
   EXPECT_GT(worst, 0.0);
   EXPECT_GT(touched, 5000);

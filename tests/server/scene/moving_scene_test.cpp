@@ -1,5 +1,5 @@
-// Hands in a scene with moving bodies, through the server's SceneSessions, with a simulated clock
-// and a datagram a millisecond and hand.
+// Tests hands among moving bodies in the server's SceneSessions. The clock is simulated, and each
+// hand sends a datagram per millisecond.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(MovingScene, WhatTheHandsAreToldTheBodyTakesNegated) {
   EXPECT_NEAR((bench.world().momentum() + told).norm(), 0.0, 1e-12 * sum);
 }
 
-/// Two hands squeeze, lift and carry the box; a second pair takes over, then lets it fall.
+/// Two hands squeeze, lift and carry the box. A second pair takes over, then lets the box fall.
 TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
   const Scene scene = box_on_table();
   Bench bench(scene);
@@ -58,12 +58,13 @@ TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
     const double s = std::clamp((t - from) / (until - from), 0.0, 1.0);
     return s * s * (3 - 2 * s);
   };
-  constexpr double kOutside = 0.03, kGrip = 0.0175;  // [m] from the box's middle; 2.5 mm deep
+  constexpr double kOutside = 0.03, kGrip = 0.0175;  // [m] from the box's centre; 2.5 mm deep
   double held_height = 0.0, handed_height = 0.0;
   for (int n = 0; n <= 6000; ++n) {
     const double t = 1e-3 * n;
     const double lift = 0.1 * smooth(t, 0.5, 1.5);
-    // The first pair grips along x from 0.2 s to 3 s, the second along y from 2.2 s to 4.5 s.
+    // The first pair grips along x from 0.2 s to 3 s. The second pair grips along y from 2.2 s to
+    // 4.5 s.
     const double first =
         kOutside - (kOutside - kGrip) * (smooth(t, 0.0, 0.3) - smooth(t, 3.0, 3.3));
     const double second =
@@ -76,10 +77,10 @@ TEST(MovingScene, HandsLiftABoxHandItOverAndLetItFall) {
     if (n == 1900) held_height = bench.place(1).z();
     if (n == 4400) handed_height = bench.place(1).z();
   }
-  // 1.98 N of weight on springs of 1000 N/m: a hand is at most 1 mm above its stick point.
+  // The weight of 1.98 N is on springs of 1000 N/m. A hand is at most 1 mm above its stick point.
   EXPECT_NEAR(held_height, 0.12, 1e-3);
   EXPECT_NEAR(handed_height, held_height, 1e-3);
-  EXPECT_NEAR(bench.place(1).z(), 0.02, 3e-4);  // on the table again
+  EXPECT_NEAR(bench.place(1).z(), 0.02, 3e-4);  // The box is on the table again.
   EXPECT_EQ(bench.sessions.counters().world.resets, 0u);
   EXPECT_EQ(bench.sessions.counters().ticks_dropped, 0u);
 }
@@ -106,21 +107,22 @@ TEST(MovingScene, AButtonGivesWayAndComesBack) {
     return reply.command.elastic.z();
   };
   press(0.02, 100);
-  EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);  // at its stop
-  // Two springs in series; the button's spring is preloaded by 2 mm, and the weight helps:
-  // 300 (2 mm + s) + m g = 1000 (3 mm - s) for the button's way s. The force acts on both sides.
+  EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);  // The button is at its stop.
+  // Two springs are in series. The button's spring is preloaded by 2 mm, and the weight acts too:
+  // 300 (2 mm + s) + m g = 1000 (3 mm - s) for the displacement s. The force acts on both sides.
   const double weight = 0.02 * 9.81;
   const double way = (1000 * 0.003 - 300 * 0.002 + weight) / 1300.0;
   EXPECT_NEAR(press(0.012, 1000), 1000 * (0.003 - way), 0.01);
   EXPECT_NEAR(bench.place(0).z(), 0.01 - way, 1e-5);
-  // At the lower stop: the stop carries the rest of the force.
+  // At the lower stop, the stop carries the rest of the force.
   EXPECT_NEAR(press(0.005, 1000), 6.0, 0.1);
   EXPECT_NEAR(bench.place(0).z(), 0.006, 1e-4);
   press(0.03, 500);
   EXPECT_NEAR(bench.place(0).z(), 0.01, 1e-5);
 }
 
-/// A silent hand fades: its full force for half of hold_time, none after hold_time.
+/// The force of a silent hand must fade. The force is complete for half of hold_time, and zero
+/// after hold_time.
 TEST(MovingScene, ASilentHandLetsGo) {
   const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                              {body("ball", 10.0)}, kWeightless);
@@ -134,8 +136,8 @@ TEST(MovingScene, ASilentHandLetsGo) {
     bench.advance();
     speeds.push_back(bench.world().momentum().x());
   }
-  // 20 ticks at full force, then a fade from 1 to 0 that adds 10 ticks. Meanwhile the ball moves
-  // 0.1 mm of 1 mm.
+  // 20 ticks have the full force. A fade from 1 to 0 then adds 10 ticks. The ball moves 0.1 mm of 1
+  // mm meanwhile.
   EXPECT_NEAR(speeds.back(), force * kTick * 30.5, 0.1 * force * kTick * 30.5);
   EXPECT_EQ(speeds[40], speeds.back());
   EXPECT_LT(speeds[38], speeds[39]);
@@ -186,7 +188,7 @@ TEST(MovingScene, CountsHowLateItsTicksAre) {
   bench.advance(1ms);     // on time
   bench.advance(1200us);  // 0.2 ms late
   bench.advance(100us);   // too early for another tick
-  bench.advance(5900us);  // six ticks, the first of them 5.2 ms late
+  bench.advance(5900us);  // six ticks, the first 5.2 ms late
   const TimeCounts late = bench.sessions.counters().world_late;
   EXPECT_EQ(late.sum(), 5'400'000u);
   EXPECT_EQ(late.counts()[0], 1u);
@@ -194,12 +196,12 @@ TEST(MovingScene, CountsHowLateItsTicksAre) {
   EXPECT_EQ(late.counts()[9], 1u) << "up to 10 ms";
 }
 
-/// A tick takes three times its length: soon no call makes more than one tick.
+/// A tick takes three times its simulated time. Soon no call may make more than one tick.
 TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
   const Scene scene = moving({object("ball", Sphere{0.03})}, {0}, {body("ball", 1.0)});
   Bench bench(scene);
   bench.join(kLeft);
-  std::uint64_t steps = 0;  // in a call
+  std::uint64_t steps = 0;  // steps in a call
   const auto advance = [&](Nanoseconds by) {
     const std::uint64_t before = bench.world().counters().steps;
     bench.advance(by);
@@ -214,13 +216,13 @@ TEST(MovingScene, AWorldThatCannotKeepUpGoesSlowerInSmallSteps) {
   EXPECT_EQ(steps, 1u);
   EXPECT_EQ(bench.sessions.counters().ticks_dropped + bench.world().counters().steps,
             static_cast<std::uint64_t>((bench.now - 1s) / 1ms));
-  // When it keeps up again, it catches up after stalls as before.
+  // When the world is fast enough again, it must make up for stalls as before.
   for (int n = 0; n < 10; ++n) advance(1ms);
   advance(20ms);
   EXPECT_EQ(steps, 20u);
 }
 
-/// A timer steps one by one, or the next datagram makes all steps: the results are equal.
+/// A timer makes single steps, or the next datagram makes all steps. The results must be equal.
 TEST(MovingScene, WhenStepsAreTakenMakesNoDifference) {
   const Scene scene = box_on_table();
   const auto run = [&](bool timer) {
@@ -246,8 +248,8 @@ TEST(MovingScene, WhenStepsAreTakenMakesNoDifference) {
   EXPECT_GT(stepped.back(), 1e-4);
 }
 
-/// A slow hand's link must not make a light body swing up: between two samples the body meets the
-/// hand, and not an old force.
+/// The link of a slow hand must not make a light body oscillate. Between two samples, the body must
+/// meet the hand instead of an old force.
 TEST(MovingScene, ASlowHandHoldsALightBodyCalmly) {
   constexpr double kStiffness = 2000.0;
   const Scene scene = moving({object("ball", Sphere{0.02}, {.stiffness = kStiffness})}, {0},
@@ -266,11 +268,11 @@ TEST(MovingScene, ASlowHandHoldsALightBodyCalmly) {
     bench.advance();
     fastest = std::max(fastest, bench.world().momentum().norm() / 0.01);
   }
-  // The ball swings about the middle, 50 um away: 0.05 mm times 632 rad/s.
+  // The ball oscillates about the middle, 50 um away: 0.05 mm times 632 rad/s.
   EXPECT_LT(fastest, 0.04);
 }
 
-/// All hands are told of a reset, and of the end of the recovery.
+/// All hands must get a report of a reset, and of the end of the recovery.
 TEST(MovingScene, AResetIsToldInTheReplies) {
   const Scene scene = test::explosive();
   Bench bench(scene);
@@ -287,8 +289,8 @@ TEST(MovingScene, AResetIsToldInTheReplies) {
   EXPECT_EQ(reply.command.force(), Vec3::Zero());
   int told = 0;
   for (int n = 0; n < 600; ++n) {
-    told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // told to each hand
-    bench.hand(kLeft, {0, 0, 0.1});                              // back out
+    told += bench.hand(kRight, {0, 0, 0.5}).recovering ? 1 : 0;  // Each hand gets the report.
+    bench.hand(kLeft, {0, 0, 0.1});                              // The hand moves out again.
     bench.advance();
   }
   EXPECT_EQ(bench.world().counters().resets, 1u);
@@ -311,7 +313,7 @@ TEST(MovingScene, ReceivingNeverAllocates) {
   EXPECT_EQ(bench.allocated, 0u);
 }
 
-/// For a minute a hand with a tremor lies on a box on a table.
+/// For a minute a hand with a tremor rests on a box on a table.
 TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
   const Scene scene = box_on_table();
   Bench bench(scene);
@@ -320,7 +322,7 @@ TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
   const auto settle = [&](int ticks, bool tremor) {
     double least = 1e9, most = -1e9;
     for (int n = 0; n < ticks; ++n) {
-      const double moved = tremor ? kTremor * std::sin(0.06 * n) : 0.0;  // 10 Hz
+      const double moved = tremor ? kTremor * std::sin(0.06 * n) : 0.0;  // A tremor of 10 Hz
       const double force =
           bench.hand(kLeft, {0.005 + 20 * moved, 0, 0.04 - kDepth + moved}).command.elastic.z();
       least = std::min(least, force);
@@ -332,8 +334,8 @@ TEST(MovingScene, ARestingHandNeitherCreepsNorBuzzes) {
   settle(2000, true);
   const Vec3 place = bench.place(1);
   const auto [least, most] = settle(58000, true);
-  EXPECT_NEAR((bench.place(1) - place).norm(), 0.0, 2e-5);           // no creep
-  EXPECT_NEAR(most - least, 2 * kTremor * kGrippy.stiffness, 0.01);  // only the tremor
+  EXPECT_NEAR((bench.place(1) - place).norm(), 0.0, 2e-5);           // The box must not creep.
+  EXPECT_NEAR(most - least, 2 * kTremor * kGrippy.stiffness, 0.01);  // Only the tremor may remain.
   const auto [quiet_least, quiet_most] = settle(1000, false);
   EXPECT_LT(quiet_most - quiet_least, 0.05);
 }

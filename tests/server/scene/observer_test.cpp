@@ -1,5 +1,5 @@
-// Observers through SceneSessions, with a simulated clock: their views, and that no hand feels
-// them.
+// Tests observers in SceneSessions with a simulated clock. The tests check the views, and that no
+// observer affects a hand.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint64_t kAnna = 1 << 8, kBert = 2 << 8, kEye = 3 << 8;
 
-/// A scene whose sessions send samples when told.
+/// A scene with sessions that send samples on request.
 struct Stage : test::SampleExchange {
   explicit Stage(const Scene& of, std::size_t slots = 8)
       : SampleExchange(of, slots, {.sample_rate = 1e6}) {}
@@ -33,7 +33,7 @@ struct Stage : test::SampleExchange {
     ASSERT_TRUE(std::holds_alternative<control::JoinAccepted>(
         sessions.answer(request, id, test::keys(id), now)));
   }
-  /// The payload of the answer; empty if it was withheld.
+  /// Returns the payload of the answer, or nothing if the server withheld it.
   std::vector<std::uint8_t> send(std::uint64_t id, const Pose& pose, const Command& held = {}) {
     Sample sample;
     sample.pose = pose;
@@ -43,7 +43,7 @@ struct Stage : test::SampleExchange {
   std::vector<std::uint8_t> send(std::uint64_t id, const Vec3& place, const Command& held = {}) {
     return send(id, Pose{place, Quaternion::Identity()}, held);
   }
-  /// The next view of an observer at `place`.
+  /// Returns the next view of an observer at `place`.
   SceneView look(std::uint64_t id = kEye, const Vec3& place = Vec3::Zero()) {
     now += 1ms;
     SceneView view;
@@ -66,7 +66,7 @@ TEST(Observer, SeesTheHandsWhereTheyAre) {
   stage.join(kAnna, Role::operator_);
   stage.join(kEye, Role::observer);
   stage.join(kBert, Role::admin);
-  EXPECT_EQ(stage.look().hand_count, 0u);  // no hand has sent its place
+  EXPECT_EQ(stage.look().hand_count, 0u);  // No hand has sent its position yet.
   const Quaternion turned(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   stage.send(kBert, Pose{{0.5, -0.25, 0.125}, turned},
              {.elastic = {0, 0, 2}, .frictional = {1, 0, 0}});
@@ -95,7 +95,7 @@ TEST(Observer, SeesTheHandsWhereTheyAre) {
   stage.join(kAnna, Role::operator_);
   stage.index[kAnna] = 0;
   stage.send(kAnna, Vec3(0, 0, 0));
-  EXPECT_EQ(stage.look().hand[1].number, 4u);  // a number is never reused
+  EXPECT_EQ(stage.look().hand[1].number, 4u);  // The server must never reuse a number.
 }
 
 TEST(Observer, SeesWhatMoves) {
@@ -118,7 +118,7 @@ TEST(Observer, SeesWhatMoves) {
   }
 }
 
-/// Hands and bodies that exceed a datagram come in parts; each round shows all of them.
+/// Hands and bodies that exceed a datagram must come in parts. Each round must show all of them.
 TEST(Observer, IsShownAllInTurns) {
   constexpr std::uint32_t kHands = 50;
   constexpr int kBalls = 40;
@@ -132,7 +132,7 @@ TEST(Observer, IsShownAllInTurns) {
     bodies.push_back(test::body(name.c_str(), 0.1, place));
     body_of.push_back(i);
   }
-  for (const double period : {0.001, 0.05}) {  // the second has a low rate
+  for (const double period : {0.001, 0.05}) {  // The second observer has a low rate.
     Stage stage(test::moving(objects, body_of, bodies, test::kWeightless), kHands + 2);
     SessionParameters parameters;
     parameters.servo_period = period;
@@ -163,7 +163,7 @@ TEST(Observer, IsShownAllInTurns) {
     EXPECT_EQ(seen_bodies.size(), std::size_t{kBalls});
     for (const auto& [number, times] : hands) EXPECT_EQ(times, kRounds) << "hand " << number;
     for (const auto& [object, times] : seen_bodies) EXPECT_EQ(times, kRounds) << "body " << object;
-    // The least number of datagrams, except at the change from hands to bodies.
+    // The number of datagrams must be minimal, except at the change from hands to bodies.
     const std::size_t bytes = kHands * SceneView::kHandSize + kBalls * SceneView::kBodySize;
     EXPECT_LE(views, kRounds * (bytes / (view_room(period) - SceneView::kHandSize) + 1));
   }
@@ -208,7 +208,7 @@ TEST(Observer, IsShownTheFiguresThatItAskedFor) {
   for (const SeenHand& hand : other.hands()) EXPECT_FALSE(hand.figures.has_value());
 }
 
-/// With figures, too, all come in turns, and each datagram keeps its limit.
+/// With figures, too, all hands must come in turns within the size of a datagram.
 TEST(Observer, IsShownTheFiguresOfManyInTurns) {
   constexpr std::uint32_t kHands = 30;
   for (const double period : {0.001, 0.05}) {
@@ -234,7 +234,7 @@ TEST(Observer, IsShownTheFiguresOfManyInTurns) {
   }
 }
 
-/// Compares hands with and without observers: they must agree to the bit.
+/// Compares hands with and without observers. They must agree bitwise.
 TEST(Observer, IsFeltByNobody) {
   Stage watched(weightless_ball()), alone(weightless_ball());
   for (Stage* stage : {&watched, &alone}) {
@@ -280,7 +280,7 @@ TEST(Observer, IsAnsweredAsOftenAsItAsked) {
     stage.now += 1ms;
     answers += stage.send(kEye, Vec3::Zero()).empty() ? 0 : 1;
   }
-  EXPECT_NEAR(answers, 10, 1);  // one per keep_alive, as no force changes
+  EXPECT_NEAR(answers, 10, 1);  // one answer per keep_alive, because no force changes
 }
 
 TEST(Observer, SeesTheSceneThatWasReloaded) {
@@ -292,18 +292,18 @@ TEST(Observer, SeesTheSceneThatWasReloaded) {
   const SceneView after = stage.look();
   EXPECT_EQ(after.body_count, 0u);
   EXPECT_EQ(after.bodies_from, 0u);
-  EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // so no body is left
+  EXPECT_EQ(after.bodies_end, SceneView::kLastBody);  // No body may be left.
   stage.sessions.enter(moving, stage.now);
   EXPECT_EQ(stage.look().body_count, 1u);
 }
 
-/// An observer's token must not lead a robot, whatever its samples claim.
+/// An observer's token must not lead a robot, for any content of its samples.
 TEST(Observer, LeadsNoRobot) {
   Scene scene = test::room();
   scene.set_seats({RemoteSeat{}});
   for (const Role role : {Role::observer, Role::pointer, Role::operator_}) {
     Stage stage(scene);
-    stage.lead = Lead{};  // switch open: an operator would be ready
+    stage.lead = Lead{};  // The switch is released. An operator would be ready.
     stage.join(kAnna, role);
     stage.join(kEye, Role::observer);
     stage.join(kBert, Role::follower);
@@ -318,7 +318,7 @@ TEST(Observer, LeadsNoRobot) {
     ASSERT_EQ(decode(stage.send(kAnna, Vec3::Zero()), reply), DropReason::none);
     EXPECT_EQ(reply.remote.has_value(), role == Role::operator_);
     EXPECT_EQ(stage.sessions.link_state(0) == LinkState::disabled, role != Role::operator_);
-    EXPECT_TRUE(stage.look().present);  // the datagram has room for the view
+    EXPECT_TRUE(stage.look().present);  // The datagram has room for the view.
   }
 }
 

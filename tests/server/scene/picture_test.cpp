@@ -1,5 +1,5 @@
-// Pictures of a scene: the places of hands and proxies, the data of each hand, and the exchange
-// between the scene's thread and a viewer's.
+// Tests pictures of a scene: the positions of hands and proxies, the data of each hand, and the
+// exchange between the threads of scene and viewer.
 
 #include "server/picture/picture.hpp"
 
@@ -46,7 +46,7 @@ struct Stage : test::SampleExchange {
 
 bool says(const PictureHand& hand, HandState state) { return (hand.states & bit(state)) != 0; }
 
-/// A floor of 2000 N/m at z = 0.
+/// The scene has a floor of 2000 N/m at z = 0.
 TEST(Picture, ShowsTheProxyAndWhatTheSceneAsksFor) {
   Stage stage(test::room(0.0));
   stage.join(kEye, Role::observer);
@@ -69,21 +69,21 @@ TEST(Picture, ShowsTheProxyAndWhatTheSceneAsksFor) {
   EXPECT_EQ(hand.held, Vec3(0, 0, 2.0));
   EXPECT_EQ(hand.samples, 2u);
 
-  // It moved out by 1 mm under 2 N.
+  // The hand moved out by 1 mm under 2 N.
   stage.put({-0.05, 0, 0});
   hand = stage.hand();
   EXPECT_NEAR(hand.delivered, 0.002, 1e-9);
   EXPECT_GT(hand.burned, 0.0);
 }
 
-/// The surfaces that the client gets, only if it renders a local model.
+/// A picture contains the client's surfaces only if the client renders a local model.
 TEST(Picture, HasTheSurfacesOfALocalModel) {
   SessionParameters parameters;
   for (const bool modelled : {true, false}) {
     parameters.local_model = modelled;
     Stage stage(test::room(0.0));
     stage.join(kAnna, Role::operator_, parameters);
-    EXPECT_EQ(stage.hand().surfaces.count, 0);  // before its first sample
+    EXPECT_EQ(stage.hand().surfaces.count, 0);  // before the first sample of the hand
     stage.put({-0.05, 0, 0.001});
     const LocalModel surfaces = stage.hand().surfaces;
     const auto floor =
@@ -95,7 +95,7 @@ TEST(Picture, HasTheSurfacesOfALocalModel) {
   }
 }
 
-/// In the ball and the floor at once, the proxy is outside of both.
+/// The hand is in the ball and the floor at once. The proxy must be outside of both.
 TEST(Picture, AddsTheSurfacesThatAreTouched) {
   Stage stage(test::room(0.0));
   stage.join(kAnna);
@@ -110,14 +110,14 @@ TEST(Picture, SaysWhyLittleIsFelt) {
   Stage stage(test::room(0.0));
   stage.join(kAnna, Role::operator_, test::server_bounds());
   stage.put({-0.05, 0, 0.001});
-  stage.put({-0.05, 0, -0.02}, Vec3::Zero());  // asks a 20 N device for 40 N
+  stage.put({-0.05, 0, -0.02}, Vec3::Zero());  // The scene commands 40 N, but the device has 20 N.
   PictureHand hand = stage.hand();
   EXPECT_TRUE(says(hand, HandState::touching));
   EXPECT_TRUE(says(hand, HandState::server_bound));
   EXPECT_TRUE(says(hand, HandState::saturated));
   EXPECT_TRUE(says(hand, HandState::client_less));
   EXPECT_FALSE(says(hand, HandState::silent));
-  stage.now += 150ms;  // hold_time is 100 ms
+  stage.now += 150ms;  // The hold_time is 100 ms.
   EXPECT_TRUE(says(stage.hand(), HandState::silent));
 }
 
@@ -127,7 +127,7 @@ TEST(Picture, ShowsWhatMoves) {
                                    {-1, 0}, {test::body("ball", 0.2)}, test::kWeightless);
   Stage stage(scene);
   stage.join(kAnna);
-  stage.put({0, 0, -0.028});  // pushes it up
+  stage.put({0, 0, -0.028});  // The hand pushes the body up.
   for (int i = 0; i < 100; ++i) stage.put({0, 0, -0.028});
   stage.hand();
   ASSERT_EQ(stage.picture.bodies.size(), 1u);
@@ -151,7 +151,7 @@ TEST(Picture, DescribesHandsAndNoObservers) {
   EXPECT_EQ(hands[0].joined, stage.now);
 }
 
-/// A picture allocates nothing if an earlier picture had as many hands and bodies.
+/// A picture must not allocate if an earlier picture had as many hands and bodies.
 TEST(Picture, ASecondPictureAllocatesNothing) {
   Stage stage(test::room());
   stage.join(kAnna);
@@ -166,9 +166,9 @@ TEST(PictureExchange, AsksThenGives) {
   PictureExchange exchange;
   Picture seen;
   EXPECT_FALSE(exchange.wanted());
-  EXPECT_FALSE(exchange.take(seen));  // asks for a picture
+  EXPECT_FALSE(exchange.take(seen));  // The call requests a picture.
   EXPECT_TRUE(exchange.wanted());
-  EXPECT_FALSE(exchange.take(seen));  // none yet
+  EXPECT_FALSE(exchange.take(seen));  // no picture yet
   exchange.picture().version = 5;
   exchange.give();
   EXPECT_FALSE(exchange.wanted());
@@ -177,7 +177,7 @@ TEST(PictureExchange, AsksThenGives) {
   EXPECT_TRUE(exchange.wanted());
 }
 
-/// Each picture is complete.
+/// Each picture must be complete.
 TEST(PictureExchange, BetweenThreads) {
   constexpr std::uint32_t kPictures = 2000;
   PictureExchange exchange;

@@ -1,4 +1,4 @@
-// A remote robot's workspace: the target stays inside, and the hand gets its walls.
+// Tests a remote robot's workspace. The target must stay inside, and the hand must get the walls.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ TEST(RemoteWalls, TheTargetStaysInTheWorkspaceForAnyHand) {
     bench.press(bench.anna);
     for (int i = 0; i < 5000; ++i) {
       bench.anna.at += Vec3(step(random), step(random), step(random));
-      // The hand ignores the walls, and sometimes lies about its offset.
+      // The hand ignores the walls, and sometimes reports a false offset.
       if (i % 1000 == 500) bench.anna.offset = 100.0 * Vec3::Random();
       bench.send(bench.anna);
       ASSERT_EQ(bench.target.state, engaged);
@@ -62,7 +62,7 @@ TEST(RemoteWalls, TellsTheNearestWallsWhereTheHandMeetsThem) {
   bench.press(bench.anna);
   const Vec3 began = bench.anna.at;
   for (int i = 0; i < 10; ++i) {
-    bench.anna.at += Vec3(3e-3, -2e-3, 1e-3);  // 20 times for the robot: 60, -40, 20 mm
+    bench.anna.at += Vec3(3e-3, -2e-3, 1e-3);  // 20 times as far for the robot: 60, -40, 20 mm
     bench.send(bench.anna);
   }
   const Remote told = bench.link.reply_for(bench.anna.number, bench.now);
@@ -70,7 +70,7 @@ TEST(RemoteWalls, TellsTheNearestWallsWhereTheHandMeetsThem) {
   // The robot is at (0.46, 0.06, 0.32) in the box: 40 mm to x = 0.5, 60 mm to y = 0, 80 mm to z =
   // 0.4.
   const Vec3 normals[] = {-Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitZ()};
-  const double away[] = {0.02, 0.03, 0.04};  // at the hand
+  const double away[] = {0.02, 0.03, 0.04};  // [m] in the scale of the hand
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(told.walls[i].wall.normal, normals[i]);
     EXPECT_NEAR(told.walls[i].wall.clearance(bench.anna.at), away[i], 1e-12);
@@ -104,7 +104,7 @@ TEST(RemoteWalls, LockedAxesKeepTheValueOfEachEngagement) {
   seat.speed = 10.0;
   seat.workspace.locked = {false, true, false};
   Workspace own;
-  own.turning_locked = true;  // of the robot, besides the seat's
+  own.turning_locked = true;  // The robot's own lock, in addition to the scene's
   Bench bench(seat, own);
   bench.press(bench.anna);
   for (int i = 0; i < 50; ++i) {
@@ -116,7 +116,7 @@ TEST(RemoteWalls, LockedAxesKeepTheValueOfEachEngagement) {
   }
   EXPECT_NEAR(bench.target.pose.position.x(), 0.45, 1e-12);
   EXPECT_NEAR(bench.target.pose.position.z(), 0.25, 1e-12);
-  bench.state.commanded.position.y() = 0.15;  // a person moved the robot
+  bench.state.commanded.position.y() = 0.15;  // A person moved the robot.
   bench.press(bench.anna);
   bench.anna.at.y() += 0.01;
   bench.send(bench.anna);

@@ -1,4 +1,4 @@
-// A server may withhold a reply that the client can derive from the last one.
+// A server may withhold a reply that the client can compute from the last reply.
 
 #include "server/scene/reply_deadband.hpp"
 
@@ -32,7 +32,8 @@ struct Sent {
   Reply reply;
 };
 
-/// The sent replies, and the largest relative error of the client's force, beyond the unfelt force.
+/// The sent replies, and the largest relative error of the client's force above the imperceptible
+/// force.
 struct Played {
   std::vector<Sent> sent;
   double worst = 0.0;
@@ -55,7 +56,7 @@ Played play(const SessionParameters& p, const std::function<Command(double)>& sc
   return played;
 }
 
-/// Five times: presses, slides with a changing force, and leaves.
+/// Returns the force of five strokes: each presses, slides with a changing force, and leaves.
 Command strokes(double t) {
   const double depth = std::max(0.0, std::sin(2 * M_PI * t));
   if (!(depth > 0.0)) return {};
@@ -70,7 +71,7 @@ TEST(ReplyDeadband, WhatTheClientHoldsIsWithinTheFraction) {
     for (const double k : {0.02, 0.05, 0.1, 0.2}) {
       const Played played = play(deadband(k, predictor), strokes, 5000);
       EXPECT_LE(played.worst, k * (1 + 1e-9));
-      EXPECT_LE(played.sent.size(), before);  // a larger fraction sends less
+      EXPECT_LE(played.sent.size(), before);  // A larger fraction must send less.
       before = played.sent.size();
     }
     EXPECT_LT(before, 500u);
@@ -137,7 +138,7 @@ TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
 }
 
-// Sends all replies during a recovery, and the first one after it.
+// The server must send all replies during a recovery, and the first reply afterwards.
 TEST(ReplyDeadband, NothingIsWithheldWhileWhatMovesComesBack) {
   ReplyDeadband deadband(reply_deadband_test::deadband(0.5));
   Reply reply;
@@ -151,7 +152,7 @@ TEST(ReplyDeadband, NothingIsWithheldWhileWhatMovesComesBack) {
   EXPECT_EQ(sent, std::vector<bool>({true, false, true, true, true, true, false}));
 }
 
-/// A ball of radius 50 mm; the tool slides past outside.
+/// Returns the model of a ball of radius 50 mm. The tool slides past outside.
 LocalModel ball_model(const Vec3& tool) {
   const Vec3 up = tool.normalized();
   LocalModel model;
@@ -171,11 +172,12 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   const LocalModel sent = ball_model(Vec3(0, 0, 0.048));
   const Vec3 aside(0.02, 0, 0.04);
   EXPECT_TRUE(describes(sent, sent, 0.01, 1e-6));
-  EXPECT_TRUE(describes(sent, ball_model(aside), 0.01, 1e-6));  // on the same ball
+  EXPECT_TRUE(describes(sent, ball_model(aside), 0.01, 1e-6));  // The tool is on the same ball.
   LocalModel flat = sent;
   flat.patches[0].curvature = 0.0;
   EXPECT_FALSE(describes(flat, ball_model(aside), 0.01, 1e-6));
-  EXPECT_FALSE(describes(sent, ball_model(Vec3(0, 0, 0.10)), 0.01, 1.0));  // half of the reach
+  // half of the valid radius
+  EXPECT_FALSE(describes(sent, ball_model(Vec3(0, 0, 0.10)), 0.01, 1.0));
 
   const auto changed = [&](const std::function<void(LocalModel&)>& change) {
     LocalModel now = ball_model(aside);
@@ -192,7 +194,7 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   EXPECT_FALSE(describes(narrow, ball_model(aside), 0.01, 1.0));
   EXPECT_FALSE(describes(LocalModel{}, ball_model(aside), 0.01, 1.0));
 
-  // A new surface matters within the reach of the sent model, but not beyond.
+  // A new surface must matter within the valid radius of the sent model, but not beyond.
   LocalModel more = ball_model(aside);
   more.patches[1] = more.patches[0];
   more.patches[1].object = 1;
@@ -210,7 +212,7 @@ TEST(ReplyDeadband, AModelThatStillHoldsNeedNotBeSentAgain) {
   EXPECT_FALSE(describes(moving, sent, 0.01, 1.0));
 }
 
-/// In free space the force gives no reason to send, but an approaching wall does.
+/// In free space the force gives no reason to send a reply, but an approaching wall does.
 TEST(ReplyDeadband, AModelIsRenewedBeforeTheToolLeavesIt) {
   SessionParameters p = deadband(0.1, Predictor::level, 0.05);
   p.side = BoundingSide::client;
@@ -234,7 +236,7 @@ TEST(ReplyDeadband, AModelIsRenewedBeforeTheToolLeavesIt) {
   EXPECT_LT(sent, 25);
 }
 
-/// A whole session counts withheld replies and reports the count in the next reply.
+/// A complete session must count withheld replies and report the count in the next reply.
 TEST(SessionDeadband, CountsWhatItWithholdsAndSaysSo) {
   const Scene scene = test::room(0.0);
   Session session(test::join_request(deadband(0.1)), scene);
@@ -270,7 +272,7 @@ TEST(SessionDeadband, RatesTravelWithALineOnly) {
   }
 }
 
-/// Samples that the client left out are no gap and count as a single hold. A lost sample is a gap.
+/// Omitted samples of the client are no gap and count as a single hold. A lost sample is a gap.
 TEST(Session, LeftOutIsNotLost) {
   const Scene scene = test::room(0.0);
   Session session(test::join_request(), scene);

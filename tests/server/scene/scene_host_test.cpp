@@ -1,4 +1,4 @@
-// A scene's thread divides its time between datagrams and the requests of other threads.
+// A scene's thread must divide its time between datagrams and the requests of other threads.
 
 #include "server/scene/scene_host.hpp"
 
@@ -19,9 +19,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::uint64_t kId = 0x100;
-constexpr std::uint64_t kDatagrams = 100;  // more than a batch
+constexpr std::uint64_t kDatagrams = 100;  // more datagrams than a batch holds
 
-/// A host whose socket holds a hundred samples of a joined session before it starts.
+/// A host with a joined session. The socket holds a hundred samples before the start.
 struct Crowded {
   explicit Crowded(std::function<Nanoseconds()> clock, Nanoseconds busy_poll = 0ns) {
     SceneHostOptions options;
@@ -43,15 +43,15 @@ struct Crowded {
   std::unique_ptr<test::RawSocket> socket;
 };
 
-/// A request posted during a batch waits for a single answer, not for the batch. The server's end
-/// does so, too, in a slow scene.
+/// A request that is posted during a batch must wait for a single answer instead of the batch. The
+/// server's end in a slow scene must also wait for a single answer only.
 TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   for (const Nanoseconds busy_poll : {Nanoseconds(0), Nanoseconds(1ms)}) {
     SceneHost* host = nullptr;
     int looks = 0;
     Crowded crowded(
         [&] {
-          // The first reading is the join's. At the second, the batch has been read.
+          // The join reads the clock first. At the second reading, the batch has been read.
           if (++looks == 2) host->evict(kId);
           return monotonic_now();
         },
@@ -65,7 +65,7 @@ TEST(SceneHost, WhatIsPostedWaitsForOneAnswer) {
   }
 }
 
-/// The rest of the batch is answered after the posted request.
+/// The rest of the batch must be answered after the posted request.
 TEST(SceneHost, NothingOfABatchIsLost) {
   SceneHost* host = nullptr;
   int looks = 0;
@@ -81,8 +81,8 @@ TEST(SceneHost, NothingOfABatchIsLost) {
   host->stop();
 }
 
-/// A clock on which every answer takes long: the thread reads it for each, and timers run in
-/// between.
+/// Every answer takes a long time on this clock. The thread reads the clock for each answer, and
+/// timers run in between.
 TEST(SceneHost, AnswersAllOfASlowScene) {
   Nanoseconds now{0};
   Crowded crowded([&] { return now += 10ms; });
@@ -90,7 +90,8 @@ TEST(SceneHost, AnswersAllOfASlowScene) {
   ASSERT_TRUE(test::becomes([&] { return crowded.counters().datagrams == kDatagrams; }));
   const SceneCounters counters = crowded.counters();
   EXPECT_GT(counters.samples.replies, 0u);
-  // On this clock the session uses the whole thread, so a tenth of its samples is dropped.
+  // On this clock the session uses the complete thread. A tenth of the samples is therefore
+  // dropped.
   EXPECT_EQ(counters.samples.replies + counters.shed, kDatagrams);
   crowded.host->stop();
 }

@@ -25,7 +25,8 @@ constexpr std::uint64_t kId = 0x1234567800ull;
 class SceneSessionsTest : public ::testing::Test {
  protected:
   Scene scene = test::room();
-  static constexpr SessionLimits kFast{.sample_rate = 1e6};  // no waiting for the rate
+  // With this limit the tests need not wait for the sample rate.
+  static constexpr SessionLimits kFast{.sample_rate = 1e6};
   SceneSessions sessions{scene, 2s, 2, nullptr, kFast};
   test::SealedEncoder client{test::Way::up};
   DatagramBuffer out;
@@ -61,11 +62,11 @@ TEST_F(SceneSessionsTest, SampleIsAnswered) {
   EXPECT_EQ(reply.sample_index, 3u);
 }
 
-/// A datagram with every fault, corrected in the documented order. Each fault is counted once, and
-/// only the correct datagram is answered.
+/// The test corrects a datagram with every fault in the documented order. Each fault must be
+/// counted once, and only the correct datagram may get an answer.
 TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   join(kId);
-  send(hand_batch(5));  // packet 1, so number 1 is used
+  send(hand_batch(5));  // This is packet 1, so number 1 is used.
 
   std::vector<std::uint8_t> bytes(kMaxDatagram + 1, 0xff);
   const auto expect = [&](DropReason reason) {
@@ -80,7 +81,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   expect(DropReason::version);
   bytes[2] = 1;
   expect(DropReason::kind);
-  bytes[3] = 2;  // a server receives no replies
+  bytes[3] = 2;  // A server receives no replies.
   expect(DropReason::kind);
   bytes[3] = 1;
   expect(DropReason::reserved);
@@ -96,7 +97,7 @@ TEST_F(SceneSessionsTest, FaultsAreCountedInTheOrderOfTheProtocol) {
   bytes.assign(unsound.begin(), unsound.end());
   expect(DropReason::malformed);
 
-  // With a valid envelope: each batch still has all later faults.
+  // With a valid envelope, each batch still has all later faults.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   SampleBatch batch = hand_batch(5, 2);
   batch.samples[1].index = 9;
@@ -139,11 +140,11 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   join(kId + 256, 10s);
   send(hand_batch(1), kId, 11s);
   EXPECT_TRUE(sessions.expire(11s).empty());
-  auto goodbyes = sessions.expire(12s);  // the second sent nothing since its join
+  auto goodbyes = sessions.expire(12s);  // The second session sent nothing since its join.
   ASSERT_EQ(goodbyes.size(), 1u);
   EXPECT_EQ(goodbyes[0].to.length, 0u);
   EXPECT_EQ(sessions.size(), 1u);
-  // A dropped datagram is no sign of life.
+  // A dropped datagram must not count as a sign of life.
   send(hand_batch(1), kId, 12900ms);
   EXPECT_TRUE(sessions.expire(12999ms).empty());
   goodbyes = sessions.expire(13s);
@@ -154,7 +155,8 @@ TEST_F(SceneSessionsTest, SilenceEndsASession) {
   EXPECT_EQ(reason, GoodbyeReason::evicted);
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().silent, 2u);
-  EXPECT_EQ(sessions.counters().samples.samples, 1u);  // samples of ended sessions still count
+  // Samples of ended sessions must still count.
+  EXPECT_EQ(sessions.counters().samples.samples, 1u);
   send(hand_batch(2), kId, 13s);
   EXPECT_EQ(drops(DropReason::session), 1u);
 }
@@ -166,7 +168,7 @@ TEST_F(SceneSessionsTest, GoodbyeEndsASession) {
                   .empty());
   EXPECT_EQ(sessions.size(), 0u);
   EXPECT_EQ(sessions.counters().left, 1u);
-  join(kId + 256);  // a place is free again
+  join(kId + 256);  // A slot is free again.
   join(kId + 512);
 }
 
@@ -191,10 +193,11 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   request.parameters.redundancy = 20;
   EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
   request = join_request();
-  request.parameters.c2 = 1e8;  // above this device's b/T, which needs both values to see
+  // The value is above this device's b/T. The check needs both values.
+  request.parameters.c2 = 1e8;
   EXPECT_EQ(refusal(request), RefusalCode::bad_parameters);
   EXPECT_EQ(sessions.size(), 0u);
-  // An unknown method: the answer names the known methods.
+  // The answer to an unknown method must name the known methods.
   request = join_request();
   request.parameters.mode = "no_such_method";
   const auto unknown = sessions.answer(request, kId, test::keys(kId), 0s);
@@ -213,7 +216,7 @@ TEST_F(SceneSessionsTest, RequestsThatCannotBeAreRefused) {
   SessionParameters slower;
   slower.servo_period = 2e-3;
   EXPECT_EQ(refusal(control::SetParameters{kId, slower}), RefusalCode::bad_parameters);
-  EXPECT_EQ(refusal(join_request(), kId), RefusalCode::full);  // the id exists already
+  EXPECT_EQ(refusal(join_request(), kId), RefusalCode::full);  // The id exists already.
   join(kId + 256);
   EXPECT_EQ(refusal(join_request()), RefusalCode::full);
 }
@@ -248,7 +251,7 @@ TEST_F(SceneSessionsTest, ParametersChangeAndSessionsLeave) {
   EXPECT_EQ(sessions.find(kId), nullptr);
 }
 
-// Such a change was once answered but had no effect at the client.
+// In an earlier version, such a change got an answer but had no effect at the client.
 TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
   std::uint64_t id = 0x100;
   std::size_t changed = 0;
@@ -266,7 +269,8 @@ TEST_F(SceneSessionsTest, WhatAClientActsOnDoesNotChangeBehindItsBack) {
     EXPECT_EQ(one.find(id)->parameters(), servers_alone ? change.granted : change.asked);
     const auto* refused = std::get_if<control::Refused>(&answer);
     if (refused == nullptr) continue;
-    // Only a client that allowed it at its join may be asked for another law.
+    // A client must allow a new bounding method at its join. Otherwise the server must refuse the
+    // change.
     if (change.field == "mode" || change.field == "projection" || change.field == "storage") {
       EXPECT_EQ(refused->code, control::RefusalCode::not_supported);
       EXPECT_THAT(refused->reason, ::testing::HasSubstr("its client takes no other law"));
@@ -318,7 +322,7 @@ TEST_F(SceneSessionsTest, ClientsDoNotFeelEachOther) {
   }
 }
 
-/// Fuzzed datagrams do not end, stop or change the neighbouring session.
+/// Fuzzed datagrams must not end, stop or change the neighbouring session.
 TEST_F(SceneSessionsTest, FuzzedDatagramsAreOnlyCounted) {
   join(kId);
   join(kId + 256);
@@ -349,8 +353,9 @@ TEST_F(SceneSessionsTest, DatagramsDoNotAllocate) {
   for (std::uint64_t n = 2; n <= 10'000; ++n) {
     const Bytes sent = client.samples(kId, n, hand_batch(n, 3));
     sessions.receive(sent, peer, 0s, out);
-    sessions.receive(sent, peer, 0s, out);                                       // duplicate
-    sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s, out);  // cut
+    sessions.receive(sent, peer, 0s, out);  // a duplicate
+    // a truncated datagram
+    sessions.receive(sent.first(sent.size() - n % sent.size()), peer, 0s, out);
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_EQ(sessions.counters().samples.replies, 10'000u);

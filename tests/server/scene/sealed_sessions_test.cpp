@@ -1,5 +1,5 @@
-// Sessions under attack: without a key nothing changes. A session that floods is slowed and then
-// ended. The clock is simulated.
+// Tests sessions under attack. Without a key nothing may change. A flooding session must be slowed
+// and then ended. The clock is simulated.
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -45,7 +45,7 @@ struct World {
         sessions.answer(join_request(), id, keys, now)));
   }
   void join(std::uint64_t id) { join(id, test::keys(id)); }
-  /// The size of the answer.
+  /// Returns the size of the answer.
   std::size_t receive(Bytes datagram, Nanoseconds now = 0s) {
     return sessions.receive(datagram, peer, now, out).size();
   }
@@ -60,7 +60,7 @@ struct World {
 class SealedSessions : public ::testing::TestWithParam<CipherSuite> {};
 INSTANTIATE_TEST_SUITE_P(Suites, SealedSessions, ::testing::ValuesIn(test::suites()));
 
-/// A whole exchange with each suite, independent of the machine's preference.
+/// Tests a complete exchange with each cipher suite, independent of the machine's preference.
 TEST_P(SealedSessions, BothEndsUnderstandEachOther) {
   World world;
   const SessionKeys keys = test::keys(kId, GetParam());
@@ -109,7 +109,7 @@ TEST_P(SealedSessions, NothingOfOneSessionIsOfUseInAnother) {
   Octets datagram = octets(client.samples(kId, 1, hand_batch(1)));
   write_header(datagram, {DatagramKind::samples, kOther, 1});
   EXPECT_EQ(world.receive(datagram), 0u);
-  // The server drops its own reflected datagrams, too.
+  // The server must also drop its own reflected datagrams.
   const std::size_t size = world.receive(client.samples(kId, 1, hand_batch(1)));
   Octets reflected = octets(Bytes(world.out.bytes).first(size));
   EXPECT_EQ(world.receive(reflected), 0u);
@@ -127,7 +127,7 @@ TEST(SealedSession, NobodyElseSaysGoodbyeForIt) {
   EXPECT_EQ(world.receive(stranger.goodbye(kId, 2, GoodbyeReason::leaving)), 0u);
   EXPECT_EQ(world.drops(DropReason::sealed), 1u);
   EXPECT_EQ(world.sessions.size(), 1u);
-  EXPECT_GT(world.send(2), 0u);  // the number is still unused
+  EXPECT_GT(world.send(2), 0u);  // The number is still unused.
   world.receive(world.client.goodbye(kId, 3, GoodbyeReason::leaving));
   EXPECT_EQ(world.sessions.size(), 0u);
 }
@@ -137,12 +137,12 @@ TEST(SealedSession, ANewSessionHearsNothingOfTheOld) {
   world.join(kId);
   const Octets old = octets(world.client.samples(kId, 5, hand_batch(5)));
   world.receive(world.client.goodbye(kId, 1, GoodbyeReason::leaving));
-  world.join(kId, test::keys(kId + 1));  // by chance an equal id, but never equal keys
+  world.join(kId, test::keys(kId + 1));  // The id is equal by chance, but keys are never equal.
   EXPECT_EQ(world.receive(old), 0u);
   EXPECT_EQ(world.drops(DropReason::sealed), 1u);
 }
 
-/// The number of the address that gets the goodbye.
+/// The goodbye must go to the right address. The lambda returns the number of this address.
 TEST(SealedSession, ItsAddressMovesWithTheNewestDatagramThatIsItsOwn) {
   const auto address_after = [](auto act) {
     World world;
@@ -165,7 +165,7 @@ TEST(SealedSession, ItsAddressMovesWithTheNewestDatagramThatIsItsOwn) {
               w.send(1);
             }),
             1);
-  EXPECT_EQ(address_after([](World& w) {  // held back and sent on from elsewhere
+  EXPECT_EQ(address_after([](World& w) {  // delayed and sent from another address
               w.send(3);
               w.peer = peer_at(2);
               w.send(2);
@@ -188,7 +188,7 @@ TEST(SealedSession, TooManyForgeriesEndIt) {
   for (int i = 0; i < 99; ++i) world.receive(forged);
   EXPECT_TRUE(world.sessions.expire(0s).empty());
   EXPECT_GT(world.send(2), 0u);
-  forged[16] = 3;  // a fresh packet number
+  forged[16] = 3;  // a new packet number
   world.peer = peer_at(7);
   world.receive(forged);
   EXPECT_EQ(world.send(3), 0u);
@@ -201,7 +201,7 @@ TEST(SealedSession, TooManyForgeriesEndIt) {
   EXPECT_EQ(world.sessions.counters().forged, 1u);
 }
 
-// The allowed sample rate of a session.
+// Tests of the allowed sample rate of a session.
 
 /// The counts of a session that sends at `rate` [1/s] for `time` [s].
 struct Sent {
@@ -251,7 +251,7 @@ TEST(SampleRate, WhoFloodsIsEnded) {
   EXPECT_NEAR(send_at(100'000.0, 10.0).flooding_after, 3000.0 / 97'000.0, 0.001);
 }
 
-/// A network holds datagrams back for a second and releases them at once: none is dropped.
+/// A network delays datagrams for a second and releases them at once. The server must drop none.
 TEST(SampleRate, WhatANetworkHeldBackIsTaken) {
   World world;
   world.join(kId);
@@ -262,7 +262,7 @@ TEST(SampleRate, WhatANetworkHeldBackIsTaken) {
   EXPECT_TRUE(world.sessions.expire(9s).empty());
 }
 
-/// Nine new samples in a datagram count nine times. Nine known samples count once.
+/// A datagram with nine new samples must count nine times. Nine known samples must count once.
 TEST(SampleRate, SamplesAreCountedNotDatagrams) {
   const auto answered = [](std::uint64_t fresh) {
     World world;
@@ -287,7 +287,7 @@ TEST(SampleRate, AClockThatRunsBackGivesNothingAway) {
   EXPECT_TRUE(bucket.take(50s + 201ms));
 }
 
-/// Only the holder of the key can have its session slowed or ended.
+/// Only the owner of the key may cause a rate limit or an end of the session.
 TEST(SampleRate, ForgeriesCountForNothing) {
   World world;
   world.join(kId);

@@ -44,7 +44,7 @@ TEST(Session, AnswersTheNewestSample) {
   EXPECT_EQ(session.counters().replies, 1u);
 }
 
-/// A pressed floor without a bound gives k d.
+/// A pressed floor without a bound must give k d.
 TEST(Session, CommandsTheScenesForce) {
   const Scene scene = test::room(0.0);
   SessionParameters raw = test::server_bounds();
@@ -84,8 +84,8 @@ TEST(Session, NothingNewIsStaleAndChangesNothing) {
   expect_same_forces(take(session, hand_batch(6, 3)), take(untroubled, hand_batch(6, 3)));
 }
 
-/// Up to k losses in a row with k repeated samples: the forces equal those of a perfect link to the
-/// bit, even with reordering and duplicates.
+/// Up to k datagrams in a row are lost, with k repeated samples. The forces must equal those of a
+/// perfect link bitwise, even with reordering and duplicates.
 TEST(Session, RedundancyClosesGapsExactly) {
   for (const std::string_view mode : {"contact_frame", "per_axis_projected", "total_energy"}) {
     const Scene scene = test::room();
@@ -118,7 +118,7 @@ TEST(Session, RedundancyClosesGapsExactly) {
   }
 }
 
-/// A gap is a single bounding step with its whole displacement and time.
+/// A gap must be a single bounding step with its complete displacement and time.
 TEST(Session, GapIsAccountedAsOneLongHold) {
   const Scene scene = test::room(0.0);
   Session session(join_request(), scene);
@@ -147,10 +147,10 @@ TEST(Session, GapIsAccountedAsOneLongHold) {
   rendered(0, 1e-3, 0);
   EXPECT_NEAR(rendered(-1e-4, 1e-3, 1e-4), before.command.elastic.z(), 1e-12);
   EXPECT_NEAR(rendered(-5e-4, 5e-3, 6e-4), after.command.elastic.z(), 1e-12);
-  EXPECT_TRUE(after.active);  // the bound acted, so the hold time mattered
+  EXPECT_TRUE(after.active);  // The bound acted, so the hold time mattered.
 }
 
-/// If a hold lasted longer than the sample indices say, the client's clock counts.
+/// If a hold lasted longer than the sample indices indicate, the client's clock must count.
 TEST(Session, LateSampleEarnsLessDampingCredit) {
   const Scene scene = test::room(0.0);
   Session punctual(join_request(), scene), late(join_request(), scene);
@@ -164,7 +164,7 @@ TEST(Session, LateSampleEarnsLessDampingCredit) {
   take(late, batch_at(1, 1));
   const double on_time = take(punctual, batch_at(2, 2)).command.elastic.z();
   EXPECT_LT(take(late, batch_at(2, 9)).command.elastic.z(), 0.9 * on_time);
-  // A clock that runs back is ignored.
+  // A clock that runs backwards must be ignored.
   EXPECT_TRUE(late.take(batch_at(3, -5), kNow).reply.command.finite());
 }
 
@@ -175,7 +175,7 @@ TEST(Session, SideSaysWhoBounds) {
     parameters.side = side;
     Session session(join_request(parameters), scene);
     SampleBatch batch = hand_batch(1);
-    batch.samples[0].pose.position = {-0.1, 0, -0.004};  // the first sample has no movement yet
+    batch.samples[0].pose.position = {-0.1, 0, -0.004};  // The first sample has no movement yet.
     const Reply reply = take(session, batch);
     if (side == BoundingSide::client) {
       EXPECT_NEAR(reply.command.elastic.z(), 8.0, 1e-9);
@@ -188,21 +188,22 @@ TEST(Session, SideSaysWhoBounds) {
   }
 }
 
-/// Over any movement of the hand the commands deliver at most what the device burns.
+/// Over any movement of the hand, the commands must deliver at most the energy that the device
+/// dissipates.
 TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
   const Scene scene = test::room(0.0);
   for (const std::string_view mode : {"contact_frame", "none"}) {
     SessionParameters parameters = test::server_bounds();
     parameters.mode = mode;
     Session session(join_request(parameters), scene);
-    // `port` holds each command from its own sample on; `reported` holds the force that samples
+    // `port` holds each command from its own sample on. `reported` holds the force that samples
     // report, a sample later. The observer must count `reported`.
     PortEnergy port(test::device().damping, 0, parameters.servo_period), reported = port;
     test::Generator random(17);
     Vec3 position(0, 0, -0.001);
     Command held, held_before;
     for (std::uint64_t n = 1; n <= 20'000; ++n) {
-      // The hand mostly moves with the force to take energy.
+      // The hand mostly moves with the force to extract energy.
       Vec3 step = test::vector(random, 2e-4);
       if (random() % 4 != 0 && held.force().norm() > 0)
         step = held.force().normalized() * test::uniform(random, 0, 3e-4);
@@ -219,7 +220,7 @@ TEST(Session, CommandsArePassiveWhateverTheHandDoes) {
       held = take(session, batch).command;
     }
     if (mode == "none")
-      EXPECT_GT(port.violations(), 100u);  // the hand can overdraw
+      EXPECT_GT(port.violations(), 100u);  // Without a bound the hand can extract too much energy.
     else
       EXPECT_EQ(port.violations(), 0u);
     EXPECT_NEAR(session.delivered().total(), reported.delivered().total(), 1e-9);
@@ -302,7 +303,7 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
   const double before = hold_still();
   ASSERT_GT(before, 1.0);
 
-  // A parameter outside of the bound does not change the force.
+  // A parameter outside of the bound must not change the force.
   SessionParameters parameters = test::server_bounds();
   parameters.hold_time = 0.2;
   parameters.redundancy = 5;
@@ -316,8 +317,8 @@ TEST(SessionParametersAtRunTime, ChangeOfBoundGivesNoStepUp) {
   const double delivered = session.delivered().total();
   parameters.operator_damping = 3.0;
   session.set_parameters(parameters);
-  EXPECT_EQ(hold_still(), 0.0);  // restarts from zero: no force for a resting hand
-  EXPECT_EQ(session.delivered().total(), delivered);  // the account continues
+  EXPECT_EQ(hold_still(), 0.0);  // The new bound starts at zero and gives a resting hand no force.
+  EXPECT_EQ(session.delivered().total(), delivered);  // The energy count must continue.
   double last = 0.0;
   for (int n = 0; n < 5; ++n) {
     batch.samples[0].pose.position.z() -= 5e-5;

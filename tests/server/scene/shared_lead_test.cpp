@@ -1,4 +1,4 @@
-// Several hands lead a robot together, each with its share.
+// Several hands lead a robot together. Each hand moves the target by a share of its movement.
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ TEST(SharedLead, EachMovesTheTargetByItsShareOfThoseThatAreEngaged) {
   bench.anna.at.y() -= 1e-4;
   bench.send(bench.anna);
   EXPECT_NEAR(bench.place().y(), before.y() - 0.5 * 0.5e-4, 1e-15);
-  // She releases: he leads alone, from the present place.
+  // Anna releases. Ben then leads alone, from the present position.
   const Vec3 left = bench.place();
   bench.anna.pressed = false;
   bench.send(bench.anna);
@@ -58,7 +58,7 @@ TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
   SharedBench bench({.scale = 2.0});
   bench.press(bench.anna);
   bench.press(bench.ben);
-  // A surface 3 mm above the target: a spring of 600 N/m presses with 1.8 N.
+  // A surface is 3 mm above the target. A spring of 600 N/m presses with 1.8 N.
   bench.state.contact = {.surface = 5,
                          .touching = true,
                          .point = bench.place() + Vec3(0, 0, 3e-3),
@@ -70,12 +70,12 @@ TEST(SharedLead, EveryHandFeelsTheForceOnTheRobotAndPaysItsPart) {
     EXPECT_NEAR(seen.stiffness * (seen.point - hand->at).z(), 1.8, 1e-9);
     EXPECT_NEAR(seen.stiffness, 600.0 * 2.0 * hand->share, 1e-9) << "that its own way meets";
   }
-  // He moves the target 0.1 mm deeper, and she feels it.
+  // Ben moves the target 0.1 mm deeper, and Anna must feel the force.
   bench.ben.at.z() -= 0.1e-3 / (2.0 * 0.25);
   bench.send(bench.ben);
   const RemoteContact seen = bench.link.reply_for(bench.anna.number, bench.now).contact;
   EXPECT_NEAR(seen.stiffness * (seen.point - bench.anna.at).z(), 1.86, 1e-9);
-  // The work of a force on the target is the sum of the hands' energies.
+  // The work of a force on the target must equal the sum of the hands' energies.
   const double before = bench.target.hand_work;
   bench.anna.work += 0.1;
   bench.send(bench.anna);
@@ -95,7 +95,7 @@ TEST(SharedLead, TheLargestShareTurnsTheRobot) {
   bench.anna.turn = Quaternion(Eigen::AngleAxisd(0.2, Vec3::UnitZ()));
   bench.send(bench.anna);
   EXPECT_NEAR(bench.target.pose.orientation.angularDistance(before), 0.2, 1e-7);
-  // With the larger share he turns it from its present orientation.
+  // With the larger share, Ben must rotate the robot from its present orientation.
   const Quaternion turned = bench.target.pose.orientation;
   bench.ben.share = 3.0;
   bench.send(bench.ben);
@@ -140,7 +140,7 @@ TEST(SharedLead, AHandThatFallsSilentOrJumpsHoldsItselfAlone) {
   EXPECT_EQ(bench.target.state, hold);
 }
 
-/// Ben's switch flickers at every sample: soon he leads nothing, and Anna leads alone.
+/// Ben's switch bounces at every sample. Soon Ben must lead nothing, and Anna must lead alone.
 TEST(SharedLead, ASwitchThatFlickersTakesNothingFromTheOther) {
   SharedBench bench;
   bench.ben.share = 3.0;
@@ -162,7 +162,7 @@ TEST(SharedLead, ASwitchThatFlickersTakesNothingFromTheOther) {
   EXPECT_EQ(bench.told(bench.anna), engaged);
   EXPECT_NEAR(bench.place().x() - before.x(), 1e-3, 1e-12) << "she leads alone";
   EXPECT_TRUE(bench.link.reply_for(bench.anna.number, bench.now).meets_surfaces);
-  // A switch held long enough counts again.
+  // A switch that is pressed long enough must count again.
   bench.ben.pressed = true;
   for (int n = 0; n < 600; ++n) {
     bench.send(bench.ben);
@@ -171,7 +171,7 @@ TEST(SharedLead, ASwitchThatFlickersTakesNothingFromTheOther) {
   EXPECT_EQ(bench.told(bench.ben), engaged);
 }
 
-/// A hand that leads alone hands over to a pressing hand even if its own switch flickers.
+/// A single leader must hand over to a pressing hand, even if the leader's own switch bounces.
 TEST(SharedLead, ASwitchThatFlickersKeepsTheLeadFromNobody) {
   SharedBench bench;
   bench.anna.share = bench.ben.share = 0.0;
@@ -179,7 +179,7 @@ TEST(SharedLead, ASwitchThatFlickersKeepsTheLeadFromNobody) {
   for (int n = 0; n < 20; ++n) {
     bench.anna.pressed = !bench.anna.pressed;
     bench.send(bench.anna);
-    bench.send(bench.ben);  // it waits with an open switch
+    bench.send(bench.ben);  // Ben waits with a released switch.
   }
   bench.anna.pressed = true;
   bench.send(bench.anna);
@@ -189,8 +189,8 @@ TEST(SharedLead, ASwitchThatFlickersKeepsTheLeadFromNobody) {
   EXPECT_EQ(bench.told(bench.anna), disabled);
 }
 
-/// Hands press, release, leave, move and change shares at random. The target moves only by a hand's
-/// movement times its share.
+/// Hands press, release, leave, move and change shares at random. The target must move only by a
+/// hand's movement times its share.
 TEST(SharedLead, NothingButAMovementMovesTheTarget) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0), share(0.05, 1.0);
@@ -222,7 +222,7 @@ TEST(SharedLead, NothingButAMovementMovesTheTarget) {
     changes += same ? 0 : 1;
     if (led.empty() && bench.target.state != engaged) continue;
     if (!same || what <= 2) {
-      // Another hand may have gone silent after this move.
+      // Another hand may have become silent after this move.
       ASSERT_LE((bench.place() - before).norm(), way.norm() + 1e-15) << n;
       continue;
     }
@@ -238,7 +238,7 @@ TEST(SharedLead, NothingButAMovementMovesTheTarget) {
     }
   }
   EXPECT_GT(changes, 200);
-  EXPECT_GT(together, 1000);  // some switches flicker
+  EXPECT_GT(together, 1000);  // Some switches bounce.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A path for short datagrams only: the contents of a session's replies, and a bit-equal replay of
-// its recording.
+// Tests a path for short datagrams: the contents of a session's replies, and a bitwise equal replay
+// of the recording.
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ control::JoinRequest observer() {
   return request;
 }
 
-/// A tool with a body lies on a corner: all parts of its model are near.
+/// A tool with a body touches a corner. All parts of its model are near.
 const char* const kCorner = R"({
   "name": "corner", "materials": [{ "name": "m", "stiffness": 1000 }],
   "objects": [{ "name": "top", "plane": {}, "material": "m" },
@@ -87,7 +87,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
     EXPECT_GT(whole.longest, kDatagram);
   }
 
-  // Room for some parts of a body, for some surfaces at a point, or for no model.
+  // room for some parts of a body, for some surfaces at a point, or for no model
   constexpr std::size_t kOfABody = 900;
   for (const std::size_t payload : {kOfABody, kPayload, kPayload / 2 + 40}) {
     sessions.limit_replies(kHand, payload, scene.exchange.now);
@@ -123,7 +123,7 @@ TEST_P(ShortPath, RepliesFitAndAreComputedAgainToTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(OfAPointAndOfABody, ShortPath, ::testing::Bool());
 
-/// The model's reach ends before the omitted parts, as it does not describe them.
+/// The model's valid radius must end before the omitted parts.
 TEST(ShortReply, WhatIsLeftOutIsBeyondTheReach) {
   control::JoinRequest request = modelled();
   const Scene scene = load_scene(test::repository_scene("room.json"));
@@ -154,7 +154,7 @@ TEST(ShortReply, WhatIsLeftOutIsBeyondTheReach) {
   EXPECT_GT(cut, 100);
 }
 
-/// An observer sees all hands in more turns.
+/// An observer must see all hands in more turns.
 TEST(ShortPathOfAnObserver, SeesAllInMoreTurns) {
   RecordedScene scene(test::repository_scene("room.json"));
   SceneSessions& sessions = scene.exchange.sessions;

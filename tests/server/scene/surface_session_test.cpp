@@ -1,5 +1,5 @@
-// Surfaces that a session's client has in full: their list, the right to take them, and their
-// effect on the session's replies.
+// A client may have the complete geometry of some surfaces. Tests the list of these surfaces, the
+// right to fetch them, and their effect on the session's replies.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 constexpr std::uint64_t kId = 0x100, kOther = 0x200;
 
-/// A triangle ball above a floor.
+/// Returns a ball of triangles above a floor.
 Scene ball_room() {
   Object floor, ball;
   floor.name = "floor";
@@ -72,10 +72,10 @@ TEST_F(SurfaceSession, AreMarkedFromTheNextSampleOn) {
   EXPECT_TRUE(after.patches[0].whole);
   EXPECT_EQ(after.patches[0].object, 1);
   EXPECT_EQ(after.patches[0].material.stiffness, before.patches[0].material.stiffness);
-  // It applies to this session only.
+  // The mark must apply to this session only.
   join(kOther);
   EXPECT_EQ(model(kOther).surfaces, 0u);
-  // It ends when the client has no surfaces.
+  // The mark must end when the client has no surfaces.
   ASSERT_TRUE(std::holds_alternative<control::SurfacesTaken>(take({})));
   const LocalModel none = model();
   EXPECT_EQ(none.surfaces, 0u);
@@ -92,7 +92,7 @@ TEST_F(SurfaceSession, AnotherSceneForgetsThem) {
   EXPECT_EQ(refused({1}).code, RefusalCode::bad_scene);
   ASSERT_TRUE(std::holds_alternative<control::SurfacesTaken>(take({1}, 2)));
   EXPECT_EQ(model().surfaces, 2u);
-  exchange.sessions.shut_down();  // before its scene ends
+  exchange.sessions.shut_down();  // The sessions end before their scene.
 }
 
 TEST_F(SurfaceSession, AnotherMaterialLeavesThem) {
@@ -125,7 +125,7 @@ TEST_F(SurfaceSession, ItsModelDoesNotAllocate) {
   EXPECT_EQ(exchange.allocated, 0u);
 }
 
-/// A mark stands for a whole surface, so another mark on it is no news.
+/// A mark means a complete surface. Another mark on this surface must not count as a change.
 TEST(ReplyDeadband, AWholeSurfaceIsDescribedByAnyMark) {
   LocalModel sent, now;
   sent.reach = now.reach = 0.1;

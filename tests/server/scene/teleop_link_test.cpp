@@ -1,4 +1,5 @@
-// Several hands and a robot: selects its leader, and a hand-over never moves it.
+// Tests several hands and a robot. The link selects the leader, and a hand-over must never move the
+// robot.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ TEST(TeleopLink, AHandThatReleasesHandsOverWithoutAStep) {
   ASSERT_EQ(bench.told(bench.anna), engaged);
   const Vec3 robot = bench.state.commanded.position;
   EXPECT_NEAR(robot.x(), 0.4001, 1e-12);
-  bench.send(bench.ben);  // released
+  bench.send(bench.ben);  // Ben has released.
   bench.anna.pressed = false;
   bench.send(bench.anna);
   EXPECT_EQ(bench.told(bench.anna), clutched);
@@ -40,14 +41,14 @@ TEST(TeleopLink, NobodyTakesTheLeadFromAHandThatPresses) {
   bench.press(bench.ben);
   EXPECT_EQ(bench.told(bench.anna), engaged);
   EXPECT_EQ(bench.told(bench.ben), disabled);
-  // A switch that was pressed too early, or is taped down, has no later effect.
+  // A switch that was pressed too early, or is taped down, must have no later effect.
   bench.anna.pressed = false;
   bench.send(bench.anna);
   for (int n = 0; n < 50; ++n) bench.send(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), disabled);
   bench.press(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
-  // And back to the first hand.
+  // The lead then returns to the first hand.
   bench.send(bench.anna);
   bench.ben.pressed = false;
   bench.send(bench.ben);
@@ -64,7 +65,7 @@ TEST(TeleopLink, AHandThatFellSilentKeepsNobodyWaiting) {
   bench.now += TeleopLink::kSilence;
   bench.send(bench.ben);
   EXPECT_EQ(bench.told(bench.ben), engaged);
-  bench.send(bench.anna);  // it returns, still pressed
+  bench.send(bench.anna);  // The hand returns with its switch still pressed.
   EXPECT_EQ(bench.told(bench.ben), engaged);
   EXPECT_EQ(bench.told(bench.anna), disabled);
 }
@@ -136,7 +137,7 @@ TEST(TeleopLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_FALSE(missing());
   EXPECT_LE(rotation_between(bench.target.pose.orientation, robot).norm(), 1e-12);
   EXPECT_EQ(bench.target.pose.position, Vec3(0.4, 0.1, 0.3)) << "exactly";
-  // A turning hand moves the robot to the hand's orientation.
+  // A rotating hand must move the robot to the hand's orientation.
   for (int i = 0; i < 500; ++i) {
     anna.turn = turned(anna.turn, Vec3(0.0, 1e-3, 0.0));
     bench.send(anna);
@@ -144,7 +145,7 @@ TEST(TeleopLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_LE(
       rotation_between(bench.target.pose.orientation, anna.turn * seat.aligned->offset).norm(),
       1e-9);
-  // It releases, turns away and must align again.
+  // The hand releases, rotates away and must align again.
   anna.pressed = false;
   bench.send(anna);
   EXPECT_EQ(bench.told(anna), clutched);
@@ -153,8 +154,8 @@ TEST(TeleopLink, AHandTurnsToTheRobotBeforeItEngages) {
   EXPECT_EQ(bench.told(anna), aligning);
 }
 
-/// Hands turn and press at random. None engages outside of the gate, no target turns more than 1.5
-/// times as far as its hand, and no target steps at an engagement.
+/// Hands rotate and press at random. No hand may engage outside of the gate. No target may rotate
+/// more than 1.5 times as far as its hand, or step at an engagement.
 TEST(TeleopLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -186,7 +187,7 @@ TEST(TeleopLink, NoEngagementOfAnAlignedHandTurnsTheRobot) {
   EXPECT_GT(refused, 100);
 }
 
-/// Hands press at random from anywhere. The target stays when another hand begins to lead.
+/// Hands press at random from any position. The target must stay when another hand begins to lead.
 TEST(TeleopLink, NoHandOverOfManyMovesTheRobot) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-10.0, 10.0);
@@ -214,7 +215,7 @@ TEST(TeleopLink, NoHandOverOfManyMovesTheRobot) {
   EXPECT_GT(handed_over, 100);
 }
 
-/// A hand gets all surfaces at its own contact place, along its free axes.
+/// A hand must get all surfaces at its own contact position, along its free axes.
 TEST(TeleopLink, TellsTheSurfacesBesideTheContact) {
   RemoteSeat seat;
   seat.scale = 2.0;

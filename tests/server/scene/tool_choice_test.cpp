@@ -1,4 +1,5 @@
-// Hands choose their tools, through SceneSessions with a simulated clock and in a whole server.
+// Hands choose their tools. The tests use SceneSessions with a simulated clock, and a complete
+// server.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,14 +43,14 @@ HandTool brick() {
           .name = "brick"};
 }
 
-/// A floor at z = 0 for hands with these tools.
+/// Returns a floor at z = 0 for hands with these tools.
 Scene floor_for(std::vector<HandTool> tools) {
   Scene scene("room", {test::object("floor", Plane{}, {.stiffness = 1000.0})});
   if (!tools.empty()) scene.set_tools(std::move(tools));
   return scene;
 }
 
-/// A weightless ball of 3 cm for all three tools.
+/// Returns a weightless ball of 3 cm for all three tools.
 Scene ball_for_all() {
   Scene scene = test::moving({test::object("ball", Sphere{0.03}, kGrippy)}, {0},
                              {test::body("ball", 0.2)}, test::kWeightless);
@@ -84,7 +85,7 @@ struct Bench : test::SampleExchange {
   Reply hand(std::uint64_t id, const Vec3& place) {
     return hand(id, Pose{place, Quaternion::Identity()});
   }
-  /// The force on a hand 1 mm above the floor.
+  /// Returns the force on a hand 1 mm above the floor.
   double above(std::uint64_t id) { return hand(id, Vec3(0, 0, 0.001)).command.elastic.z(); }
 };
 
@@ -103,7 +104,7 @@ TEST(ToolChoice, EachHandHoldsWhatItAsksFor) {
   EXPECT_EQ(bench.above(kSecond), 0.0);
   for (int n = 0; n < 20; ++n) bench.above(kThird);
   EXPECT_GT(bench.above(kThird), 1.0);
-  // A point's local model is the floor; a ball's is the plane where the ball's centre stops.
+  // A point's local model is the floor. A ball's model is the plane where the ball's centre stops.
   const LocalModel of_ball = bench.hand(kFirst, Vec3(0, 0, 0.01)).model;
   const LocalModel of_tip = bench.hand(kSecond, Vec3(0, 0, 0.01)).model;
   ASSERT_EQ(of_ball.count, 1);
@@ -128,7 +129,7 @@ TEST(ToolChoice, WhatIsNotThereIsRefusedWithWhatThereIs) {
   EXPECT_TRUE(std::holds_alternative<JoinAccepted>(bench.join(kFirst, "tip", Role::observer)));
 }
 
-// Newton's third law up to rounding: the ball gets the negative of the forces on three hands with
+// Newton's third law, up to rounding: the ball gets the negative of the forces on three hands with
 // three tools.
 TEST(ToolChoice, ManyToolsMoveOneBody) {
   const Scene scene = ball_for_all();
@@ -166,7 +167,7 @@ TEST(ToolChoice, AReloadKeepsTheHandsWhoseToolIsThere) {
   const Scene before = floor_for({ball(), tip(), brick()}),
               after = floor_for({tip("pin"), brick(), ball()});
   Bench bench(before);
-  bench.joined(kFirst);  // names no tool: gets the first
+  bench.joined(kFirst);  // This hand names no tool and gets the first.
   bench.joined(kSecond, "tip");
   bench.joined(kThird, "ball");
   for (const std::uint64_t id : {kFirst, kSecond, kThird}) bench.above(id);
@@ -193,24 +194,27 @@ TEST(ToolChoice, AReloadPutsHandsIntoAWorldWithTheirTools) {
   bench.above(kFirst);
   bench.above(kSecond);
   EXPECT_TRUE(bench.sessions.enter(moving, bench.now).empty());
-  EXPECT_EQ(bench.hand(kFirst, Vec3(-0.0305, 0, 0)).command, Command{});  // now a point
+  // The tool is now a point.
+  EXPECT_EQ(bench.hand(kFirst, Vec3(-0.0305, 0, 0)).command, Command{});
   bench.hand(kSecond, Vec3(0.0335, 0, 0));
   bench.sessions.tick(bench.now += 1ms);
-  EXPECT_GT(bench.hand(kSecond, Vec3(0.0335, 0, 0)).command.force().x(), 0.1);  // it stands now
+  // The tool now rests.
+  EXPECT_GT(bench.hand(kSecond, Vec3(0.0335, 0, 0)).command.force().x(), 0.1);
   bench.sessions.tick(bench.now += 1ms);
   EXPECT_LT(bench.sessions.world()->momentum().x(), 0.0);
   EXPECT_TRUE(bench.sessions.enter(still, bench.now).empty());
   EXPECT_NEAR(bench.above(kSecond), 3.0, 1e-9);
 }
 
-/// A scene file with these tools.
+/// Returns a scene file with these tools.
 std::string json(const std::string& tools) {
   return R"({"name": "room", "materials": [{"name": "m", "stiffness": 1000}],
 "objects": [{"name": "floor", "plane": {}, "material": "m"}], "tools": [)" +
          tools + "]}";
 }
 
-// A whole server: a client that loses its tool gets a goodbye, and later a refusal with its name.
+// A reload of a complete server removes a tool. The client must get a goodbye, and later a refusal
+// that names the tool.
 TEST(ToolChoice, AServersReloadTakesAToolAway) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "room.json";

@@ -1,4 +1,4 @@
-// Log lines about moving bodies, and their rate on a simulated clock.
+// Tests log lines about moving bodies, and their rate on a simulated clock.
 
 #include "server/scene/world_log.hpp"
 
@@ -32,7 +32,7 @@ TEST(WorldLog, ASceneThatIsNeverSaneSaysSoOnceASecond) {
   ASSERT_THAT(all, SizeIs(10));
   EXPECT_THAT(all[0], HasSubstr("(1 times since the last line, 1 times so far)"));
   EXPECT_THAT(all[1], HasSubstr("(1000 times since the last line, 1001 times so far)"));
-  // A single line at the end summarizes the omitted ones.
+  // A single line at the end must summarize the omitted lines.
   for (int n = 0; n < 3000; ++n) step();
   ASSERT_THAT(all, SizeIs(11));
   EXPECT_THAT(all[10], HasSubstr("10000 times so far"));

@@ -1,4 +1,4 @@
-// An admin on the live page: its changes take effect, and other roles are refused.
+// An admin's changes on the live page must take effect. Other roles must be refused.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST_F(AdminPage, AKnobChangesTheForce) {
   page.say({{"set", {{"object", "floor"}, {"stiffness", 2000}}}});
   EXPECT_EQ(page.text("changed")["text"], "object 'floor': stiffness 500 -> 2000 [N/m]");
   EXPECT_NEAR(hand.force(), 2.0, 1e-9);
-  // All viewers get the new value without a new scene.
+  // All viewers must get the new value without a new scene.
   const Json seen = watcher.text("materials");
   EXPECT_EQ(seen["objects"][0]["stiffness"], 2000.0);
   EXPECT_EQ(seen["version"], 1);
@@ -119,7 +119,7 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   RestingHand hand(client_, parameters);
   hand.force();
   Page page(server_, admin_);
-  // The page sends sessions twice a second: wait for one.
+  // The page sends sessions twice a second, so wait for a session.
   Json session;
   while (session.is_null()) {
     const Json told = page.text("sessions");
@@ -164,7 +164,7 @@ TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {
   EXPECT_EQ(summary[0].counters.evicted, 1u);
 }
 
-/// A hanging body falls with the gravity that an admin sets.
+/// A floating body must fall with the gravity that an admin sets.
 TEST(AdminPageGravity, MovesTheBodies) {
   const Vec3 place(0.2, 0, 0);
   std::vector<Object> objects = {test::object("ball", Sphere{0.03}, {.stiffness = 1000}, place)};
@@ -173,10 +173,10 @@ TEST(AdminPageGravity, MovesTheBodies) {
   scenes.emplace_back("room", objects).set_mechanism(mechanism);
   Server server(test::with_page(), std::move(scenes), test::security({}));
   ControlClient client(server.control_port());
-  RestingHand hand(client);  // the scene needs a hand to move
+  RestingHand hand(client);  // The scene moves only with a hand.
   hand.force();
   Page page(server, std::string(test::admin_token().text.text()));
-  const auto height = [&] {  // the ball's, behind the hand's data
+  const auto height = [&] {  // the height of the ball, after the hand's data
     constexpr std::size_t kZ = 24 + 112 + 4 + 8;
     float z = 0.0f;
     const auto picture = page.picture();
@@ -192,7 +192,7 @@ TEST(AdminPageGravity, MovesTheBodies) {
   test::eventually("the ball to rise", [&] { return height() > 0.01f; });
 }
 
-/// A message with an unknown request ends the connection: no page sends it.
+/// An unknown request must end the connection, because no page sends it.
 TEST(ViewerMessage, ReadsWhatAnAdminWants) {
   using web::parse_viewer_message;
   const auto all = parse_viewer_message(
@@ -254,9 +254,9 @@ TEST(AdminPageReload, IsToldToThoseWhoWatchAndWhatIsWrongToAdminsAlone) {
   std::ofstream(file) << good;
   page.say({{"reload", true}});
   EXPECT_EQ(page.text("log")["level"], "info");
-  // The watcher's first line: the file's line was not for it.
+  // The watcher must not get the line about the file. The watcher's first line is about the reload.
   EXPECT_EQ(watcher.text("log")["text"], "Scene room was reloaded from its file.");
-  EXPECT_NEAR(hand.force(), 0.5, 1e-9);  // the file's value
+  EXPECT_NEAR(hand.force(), 0.5, 1e-9);  // the value of the file
 }
 
 }  // namespace

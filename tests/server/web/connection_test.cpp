@@ -1,4 +1,5 @@
-// A connection to the live page, byte by byte: its memory for a peer that sends and does not read.
+// Tests a connection to the live page byte by byte. A peer that sends and does not read must need
+// limited memory.
 
 #include "server/web/connection.hpp"
 
@@ -16,14 +17,14 @@ namespace {
 using test::client_frame;
 using ::testing::StartsWith;
 
-/// The other end of a connection. It takes written data only when told.
+/// The other end of a connection. This end takes written data only on request.
 struct OtherEnd {
   std::vector<Output> written;
   Stream::Done taken;  // empty: no write in progress
   Stream::Read read;   // empty: no read in progress
   bool closed = false;
 
-  /// Takes the current write; the next one then starts.
+  /// Takes the current write. The next write then starts.
   void take() { std::exchange(taken, {})({}); }
   void take_all() {
     while (taken) take();
@@ -40,7 +41,7 @@ struct OtherEnd {
     }
     return all;
   }
-  /// The WebSocket frames after the answer to the request.
+  /// Returns the WebSocket frames after the answer to the request.
   std::vector<test::Frame> frames() const {
     const std::string all = text();
     const std::size_t begin = all.find("\r\n\r\n") + 4;
@@ -109,7 +110,7 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
     upgrade();
     connection_->admitted();
   }
-  /// True if the connection has ended after the pending handlers.
+  /// Returns true if the connection has ended after the pending handlers.
   bool over() {
     io_.poll();
     io_.restart();
@@ -137,7 +138,7 @@ TEST_F(ConnectionTest, ReadsNothingWhileOutputWaits) {
   EXPECT_EQ(other_.frames().size(), 2u);
 }
 
-/// Even frames that need no answer count.
+/// Frames that need no answer must count too.
 TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
   for (const auto& [opcode, last] : {std::pair(9, true), {10, true}, {0, false}}) {
     upgrade();
@@ -153,7 +154,7 @@ TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
     ASSERT_FALSE(answers.empty()) << opcode;
     EXPECT_EQ(answers.back().code(), 4400) << opcode;
     EXPECT_EQ(answers.back().reason(), "too many messages");
-    // 40 at once and 20 a second during the test.
+    // The limit is 40 at once and 20 a second during the test.
     EXPECT_LT(answers.size(), 200u) << opcode;
     EXPECT_EQ(parting_, 1);
     connection_->end();
@@ -167,7 +168,7 @@ TEST_F(ConnectionTest, EveryFrameCountsAsAMessage) {
 
 TEST_F(ConnectionTest, EndsAViewerThatLetsTooMuchWait) {
   enter();
-  connection_->send("first");  // this write never completes
+  connection_->send("first");  // This write never completes.
   const std::string news(1000, 'n');
   std::size_t sent = 0;
   for (; sent + 2 * news.size() < Viewer::kMostWaiting; sent += news.size())
@@ -209,7 +210,8 @@ TEST_F(ConnectionTest, AFileOfThePageIsNotCopied) {
   EXPECT_FALSE(other_.read) << "a second request is not read before the first is answered";
 }
 
-/// Bytes after a request are discarded so that its answer arrives, but not for ever.
+/// The server discards bytes after a request, so that its answer arrives. The server must not
+/// discard bytes forever.
 TEST_F(ConnectionTest, AnEndlessRequestEnds) {
   other_.say("POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 999999999\r\n\r\n");
   EXPECT_THAT(other_.text(), StartsWith("HTTP/1.1 400 "));
@@ -234,7 +236,7 @@ TEST_F(ConnectionTest, AViewerThatGoesOnAfterItsCloseEnds) {
   EXPECT_LE(read, Connection::kMostDiscarded + more.size());
 }
 
-/// A viewer that breaks the WebSocket rules loses its seat and its place.
+/// A viewer that breaks the WebSocket rules must lose its slot and its role.
 TEST_F(ConnectionTest, ABrokenRuleTakesTheSeat) {
   enter();
   EXPECT_FALSE(hub_.empty());

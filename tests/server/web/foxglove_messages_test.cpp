@@ -1,4 +1,4 @@
-// Messages of the Foxglove WebSocket protocol, as its specification has them.
+// Tests messages of the Foxglove WebSocket protocol against its specification.
 
 #include "server/web/foxglove_messages.hpp"
 
@@ -52,7 +52,7 @@ TEST(FoxgloveMessages, Requests) {
   const auto ended = parse_foxglove_request(R"({"subscriptionIds":[1,2],"op":"unsubscribe"})");
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->ended, (std::vector<std::uint32_t>{1, 2}));
-  // Unknown members, and ids in other places, have no effect.
+  // Unknown members, and ids in other places, must have no effect.
   const auto other = parse_foxglove_request(
       R"({"op":"advertise","id":-1,"channels":[{"id":1.5,"channelId":"x"}],"subscription":[{"id":3}]})");
   ASSERT_TRUE(other);

@@ -1,4 +1,4 @@
-// A Foxglove viewer: it gets only the newest messages of its subscriptions.
+// A Foxglove viewer must get only the newest messages of its subscriptions.
 
 #include "server/web/foxglove_viewer.hpp"
 
@@ -13,7 +13,7 @@ namespace feltwire::web {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr std::size_t kHead = 13;  // of a binary message
+constexpr std::size_t kHead = 13;  // [bytes] head of a binary message
 
 struct KeepingViewer : Viewer {
   void send(const std::string& text) override { texts.push_back(text); }
@@ -58,7 +58,7 @@ Picture picture_of(std::vector<std::uint32_t> numbers) {
   return picture;
 }
 
-/// The ids of the entities, or of the deletions, of a foxglove.SceneUpdate.
+/// Returns the ids of the entities, or of the deletions, of a foxglove.SceneUpdate.
 std::vector<std::string> ids(const Bytes& message, std::uint32_t which) {
   const std::string payload(message.begin() + kHead, message.end());
   std::vector<std::string> found;
@@ -116,7 +116,7 @@ TEST_F(FoxgloveViewers, AreToldWhoLeftAlsoAfterPicturesThatTheyMissed) {
   viewer.show(seen);
   EXPECT_THAT(ids(way.data[0], kEntities), ::testing::ElementsAre("hand 2", "hand 10", "hand 3"));
   EXPECT_TRUE(ids(way.data[0], kDeletions).empty());
-  seen.set(picture_of({3}));  // the viewer misses this picture
+  seen.set(picture_of({3}));  // The viewer misses this picture.
   seen.set(picture_of({3, 11}));
   viewer.show(seen);
   EXPECT_THAT(ids(way.data[1], kEntities), ::testing::ElementsAre("hand 3", "hand 11"));

@@ -1,4 +1,4 @@
-// Request heads: valid ones and refused ones.
+// Tests heads of requests, valid and refused.
 
 #include "server/web/http_request.hpp"
 
@@ -83,7 +83,7 @@ TEST(HttpRequest, FindsAMemberOfAList) {
   EXPECT_FALSE(has_member("", "upgrade"));
 }
 
-/// The example of RFC 6455, 1.3.
+/// This is the example of RFC 6455, 1.3.
 TEST(HttpRequest, AcceptsAWebSocketsKey) {
   EXPECT_EQ(websocket_accept("dGhlIHNhbXBsZSBub25jZQ=="), "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
   EXPECT_FALSE(websocket_accept(""));

@@ -1,4 +1,4 @@
-// Answers to requests: the page's files, the right to view, and the policy on every answer.
+// Tests answers to requests: the page's files, the right to view, and the policy of every answer.
 
 #include "server/web/http_responses.hpp"
 
@@ -55,7 +55,7 @@ TEST(Answers, TheFileAsItWasCompressed) {
   EXPECT_THAT(whole, HasSubstr("Content-Length: 3\r\n"));
   EXPECT_THAT(whole, EndsWith("\r\n\r\nabc"));
   EXPECT_THAT(asked("HEAD / HTTP/1.1\r\nHost: 127.0.0.1\r\n"), EndsWith("\r\n\r\n"));
-  // The answer uses the stored bytes, so many slow readers need no copies.
+  // The answer must use the stored bytes, so many slow readers need no copies.
   const auto request = parse_http_head(get("/", "") + "\r\n");
   EXPECT_EQ(http_response(&*request, {kPage, {}, false}).body.bytes().data(), kFile.data());
   EXPECT_THAT(asked(get("/", "If-None-Match: \"1234\"\r\n")), StartsWith("HTTP/1.1 304 "));
@@ -101,7 +101,7 @@ TEST(Answers, WhatIsNotThere) {
   EXPECT_THAT(text(http_response(&*request, {})), HasSubstr("nodejs and npm"));
 }
 
-/// On this machine anybody may ask; over a network only a token holder.
+/// On this machine every client may request the metrics. Over a network a token is necessary.
 TEST(Answers, Metrics) {
   EXPECT_THAT(asked(get("/metrics", "")), EndsWith("\r\n\r\nfeltwire_sessions 1\n"));
   EXPECT_THAT(asked(get("/metrics", ""), true), StartsWith("HTTP/1.1 401 "));
@@ -115,7 +115,7 @@ TEST(Answers, Metrics) {
   EXPECT_THAT(text(http_response(&*request, {kPage, {}, false})), StartsWith("HTTP/1.1 404 "));
 }
 
-/// The server does not answer to a foreign name that leads to this machine (DNS rebinding).
+/// The server must not answer to a foreign name that leads to this machine (DNS rebinding).
 TEST(Answers, OnlyByItsOwnNames) {
   for (const std::string ours : {"127.0.0.1", "127.0.0.1:7480", "localhost:1", "[::1]:7480",
                                  "192.168.1.5", "[::1]", "LocalHost", "localhost.", "localhost.:80",
@@ -172,7 +172,7 @@ TEST(Answers, AWebSocketOfItsOwnPage) {
   EXPECT_THAT(accepted, HasSubstr("Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n"));
   const auto request = parse_http_head(get("/live", kUpgrade + kOrigin) + "\r\n");
   EXPECT_TRUE(http_response(&*request, {kPage, {}, false}).upgraded);
-  EXPECT_FALSE(http_response(&*request, {kPage, {}, true}).upgraded);  // http differs from https
+  EXPECT_FALSE(http_response(&*request, {kPage, {}, true}).upgraded);  // http and https differ.
 }
 
 TEST(Answers, NoWebSocketOfAnotherPage) {
@@ -192,12 +192,12 @@ TEST(Answers, AWebSocketThroughAProxyThatSpeaksTls) {
   };
   EXPECT_EQ(status("lab.example", "https://lab.example"), "101");
   EXPECT_EQ(status("lab.example:8443", "https://lab.example:8443"), "101");
-  // Proxies may write the default port; browsers leave it out.
+  // Proxies may write the default port, but browsers omit it.
   EXPECT_EQ(status("lab.example:443", "https://lab.example"), "101");
   EXPECT_EQ(status("lab.example:80", "http://lab.example"), "101");
   EXPECT_EQ(status("lab.example", "http://lab.example"), "101");
   EXPECT_EQ(status("lab.example", "https://lab.example", true), "101");
-  // Refuse another site, or a proxy that was not named.
+  // The server must refuse another site, or a proxy that was not named.
   EXPECT_EQ(status("lab.example", "https://evil.example"), "403");
   EXPECT_EQ(status("lab.example", "https://lab.example.evil.example"), "403");
   EXPECT_EQ(status("lab.example", "https://evil.lab.example"), "403");
@@ -214,7 +214,7 @@ std::string foxglove(std::string_view protocols) {
   return headers.replace(headers.find(ours), ours.size(), protocols);
 }
 
-/// A ticket is sufficient proof, so any page or program may use it.
+/// A ticket is sufficient proof. Any page or program may use it.
 TEST(Answers, AWebSocketForATicket) {
   for (const std::string origin :
        {"", "Origin: https://app.foxglove.dev\r\n", "Origin: file://\r\n"})
@@ -238,7 +238,7 @@ TEST(Answers, ATicketForAToken) {
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)),
               EndsWith("\r\n\r\nws://127.0.0.1:7480/foxglove?ticket=fw_ticket\n"));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown), true), HasSubstr("\nwss://"));
-  // A proxy tells the scheme that its client used.
+  // A proxy reports the scheme that its client used.
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Proto: https\r\n")),
               HasSubstr("\nwss://127.0.0.1:7480/"));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Proto: http\r\n")),
@@ -263,7 +263,7 @@ TEST(Answers, NoHalfAWebSocket) {
   EXPECT_THAT(without("Sec-WebSocket-Protocol"), StartsWith("HTTP/1.1 400 "));
 }
 
-/// A good token or ticket is answered after any number of wrong ones.
+/// A valid token or ticket must get an answer after any number of wrong tokens.
 TEST(Answers, WrongTokensAndTicketsAreLimited) {
   Site site{kPage, {}, true};
   int left = 3;
@@ -279,7 +279,8 @@ TEST(Answers, WrongTokensAndTicketsAreLimited) {
     return text(http_response(&*request, site));
   };
   const std::string wrong = "Authorization: Bearer fw_wrong\r\n";
-  EXPECT_THAT(ask("/ticket", ""), StartsWith("HTTP/1.1 401 "));  // no token is no guess
+  // A missing token must not count as a wrong token.
+  EXPECT_THAT(ask("/ticket", ""), StartsWith("HTTP/1.1 401 "));
   EXPECT_EQ(left, 3);
   EXPECT_THAT(ask("/ticket", wrong), StartsWith("HTTP/1.1 401 "));
   EXPECT_THAT(ask("/metrics", wrong), StartsWith("HTTP/1.1 401 "));

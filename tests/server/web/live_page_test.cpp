@@ -1,4 +1,4 @@
-// The live page of a whole server, over real sockets.
+// Tests the live page of a complete server over real sockets.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Json = nlohmann::json;
 
-/// All data until the other side closes.
+/// Returns all data until the other side closes.
 std::string rest(test::RawSocket& socket) {
   std::string all;
   for (auto more = socket.receive(); !more.empty(); more = socket.receive())
@@ -87,7 +87,7 @@ TEST(LivePage, ShowsAHandThatPresses) {
   test::eventually("a picture with force", [&] {
     const auto picture = page.picture();
     constexpr std::size_t kHand = 24, kElasticZ = kHand + 8 + 4 * (3 + 4 + 3 + 2);
-    return std::abs(at<float>(picture, kElasticZ) - 4.0f) < 1e-4f;  // 2000 N/m
+    return std::abs(at<float>(picture, kElasticZ) - 4.0f) < 1e-4f;  // 2000 N/m at this depth
   });
   test::eventually("the sessions' table", [&] {
     const Json said = page.text("sessions");
@@ -103,12 +103,12 @@ TEST(LivePage, RefusesAWrongToken) {
   Page silent(server);
   silent.say({{"watch", "room"}});
   EXPECT_EQ(silent.close().code(), 4401);
-  // A viewer with wrong tokens is slowed down.
+  // The server must delay a viewer with wrong tokens.
   int slowed = 0;
   for (int i = 0; i < 12; ++i)
     if (Page(server, "fw_123456789012_wrong").close().code() == 4429) ++slowed;
   EXPECT_GE(slowed, 1);
-  // A viewer with a valid token is not slowed down.
+  // The server must not delay a viewer with a valid token.
   EXPECT_EQ(Page(server, good_token()).text("hello")["role"], "admin");
 }
 
@@ -177,7 +177,7 @@ TEST(LivePage, LetsAnotherProgramLookOnWithATicket) {
   EXPECT_EQ(geometry.opcode, 2);
   EXPECT_EQ(at<std::uint32_t>(geometry.payload, 1), 3u);
   EXPECT_THAT(Page(server, path, "foxglove.websocket.v1").head(), StartsWith("HTTP/1.1 403 "));
-  // Messages that a viewer publishes are ignored.
+  // The server must ignore messages that a viewer publishes.
   other.say({{"op", "advertise"}});
   EXPECT_EQ(Json::parse(other.next().text())["op"], "status");
   page.say({{"ticket", "cellar"}});
@@ -201,7 +201,7 @@ TEST(LivePage, SaysThatTheServerEnds) {
   EXPECT_EQ(page.close().code(), 1001);
 }
 
-/// Page and WebSocket use TLS beyond this machine; without TLS they do not answer.
+/// Page and WebSocket must use TLS beyond this machine. Without TLS they must not answer.
 TEST(LivePage, IsEncryptedBeyondThisMachine) {
   ServerConfig config = with_page();
   config.web = "0.0.0.0:0";
@@ -270,7 +270,7 @@ IssuedToken observer(const std::string& client) {
 }
 std::string text_of(const IssuedToken& token) { return std::string(token.text.text()); }
 
-/// Observers of five clients take all their places; the admins' places stay free.
+/// Observers of five clients take all their slots. The slots of admins must stay free.
 TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
   using web::ViewerHub;
   std::vector<IssuedToken> observers;
@@ -294,7 +294,7 @@ TEST(LivePage, HasPlacesForSoManyViewersAndForAdmins) {
                    [&] { return Page(server, good_token()).text("hello")["type"] == "hello"; });
 }
 
-/// All tokens of a client name count together, and its tickets, too.
+/// All tokens of a client name must count together, including the tickets of this name.
 TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
   const IssuedToken one = observer("eye"), same = observer("eye"), other = observer("ear");
   Server server(with_page(), {test::room()}, test::security({one.token, same.token, other.token}));
@@ -311,7 +311,7 @@ TEST(LivePage, OneClientDoesNotTakeEveryPlace) {
   crowd.enter(text_of(other), web::ViewerHub::kMostViewersOfClient);
 }
 
-/// Strangers crowd out only strangers.
+/// Strangers must displace only strangers.
 TEST(LivePage, StrangersTakeNoPlaceOfAViewer) {
   Server server(with_page(), {test::room()}, test::security());
   Page viewer(server, good_token());
@@ -319,7 +319,7 @@ TEST(LivePage, StrangersTakeNoPlaceOfAViewer) {
   std::vector<std::unique_ptr<test::RawSocket>> silent;
   for (int n = 0; n < 200; ++n)
     silent.push_back(std::make_unique<test::RawSocket>(SOCK_STREAM, page_port(server)));
-  // An answer to a newcomer shows that earlier connections were accepted.
+  // An answer to a new connection shows that the server accepted the earlier connections.
   test::RawSocket newcomer(SOCK_STREAM, page_port(server));
   newcomer.send(bytes("GET /health HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"));
   EXPECT_THAT(rest(newcomer), StartsWith("HTTP/1.1 200 "));
@@ -350,7 +350,8 @@ TEST(LivePage, EndsAViewerThatSaysTooMuch) {
   EXPECT_EQ(ended.reason(), "too many messages");
 }
 
-/// A network's oldest place goes to its newest connection. Other networks keep their places.
+/// In a full network, the newest connection must take the slot of the oldest. Other networks must
+/// keep their slots.
 TEST(LivePage, ANetworkTakesPlacesFromItself) {
   web::WebOptions options;
   options.address = asio::ip::make_address("127.0.0.1");

@@ -1,4 +1,4 @@
-// The page's messages byte by byte, as docs/live_page.md describes them.
+// Tests the page's messages byte by byte against docs/live_page.md.
 
 #include "server/web/page_messages.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Reads a binary message from its front.
+/// Reads a binary message from its beginning.
 struct Reader {
   const Bytes& bytes;
   std::size_t at = 0;
@@ -77,19 +77,19 @@ TEST(Messages, ASceneHasItsObjects) {
   EXPECT_NEAR(said["objects"][1]["plane"]["normal"][2].get<double>(), -1.0, 1e-12);
   EXPECT_EQ(said["guides"][0]["kind"], "attract");
   EXPECT_NEAR(said["guides"][0]["points"][1][0].get<double>(), 0.05, 1e-12);
-  // The box of the ball and a piece of the plane.
+  // The box contains the ball and a piece of the plane.
   EXPECT_NEAR(said["box"][0][0].get<double>(), -0.2, 1e-9);
   EXPECT_NEAR(said["box"][1][2].get<double>(), 0.1, 1e-9);
 
   const std::vector<Bytes> shown = geometry(scene, 7);
-  ASSERT_EQ(shown.size(), 1u);  // the plane has no mesh
+  ASSERT_EQ(shown.size(), 1u);  // The plane has no mesh.
   Reader reader{shown[0]};
-  EXPECT_EQ(reader.whole(), 1u);  // the kind
-  EXPECT_EQ(reader.whole(), 0u);  // the object
+  EXPECT_EQ(reader.whole(), 1u);  // kind of message
+  EXPECT_EQ(reader.whole(), 0u);  // object number
   EXPECT_EQ(reader.whole(), 7u);
   const std::uint32_t vertices = reader.whole(), triangles = reader.whole();
   ASSERT_GT(vertices, 100u);
-  for (std::uint32_t i = 0; i < vertices; ++i)  // the ball's, in the world
+  for (std::uint32_t i = 0; i < vertices; ++i)  // the vertices of the ball in the world frame
     EXPECT_NEAR((reader.vector() - Vec3(0.05, 0, 0.01)).norm(), 0.02, 1e-6);
   for (std::uint32_t i = 0; i < 3 * triangles; ++i) EXPECT_LT(reader.whole(), vertices);
   EXPECT_EQ(reader.at, shown[0].size());
@@ -125,12 +125,12 @@ TEST(Messages, AGuideOfAShapeHasItsTriangles) {
       EXPECT_LT(corner.get<std::size_t>(), ball["vertices"].size());
   EXPECT_NEAR(said["box"][1][0].get<double>(), 0.312, 1e-6) << "the ball is in the box";
   EXPECT_TRUE(said["guides"][1]["triangles"].empty());
-  EXPECT_EQ(said["guides"][2]["triangles"].size(), 2u);  // its square below the start
+  EXPECT_EQ(said["guides"][2]["triangles"].size(), 2u);  // the square of the plane below the start
   EXPECT_NEAR(said["guides"][2]["vertices"][0][2].get<double>(), -0.3, 1e-9);
   EXPECT_TRUE(said["guides"][3]["triangles"].empty());
 }
 
-/// "name" is required, "name?" is optional.
+/// "name" is required, and "name?" is optional.
 void expect_members(const Json& said, const Json& members, bool all, const std::string& where) {
   std::vector<std::string> wanted, there;
   for (const Json& entry : members.at(where)) {
@@ -144,8 +144,8 @@ void expect_members(const Json& said, const Json& members, bool all, const std::
   EXPECT_EQ(there, wanted) << where;
 }
 
-/// The page's tests use a mock server in node that reads this file, so page and server agree about
-/// the members.
+/// The page's tests use a mock server in node that reads this file. Page and server therefore agree
+/// about the members.
 TEST(Messages, HaveTheMembersThatThePageIsTestedWith) {
   std::ifstream file(FELTWIRE_SOURCE_DIR "/tests/web/page/members.json");
   const Json agreed = Json::parse(file);
@@ -278,7 +278,7 @@ TEST(Messages, ASceneHasItsTools) {
   EXPECT_EQ(tools[1]["radius"], 0.0);
   EXPECT_TRUE(tools[1]["points"].empty());
 
-  // A cube of 20 mm; some of its 3000 points are sent.
+  // A cube of 20 mm. The message has some of its 3000 points.
   constexpr double kHalf = 0.01;
   const TriangleSoup cube = Box{Vec3::Constant(kHalf)}.triangles(1);
   scene.set_tool(
@@ -313,7 +313,7 @@ TEST(Messages, SurfacesAreThoseOfEachHand) {
   const Bytes bytes = surfaces(picture);
 
   Reader reader{bytes};
-  EXPECT_EQ(reader.whole(), 3u);  // the kind
+  EXPECT_EQ(reader.whole(), 3u);  // kind of message
   EXPECT_EQ(reader.whole(), 3u);
   EXPECT_EQ(reader.whole(), 2u);
   EXPECT_EQ(reader.whole(), 5u);
@@ -364,7 +364,7 @@ TEST(Messages, SessionsSayHowPunctualTheyAre) {
   EXPECT_EQ(said_first["round_trip_limits"][6], 0.1);
 }
 
-/// A gateway does not know some values.
+/// A gateway lacks some values.
 TEST(Messages, SessionsSayWhatIsNotKnown) {
   HandDescription hand;
   hand.number = 2;

@@ -1,4 +1,4 @@
-// The query of a request.
+// Tests the query of a request.
 
 #include "server/web/query.hpp"
 

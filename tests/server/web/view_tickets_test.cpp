@@ -1,4 +1,4 @@
-// A ticket works once, within a minute, for a single scene.
+// A ticket must work once, within a minute, for a single scene.
 
 #include "server/web/view_tickets.hpp"
 
@@ -44,7 +44,7 @@ TEST(ViewTickets, NoOtherTextIsOne) {
   EXPECT_TRUE(tickets.redeem(text.text(), kNow)) << "wrong texts leave it good";
 }
 
-/// A single holder cannot fill the memory or invalidate others' tickets.
+/// A single holder must not fill the memory or invalidate the tickets of others.
 TEST(ViewTickets, TheOldestOfAHolderGivesWay) {
   ViewTickets tickets;
   const Token greedy = holder("greedy");

@@ -80,7 +80,7 @@ TEST(ViewersHand, TellsItsStoryOnce) {
   hands.next->now = {.state = PageHand::State::released, .reason = "it was enough"};
   EXPECT_EQ(news(hand)["reason"], "it was enough");
   EXPECT_TRUE(news(hand).is_null());
-  hand.take("room");  // takes another hand
+  hand.take("room");  // The viewer takes another hand.
   EXPECT_EQ(hands.taken, 2);
 }
 
@@ -109,7 +109,7 @@ TEST(ViewersHand, SaysWhyThereIsNone) {
 TEST(ViewersHand, PointsNowhereWhereNoHandCanBe) {
   FakeHands hands;
   ViewersHand hand(hands, "anna", Secret("fw_1"));
-  EXPECT_TRUE(hand.point(Vec3::Zero()));  // too early, but allowed
+  EXPECT_TRUE(hand.point(Vec3::Zero()));  // A viewer may send a point before it has a hand.
   hand.take("room");
   EXPECT_TRUE(hand.point(Vec3(0.1, 0, -10)));
   for (const double wrong : {1e9, -10.001, std::numeric_limits<double>::infinity(),

@@ -1,4 +1,5 @@
-// A WebSocket end byte by byte: whole and split messages, and invalid bytes.
+// Tests the server's end of a WebSocket byte by byte: complete messages, split messages and invalid
+// bytes.
 
 #include "server/web/websocket.hpp"
 
@@ -21,7 +22,7 @@ struct End {
             most, [this](std::string_view message) { said.emplace_back(message); },
             [this] { ++begun; }) {}
 
-  /// All frames that it wants to send.
+  /// Returns all frames that the socket wants to send.
   std::vector<test::Frame> sent() {
     std::vector<std::uint8_t> bytes;
     for (auto next = socket.take_output(); !next.empty(); next = socket.take_output()) {
@@ -35,7 +36,7 @@ struct End {
   }
 
   std::vector<std::string> said;
-  int begun = 0;  // frames
+  int begun = 0;  // number of frames
   WebSocket socket;
 };
 
@@ -76,7 +77,7 @@ TEST(WebSocket, AMessageBeginsWithItsOwnBytes) {
   }
 }
 
-/// A large scene for a hundred viewers is stored once.
+/// A large scene for a hundred viewers must be stored once.
 TEST(WebSocket, ALongSharedMessageIsNotCopied) {
   const web::SharedBytes scene(std::vector<std::uint8_t>(1'000'000, 7));
   std::vector<std::unique_ptr<End>> ends;
@@ -101,7 +102,7 @@ TEST(WebSocket, ShortMessagesAreWrittenTogether) {
   EXPECT_FALSE(end.socket.has_output());
 }
 
-/// The socket counts each frame when it begins, so that a limit can bound the memory.
+/// The socket must count each frame at its beginning, so that a limit can bound the memory.
 TEST(WebSocket, CountsEveryFrameThatBegins) {
   End end;
   end.socket.receive(client_frame(1, "whole"));
@@ -200,7 +201,7 @@ TEST(WebSocket, AnswersAClose) {
   EXPECT_TRUE(end.socket.closed());
 }
 
-/// The close code that the server sends; 0: none.
+/// Returns the close code that the server sends, or 0.
 int closed_by(const std::vector<std::uint8_t>& bytes) {
   End end(1000);
   end.socket.receive(bytes);
@@ -215,7 +216,7 @@ TEST(WebSocket, ClosesOnWhatIsNoneOfItsFrames) {
   EXPECT_EQ(closed_by(client_frame(3, "x")), 1002);         // an unknown opcode
   EXPECT_EQ(closed_by(client_frame(1, "\xFF\xFE")), 1007);  // not UTF-8
   EXPECT_EQ(closed_by(client_frame(1, std::string(1001, 'x'))), 1009);
-  EXPECT_EQ(closed_by(client_frame(2, "x")), 4400);  // only text is accepted
+  EXPECT_EQ(closed_by(client_frame(2, "x")), 4400);  // The server accepts only text.
   EXPECT_EQ(closed_by(client_frame(1, std::string(1000, 'x'))), 0);
 }
 

@@ -1,4 +1,4 @@
-// The simulated arm in contact with objects, against closed forms.
+// Compares the simulated arm in contact with objects with closed forms.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(ArmContact, PressesWithTheSeriesStiffness) {
       const Vec3 force = run.mean_force(0.5);
       EXPECT_NEAR(force.z(), series(stiffness, kTable) * depth, 0.02 * force.z())
           << stiffness << " N/m, " << depth << " m";
-      EXPECT_LT(std::hypot(force.x(), force.y()), 0.3);  // friction holds a part
+      EXPECT_LT(std::hypot(force.x(), force.y()), 0.3);  // Friction carries a part of the force.
       EXPECT_LT((force - run.arm.contact_force()).norm(), 0.02);
     }
   }
@@ -89,7 +89,7 @@ TEST(ArmContact, ASpherePushesAlongItsNormal) {
   run.wait(0.5);
   const Vec3 force = run.mean_force(0.2);
   EXPECT_GT(force.norm(), 5.0);
-  // Within the friction cone (mu 0.3), towards the free side.
+  // The force is within the friction cone (mu 0.3), towards the free side.
   EXPECT_GT(force.normalized().dot(normal), std::cos(std::atan(0.3)) - 1e-3);
 }
 
@@ -100,7 +100,7 @@ TEST(ArmContact, LiftsTheBoxAndFeelsItsWeight) {
   run.move(at + Vec3(0.0, 0.0, 0.005), 1.0);
   run.wait(0.5);
   const Vec3 empty = run.mean_force(0.5);
-  run.target.gripper = 0.03;  // 5 mm into each side: 20 N of each finger
+  run.target.gripper = 0.03;  // 5 mm into each side: 20 N per finger
   run.wait(0.5);
   EXPECT_NEAR(run.reading.gripper, 0.04, 5e-4);
   EXPECT_NEAR(run.reading.gripper_force, 20.0, 1.5);
@@ -112,7 +112,7 @@ TEST(ArmContact, LiftsTheBoxAndFeelsItsWeight) {
   // The weight stretches the spring.
   EXPECT_NEAR(run.target.pose.position.z() - run.reading.pose.position.z(),
               kBox * kGravity / run.arm.spec().stiffness, 5e-5);
-  // Released, the box falls.
+  // After the release the box must fall.
   run.target.gripper = 0.08;
   run.wait(0.6);
   EXPECT_NEAR(run.arm.place_of("box")->z(), at.z(), 2e-3);
@@ -130,17 +130,17 @@ TEST(ArmContact, TheGripperHoldsWithAtMostItsForce) {
   EXPECT_GT(run.reading.gripper, 0.037);
 }
 
-/// The target goes straight down, 1 mm beside the axis. The peg yields into the hole, which is 0.25
-/// mm wider on each side.
+/// The target moves straight down, 1 mm beside the axis. The compliance must move the peg into the
+/// hole. The hole is 0.25 mm wider on each side.
 TEST(ArmContact, ThePegGoesInByCompliance) {
   ArmConfig config = config_of("peg");
   config.gripper = 0.02;
   Robot run(config);
   run.target.gripper = 0.01;
   run.wait(0.3);
-  const double top = 0.33;     // [m] of the block
-  const double beside = 1e-3;  // [m]
-  const double below = 0.045;  // [m] the peg's tip below the tool, approximately
+  const double top = 0.33;     // [m] top of the block
+  const double beside = 1e-3;  // [m] distance from the axis
+  const double below = 0.045;  // [m] distance of the peg's tip below the tool, approximately
   run.move({0.45 + beside, beside, top + below + 0.02}, 2.0);
   double peak = 0.0;
   for (int i = 0; i < 4000; ++i) {

@@ -1,4 +1,4 @@
-// Files without a valid arm: the error names the file, the missing part and the remedy.
+// Tests files without a valid arm. The error must name the file, the missing part and the remedy.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 class ArmFile : public testing::Test {
  protected:
-  /// The error for an arm.xml in which each `from` is replaced by `to`.
+  /// Returns the error for an arm.xml in which `to` replaces each `from`.
   std::string error_of(const std::string& from, const std::string& to) {
     std::ifstream in(scene("arm"));
     std::stringstream read;

@@ -1,4 +1,4 @@
-// The simulated arm in free space: its springs, its limits, its energy.
+// Tests the simulated arm in free space: its springs, its limits, its energy.
 
 #include "sim/arm/arm.hpp"
 
@@ -27,8 +27,8 @@ TEST(Arm, SaysWhatItIs) {
   EXPECT_NEAR(spec.damping, 2.0 * std::sqrt(1000.0 * spec.mass), 1e-9);
   EXPECT_GT(spec.mass, 1.0);
   EXPECT_LT(spec.mass, 17.8);
-  // A sampled spring is passive if b_f >= K T / 2. The controller's own step is half a servo
-  // period; this check demands the whole one.
+  // A sampled spring is passive if b_f >= K T / 2. The step T of the controller is half a servo
+  // period. This check uses a complete servo period, which is stricter.
   EXPECT_GE(spec.own_damping, 0.5 * spec.stiffness * spec.servo_period);
   EXPECT_NEAR(spec.wrench_noise, 0.08, 1e-12);
   EXPECT_NEAR(spec.gripper_opening, 0.08, 1e-12);
@@ -49,8 +49,8 @@ TEST(Arm, GoesToItsTarget) {
       Quaternion(Eigen::AngleAxisd(0.15, Vec3::UnitX())) * run.target.pose.orientation;
   run.move(to, 2.0);
   run.wait(1.0);
-  // No error is left: neither the posture, whose null space is known only in part, nor the walls
-  // push.
+  // No error may remain. The estimated null space is inexact, but neither the posture control nor
+  // the limits may cause an error.
   EXPECT_LT((run.reading.pose.position - to).norm(), 2e-5);
   EXPECT_LT(rotation_between(run.reading.pose.orientation, run.target.pose.orientation).norm(),
             1e-3);
@@ -61,7 +61,7 @@ TEST(Arm, FollowsAnEvenMotionWithoutADampersLag) {
   constexpr double kSpeed = 0.1;  // [m/s]
   run.move(run.target.pose.position + Vec3(kSpeed, 0.0, 0.0), 1.0);
   const double lag = run.target.pose.position.x() - run.reading.pose.position.x();
-  // Only the friction of its axes remains. A damper to the ground would add B v / K: 10 mm.
+  // Only the friction of the joints remains. A damper to the ground would add B v / K: 10 mm.
   EXPECT_LT(std::abs(lag), 5e-3);
   EXPECT_GT(run.arm.spec().damping * kSpeed / run.arm.spec().stiffness, 8e-3);
 }
@@ -74,7 +74,7 @@ TEST(Arm, YieldsToAForceByItsStiffness) {
     run.wait(2.0);
     const Vec3 moved = run.reading.pose.position - before;
     EXPECT_LT((moved - force / run.arm.spec().stiffness).norm(), 0.02 * moved.norm());
-    // The sensor measures the push too.
+    // The sensor must also measure this force.
     EXPECT_LT((run.mean_force(0.5) - force).norm(), 0.01);
   }
 }
@@ -85,14 +85,15 @@ TEST(Arm, SensorAgreesToItsNoise) {
   double squares = 0.0, largest = 0.0;
   int count = 0;
   for (int i = 0; i < 4000; ++i) {
-    // The arm swings freely, with the tool's inertia: up to 3 m/s^2.
+    // The arm oscillates freely with the tool's inertia, up to 3 m/s^2.
     run.target.pose.position.y() = 0.05 * std::sin(2.0 * M_PI * run.time());
     const Vec3 wrong = *run.tick().force - run.arm.contact_force();
     largest = std::max(largest, wrong.norm());
     squares += wrong.squaredNorm();
     ++count;
   }
-  // The tool's rotational inertia is not compensated: some thousandths.
+  // The controller does not compensate the tool's rotational inertia. The effect is some
+  // thousandths.
   EXPECT_NEAR(std::sqrt(squares / (3.0 * count)), 0.02, 0.004);
   EXPECT_LT(largest, most + 0.05);
 }
@@ -173,13 +174,13 @@ TEST(Arm, SaysWhatItReallyHolds) {
   EXPECT_EQ(run.reading.commanded.position, run.held.pose.position);
   double fastest = 0.0;
   for (int i = 0; i < 300; ++i) fastest = std::max(fastest, run.tick().velocity.norm());
-  // The arm creeps: its fully stretched spring acts against its damper.
+  // The arm moves slowly, because its fully stretched spring acts against its damper.
   EXPECT_LT(fastest, 30.0 / run.arm.spec().damping * 1.05);
 }
 
 TEST(Arm, RespectsItsJointsLimitsAndTorques) {
   Robot run("arm");
-  constexpr double kSlack = 0.01;  // [rad] MuJoCo's own limits are soft
+  constexpr double kSlack = 0.01;  // [rad] MuJoCo's own limits are soft.
   double nearest = 1.0;
   std::uint64_t draw = 0;
   for (int aim = 0; aim < 20; ++aim) {
@@ -204,8 +205,8 @@ TEST(Arm, RespectsItsJointsLimitsAndTorques) {
   EXPECT_LT(nearest, 0.08) << "no limit was tried";
 }
 
-/// 6.2 of the theory: while the target stands, no pusher gets more energy out of the arm than its
-/// springs and masses held.
+/// Property 6.2 of the theory: while the target rests, no external force may extract more energy
+/// from the arm than its springs and masses store.
 TEST(Arm, IsPassiveWhileItsTargetStands) {
   Robot run("arm");
   run.move(run.target.pose.position + Vec3(0.1, 0.05, -0.05), 1.0);
@@ -218,7 +219,8 @@ TEST(Arm, IsPassiveWhileItsTargetStands) {
     return 2.0 * static_cast<double>(splitmix::draw(9, draw++) >> 11) / 9007199254740992.0 - 1.0;
   };
   for (int i = 0; i < 20000; ++i) {
-    // It pushes one way for a time, then brakes the movement, which takes the most energy.
+    // The force pushes in one direction for some time. The force then brakes the movement, which
+    // extracts the most energy.
     if (i % 50 == 0) force = 25.0 * Vec3(unit(), unit(), unit());
     const bool brakes = (i / 200) % 2 == 1;
     const Vec3 v = run.reading.velocity;
@@ -232,9 +234,9 @@ TEST(Arm, IsPassiveWhileItsTargetStands) {
     most = std::max(most, taken);
     ASSERT_FALSE(run.reading.stopped);
   }
-  EXPECT_GT(work, 20.0);  // [J] the adversary was not idle
+  EXPECT_GT(work, 20.0);  // [J] The external force must do work.
   EXPECT_LE(most, held);
-  EXPECT_LT(taken, -0.3 * work);  // the arm itself burns energy
+  EXPECT_LT(taken, -0.3 * work);  // The arm itself dissipates energy.
 }
 
 TEST(Arm, HoldsWhereItIsAfterHold) {
@@ -246,7 +248,7 @@ TEST(Arm, HoldsWhereItIsAfterHold) {
   const Vec3 at = run.reading.pose.position;
   run.target.pose.position.z() -= 0.1;
   run.wait(1.0);
-  // It moves on only as far as its momentum carries it.
+  // The arm may move only as far as its momentum carries it.
   EXPECT_LT((run.reading.pose.position - at).norm(), 5e-3);
   EXPECT_LT(run.reading.velocity.norm(), 1e-3);
   EXPECT_LT((run.held.pose.position - at).norm(), 1e-3);

@@ -1,4 +1,4 @@
-// The relay between real sockets of this machine, with clients and a server in one process.
+// Tests the relay between real sockets of this machine, with clients and a server in one process.
 
 #include "sim/emulator/link_relay.hpp"
 
@@ -19,7 +19,7 @@ using testing::kPatience;
 using testing::kStroke;
 using testing::Loopback;
 
-/// A relay in its own thread.
+/// Runs a relay in its own thread.
 class Relay {
  public:
   Relay(const Endpoint& server, const char* link, std::uint16_t port = 0,
@@ -29,7 +29,7 @@ class Relay {
   ~Relay() { stop(); }
   ServerAccess access() const { return test::access(relay_.control_port()); }
   std::uint16_t port() const { return relay_.control_port(); }
-  /// Stops the relay and returns its account.
+  /// Stops the relay and returns its report.
   json report() {
     stop();
     return json::parse(relay_.report());
@@ -66,7 +66,8 @@ TEST_F(LinkRelayTest, RefusalsComeThrough) {
   }
 }
 
-/// A relay on every address: its answers leave from the address that the client spoke to.
+/// A relay listens on every address. The answers must leave from the address to which the client
+/// sent.
 TEST_F(LinkRelayTest, AnswersFromTheAddressThatTheClientSpokeTo) {
   Relay relay(endpoint.endpoint, "delay=0", 0, "0.0.0.0");
   ServerAccess access = relay.access();
@@ -140,8 +141,8 @@ std::uint16_t port_of(const Address& address) {
   return ntohs(four.sin_port);
 }
 
-/// The relay has no keys of either end. Certificate, token, answers and the session's keys belong
-/// to the two ends.
+/// The relay has no keys of either end. Certificate, token, answers and the session's keys must
+/// come from the two ends.
 TEST_F(LinkRelayTest, NothingButTheWayIsTheRelays) {
   Relay relay(endpoint.endpoint, "lan");
   const Joined joined =
@@ -167,7 +168,8 @@ TEST(LinkRelay, APortThatIsTakenBehindTheControlPortIsSaid) {
       ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("--scenes")));
 }
 
-/// Three scenes of a server, as a control port (unused) and the sockets after it.
+/// The test opens the sockets of a server with three scenes: an unused control port, and the ports
+/// after this port.
 TEST(LinkRelay, DatagramsPassBothWaysUnchanged) {
   asio::io_context io;
   std::uint16_t base = 0;

@@ -1,5 +1,5 @@
-// Hand and arm as separate programs over UDP and emulated links: 0 to 200 ms round trip, with loss
-// and cuts. The hand is simulated, then replayed from its recording.
+// Runs hand and arm as separate programs over UDP and emulated links, with a round trip of 0 to 200
+// ms, loss and interruptions. The hand is simulated, and then replayed from its recording.
 
 #include <gmock/gmock.h>
 
@@ -22,7 +22,7 @@ using test::Program;
 using testing::text_of;
 
 const std::string kTable = FELTWIRE_SOURCE_DIR "/scenes/arm/table.xml";
-constexpr double kLate = 50e3;  // [us] a machine that pauses longer shows nothing about a link
+constexpr double kLate = 50e3;  // [us] A machine that pauses longer gives no result about a link.
 
 /// The emulated links (--link) of the hand and of the robot.
 struct Link {
@@ -31,14 +31,14 @@ struct Link {
 
 struct Ended {
   json hand, robot;
-  std::vector<std::string> states;  // between hand and robot, in order
+  std::vector<std::string> states;  // states between hand and robot, in order
   bool late() const { return hand["servo_wakeup_late_us"]["max"].get<double>() > kLate; }
   bool has(const char* state) const { return std::ranges::find(states, state) != states.end(); }
-  /// In any program, a pause of a tenth of a second ends the engagement.
+  /// Returns true if a program paused for a tenth of a second. Such a pause ends the engagement.
   bool disturbed() const { return late() || has("hold") || has("fault"); }
 };
 
-/// A server with a scene per link; each scene has only a seat for an arm over a table.
+/// A server with a scene per link. Each scene has only an arm over a table.
 class ArmOverLinks : public ::testing::Test {
  protected:
   void serve(std::size_t scenes) {
@@ -70,7 +70,7 @@ class ArmOverLinks : public ::testing::Test {
             "--record",      file(i, kept + ".csv"),
             "--report",      file(i, kept + ".json")};
   }
-  /// Runs all links at the same time, each with a hand that `hand` describes.
+  /// Runs all links at the same time. `hand` has the options of each link's hand.
   std::vector<Ended> run(const std::vector<Link>& links, const std::vector<std::string>& hand) {
     std::vector<std::unique_ptr<Program>> robots, hands;
     for (std::size_t i = 0; i < links.size(); ++i) {
@@ -98,7 +98,8 @@ class ArmOverLinks : public ::testing::Test {
     }
     return ended;
   }
-  /// Repeats after a pause of the machine, three runs at most; empty if the last run paused too.
+  /// Repeats the run after a pause of the machine, up to three runs. Returns nothing if the last
+  /// run paused too.
   std::vector<Ended> run_in_time(const std::vector<Link>& links,
                                  const std::vector<std::string>& hand) {
     std::vector<Ended> ended = run(links, hand);
@@ -113,7 +114,7 @@ class ArmOverLinks : public ::testing::Test {
   std::unique_ptr<Server> server_;
 };
 
-/// Checks that hold for every link.
+/// Checks the conditions for every link.
 void expect_sound(const Ended& ended) {
   EXPECT_GE(ended.hand["least_energy_margin_j"], 0.0) << "the hand was given energy";
   EXPECT_EQ(ended.hand["bound_violations"], 0);
@@ -140,7 +141,7 @@ TEST_F(ArmOverLinks, TheTableIsFeltAndARecordedHandIsCutOff) {
     EXPECT_EQ(pressed[i].states.back(), "engaged");
   }
 
-  // Replay the recorded hand of the first link, over a link that is cut for 0.2 s at a time.
+  // The recorded hand of the first link is replayed over a link with interruptions of 0.2 s.
   std::filesystem::rename(file(0, "hand.csv"), folder_ / "recorded.csv");
   const std::vector<Link> cut = {{"delay=25,loss=10,burst=200,seed=5", "delay=25,seed=6"}};
   const Ended ended =
@@ -149,7 +150,8 @@ TEST_F(ArmOverLinks, TheTableIsFeltAndARecordedHandIsCutOff) {
   expect_sound(ended);
   EXPECT_TRUE(ended.has("hold") || ended.has("fault"));
   EXPECT_GE(ended.robot["holds"], 1);
-  // The switch is still pressed, so the robot stays where it stopped: check the last second.
+  // The switch is still pressed, so the robot must stay where it stopped. The check uses the last
+  // second.
   std::istringstream rows(text_of(file(0, "robot.csv")));
   CsvReader reader(rows, "robot.csv", {"cx", "cy", "cz"}, {});
   std::array<double, 3> row{};

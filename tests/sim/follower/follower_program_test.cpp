@@ -1,4 +1,4 @@
-// feltwire-follower as a user sees it: which robot it moves, what it writes, how it fails.
+// Tests feltwire-follower as a program: the selected robot, its files and its failures.
 
 #include <gmock/gmock.h>
 
@@ -31,7 +31,7 @@ Scene seat_scene() {
   return scene;
 }
 
-/// A scene with seats for two robots.
+/// Returns a scene with two robots.
 Scene pair_scene() {
   Scene scene("pair", testing::floor_scene().objects());
   scene.set_seats({RemoteSeat{.name = "left"}, RemoteSeat{.name = "right"}});
@@ -62,16 +62,17 @@ class FollowerProgram : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return std::make_unique<Program>(FELTWIRE_FOLLOWER_PROGRAM, std::move(words));
   }
-  /// Expects that the program cannot begin and says why in one line.
+  /// Expects that the program does not start, and prints the reason in one line.
   void expect_fault(std::vector<std::string> arguments, const std::string& part) {
-    arguments.insert(arguments.end(), {"--duration", "0.2"});  // in case it begins
+    // The option applies if the program starts.
+    arguments.insert(arguments.end(), {"--duration", "0.2"});
     const Outcome outcome = start(std::move(arguments))->finish();
     EXPECT_EQ(outcome.status, 1) << part;
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.error, AllOf(HasSubstr("feltwire-follower: "), HasSubstr(part)));
     EXPECT_EQ(std::ranges::count(outcome.error, '\n'), 1) << outcome.error;
   }
-  /// Ends a seated program after some samples.
+  /// Ends a running program after some samples.
   Outcome end(Program& program) {
     test::eventually("samples of the robot", [&] {
       const std::string rows = text_of(folder_ / "robot.csv");

@@ -35,8 +35,8 @@ BoundingConfig contact_frame(double damping) {
 }
 
 TEST(BoundFilter, RendersTheClosedFormOfASpringBeyondTheLimit) {
-  // The hand presses in by 0.1 mm per row against 10 kN/m. With c = 2 b/T = 1000 N/m the bound
-  // gives c dx per row.
+  // The hand presses in by 0.1 mm per row against 10 kN/m. With c = 2 b/T = 1000 N/m, the bound
+  // must give c dx per row.
   std::string in = "ex,ey,ez,fx,fy,fz,dx,dy,dz\n";
   for (int n = 1; n <= 5; ++n) in += std::to_string(n) + ",0,0,0,0,0,-1e-4,0,0\n";
   std::istringstream input(in);
@@ -54,7 +54,8 @@ TEST(BoundFilter, RendersTheClosedFormOfASpringBeyondTheLimit) {
 }
 
 TEST(BoundFilter, WithRotationATorqueIsBoundedAndItsEnergyCounted) {
-  // Turned by 1 mrad per row against 10 N m/rad; c_r = 2 b_r/T = 1 N m/rad gives c_r dtheta a row.
+  // The hand rotates by 1 mrad per row against 10 N m/rad. With c_r = 2 b_r/T = 1 N m/rad, the
+  // bound must give c_r dtheta per row.
   std::string in = "dx,dy,dz,ex,ey,ez,fx,fy,fz,ax,ay,az,tx,ty,tz\n";
   for (int n = 1; n <= 4; ++n)
     in += "0,0,0,0,0,0,0,0,0,0,-1e-3,0,0," + std::to_string(0.01 * n) + ",0\n";
@@ -77,8 +78,8 @@ TEST(BoundFilter, WithRotationATorqueIsBoundedAndItsEnergyCounted) {
   EXPECT_THROW(filter_bound(missing, output, config), CsvError);
 }
 
-/// A force of 0.5 N, and 1 mm along it: the account earned 0.5 N s/m (1e-3 m)^2/T = 0.5 mJ and pays
-/// 0.5 mJ. No energy is left for the next force.
+/// A force of 0.5 N acts along a movement of 1 mm. The account gets 0.5 N s/m (1e-3 m)^2/T = 0.5 mJ
+/// and needs 0.5 mJ. No energy remains for the next force.
 TEST(BoundFilter, AnAccountStandsAfterTheMethod) {
   std::istringstream input(
       "dx,dy,dz,ex,ey,ez,fx,fy,fz\n0,0,0,0,0,0,0,0,0\n1e-3,0,0,0.5,0,0,0,0,0\n");
@@ -104,8 +105,8 @@ TEST(BoundFilter, AnAccountStandsAfterTheMethod) {
   EXPECT_EQ(out[1][0], same.step(step).elastic.x());
 }
 
-/// Over the same distance a hold of 2 T burns half as much. Each row states its walls' normals and
-/// whether its command is local.
+/// Over an equal distance, a hold of 2 T dissipates half as much. Each row has the normals of its
+/// walls, and states whether its command is local.
 TEST(BoundFilter, ARowHasItsHoldAndItsWalls) {
   std::istringstream input(
       "dx,dy,dz,ex,ey,ez,fx,fy,fz,hold,local,n1x,n1y,n1z\n"
@@ -223,7 +224,7 @@ TEST(TouchFilter, ABodyIsTurnedAndAnswersWithATorque) {
     "tool": {"body": {"box": {"size": [0.08, 0.01, 0.02]}, "points": 2000}}})",
                                              "bench.json")
                                : tools_scene();
-    // Pressed in by 2 mm slowly from above, turned by an angle about y.
+    // The tool moves in by 2 mm slowly from above, rotated by an angle about y.
     const auto pressed = [&](double angle) {
       const double reach = 0.04 * std::abs(std::sin(angle)) + 0.01 * std::abs(std::cos(angle));
       std::string csv = "t,x,y,z,qw,qx,qy,qz\n";
@@ -244,7 +245,8 @@ TEST(TouchFilter, ABodyIsTurnedAndAnswersWithATorque) {
     const auto flat = pressed(0.0), turned = pressed(0.3), back = pressed(-0.3);
     EXPECT_GT(flat[2], 0.2);
     EXPECT_LT(std::abs(flat[7]), 0.002 * flat[2]);  // for a lever of 40 mm
-    // Turned about y, its low end is at +x. The push up there is a torque about -y.
+    // After a rotation about y, the low end is at +x. The force up at this end is a torque about
+    // -y.
     EXPECT_GT(turned[2], 0.01);
     EXPECT_LT(turned[7], -0.015 * turned[2]);
     EXPECT_GT(back[7], 0.015 * back[2]);

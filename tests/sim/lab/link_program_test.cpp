@@ -1,4 +1,4 @@
-// feltwire-lab link as a user sees it.
+// Tests feltwire-lab link as a program.
 
 #include <gmock/gmock.h>
 
@@ -84,7 +84,7 @@ TEST(LabProgram, SaysWhatAWordMayHaveMeant) {
   EXPECT_THAT(said({"link", "wifi", "--too", "x:1"}), HasSubstr("did you mean --to?"));
 }
 
-/// A terminal obeys an escape sequence from any source.
+/// A terminal executes an escape sequence from any source.
 TEST(LabProgram, WordsOfTheCommandLineReachNoTerminalUnescaped) {
   const std::string evil = "\x1b]0;owned\x07";
   for (const std::vector<std::string>& words :

@@ -1,4 +1,4 @@
-// examples/my_bound.cpp: the laboratory judges a law that is not part of feltwire.
+// examples/my_bound.cpp: the laboratory must test a method that is not part of feltwire.
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@ TEST(MyBound, KeepsItsPromiseAndIsCompared) {
   const test::Outcome judged = test::Program(FELTWIRE_MY_BOUND, {}).finish();
   EXPECT_EQ(judged.status, 0) << judged.out << judged.error;
   EXPECT_THAT(judged.out, Not(HasSubstr("FAILED")));
-  // Every task's table shows the law beside the others.
+  // Every task's table must include the method.
   for (const char* task : {"wall", "sphere", "corner", "edge", "torus", "stick_slip", "tap"})
     EXPECT_THAT(judged.out, HasSubstr(task));
   EXPECT_THAT(judged.out, HasSubstr("my_bound "));

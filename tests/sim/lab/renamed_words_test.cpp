@@ -1,4 +1,4 @@
-// A former name of a verb or option of feltwire-lab is refused with the present one.
+// feltwire-lab must refuse a former name of a command or option, and name the present one.
 
 #include <gmock/gmock.h>
 

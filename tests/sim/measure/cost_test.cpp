@@ -13,7 +13,8 @@ TEST(Cost, IsTheMedianOverLapsOfTheTimeOfACall) {
   double now = 0.0;  // [s]
   std::vector<int> calls(kCount, 0);
   std::size_t lap = 0;
-  // A call takes 100 ns in the first lap, 200 ns in the second; a disturbance adds 1 s to one lap.
+  // A call takes 100 ns in the first lap and 200 ns in the second. A disturbance adds 1 s to one
+  // lap.
   const auto work = [&](std::size_t i) {
     if (i == 0) ++lap;
     ++calls[i];

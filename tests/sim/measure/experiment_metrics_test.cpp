@@ -10,7 +10,7 @@ namespace {
 
 TEST(Metrics, HighpassOfAFastSineIsItsRmsAndOfASlowLineIsNothing) {
   std::vector<double> fast, line;
-  // 51 samples are exactly 3 periods of 17: the moving average of the sine is zero.
+  // 51 samples are exactly 3 periods of 17. The moving average of the sine is then zero.
   for (int n = 0; n < 4000; ++n) {
     fast.push_back(5.0 + 2.0 * std::sin(2.0 * std::numbers::pi * n / 17.0));
     line.push_back(1e6 + 0.25 * n);
@@ -41,7 +41,8 @@ TEST(Metrics, SpreadIsMeanNearestRankAndMaximum) {
   EXPECT_EQ(spread({}).max, 0.0);
 }
 
-/// Three samples along x: in by 1 mm under nothing, in by 1 mm under -2 N, out by 1 mm under -4 N.
+/// Returns three samples along x: 1 mm inwards without force, 1 mm inwards under -2 N, and 1 mm
+/// outwards under -4 N.
 std::vector<ExperimentSample> three_samples() {
   std::vector<ExperimentSample> s(3);
   const double dx[] = {1e-3, 1e-3, -1e-3}, rendered[] = {-2.0, -4.0, -2.0},
@@ -57,7 +58,8 @@ std::vector<ExperimentSample> three_samples() {
 
 TEST(Metrics, EnergyIsCountedBothWays) {
   const ExperimentMetrics m = measure(three_samples(), {0.0, 0.0}, 0.0, 1e-3);
-  // Paired as in the laws: 2 + 4 - 2 mJ. As the port exchanged it: 0 + 2 - 4 mJ.
+  // With the new force as in the methods: 2 + 4 - 2 mJ. With the held force at the port: 0 + 2 - 4
+  // mJ.
   EXPECT_NEAR(m.total_energy, 4e-3, 1e-15);
   EXPECT_NEAR(m.min_energy.x(), 0.0, 1e-15);
   EXPECT_NEAR(m.port_energy, -2e-3, 1e-15);

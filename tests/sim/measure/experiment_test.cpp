@@ -40,7 +40,8 @@ TEST(Experiment, ACommandIsAsOldAsTheDelay) {
     ExperimentSetup setup = figure_setup("wall", "contact_frame", 0.5);
     setup.delay = delay;
     const auto samples = run_experiment(plane(kStiffness, 0.0), setup);
-    std::vector<double> y;  // as measured; the hand begins 10 mm above, on a whole quantum
+    // measured positions; the hand begins 10 mm above, on a whole encoder step
+    std::vector<double> y;
     double measured = std::round(0.01 / 23e-6) * 23e-6;
     for (const ExperimentSample& s : samples) y.push_back(measured += s.displacement.y());
     double largest = 0.0;
@@ -85,7 +86,7 @@ TEST(Experiment, RefusesWhatCannotBeRun) {
   EXPECT_THROW(run_experiment(plane(1000.0, 0.0), setup), std::invalid_argument);
 }
 
-// The reason why sessions use cone (docs/bounding.md, "Measured").
+// `joint` loses the normal force, so sessions use `cone` (docs/bounding.md, "Measured").
 TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
   const Scene scene = plane(1000.0, 0.3);
   const double whole = mean_normal_force(scene, "none", Projection::joint);

@@ -1,5 +1,6 @@
-// Whole sessions with moving objects in virtual time: the same bits each time, a passive port on
-// any link, and how much of a carried weight the bound renders.
+// Tests complete sessions with moving objects in virtual time. The results must be reproducible
+// bitwise, and the port must be passive on any link. A test measures the rendered share of a
+// carried weight.
 
 #include <gmock/gmock.h>
 
@@ -18,7 +19,7 @@ using test::body;
 using test::moving;
 using test::object;
 
-/// A cabin of 150 g that moves up and down and rests at 0 when nobody carries it.
+/// Returns a cabin of 150 g that moves up and down. Without a hand the cabin rests at 0.
 Scene elevator() {
   Body cabin = body("cabin", 0.15);
   cabin.joint = Joint::slide;
@@ -29,7 +30,7 @@ Scene elevator() {
                 {0}, {cabin});
 }
 
-/// A hand that carries the cabin up by about 5 cm from below and down again, twice.
+/// A hand moves the cabin up by about 5 cm from below and down again, twice.
 NetworkRunOptions carrying(BoundingSide side, const char* link) {
   NetworkRunOptions options;
   options.hand.spec = builtin_device("simulated");
@@ -67,16 +68,16 @@ TEST(MovingRun, IsTheSameTwiceAndPassiveOverABadLink) {
       EXPECT_EQ(one.server.world.resets, 0u);
       EXPECT_NEAR(static_cast<double>(one.server.world.steps), 4000.0, 1.0);
       EXPECT_GT(highest, 0.03);
-      EXPECT_GT(felt, 0.5);  // the cabin pushes back
+      EXPECT_GT(felt, 0.5);  // The cabin presses on the hand.
     }
 }
 
-// The news of a reset arrives and is counted, over a bad link too.
+// The report of a reset must arrive and be counted, over a bad link too.
 TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
   NetworkRunOptions options = carrying(BoundingSide::client, "delay=8,loss=10,seed=5");
   options.hand.task.center = {0, 0, 0.17};
   options.duration = 3.0;
-  // So light that the force of a device suffices.
+  // The body is light enough for the force of a device.
   const NetworkRunResult run = run_network(test::explosive(1e-6), options);
   EXPECT_GE(run.server.world.resets, 1u);
   EXPECT_GE(run.servo.scene_resets, 1u);
@@ -86,7 +87,7 @@ TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
   EXPECT_EQ(calm.servo.scene_resets, 0u);
 }
 
-/// The rendered share of the commanded force, on the way up and on the way down.
+/// The rendered share of the commanded force, upwards and downwards.
 struct Share {
   double up = 0.0, down = 0.0;
 };
@@ -106,9 +107,9 @@ Share share_of(std::string_view mode, Storage storage) {
   return {felt[0] / meant[0], felt[1] / meant[1]};
 }
 
-/// A weight that is lowered returns the energy that lifting it took. A bound that stores only a
-/// force's worth of energy has forgotten it, and renders little of the weight on the way down. A
-/// bound that stores all that it took renders the weight (docs/moving.md).
+/// A weight returns the energy of its lift when it moves down. Minimal storage has discarded this
+/// energy and renders little of the weight on the way down. Elastic storage keeps the energy and
+/// renders the weight (docs/moving.md).
 TEST(MovingRun, WhatTheBoundLeavesOfACarriedWeight) {
   const Share none = share_of("none", Storage::minimal);
   EXPECT_NEAR(none.up, 1.0, 0.02);
@@ -124,7 +125,7 @@ TEST(MovingRun, WhatTheBoundLeavesOfACarriedWeight) {
   }
 }
 
-/// The filter steps the bodies by the times of its rows.
+/// The filter must step the bodies by the times of its rows.
 TEST(MovingRun, TheTouchFilterMovesThingsOn) {
   const Scene scene = moving({object("ball", Sphere{0.03}, {.stiffness = 1000})}, {0},
                              {body("ball", 0.2)}, test::kWeightless);
@@ -138,9 +139,9 @@ TEST(MovingRun, TheTouchFilterMovesThingsOn) {
   while (std::getline(lines, line)) forces.push_back(std::stod(line));
   ASSERT_EQ(forces.size(), 3u);
   EXPECT_NEAR(forces[0], -1.0, 1e-9);
-  // m x'' = k (1 mm - x): the contact opens as a cosine.
+  // m x'' = k (1 mm - x): the force follows a cosine until the contact ends.
   EXPECT_NEAR(forces[1], -std::cos(0.01 * std::sqrt(1000 / 0.2)), 0.03);
-  EXPECT_EQ(forces[2], 0.0);  // the ball has left
+  EXPECT_EQ(forces[2], 0.0);  // The ball has left the hand.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A session in virtual time equals the real one: the forces of a loop without a network if the
-// network is ideal, correct counters of its faults, and a bound that always holds.
+// A session in virtual time must equal a real session. With an ideal network the forces must equal
+// a loop without a network. The fault counters must be correct, and the bound must always hold.
 
 #include "sim/measure/network_run.hpp"
 
@@ -35,7 +35,7 @@ NetworkRunOptions sliding(BoundingSide side, const char* link) {
   return options;
 }
 
-/// The loop without datagrams: a command is one sample old, as over a link without delay.
+/// Runs the loop without datagrams. A command is one sample old, as over a link without delay.
 std::vector<ExperimentSample> direct(const Scene& scene, const NetworkRunOptions& options) {
   ExperimentSetup setup;
   setup.hand = options.hand;
@@ -70,15 +70,15 @@ TEST(NetworkRun, WithoutDelayItIsTheDirectLoop) {
 TEST(NetworkRun, ACommandIsAsOldAsTheRoundTrip) {
   struct Case {
     const char* link;
-    std::size_t ticks;  // until the answer arrives
-    double age;         // [s] the answer's age then
+    std::size_t ticks;  // number of ticks until the answer arrives
+    double age;         // [s] age of the answer at this time
   };
-  // A datagram that is due at a tick arrives before it.
+  // A datagram that is due at a tick arrives before the tick.
   for (const Case& c :
        {Case{"up.delay=7.3,down.delay=5.2", 13, 0.5e-3}, Case{"delay=6", 12, 0.0}}) {
     const auto samples = run_network(floor(), sliding(BoundingSide::client, c.link)).samples;
     for (std::size_t n = 0; n < samples.size(); ++n) {
-      // Samples are counted from 1.
+      // The first sample has the index 1.
       ASSERT_EQ(samples[n].sample_index, n < c.ticks ? 0u : n - c.ticks + 1) << c.link << n;
       if (n >= c.ticks) {
         ASSERT_NEAR(samples[n].command_age, c.age, 1e-12);
@@ -138,7 +138,7 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
     EXPECT_EQ(r.up_link.delivered, r.server.datagrams) << link;
     EXPECT_EQ(r.server.datagrams, r.server.samples.replies + total(r.server.drops)) << link;
     EXPECT_EQ(r.down.datagrams, r.server.samples.replies) << link;
-    // Each returned datagram was dropped, was stale, or answered a sample without an answer yet.
+    // Each returned datagram was dropped, was too old, or answered a sample without an answer yet.
     EXPECT_EQ(r.down_link.delivered, r.servo.answered + total(r.client_drops)) << link;
     EXPECT_EQ(r.servo.samples, r.samples.size()) << link;
     EXPECT_GT(r.up.bytes, r.up.datagrams * kHeadersOnTheWire) << link;
@@ -146,12 +146,13 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
   }
 }
 
-/// The tables count the bytes on the wire: header, payload, tag, and the headers below.
+/// The tables must count the bytes on the wire: header, payload, tag, and the headers below.
 TEST(NetworkRun, BytesAreThoseOfSealedDatagrams) {
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=0");
   options.parameters.redundancy = 0;
   const auto r = run_network(floor(0.4), options);
-  constexpr std::uint64_t kOneSample = 144, kPrevious = 16;  // PROTOCOL.md; none before the first
+  // [bytes] PROTOCOL.md; the first sample has no previous sample
+  constexpr std::uint64_t kOneSample = 144, kPrevious = 16;
   EXPECT_EQ(r.up.bytes, r.up.datagrams * (kOneSample + kHeadersOnTheWire) - kPrevious);
 }
 
@@ -183,7 +184,7 @@ TEST(NetworkRun, AServerThatHearsNothingSaysGoodbyeAndTheForceIsGone) {
   EXPECT_EQ(r.server.silent, 1u);
   EXPECT_EQ(r.servo.answered, 0u);
   EXPECT_EQ(r.servo.max_force, 0.0);
-  EXPECT_NEAR(static_cast<double>(r.up.datagrams), 501.0, 1.0);  // then it stops sending
+  EXPECT_NEAR(static_cast<double>(r.up.datagrams), 501.0, 1.0);  // The client then stops sending.
 }
 
 TEST(NetworkRun, ARecordingMovesAsItDid) {
@@ -207,7 +208,7 @@ NetworkRunOptions taking(BoundingSide side, const char* link) {
   return options;
 }
 
-// S(f) = f^2 T / (4 b) is the least storage for a force f: this hand takes exactly that.
+// S(f) = f^2 T / (4 b) is the least storage for a force f. This hand extracts exactly S(f).
 TEST(NetworkRun, AHandThatTakesAllTakesWhatWasStoredAndNoMore) {
   for (const char* link : {"delay=0", "delay=10", kBad}) {
     NetworkRunOptions options = taking(BoundingSide::client, link);
@@ -217,9 +218,10 @@ TEST(NetworkRun, AHandThatTakesAllTakesWhatWasStoredAndNoMore) {
       EXPECT_EQ(r.true_port.violations(), 0u) << link;
       return r.true_port.burned() - r.true_port.delivered().total();
     };
-    EXPECT_GT(balance(0.39), 1e-2) << link;        // [J] about to turn, with all that it put in
-    EXPECT_NEAR(balance(0.5), 0.0, 5e-5) << link;  // after it took all back
-    EXPECT_GE(balance(2.5), 0.0) << link;          // after some more rounds
+    // [J] before the reversal, with all energy from the hand
+    EXPECT_GT(balance(0.39), 1e-2) << link;
+    EXPECT_NEAR(balance(0.5), 0.0, 5e-5) << link;  // after the hand extracted all energy
+    EXPECT_GE(balance(2.5), 0.0) << link;          // after further movements
   }
 }
 
@@ -234,8 +236,8 @@ TEST(NetworkRun, AHandThatTakesAllCatchesADeviceThatIsNotWhatItWasSaidToBe) {
   }
 }
 
-// The bound credits the light hand with damping that it does not have, so the hand would swing
-// against a stiff wall. The account ignores this credit and pays only what the device burned.
+// The bound assumes damping that the light hand does not have, so the hand would oscillate against
+// a stiff wall. The account ignores this damping and gives only dissipated energy.
 TEST(NetworkRun, ALightHandThatIsCreditedAHeavyOnesDampingIsGivenNoEnergy) {
   const Scene wall = floor(0.0, 40e3);
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=5");

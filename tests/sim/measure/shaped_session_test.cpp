@@ -1,5 +1,5 @@
-// Whole sessions of the mode shaped over links with loss and delay: no hand gets more than the
-// device burned, and contact within the local model feels as in process.
+// Tests complete sessions of the mode `shaped` over links with loss and delay. No hand may get more
+// energy than the device dissipated. Contact within the local model must equal contact in process.
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,8 @@ TEST(ShapedSession, AStiffWallIsFeltAtAnyRoundTripWhereTheSurfacesTravel) {
   }
 }
 
-/// Three patches of a fine mesh reach a few millimetres: too late for a hand that has moved on.
+/// Three patches of a fine mesh are valid for a few millimetres only. Such patches come too late
+/// for a hand that moves.
 TEST(ShapedSession, AFineMeshIsFeltAtAnyRoundTripWhereItTravelsWhole) {
   const Scene bunny = load_scene(FELTWIRE_SOURCE_DIR "/scenes/bunny.json");
   double near = 0.0;

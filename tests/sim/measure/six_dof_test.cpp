@@ -1,4 +1,5 @@
-// The loop in six degrees of freedom: balance, energy as one port and as two, whole sessions.
+// Tests the loop in six degrees of freedom: force balance, energy as one port and as two, and
+// complete sessions.
 
 #include "sim/measure/six_dof.hpp"
 
@@ -42,7 +43,7 @@ TEST(SixDof, RestsWhereWristAndTorqueBalance) {
   EXPECT_EQ(samples.back().rendered.torque, torque);
 }
 
-/// The brick on the table, with and without datagrams: equal forces and torques.
+/// Compares the brick on the table with and without datagrams. Forces and torques must be equal.
 TEST(SixDof, ASessionWithoutDelayIsTheDirectLoop) {
   const Scene scene = parse_scene(R"({ "name": "table",
     "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 600 } },
@@ -66,7 +67,7 @@ TEST(SixDof, ASessionWithoutDelayIsTheDirectLoop) {
   ASSERT_EQ(network.samples.size(), direct.size());
   double largest = 0.0;
   for (std::size_t n = 0; n < direct.size(); ++n) {
-    // A client sends its orientation normalized: the last bits may differ.
+    // A client normalizes its orientation before sending. The last bits may differ.
     const NetworkSample& sent = network.samples[n];
     ASSERT_NEAR((sent.held.torque - direct[n].rendered.torque).norm(), 0.0, 1e-9) << n;
     ASSERT_NEAR((sent.held.force() - direct[n].rendered.force()).norm(), 0.0, 1e-9) << n;
@@ -83,7 +84,7 @@ AccountConfig any_hand() { return any_hand_account(builtin_device("simulated_6do
 TEST(SixDof, AsTwoPortsAMovementNeverPaysForATorque) {
   for (const Ports ports : {Ports::one, Ports::two}) {
     PortAccounts accounts(any_hand(), ports);
-    // Free motion fills the account of translation.
+    // Free motion fills the account of the translation.
     for (int n = 0; n < 1000; ++n)
       accounts.step({.displacement = {3e-4, 0.0, 0.0}, .hold_time = kPeriod, .command = {}});
     const Command command{.elastic = {2.0, 0.0, 0.0}, .torque = {0.0, 0.1, 0.0}};
@@ -93,7 +94,8 @@ TEST(SixDof, AsTwoPortsAMovementNeverPaysForATorque) {
   }
 }
 
-/// The greediest hand: it moves along the held force, v = f / (2 b), or at random.
+/// The hand moves along the held force with v = f / (2 b), which extracts the most energy, or at
+/// random.
 TEST(SixDof, NeitherOnePortNorTwoGiveAGreedyHandEnergy) {
   const DeviceSpec spec = builtin_device("simulated_6dof");
   const double b = spec.damping.least(), b_r = spec.rotational_damping.least();

@@ -30,7 +30,7 @@ TEST(StiffnessSearch, SaysWhenTheRangeHasNoEdge) {
   EXPECT_EQ(nothing.stiffness, 0.0);
 }
 
-// A bisection of the whole range would end beyond the oscillation, in the second calm range.
+// A bisection of the complete range would end in the second calm range, beyond the oscillation.
 TEST(StiffnessSearch, StopsAtTheFirstOscillationNotBeyondIt) {
   const StiffnessLimit limit =
       largest_calm(kRange, [](double k) { return k <= 300.0 || k > 3000.0; });

@@ -70,7 +70,7 @@ TEST(BumpyTorus, BumpsStandOutByTheirAmplitudeWhereTheyAreCounted) {
     EXPECT_NEAR(outside(phi, 0.091), 0.0, 1e-15);
     EXPECT_NEAR(outside(phi + pi / 24.0, 0.089), 0.0, 1e-15);
   }
-  // Around the tube too: an eighth of a turn between bumps.
+  // Around the tube, the bumps are an eighth of a turn apart.
   const auto round_tube = [&](double theta, double r) {
     return bumpy_torus(torus, {0.06 + r * std::cos(theta), 0.0, r * std::sin(theta)}).value;
   };
@@ -95,14 +95,14 @@ TEST(BumpyTorus, TheGradientIsThatOfTheValue) {
 TEST(BumpyTorus, TheDistanceIsRightToFirstOrder) {
   const BumpyTorus torus;
   for (Vec3 p : kAround) {
-    for (int i = 0; i < 50; ++i) {  // onto the surface
+    for (int i = 0; i < 50; ++i) {  // moves the point to the surface
       const SurfaceDistance d = torus_distance(torus, p);
       p -= d.distance * d.normal;
     }
     const Vec3 normal = torus_distance(torus, p).normal;
     for (const double depth : {1e-3, 1e-4, 1e-5}) {
       const double error = torus_distance(torus, p - depth * normal).distance + depth;
-      // Half the largest curvature of the bumps, with a (n / r)^2 counted twice, is about 150 / m.
+      // The error is at most half the largest curvature, about 150 / m, times the squared depth.
       EXPECT_LT(std::abs(error), 200.0 * depth * depth) << depth << " below " << p.transpose();
     }
   }

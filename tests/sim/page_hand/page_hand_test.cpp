@@ -1,5 +1,4 @@
-// Hands of the live page over real sockets, from a browser's WebSocket at one end to the scene at
-// the other.
+// Tests hands of the live page over real sockets, from a browser's WebSocket to the scene.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,10 +45,11 @@ struct Stage {
   }
 };
 
-/// The server's next message about the viewer's own hand; without a state if there is none.
+/// Returns the server's next message about the viewer's own hand. Without a hand the message has no
+/// state.
 Json next_word(Page& page) { return page.text("hand"); }
 
-/// Asks for a hand. Returns the server's message when the hand is held or refused.
+/// Requests a hand. Returns the server's message after it gives or refuses the hand.
 Json ask_for_hand(Page& page, const Json& request = {{"hand", "take"}}) {
   page.say(request);
   Json said = next_word(page);
@@ -95,16 +95,17 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   ASSERT_EQ(held["state"], "held") << held;
   EXPECT_EQ(held["start"], Json({0.01, 0.0, 0.02}));
   Page other = stage.page(stage.observer);
-  // The arm of 300 N/m pulls 10 mm below a floor of 2000 N/m: 1.3 mm deep, 2.6 N.
+  // The arm's spring of 300 N/m has a target 10 mm below a floor of 2000 N/m. The depth is 1.3 mm
+  // and the force 2.6 N.
   HandInPicture last;
   point_until("2 N", page, Vec3(0.01, 0, -0.01), [&](const HandInPicture& seen) {
     last = seen;
-    EXPECT_GT(seen.there ? seen.z : 0.0, -0.008);  // on impact
+    EXPECT_GT(seen.there ? seen.z : 0.0, -0.008);  // depth during the impact
     return seen.there && seen.z > -0.002 && seen.force > 2.0 && seen.held > 1.5;
   });
   EXPECT_NEAR(last.force, -2000.0 * last.z, 0.3 * last.force);
   EXPECT_NEAR(last.proxy_z, 0.0, 1e-4);
-  // Other viewers see it too.
+  // Other viewers must see the hand too.
   point_until("another viewer sees it", page, Vec3(0.01, 0, -0.01),
               [&](const HandInPicture&) { return only_hand(other.picture()).force > 1.0; });
   point_until("it comes out again", page, Vec3(0.01, 0, 0.02), [](const HandInPicture& seen) {
@@ -118,7 +119,7 @@ TEST(PageHand, PressesAWallAndFeelsIt) {
   EXPECT_EQ(ask_for_hand(page)["state"], "held");  // a second hand
 }
 
-/// The hand is simulated, so a law without a bound can hurt nobody.
+/// The hand is simulated, so a method without a bound is harmless.
 TEST(PageHand, HasEachLawThatItIsTakenWith) {
   const Stage stage;
   Page page = stage.page(stage.pointer);
@@ -142,7 +143,7 @@ TEST(PageHand, LetsGoWhenThePageSaysNothing) {
   const Stage stage;
   Page page = stage.page(stage.pointer);
   ASSERT_EQ(take(page)["state"], "held");
-  page.say({{"point", {0.01, 0, -0.005}}});  // the hand presses meanwhile
+  page.say({{"point", {0.01, 0, -0.005}}});  // The hand presses meanwhile.
   const Json released = next_word(page);
   EXPECT_EQ(released["state"], "released");
   EXPECT_THAT(released["reason"].get<std::string>(), HasSubstr("said nothing"));
@@ -241,7 +242,7 @@ TEST(PageHand, IsEvictedByAnAdmin) {
   EXPECT_THAT(released["reason"].get<std::string>(), HasSubstr("admin"));
 }
 
-// The server alone grants the rights, whoever asks at its control port.
+// Only the server grants the rights, for any client of its control port.
 
 control::JoinRequest pointer_request() {
   control::JoinRequest request = test::join_request(usual_parameters());
@@ -275,7 +276,8 @@ TEST(Pointer, JoinsWithASmallHandOnly) {
   EXPECT_THAT(refusal(stage, stage.pointer, request), HasSubstr("1000 samples"));
   EXPECT_EQ(refusal(stage, stage.pointer, pointer_request()), "");
   EXPECT_THAT(refusal(stage, stage.pointer, pointer_request()), HasSubstr("--web-hands"));
-  EXPECT_EQ(refusal(stage, test::admin_token(), test::join_request()), "");  // an operator may
+  // An operator may join with this hand.
+  EXPECT_EQ(refusal(stage, test::admin_token(), test::join_request()), "");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Each law against a few samples that are computed by hand.
+// Compares each published law with a few samples that are computed by hand.
 
 #include "sim/published_laws/published_laws.hpp"
 
@@ -23,7 +23,8 @@ BoundingConfig config() {
   return c;
 }
 
-/// A surface with the normal +z, entered `inward` [m] deeper, commands `force` [N].
+/// A hand moves `inward` [m] deeper into a surface with the normal +z. The surface commands `force`
+/// [N].
 double press(Bounding& bounding, double inward, double force) {
   BoundingStep s;
   s.displacement.z() = -inward;
@@ -51,7 +52,7 @@ TEST(PublishedLaws, NoneCommandsOrBendsWhatIsNotThere) {
     s.command = {Vec3(0, 0, 2.0), Vec3(1.0, 0, 0), Vec3::Zero()};
     s.displacement = Vec3(-1e-4, 0, -1e-4);
     const Vec3 force = bounding.step(s).rendered.force();
-    if (m.name != "two_layer_tank") {  // its damper points against the movement
+    if (m.name != "two_layer_tank") {  // The damper of this method acts against the movement.
       EXPECT_NEAR(force.cross(s.command.force()).norm(), 0.0, 1e-12) << m.name;
     }
   }
@@ -60,11 +61,11 @@ TEST(PublishedLaws, NoneCommandsOrBendsWhatIsNotThere) {
 TEST(TdpcExact, PaysBackWhatTheHoldGaveAway) {
   Bounding bounding(law("tdpc_exact"), config());
   EXPECT_EQ(press(bounding, 0.0, 2.0), 2.0);
-  // In by 0.1 mm against 2 N: the law takes in 0.2 mJ. Out by 0.2 mm with 3 N: 0.4 mJ are missing,
-  // and the damper removes 0.4 mJ / 0.2 mm = 2 N.
+  // When the hand moves in by 0.1 mm against 2 N, the law gets 0.2 mJ. When the hand moves out by
+  // 0.2 mm with 3 N, 0.4 mJ are missing. The damper removes 0.4 mJ / 0.2 mm = 2 N.
   EXPECT_EQ(press(bounding, 1e-4, 3.0), 3.0);
   EXPECT_NEAR(press(bounding, -2e-4, 1.0), 1.0 - 2.0, 1e-12);
-  // The law learns the force that was held instead.
+  // The law gets the force that was held instead.
   bounding.set_held({});
   EXPECT_NEAR(press(bounding, -4e-4, 1.0), 1.0 - 1.0, 1e-12);
 }
@@ -80,7 +81,7 @@ TEST(BoundedOutput, ActsOnlyBeyondItsAllowance) {
 
 TEST(ForceAugmentation, RisesByItsLowStiffnessAndByATenthAtEveryPress) {
   Bounding bounding(law("force_augmentation"), config());  // k0 = 1 kN/m
-  // The first press: 0.1 N by the spring, plus a tenth of the difference to 5 N.
+  // The first press gives 0.1 N by the spring, plus a tenth of the difference to 5 N.
   EXPECT_NEAR(press(bounding, 1e-4, 5.0), 0.1 + 0.49, 1e-12);
   EXPECT_NEAR(press(bounding, 1e-4, 5.0), 0.69, 1e-12) << "still the same press";
   EXPECT_NEAR(press(bounding, 0.0, 5.0), 0.69, 1e-12);
@@ -105,7 +106,8 @@ TEST(ForceAugmentation, WithItsTransientItLandsOnTheWholeStiffness) {
 
 TEST(PositionMemory, TheWayOutStaysBelowTheWayIn) {
   Bounding bounding(law("position_memory"), config());
-  // In by ten cells, one a sample, on a spring: a cell's force is the force at its begin.
+  // The hand moves in by ten cells on a spring, one cell per sample. The force of a cell is the
+  // force at its beginning.
   for (int n = 0; n <= 10; ++n) EXPECT_EQ(press(bounding, n ? kQuantum : 0.0, 0.1 * n), 0.1 * n);
   for (int n = 9; n >= 1; --n)
     EXPECT_NEAR(press(bounding, -kQuantum, 0.1 * n), 0.1 * (n - 1), 1e-6)
@@ -122,7 +124,8 @@ TEST(PositionMemory, AQuickHandIsBoundedByAllThatItPasses) {
 TEST(TwoLayerTank, PaysForNoMoreThanTheHandPutIn) {
   Bounding bounding(law("two_layer_tank"), config());
   EXPECT_EQ(press(bounding, 0.0, 3.0), 0.0) << "empty";
-  // The damper is b/2 while the tank is empty: 0.25 N s/m at 0.1 m/s. The next sample fills it.
+  // The damper is b/2 while the tank is empty: 0.25 N s/m at 0.1 m/s. The next sample fills the
+  // tank.
   EXPECT_NEAR(press(bounding, 1e-4, 0.0), 0.25 * 0.1, 1e-12);
   BoundingStep s;
   s.hold_time = kPeriod;

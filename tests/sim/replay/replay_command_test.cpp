@@ -1,4 +1,4 @@
-// feltwire-lab replay, from the command line to the exit status.
+// Tests feltwire-lab replay, from the command line to the exit status.
 
 #include "sim/replay/replay_command.hpp"
 
@@ -24,7 +24,7 @@ CommandResult run(std::vector<std::string> words) {
   CommandResult said;
   std::ostringstream out;
   add_replay(app, out, said.status);
-  std::ranges::reverse(words);  // the order that CLI11 expects
+  std::ranges::reverse(words);  // CLI11 expects this order.
   words.emplace_back("replay");
   app.parse(words);
   said.text = out.str();

@@ -30,7 +30,7 @@ TEST(ReportTable, ShowsClientsSideBySide) {
               ::testing::ContainsRegex("largest force on the hand .N. +2\\.3[45] +2\\.3[45]"));
 }
 
-/// A column is as wide as its name, and its numbers are right-aligned.
+/// A column must be as wide as its name, and its numbers must be right-aligned.
 TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "another-folder";
   std::filesystem::create_directories(folder);
@@ -44,7 +44,7 @@ TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
         std::string("rechte-H\u00e4nde-\\x1b[31m-\u00e4\u00f6\u00fc")})
     EXPECT_THAT(table, ::testing::HasSubstr("  " + name));
   EXPECT_THAT(table, ::testing::Not(::testing::HasSubstr("\x1b")));
-  // Every line of the table is as wide as its head (which has four letters of two bytes).
+  // Every line of the table must be as wide as its head, which has four letters of two bytes.
   const std::size_t head = table.find('\n');
   EXPECT_EQ(table.find('\n', head + 1) - head - 1, head - 4);
 }

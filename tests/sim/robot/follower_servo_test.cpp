@@ -1,4 +1,4 @@
-// The servo of a following robot: how it handles its targets, and readings that are invalid.
+// Tests the servo of a robot that follows: its targets, and invalid readings.
 
 #include "protocol/follower/follower_servo.hpp"
 
@@ -79,7 +79,7 @@ TEST(FollowerServo, HoldsWithinATenthOfASecondOfSilence) {
   ASSERT_TRUE(bench.servo.follows());
   for (int i = 0; i < 101; ++i) bench.tick();
   EXPECT_FALSE(bench.servo.follows());
-  for (int i = 0; i < 100; ++i) bench.tick();  // brakes at 5 m/s^2 from 0.25 m/s
+  for (int i = 0; i < 100; ++i) bench.tick();  // The robot brakes with 5 m/s^2 from 0.25 m/s.
   const Vec3 held = bench.tick().commanded.position;
   EXPECT_EQ(bench.tick().commanded.position, held);
 }
@@ -126,8 +126,8 @@ Workspace box(const Vec3& low, const Vec3& high) {
   return workspace;
 }
 
-/// For any states, numbers and engagements from a server: the target stays in the boxes of the
-/// robot and of the seat, and moves only along axes that neither locks.
+/// A server may send any states, numbers and engagements. The target must stay in the workspaces of
+/// the robot and of the scene. It must move only along axes that neither workspace locks.
 TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   test::Random random(5);
   FollowerOptions options;
@@ -158,8 +158,8 @@ TEST(FollowerServo, NoServerDrivesItThroughItsWalls) {
   EXPECT_LE((highest.array() - high).matrix().cwiseAbs().maxCoeff(), 1e-3);
 }
 
-/// However far behind a body the server wants the robot, the target does not enter or cross the
-/// body. When it comes free it is no faster than the limit.
+/// The server may request any position beyond a body. The target must not enter or cross the body.
+/// When the target moves freely again, it must not exceed the speed limit.
 TEST(FollowerServo, NoServerDrivesItIntoABody) {
   test::Random random(6);
   FollowerOptions options;
@@ -190,7 +190,8 @@ TEST(FollowerServo, NoServerDrivesItIntoABody) {
   EXPECT_GE(std::min(met[0], met[1]), 100) << "both were met";
 }
 
-/// Something pushes the robot out: the spring pulls it back, no harder than the leash.
+/// An external force pushes the robot out of its workspace. The spring must pull the robot back
+/// within the limit of the target's distance.
 TEST(FollowerServo, ARobotThatIsPushedOutIsPulledBackSoftly) {
   FollowerOptions options;
   options.workspace = box(Vec3(-1, -1, 0.0), Vec3(1, 1, 0.12));
@@ -203,7 +204,8 @@ TEST(FollowerServo, ARobotThatIsPushedOutIsPulledBackSoftly) {
     reading.commanded = held;
     bench.servo.take(bench.target(Vec3(0.0, 0.0, 0.5)), bench.now);
     held = bench.servo.step(reading, bench.now).pose;
-    const double pull = held.position.z() - reading.pose.position.z();  // [m]
+    // [m] distance between target and robot
+    const double pull = held.position.z() - reading.pose.position.z();
     EXPECT_LE(std::abs(pull) * bench.robot.spec().stiffness, options.leash * (1.0 + 1e-9));
     if (reading.pose.position.z() > 0.12) {
       EXPECT_LE(pull, 0.0) << "inwards";

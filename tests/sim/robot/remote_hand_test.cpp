@@ -1,4 +1,4 @@
-// The robot's surfaces as felt by the hand that leads it.
+// Tests the robot's surfaces as the force on the hand that leads the robot.
 
 #include "client/servo/remote_hand.hpp"
 
@@ -21,7 +21,7 @@ struct Hand {
   RemoteHand remote{RemoteTrust{}, 0.02};
   Vec3 before = Vec3::Zero();
 
-  /// The force of the surfaces on a hand at x [m].
+  /// Returns the force of the surfaces on a hand at x [m].
   double at(double x) {
     const Vec3 place(x, 0.0, 0.0);
     remote.step(place, place - before, Vec3::Zero(), kPeriod);
@@ -61,7 +61,8 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   remote.others = {};
   hand.remote.take(remote);
   EXPECT_EQ(hand.at(-1e-3), 0.0);
-  // Told again, it counts as another surface and meets the hand where it is.
+  // When the surface is reported again, it counts as another surface. The new surface begins at the
+  // hand's position.
   remote.others.surfaces[0] = wall(1.0, 3);
   remote.others.count = 1;
   hand.remote.take(remote);
@@ -70,7 +71,8 @@ TEST(RemoteHand, ASurfaceThatIsToldNoMoreIsGone) {
   EXPECT_EQ(hand.remote.lead(true, {}).known_surface, 3u);
 }
 
-/// ContactEstimator tells a surface that has left far behind the tool. It is still known.
+/// If a surface has left the tool, ContactEstimator reports it far from the tool. The surface is
+/// still known.
 TEST(RemoteHand, ASurfaceThatHasLeftPressesNoMoreAndIsMetAgainWhereItIs) {
   Hand hand;
   Remote remote = slot();
@@ -91,7 +93,7 @@ TEST(RemoteHand, ASurfaceThatHasLeftPressesNoMoreAndIsMetAgainWhereItIs) {
   EXPECT_TRUE(hand.remote.lead(true, {}).offset.isZero(0.0));
 }
 
-/// The contact itself may be forgotten earlier than the surfaces beside it.
+/// The contact itself may be forgotten earlier than the other surfaces.
 TEST(RemoteHand, SurfacesPressWithoutAContact) {
   Hand hand;
   Remote remote = slot();

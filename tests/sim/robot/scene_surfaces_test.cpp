@@ -1,4 +1,4 @@
-// A scene file as the model of the robot's surroundings.
+// Tests a scene file as the model of the robot's surroundings.
 
 #include "sim/robot/scene_surfaces.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
 
-/// A floor at `height`, and a ball of 30 mm on the floor at z = 0.
+/// Returns a floor at `height`, and a ball of 30 mm on the floor at z = 0.
 std::shared_ptr<const Scene> floor_scene(double height, bool with_ball) {
   Object floor;
   floor.name = "floor";
@@ -47,7 +47,7 @@ TEST(SceneSurfaces, TellsTheNearestSurface) {
   EXPECT_NEAR((ball.point - Vec3(0.1, 0.0, 0.06)).norm(), 0.0, 1e-9);
   EXPECT_EQ(ball.stiffness, 400.0);
   EXPECT_EQ(ball.friction, 0.5);
-  // Inside the ball the same surface is found; far away or at NaN none is.
+  // Inside the ball, the nearest surface must be the ball. Far away or at NaN there must be none.
   EXPECT_EQ(surfaces.nearest(Vec3(0.1, 0.0, 0.059), 1e-3).key, ball.key);
   EXPECT_EQ(surfaces.nearest(Vec3(0.0, 0.0, 0.5), 1e-3).key, 0u);
   EXPECT_EQ(surfaces.nearest(Vec3(0.0, 0.0, std::numeric_limits<double>::quiet_NaN()), 1e-3).key,
@@ -55,7 +55,7 @@ TEST(SceneSurfaces, TellsTheNearestSurface) {
   EXPECT_THROW(SceneSurfaces(nullptr), std::invalid_argument);
 }
 
-/// A robot moves down to a floor that its model has 3 mm too low.
+/// A robot moves down to a floor. In the robot's model the floor is 3 mm too low.
 TEST(SceneSurfaces, ARobotTellsThemBeforeItTouchesAndCorrectsThem) {
   PointRobot robot(floor_scene(0.0, false), Vec3(0.0, 0.0, 0.03));
   FollowerOptions options;

@@ -1,4 +1,4 @@
-// Two hands lead one robot at the same time, each over its own link.
+// Two hands lead one robot at the same time. Each has its own link.
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@ using test::HandSession;
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kStep = 0.25e-3;  // [m] in one sample at the robot's speed limit
-// [N] the largest fall of the force in one tick: the largest force falls within half the hold time,
-// and the hand's own movement adds some.
+constexpr double kStep = 0.25e-3;  // [m] per sample at the robot's speed limit
+// [N] the largest fall of the force per tick: the largest force ends within half the hold time, and
+// the hand's own movement adds a part.
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 constexpr RemoteTrust kNoTrust{.per_contact = 0.0, .power = 0.0};
 
-/// Anna has the bench's hand; Ben joins with a second one.
+/// Anna has the hand of the bench, and Ben joins with a second hand.
 struct TwoLeaders : Teleoperation {
   static constexpr std::uint64_t kBen = 0x900;
 
@@ -44,7 +44,7 @@ struct TwoLeaders : Teleoperation {
     ASSERT_EQ(leads(*this), engaged);
     ASSERT_EQ(leads(ben), engaged);
   }
-  /// Both hands mean to move by these vectors within the time.
+  /// Moves the targets of both hands by these vectors within the time.
   void move_both(const Vec3& anna, const Vec3& bens, double time) {
     const Vec3 from = ben.hand.meant;
     const int ticks = static_cast<int>(time / kSlice);
@@ -71,7 +71,7 @@ TEST(SharedLeaders, BothFeelTheForceOnTheRobotWithoutAndWithDelay) {
     bench.move_both(Vec3(0.0, 0.0, -0.045), Vec3(0.0, 0.0, -0.045), 1.0);
     bench.run(2.0);
     ASSERT_GE(bench.force(), 1.0);
-    // Each hand's own spring resists the force, so neither is deep; both feel equal forces.
+    // Each hand's own spring resists the force, so neither moves deep. Both must get equal forces.
     EXPECT_NEAR(bench.force(), bench.ben.force(), 0.1 * bench.force());
     EXPECT_NEAR(bench.force(), bench.robot.force().z(), 0.1 * bench.force());
     bench.expect_no_energy();
@@ -87,7 +87,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
     bench.move_both(Vec3(0.0, 0.0, -0.03), Vec3(0.0, 0.0, -0.03), 1.0);
     bench.run(0.5);
     bench.fastest_fall = bench.ben.fastest_fall = bench.farthest_step = 0.0;
-    // The hands push on and pull back in opposite directions, along the surface and off it.
+    // The hands push and pull in opposite directions, along the surface and perpendicular to it.
     for (int i = 0; i < 6; ++i) {
       const double sign = i % 2 == 0 ? 1.0 : -1.0;
       const Vec3 way(0.02 * sign, 0.01, 0.04 * sign);
@@ -97,7 +97,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
     EXPECT_EQ(bench.state(), engaged);
     EXPECT_LE(bench.farthest_step, kStep * (1.0 + 1e-9));
     bench.expect_no_energy();
-    // Now one hand is cut off, deep in the wall.
+    // Deep in the wall, the connection of Ben's hand is cut.
     bench.move_both(Vec3(0.0, 0.0, -0.02), Vec3(0.0, 0.0, -0.02), 0.4);
     bench.run(0.5);
     bench.fastest_fall = bench.ben.fastest_fall = 0.0;
@@ -113,7 +113,7 @@ TEST(SharedLeaders, AgainstEachOtherTheyMakeNoEnergyAndNoStep) {
 
 /// The result of Anna's press while Ben uses his switch.
 struct Pressed {
-  double force, robot_force, depth;  // [N], [N], [m] of the target below the wall
+  double force, robot_force, depth;  // [N], [N], [m] depth of the target below the wall
 };
 Pressed press_beside(const char* link, const std::function<void(HandSession&, int)>& ben_does) {
   TwoLeaders bench(link, 1.0, 1.0);
@@ -131,7 +131,7 @@ Pressed press_beside(const char* link, const std::function<void(HandSession&, in
   return {bench.force(), bench.robot.force().z(), -bench.commanded.position.z()};
 }
 
-/// A hand with a flickering switch leads nothing, and takes nothing from the other hand.
+/// A hand with a bouncing switch must lead nothing, and must not affect the other hand.
 TEST(SharedLeaders, ASwitchThatFlickersDoesNotBlockTheOtherHand) {
   for (const char* link : {"delay=0", "delay=50,loss=2,seed=3"}) {
     SCOPED_TRACE(link);
@@ -146,7 +146,7 @@ TEST(SharedLeaders, ASwitchThatFlickersDoesNotBlockTheOtherHand) {
   }
 }
 
-/// A change of the lead share does not move the target.
+/// A change of the lead share must not move the target.
 TEST(SharedLeaders, AnotherShareMovesNothing) {
   TwoLeaders bench("delay=0");
   bench.engage_both();

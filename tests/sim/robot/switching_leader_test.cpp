@@ -18,9 +18,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using enum LinkState;
 
-constexpr double kStep = 0.25e-3;  // [m] in one sample at the robot's speed limit
-// [N] the largest fall of the force in one tick: the largest force falls within half the hold time,
-// and the hand's own movement adds some.
+constexpr double kStep = 0.25e-3;  // [m] per sample at the robot's speed limit
+// [N] the largest fall of the force per tick: the largest force ends within half the hold time, and
+// the hand's own movement adds a part.
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 constexpr RemoteTrust kTrust{.per_contact = 0.1, .power = 5.0};
 
@@ -33,7 +33,7 @@ struct BothRobots {
   PointRobot right_robot{test::wall_scene(1000.0), Vec3(0.3, 0.0, 0.03)};
 };
 
-/// A point robot on each seat, 20 and 30 mm in front of a wall.
+/// Two point robots, 20 and 30 mm in front of a wall.
 struct TwoRobots : BothRobots, test::RobotSession {
   static constexpr std::uint64_t kRight = 0x801;
 
@@ -91,7 +91,7 @@ TEST(SwitchingLeader, LeadsOneRobotAfterTheOther) {
     EXPECT_LE((bench.commanded.position - left).norm(), 1e-12) << "the left one holds where it was";
     EXPECT_EQ(bench.state(0), disabled);
 
-    // And back: the left robot's surface is again where it was.
+    // The hand returns to the left robot. The surface must be at its former position.
     bench.hand.pressed = false;
     bench.run(0.3);
     bench.press_button();
@@ -123,7 +123,7 @@ TEST(SwitchingLeader, TheButtonChangesNothingWhileTheSwitchIsHeld) {
   EXPECT_EQ(bench.state(1), disabled);
 }
 
-/// A client may name any seat.
+/// A client may name any robot number.
 TEST(SwitchingLeader, TheServerKeepsAHandAtTheRobotThatItMoves) {
   TwoRobots bench;
   bench.engage();
@@ -145,7 +145,7 @@ TEST(SwitchingLeader, TheServerKeepsAHandAtTheRobotThatItMoves) {
   send(1, false);
   EXPECT_EQ(bench.state(0), disabled);
   EXPECT_EQ(bench.state(1), ready);
-  // A seat that does not exist: the hand leads no robot.
+  // The number does not exist, so the hand must lead no robot.
   send(9, false);
   EXPECT_EQ(bench.state(1), disabled);
   send(9, true);
@@ -156,7 +156,7 @@ TEST(SwitchingLeader, TheServerKeepsAHandAtTheRobotThatItMoves) {
   EXPECT_NE(bench.state(0), engaged);
 }
 
-/// Energy from one robot's environment gives no credit at another robot.
+/// Energy from one robot's environment must give no credit at another robot.
 TEST(SwitchingLeader, BringsNoCreditAlong) {
   TwoRobots bench("delay=0", kTrust);
   bench.right.lie = [](RobotState& said) { said.energy.pushed = 1e3; };
@@ -218,7 +218,8 @@ TEST(SwitchingLeader, AReloadWithTheSameSeatsKeepsThem) {
   bench.move(Vec3(0.0, 0.0, -0.01), 0.3);
   EXPECT_EQ(bench.told().seat, 0);
 
-  // Robots and leading hands know seats by number. With other seats, none of them stays.
+  // Sessions of robots and leading hands store the number of the robot. If the scene's robots
+  // change, none of these sessions may stay.
   const Scene other =
       test::empty_scene(std::vector{RemoteSeat{.name = "right"}, RemoteSeat{.name = "left"}});
   HandSession eye(0x900, "delay=0", 5, {.per_contact = 0.0, .power = 0.0});

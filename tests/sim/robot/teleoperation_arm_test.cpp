@@ -1,5 +1,5 @@
-// A hand leads the simulated arm over sealed datagrams and an emulated link: it presses on a table,
-// slides along it, and lifts a box.
+// A hand leads the simulated arm over sealed datagrams and an emulated link. It presses on a table,
+// slides along the table, and lifts a box.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using enum LinkState;
 constexpr double kTable = 0.3;  // [m] scenes/arm/table.xml
 // The arm's spring of 1000 N/m and the table's of 5000 N/m, in series.
 constexpr double kSeries = 1000.0 * 5000.0 / 6000.0;
-constexpr double kHand = 300.0;    // [N/m] of the simulated hand
+constexpr double kHand = 300.0;    // [N/m] stiffness of the simulated hand
 constexpr double kFriction = 0.3;  // mu of the table
 
 ArmConfig in_scene(const char* name) {
@@ -39,9 +39,10 @@ struct ArmSession : ArmAtHeight, test::RobotSession {
   explicit ArmSession(const std::string& link, const char* file = "table.xml",
                       double height = kTable + 0.02)
       : ArmAtHeight(file, height), RobotSession(arm, link) {}
-  double box() const { return arm.place_of("box").value().z(); }  // [m]
+  double box() const { return arm.place_of("box").value().z(); }  // [m] height of the box
 
-  /// [N] the largest force on the tool while the hand means to move by `way` and then stays.
+  /// Returns the largest force [N] on the tool while the hand's target moves by `way` and then
+  /// stays.
   double peak_of(const Vec3& way, double time, double rest) {
     double peak = 0.0;
     const Vec3 from = hand.meant;
@@ -53,7 +54,7 @@ struct ArmSession : ArmAtHeight, test::RobotSession {
     }
     return peak;
   }
-  /// [N] the force of springs in series for the hand's intended place, minus its offset.
+  /// Returns the force [N] of the springs in series, for the hand's target minus its offset.
   double intended(double began) const {
     const double deep = began + servo.lead()->offset.z() - hand.meant.z() - 0.02;
     return deep / (1.0 / kHand + 1.0 / kSeries);
@@ -88,7 +89,8 @@ TEST(TeleoperationArm, PressesAndSlides) { press_and_slide("delay=0"); }
 TEST(TeleoperationArm, PressesAndSlidesOverADelayAndLoss) {
   for (const char* seed : {"1", "2", "3"}) {
     SCOPED_TRACE(seed);
-    press_and_slide(std::string("delay=25,loss=2,seed=") + seed);  // two links: 100 ms round trip
+    // two links with a round trip of 100 ms
+    press_and_slide(std::string("delay=25,loss=2,seed=") + seed);
   }
 }
 
@@ -112,14 +114,14 @@ TEST(TeleoperationArm, LiftsABoxOverADelayAndLoss) {
   EXPECT_LE(bench.made(), 0.0);
   EXPECT_FALSE(bench.arm.read(bench.now).stopped);
 
-  // The switch is released, then the lever: the box stays in place.
+  // The hand releases the switch and then the lever. The box must stay in place.
   const double held = bench.box();
   bench.hand.pressed = false;
   bench.run(0.3);
   bench.hand.gripper = kOpen;
   bench.run(0.5);
   EXPECT_NEAR(bench.box(), held, 0.01);
-  // The hand engages again with the lever open: the gripper opens without a jump.
+  // The hand engages again with the lever open. The gripper must open without a jump.
   bench.hand.pressed = true;
   double opening = bench.follower.wanted().gripper, fastest = 0.0;
   for (int n = 0; n < 3500; ++n) {

@@ -1,5 +1,4 @@
-// The end of a hand and of its robot under each fault (PROTOCOL.md, "A robot that
-// follows").
+// Tests how a hand and its robot stop after each fault (PROTOCOL.md, "A robot that follows").
 
 #include <gtest/gtest.h>
 
@@ -15,9 +14,9 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kStep = 0.25e-3;  // [m] in one sample at the robot's speed limit
-// [N] the largest fall of the force in one tick: the largest force falls within half the hold time,
-// and the hand's own movement adds some.
+constexpr double kStep = 0.25e-3;  // [m] per sample at the robot's speed limit
+// [N] the largest fall of the force per tick: the largest force ends within half the hold time, and
+// the hand's own movement adds a part.
 constexpr double kFall = 8.9 / 50.0 + 0.05;
 
 /// Engages and presses about 10 mm deep.
@@ -35,7 +34,8 @@ TEST(TeleoperationFault, EachEngagementBeginsWhereTheRobotIs) {
   Teleoperation bench("delay=10,jitter=2,loss=5,seed=4", {.scale = 0.5});
   for (int i = 0; i < 40; ++i) {
     bench.hand.pressed = false;
-    bench.move(random.uniform(0.0, 0.05) * random.direction(), 0.3);  // the clutch
+    // The clutch is pressed during this movement.
+    bench.move(random.uniform(0.0, 0.05) * random.direction(), 0.3);
     bench.run(0.3);
     ASSERT_EQ(bench.state(), i == 0 ? ready : clutched);
     const Vec3 held = bench.commanded.position;
@@ -165,7 +165,7 @@ TEST(TeleoperationFault, AWrenchAboveTheLimitHolds) {
   EXPECT_EQ(bench.robot.force().norm(), 0.0);
 }
 
-/// A false report of energy: the robot asks for force on the hand.
+/// Makes a false report of energy that would allow any force on the hand.
 void lie_of_energy(RobotState& state) {
   state.energy.pushed = state.energy.given = 1e9 + static_cast<double>(state.index);
 }
@@ -231,10 +231,10 @@ TEST(TeleoperationFault, WhatNoReplyCanCarryIsLeftOut) {
   for (const std::uint64_t dropped : bench.hand_datagrams.dropped()) EXPECT_EQ(dropped, 0u);
 }
 
-/// A robot whose readings jump: an encoder that lost its counts, or a real throw.
+/// A robot with readings that jump, because an encoder lost its counts or the robot was thrown.
 struct ShiftedRobot final : Follower {
   PointRobot robot{test::wall_scene(), Vec3(0.0, 0.0, 0.02)};
-  Vec3 shift = Vec3::Zero();  // [m] of its readings
+  Vec3 shift = Vec3::Zero();  // [m] shift of the readings
   const FollowerSpec& spec() const override { return robot.spec(); }
   FollowerReading read(Nanoseconds now) noexcept override {
     FollowerReading reading = robot.read(now);

@@ -1,5 +1,5 @@
-// A whole server, a hand's servo loop and a robot's loop in one process, over real sockets of this
-// machine.
+// Tests a complete server, a hand's servo loop and a robot's loop in one process, over real sockets
+// of this machine.
 
 #include <gmock/gmock.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{10'000};
 
-/// Presses its switch, moves down by 35 mm, stays, comes back, and releases the switch.
+/// Presses its switch, moves down by 35 mm, stays, returns, and releases the switch.
 class ScriptedHand final : public HandDevice {
  public:
   ScriptedHand() : HandDevice(builtin_device("simulated"), {}) { place(kStart); }
@@ -78,7 +78,7 @@ TEST(TeleoperationLoopback, ARobotsTokenOpensNoOtherSeat) {
   EXPECT_EQ(refused(robot_token, Role::follower), "no");
 }
 
-/// A seated robot in its own thread.
+/// Runs a robot in its own thread.
 struct SeatedRobot {
   SeatedRobot(std::uint16_t port, const Secret& token, double patience)
       : run{.server = test::access(port, "127.0.0.1", token),
@@ -99,7 +99,7 @@ struct SeatedRobot {
   std::atomic<int> joins{0};
   FollowerResult result;
   FollowerRun run;
-  std::thread thread;  // the last member: it uses the others
+  std::thread thread;  // This is the last member, because the thread uses the other members.
 };
 
 TEST(TeleoperationLoopback, ARobotJoinsAgainAfterALostSession) {
@@ -126,9 +126,11 @@ TEST(TeleoperationLoopback, ARobotThatIsRefusedAtItsReturnEnds) {
   SeatedRobot seated(server->control_port(), token.text, 60.0);
   seated.await_join(1);
   server.reset();
-  server = std::make_unique<Server>(same_port, seat(), test::security());  // its token is unknown
+  // The new server does not accept the robot's token.
+  server = std::make_unique<Server>(same_port, seat(), test::security());
   seated.thread.join();
-  // By a goodbye, or by silence if the server ended before it heard of the robot.
+  // The session ends by a goodbye. If the server stopped before the robot's first datagram, the
+  // session ends by silence.
   EXPECT_NE(seated.result.end, FollowerEnd::requested);
   EXPECT_EQ(seated.result.sessions, 1u);
 }

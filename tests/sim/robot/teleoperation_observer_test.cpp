@@ -1,4 +1,4 @@
-// An observer of a scene with a robot sees tool, target, state and force, and the hands too.
+// An observer of a scene with a robot must see tool, target, state and force, and also the hands.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-/// An observer without a link: each look sends a sample and takes the answer.
+/// An observer without a link. Each look sends a sample and takes the answer.
 class ObserverClient {
  public:
   ObserverClient(Teleoperation& bench, std::uint64_t id, bool figures = false)
@@ -71,7 +71,7 @@ TEST(TeleoperationObserver, SeesTheRobotThatAHandLeads) {
   ASSERT_EQ(view.hand_count, 1u) << "and the robot is no hand";
   EXPECT_EQ(view.hands()[0].number, 1u);
 
-  Picture picture;  // for the live page
+  Picture picture;  // a picture for the live page
   bench.server->draw(picture, bench.now);
   ASSERT_EQ(picture.robots.size(), 1u);
   EXPECT_EQ(picture.robots[0].state, engaged);
@@ -87,7 +87,7 @@ TEST(TeleoperationObserver, SeesTheRobotThatAHandLeads) {
   EXPECT_TRUE(picture.robots.empty());
 }
 
-/// The robot's part reduces the room for hands and bodies: every view fits a datagram.
+/// The robot's part reduces the room for hands and bodies. Every view must fit in a datagram.
 TEST(TeleoperationObserver, EveryViewFitsADatagram) {
   for (const bool figures : {false, true}) {
     Teleoperation bench;

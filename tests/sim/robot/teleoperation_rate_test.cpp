@@ -1,4 +1,4 @@
-// Robots that are slower than the hand, and robots whose clock drifts.
+// Tests robots that are slower than the hand, and robots with a drifting clock.
 
 #include <gtest/gtest.h>
 
@@ -13,10 +13,11 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kSeries = 1000.0 * 2000.0 / 3000.0;  // [N/m] the robot's spring and the wall's
-constexpr double kSpeed = 0.25;                       // [m/s] limit of the target
+// [N/m] the robot's spring and the wall's, in series
+constexpr double kSeries = 1000.0 * 2000.0 / 3000.0;
+constexpr double kSpeed = 0.25;  // [m/s] speed limit of the target
 
-/// Engages, follows in free space, presses 25 mm deep and comes out; 40 ms round trip.
+/// Engages, follows in free space, presses 25 mm deep and comes out, with a round trip of 40 ms.
 void leads(double period, double drift) {
   SCOPED_TRACE("period " + std::to_string(period) + " s, drift " + std::to_string(drift));
   Teleoperation bench("delay=10,loss=1,seed=5", {}, {.per_contact = 0.0, .power = 0.0},
@@ -48,13 +49,13 @@ void leads(double period, double drift) {
 TEST(TeleoperationRate, ARobotOfAHundredHertz) { leads(0.01, 0.0); }
 TEST(TeleoperationRate, ARobotOfFiveHundredHertz) { leads(0.002, 0.0); }
 
-/// Ten thousand times a quartz's drift: an error would show.
+/// A drift of ten thousand times a quartz's drift must reveal an error.
 TEST(TeleoperationRate, ARobotWhoseClockDrifts) {
   for (const double drift : {-0.01, -1e-4, 1e-4, 0.01}) leads(0.001, drift);
   for (const double drift : {-0.01, 0.01}) leads(0.002, drift);
 }
 
-/// The robot's own clock measures the silence: it holds within a tenth of a second.
+/// The robot's own clock measures the silence. The robot must hold within a tenth of a second.
 TEST(TeleoperationRate, ASlowRobotHoldsWhenTheServerIsSilent) {
   for (const double period : {0.002, 0.01}) {
     Teleoperation bench("delay=0", {}, {.per_contact = 0.0, .power = 0.0},

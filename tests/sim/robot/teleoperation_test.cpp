@@ -1,5 +1,5 @@
-// A hand leads a robot over sealed datagrams and an emulated link: how it feels a wall that the
-// server does not know, and how both react to each fault.
+// A hand leads a robot over sealed datagrams and an emulated link. Tests the force of a wall that
+// is not in the server's scene, and the reaction to each fault.
 
 #include <gtest/gtest.h>
 
@@ -33,8 +33,8 @@ TEST(Teleoperation, TheRobotFollowsTheHandFromWhereItIs) {
   EXPECT_EQ(bench.servo.held().force().norm(), 0.0) << "the air is free";
 }
 
-/// The hand turns as the server tells it to. Then the robot turns as the hand does, with any offset
-/// between the two.
+/// The hand first rotates as the server requests. Then the robot must rotate with the hand, with
+/// any offset between them.
 TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   RemoteSeat seat;
   seat.aligned = Alignment{Quaternion(Eigen::AngleAxisd(0.8, Vec3::UnitX())), 0.2};
@@ -49,7 +49,7 @@ TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   EXPECT_EQ(bench.state(), aligning) << "it is turned away";
   EXPECT_EQ(bench.servo.remote()->remote().state, aligning);
 
-  bench.hand.turn = turned(bench.hand.turn, 0.8 * *missing());  // 0.16 rad remain
+  bench.hand.turn = turned(bench.hand.turn, 0.8 * *missing());  // 0.16 rad remain.
   bench.engage();
   ASSERT_EQ(bench.state(), engaged);
   EXPECT_LE(rotation_between(Quaternion::Identity(), robot_turn()).norm(), 1e-9) << "no step";
@@ -62,7 +62,8 @@ TEST(Teleoperation, AnAlignedHandTurnsTheRobotAsItIsTurned) {
   EXPECT_EQ(bench.servo.held().force().norm(), 0.0);
 }
 
-/// Displayed over series stiffness for a press of 25 mm into the wall, from 20 mm in front of it.
+/// The ratio of displayed to series stiffness, for a press of 25 mm into the wall. The press begins
+/// 20 mm in front of the wall.
 struct Pressed {
   double displayed = 0.0, swing = 0.0, robot_force = 0.0, hand_force = 0.0;
 };
@@ -112,7 +113,7 @@ TEST(Teleoperation, TheHandsForceMayBeScaled) {
 }
 
 TEST(Teleoperation, IsFeltOverADelayAndLoss) {
-  Teleoperation bench("delay=25,loss=2,seed=3");  // two links: 100 ms round trip
+  Teleoperation bench("delay=25,loss=2,seed=3");  // two links with a round trip of 100 ms
   bench.engage();
   const Pressed first = press(bench);
   EXPECT_NEAR(first.displayed, 1.0, 0.05);

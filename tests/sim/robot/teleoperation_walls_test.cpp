@@ -1,5 +1,6 @@
-// The walls of a robot's workspace over sealed datagrams and an emulated link: the robot stays
-// inside, the hand feels them at its own rate, and nothing sticks to them.
+// Tests the walls of a robot's workspace over sealed datagrams and an emulated link. The robot must
+// stay inside, and the hand must get the walls' force at its own rate. A movement away from a wall
+// must have no delay.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ namespace {
 using test::Teleoperation;
 using enum LinkState;
 
-constexpr double kTop = 0.05;  // [m] top of the robot's workspace; the robot begins at 0.02
+constexpr double kTop = 0.05;  // [m] top of the workspace; the robot begins at 0.02
 constexpr double kStiffness = 1000.0, kDepth = 5e-3;
 
 RemoteSeat seat(double scale = 1.0) {
@@ -27,7 +28,7 @@ RemoteSeat seat(double scale = 1.0) {
   return seat;
 }
 
-/// [m] distance of the target from the wall.
+/// Returns the distance [m] of the target from the wall.
 double room(const Teleoperation& bench) { return kTop - bench.commanded.position.z(); }
 
 TEST(TeleoperationWalls, TheHandFeelsThemAndTheRobotStaysInside) {
@@ -44,7 +45,8 @@ TEST(TeleoperationWalls, TheHandFeelsThemAndTheRobotStaysInside) {
       ASSERT_EQ(bench.state(), engaged);
       EXPECT_GE(least, -1e-9);
       EXPECT_LE(room(bench), 1e-5) << link;
-      // The spring has a limited depth: a hand that means to be far behind feels its full force.
+      // The spring has a limited depth. A hand with a target far beyond the wall gets the complete
+      // force.
       EXPECT_NEAR(bench.force(), -kStiffness * kDepth, 0.1) << link << scale;
       EXPECT_LE(bench.made(), 0.0);
     }
@@ -58,13 +60,13 @@ TEST(TeleoperationWalls, AHandThatComesBackMovesTheRobotAtOnce) {
   bench.run(0.5);
   EXPECT_LE(room(bench), 1e-5);
   const double hand = bench.hand.true_position().z();
-  // Move back by more than the stretch of the hand's own spring at the wall.
+  // The hand moves back by more than the stretch of its own spring at the wall.
   bench.move(Vec3(0.0, 0.0, -0.06), 1.0);
   bench.run(0.3);
   const double back = hand - bench.hand.true_position().z();
   EXPECT_GE(back, 0.02);
   EXPECT_EQ(bench.force(), 0.0);
-  // All of it moves the robot, except for the offset that free movement gives back.
+  // The complete movement must move the robot, except for the offset that free movement restores.
   EXPECT_GE(room(bench), (1.0 - SurfaceOffset::kGivenBack) * back - 1e-3);
   EXPECT_LE(room(bench), back + 1e-3);
   EXPECT_LE(bench.made(), 0.0);
@@ -96,7 +98,7 @@ TEST(TeleoperationWalls, EngagingAtAWallGivesNoKick) {
   bench.run(0.5);
   EXPECT_EQ(bench.state(), clutched);
   EXPECT_EQ(bench.force(), 0.0);
-  bench.hand.put(bench.hand.true_position());  // the hand rests and means to be here
+  bench.hand.put(bench.hand.true_position());  // The hand rests, and its target is here.
   bench.run(0.1);
   const Vec3 hand = bench.hand.true_position();
   bench.hand.pressed = true;
@@ -104,13 +106,13 @@ TEST(TeleoperationWalls, EngagingAtAWallGivesNoKick) {
   EXPECT_EQ(bench.state(), engaged);
   EXPECT_LE((bench.hand.true_position() - hand).norm(), 1e-4) << "nothing pushes a resting hand";
   EXPECT_NEAR(bench.force(), 0.0, 0.01);
-  bench.move(Vec3(0.0, 0.0, 0.05), 0.5);  // the hand pushes on and feels the wall
+  bench.move(Vec3(0.0, 0.0, 0.05), 0.5);  // The hand pushes on and must feel the wall.
   EXPECT_NEAR(bench.force(), -kStiffness * kDepth, 0.1);
   EXPECT_LE(room(bench), 1e-5);
   EXPECT_LE(bench.made(), 0.0);
 }
 
-/// A wild hand on any network: the robot stays inside, and the hand gets no energy.
+/// A hand moves wildly on any network. The robot must stay inside, and the hand must get no energy.
 TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
   test::Random random(21);
   for (const char* link :
@@ -140,8 +142,8 @@ TEST(TeleoperationWalls, AWildHandNeverGetsThrough) {
   }
 }
 
-/// A body in the way feels like a wall that moves along with the robot, and the robot passes around
-/// it.
+/// A body in the way must act like a wall that moves with the robot. The robot must be able to pass
+/// around the body.
 TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
   for (const char* link : {"delay=0", "delay=25,loss=2,seed=3"}) {
     RemoteSeat around;
@@ -159,7 +161,7 @@ TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
     ASSERT_EQ(bench.state(), engaged);
     EXPECT_LE(room(), 1e-3) << link;
     EXPECT_LE(bench.force(), -1.0) << "it is felt";
-    // Sideways and on, while the hand presses upwards.
+    // The hand moves sideways and onwards while it presses upwards.
     double least = 1.0;
     for (int i = 0; i < 100; ++i) {
       bench.move(Vec3(1e-3, 0.0, 1.5e-3), 0.02);
@@ -171,7 +173,7 @@ TEST(TeleoperationWalls, ABodyIsFeltAndGoneAround) {
   }
 }
 
-/// If a server lies about its walls, the commands stay finite and give the hand no energy.
+/// If a server sends false walls, the commands must stay finite and give the hand no energy.
 TEST(TeleoperationWalls, WallsThatAreNoneGiveTheHandNoEnergy) {
   Teleoperation bench("delay=0", seat());
   test::Random random(9);

@@ -1,5 +1,6 @@
 // A hand leads the arm in the server's own world (scenes/arm/workcell.json) over sealed datagrams
-// and an emulated link: it presses on the mat and lifts the box. Nobody else moves the arm.
+// and an emulated link. The hand presses on the mat and lifts the box. No other hand may move the
+// arm.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,16 +18,16 @@ namespace {
 using enum LinkState;
 using ::testing::HasSubstr;
 
-constexpr double kTable = 0.3;  // [m] height, scenes/arm/table.xml
-constexpr double kMat = 0.3;    // [m] height, scenes/arm/workcell.xml
-// The arm's spring and the table's, in series.
+constexpr double kTable = 0.3;  // [m] height of the table, scenes/arm/table.xml
+constexpr double kMat = 0.3;    // [m] height of the mat, scenes/arm/workcell.xml
+// The arm's spring and the table's spring, in series.
 constexpr double kSeries = 1000.0 * 5000.0 / 6000.0;  // [N/m]
 constexpr double kBoxHalf = 0.02;                     // [m]
-constexpr double kOpen = 0.08;                        // [m] of the gripper
-const Vec3 kOverBox(0.45, 0.0, 0.36);                 // [m] of the tool
+constexpr double kOpen = 0.08;                        // [m] opening of the gripper
+const Vec3 kOverBox(0.45, 0.0, 0.36);                 // [m] position of the tool
 
 Scene arm_scene() { return load_scene(FELTWIRE_SOURCE_DIR "/scenes/arm/workcell.json"); }
-/// A scene with a table of 5 kN/m, 0.3 m high.
+/// Returns a scene with a table of 5 kN/m at a height of 0.3 m.
 Scene table_scene() {
   return parse_scene(R"({ "name": "arm", "materials": [{ "name": "steel", "stiffness": 2000 }],
     "mjcf": { "file": "table.xml", "material": "steel" }, "remote": { "arm": {} } })",
@@ -107,16 +108,16 @@ struct Bench : test::HandSession {
   const Object& object(const std::string& name) const {
     return *std::ranges::find(server->world()->objects(), name, &Object::name);
   }
-  double box() const { return object("box").pose.position.z(); }  // [m]
+  double box() const { return object("box").pose.position.z(); }  // [m] height of the box
 
   Scene scene;
   std::unique_ptr<SceneSessions> server;
   std::vector<HandSession*> others;
-  bool silent = false;         // the hand sends nothing
-  bool names_another = false;  // its samples name the second seat, regardless of its servo
+  bool silent = false;         // The hand sends nothing.
+  bool names_another = false;  // The samples name the second robot, independently of the servo.
   Nanoseconds now = std::chrono::seconds(100);
-  double largest_force = 0.0;  // [N] on the arm's tool
-  double farthest_step = 0.0;  // [m] of the arm's target in one tick
+  double largest_force = 0.0;  // [N] largest force on the arm's tool
+  double farthest_step = 0.0;  // [m] largest movement of the arm's target per tick
   DatagramBuffer room;
 
  private:
@@ -182,7 +183,8 @@ TEST(WorldArm, LiftsTheBox) {
   EXPECT_LE(bench.made(), 0.0);
 }
 
-/// A hand that leads the arm is not in the scene itself; another hand at that place is.
+/// A hand that leads the arm must not touch the scene itself. Another hand at this position must
+/// touch the scene.
 TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   Bench bench;
   test::HandSession other(0x900, "delay=0", 5, {.per_contact = 0.0, .power = 0.0});
@@ -205,7 +207,8 @@ TEST(WorldArm, TheHandTouchesWithTheArmAlone) {
   EXPECT_EQ(led, 0.0);
 }
 
-/// The server keeps a hand at the arm that it moves, whatever it names, so it touches nothing.
+/// The server keeps a hand at the arm that it moves, for any robot number in its samples. The hand
+/// must touch nothing else.
 TEST(WorldArm, AHandThatMovesItTouchesNothingElseWhateverItNames) {
   Scene scene = arm_scene();
   std::vector<RemoteSeat> seats(2);
@@ -227,7 +230,7 @@ TEST(WorldArm, AHandThatMovesItTouchesNothingElseWhateverItNames) {
   EXPECT_EQ(bench.server->link_state(0), engaged);
 }
 
-/// Other hands feel and push the arm's links; the arm's springs bring the links back.
+/// Other hands feel and push the arm's links. The arm's springs must return the links.
 TEST(WorldArm, AnotherHandPushesALink) {
   Bench bench;
   test::HandSession other(0x900, "delay=0", 5, {.per_contact = 0.0, .power = 0.0});
@@ -236,8 +239,8 @@ TEST(WorldArm, AnotherHandPushesALink) {
   bench.engage();
   const Object& palm = bench.object("palm");
   const Vec3 before = palm.pose.position;
-  const Vec3 out = palm.pose.orientation * Vec3::UnitZ();  // the capsule's axis
-  const Vec3 beside = before + 0.13 * out;                 // in front of its round end
+  const Vec3 out = palm.pose.orientation * Vec3::UnitZ();  // axis of the capsule
+  const Vec3 beside = before + 0.13 * out;                 // in front of the capsule's round end
   other.options.leads.reset();
   other.servo = Servo(other.hand.spec(), other.parameters, other.options);
   other.hand.put(beside);
@@ -258,7 +261,7 @@ TEST(WorldArm, HoldsWhenTheHandIsSilent) {
   Bench bench;
   bench.go_over_box();
   const Vec3 from = bench.hand.meant;
-  for (int n = 0; n < 200; ++n) {  // moving at 0.1 m/s
+  for (int n = 0; n < 200; ++n) {  // a movement at 0.1 m/s
     bench.hand.meant = from + Vec3(0.0, 1e-4 * n, 0.0);
     bench.tick();
   }
@@ -292,7 +295,7 @@ TEST(WorldArm, AReloadPutsItHomeAndTheHandPressesAnew) {
   EXPECT_EQ(bench.server->link_state(0), engaged);
 }
 
-/// 30 N is half of what the arm's own spring can give: a stop that ends by itself.
+/// A force of 30 N is half of the arm's own spring force. Such a stop must end by itself.
 TEST(WorldArm, AProtectiveStopEndsWhenNothingPushes) {
   Scene scene = arm_scene();
   std::vector<RemoteSeat> seats = scene.seats();

@@ -105,7 +105,7 @@ TEST(Compare, TellsTheMethodsApart) {
     EXPECT_GT(r.cost, 0.0);
     if (r.method == "contact_frame") {
       EXPECT_LT(r.energy_made, 1e-12) << r.task;
-      // 2 b / T of the wall's 40 kN/m and the others' 5 kN/m.
+      // 2 b / T relative to the wall's 40 kN/m and the other objects' 5 kN/m
       EXPECT_NEAR(r.displayed, r.task == "wall" ? 0.025 : 0.2, r.task == "wall" ? 0.005 : 0.05)
           << r.task;
     }
@@ -123,7 +123,7 @@ TEST(Compare, DelayOscillatesWithoutABoundOnly) {
   EXPECT_LT(row(rows, "stick_slip", "contact_frame").oscillation, kFelt);
 }
 
-// The reason why all bounds err by some tens of micrometres on a soft torus: the bumps sink in.
+// All bounds have errors of some tens of micrometres on a soft torus, because the bumps sink in.
 TEST(Compare, ASofterTorusLetsItsBumpsIn) {
   CompareTask stiff = task("torus"), soft = stiff;
   soft.touch = [](const Tool& tool) {
@@ -134,13 +134,14 @@ TEST(Compare, ASofterTorusLetsItsBumpsIn) {
   EXPECT_GT(rows[1].oscillation, 2.0 * rows[0].oscillation);
 }
 
-/// Threads of this process.
+/// Returns the number of threads of this process.
 std::ptrdiff_t threads() {
   const std::filesystem::directory_iterator all("/proc/self/task"), end;
   return std::distance(all, end);
 }
 
-// The cost of a step beside other runs would measure the machine's load.
+// The cost of a step must be measured without other runs. Otherwise it would depend on the
+// machine's load.
 TEST(Compare, EveryCostIsMeasuredAlone) {
   const std::vector<CompareTask> tasks = {task("tap"), task("edge")};
   const std::vector<Method> both = {method("none"), method("contact_frame")};
@@ -161,7 +162,7 @@ TEST(Compare, EveryCostIsMeasuredAlone) {
     EXPECT_EQ(rows[i].cost, static_cast<double>(i + 1)) << rows[i].method;
 }
 
-// The rows for one hand and for eight hands come from the same runs.
+// The rows for one hand and for eight hands come from equal runs.
 TEST(Compare, OverEightHandsTheMedianAndTheWorst) {
   const std::vector<CompareTask> wall = {task("wall")};
   const std::vector<Method> one = {method("none")};

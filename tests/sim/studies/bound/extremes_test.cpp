@@ -1,4 +1,4 @@
-// The test of the extremes study: it passes laws that keep their promise and catches others.
+// The extremes study must pass methods that keep their guarantee, and detect others.
 
 #include "sim/studies/bound/extremes.hpp"
 
@@ -30,7 +30,8 @@ TEST(Extremes, EveryMethodKeepsWhatItPromises) {
     stresses.insert(r.stress);
     EXPECT_TRUE(r.passed()) << r.stress << ' ' << r.method;
     for (const ExtremeOutcome* o : {&r.in_double, &r.in_float}) EXPECT_GE(o->steps, 200u);
-    // A bound that renders nothing proves nothing. The forces of the others soon explode.
+    // A bound must render some force, otherwise the test proves nothing. The forces of the other
+    // methods soon diverge.
     if (r.promise != Promise::port || r.stress == "damping 0") continue;
     if (r.stress == "movements denormal" && r.method == "energy_tank") continue;  // energies are 0
     EXPECT_GT(r.in_double.rendering, 100u) << r.stress << ' ' << r.method;
@@ -41,8 +42,8 @@ TEST(Extremes, EveryMethodKeepsWhatItPromises) {
   EXPECT_TRUE(all_passed(rows));
 }
 
-// Five percent more damping than there is: every stress whose hands can use it finds it, in double
-// and in float.
+// The method assumes five percent too much damping. Every stress with hands that can use this error
+// must detect it, in double and in float.
 TEST(Extremes, FivePercentTooMuchDampingIsFound) {
   const auto rows = run_extremes(1.05, 1);
   EXPECT_FALSE(all_passed(rows));
@@ -58,7 +59,7 @@ TEST(Extremes, FivePercentTooMuchDampingIsFound) {
   }
 }
 
-// per_axis and the coupling store more than necessary: only a larger lie shows.
+// per_axis and the coupling store more energy than necessary. Only a larger error is detectable.
 TEST(Extremes, FiveTimesTheDampingIsFoundInEveryLawThatCountsOnIt) {
   const auto rows = run_extremes(5.0, 2);
   for (const char* method : {"contact_frame", "energy_tank", "per_axis", "virtual_coupling"}) {
@@ -99,8 +100,8 @@ TEST(Extremes, TheCommandFailsWhenARowFails) {
   std::filesystem::remove_all(directory);
 }
 
-// A step by hand, T = 1 ms, b = 0.5 N s/m, c = 1000 N/m: pressing 1 mm burns 0.5 mJ. This pays for
-// 1 N, with which a hand can take 0.5 mJ.
+// A manual example with T = 1 ms, b = 0.5 N s/m, c = 1000 N/m: pressing 1 mm dissipates 0.5 mJ.
+// This covers 1 N, from which a hand can extract 0.5 mJ.
 TEST(PromiseLedger, PaysForAForceUpToTheLastPartInAMillion) {
   for (const double newton : {1.0 - 1e-6, 1.0, 1.0 + 1e-6}) {
     PromiseLedger ledger({.damping = 0.5});
@@ -119,7 +120,7 @@ TEST(PromiseLedger, AHoldOfTwoPeriodsBurnsHalf) {
   PromiseLedger ledger({.damping = 0.5});
   ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 2e-3);
   Command held;
-  held.elastic.x() = 0.7;  // the energy pays for sqrt(1/2) N
+  held.elastic.x() = 0.7;  // The energy covers sqrt(1/2) N.
   ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
   EXPECT_FALSE(ledger.broken());
   held.elastic.x() = 0.71;
@@ -132,7 +133,7 @@ TEST(PromiseLedger, ByAxisNoAxisPaysForAnother) {
     PromiseLedger ledger({.promise = promise, .damping = 0.5});
     ledger.moved({}, Vec3(-1e-3, 0, 0), Vec3::Zero(), 1e-3);
     Command held;
-    held.elastic.y() = 0.5;  // x has been paid for
+    held.elastic.y() = 0.5;  // The energy of the x axis is already used.
     ledger.rendered(held, held, Vec3(-1e-3, 0, 0), Vec3::Zero());
     EXPECT_EQ(ledger.broken(), promise == Promise::port_by_axis);
   }

@@ -1,5 +1,5 @@
-// The paper's story as numbers. The limits are wide around the measured values
-// (docs/lab/figures.md); a method that stops working misses them by far.
+// Tests the figures of the paper as numbers. The limits are wide around the measured values
+// (docs/lab/figures.md). A method that stops working is far outside these limits.
 
 #include "sim/studies/bound/figures.hpp"
 
@@ -25,16 +25,16 @@ TEST(Figures, Figure2TotalEnergyLetsTheStiffWallBuzz) {
   const auto total = run_figure("wall", "total_energy", 0.5);
   EXPECT_GT(total.metrics.highpass_rms.y(), 100 * kMicrometre);
   EXPECT_GT(total.metrics.total_energy, 0.0) << "Eq. (1) holds all the same";
-  // It never acts: its run equals the unbounded one to the bit.
+  // This method never acts. The run must equal the unbounded run bitwise.
   ASSERT_EQ(none.samples.size(), total.samples.size());
   for (std::size_t n = 0; n < none.samples.size(); ++n)
     ASSERT_EQ(none.samples[n].position, total.samples[n].position);
-  // The energy that the port really exchanged shows the vibration.
+  // The exchanged energy of the port must show the vibration.
   EXPECT_LT(total.metrics.min_port_energy.y(), -0.1);
 }
 
-// The paper's Figure 2 shows this, and our figure uses this run: the port's total stays positive
-// while y gives energy and trembles.
+// Figure 2 of the paper shows this effect, and our figure uses this run. The port's total stays
+// positive while y delivers energy and oscillates.
 TEST(Figures, Figure2sTotalIsPositiveWhileYGivesEnergy) {
   const FigureRun run = run_figure("wall", "total_energy", 8.0);
   EXPECT_LT(run.metrics.highpass_rms.y(), 15 * kMicrometre) << "small";
@@ -42,7 +42,7 @@ TEST(Figures, Figure2sTotalIsPositiveWhileYGivesEnergy) {
   Vec3 port = Vec3::Zero();
   for (const ExperimentSample& s : run.samples) {
     port -= s.held.cwiseProduct(s.displacement);
-    if (s.time < 3.0) continue;  // before the picture's range
+    if (s.time < 3.0) continue;  // before the range of the figure
     ASSERT_GT(port.sum(), 0.0) << s.time;
     ASSERT_LT(port.y(), 0.0) << s.time;
   }
@@ -123,7 +123,7 @@ TEST(Figures, WritesEveryFigureInEveryModeAtEveryDamping) {
   const auto json = nlohmann::json::parse(in);
   ASSERT_EQ(json.size(), 4u * 6u * 3u);
   for (const int figure : {2, 3, 5, 6}) {
-    // The paper's methods, their references, and the defaults.
+    // The modes are the paper's methods, the methods for comparison, and the defaults.
     for (const std::string_view mode : kFigureModes) {
       const auto count = std::count_if(json.begin(), json.end(), [&](const auto& e) {
         return e["figure"] == figure && e["mode"] == mode;

@@ -1,4 +1,4 @@
-// The default law on real plants: the effects of a lag that the law does not know.
+// Tests the default method on realistic plants, with a lag that the method does not include.
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ std::shared_ptr<const Plant> with_lag(double lag) {
   return std::make_shared<const Plant>(plant);
 }
 
-/// The first press of a PHANToM-like device on a wall of 5 kN/m, in the mode `shaped`: in process,
-/// or as a whole session with a local model.
+/// Returns the first press of a PHANToM-like device on a wall of 5 kN/m in the mode `shaped`. The
+/// press runs in process, or as a complete session with a local model.
 FrontierCase first_press(std::shared_ptr<const Plant> plant, bool session, std::size_t hand = 1) {
   return {.task = "press",
           .law = "shaped",
@@ -47,9 +47,9 @@ TEST(FrontierPlant, WithoutLagALightHandIsCalmAndTheMotorMakesNothing) {
     }
 }
 
-/// An unknown lag L takes damping from the wall: k L. Without the rule for slow swings the light
-/// hand swung by 2.2 mm for ever, and the motor made 143 mJ. The account and the encoder cannot see
-/// it: they show no debt and no energy.
+/// An unknown lag L reduces the damping of the wall by k L. Without the rule for slow oscillations,
+/// the light hand oscillated by 2.2 mm permanently, and the motor made 143 mJ. The account uses
+/// only the encoder and detects neither a debt nor this energy.
 TEST(FrontierPlant, ALagThatIsNotToldIsFoundByTheSwingThatItMakes) {
   for (const double lag : {0.15e-3, 0.3e-3, 0.5e-3})
     for (const bool session : {false, true}) {
@@ -63,7 +63,7 @@ TEST(FrontierPlant, ALagThatIsNotToldIsFoundByTheSwingThatItMakes) {
   EXPECT_GT(run(first_press(with_lag(0.5e-3), true)).energy.made, 1e-3) << "until it was found";
 }
 
-/// The rule for slow swings was chosen with the eight hands, so this test uses other hands.
+/// The rule for slow oscillations was chosen with the eight hands. This test uses other hands.
 TEST(FrontierPlant, NearlyEveryDrawnHandIsCalmInSpiteOfALagThatIsNotTold) {
   std::mt19937_64 random(20'261'129);
   const auto drawn = [&](double least, double most) {
@@ -88,12 +88,13 @@ TEST(FrontierPlant, NearlyEveryDrawnHandIsCalmInSpiteOfALagThatIsNotTold) {
     ++calm;
     EXPECT_GT(row.displayed, 0.95) << row.made.hand.hand.mass << " kg";
   }
-  // Under the two longer lags a hand of 0.36 kg with 0.4 N s/m swings at less than 11 Hz: so slow a
-  // swing may be intended.
+  // Under the two longer lags, a hand of 0.36 kg with 0.4 N s/m oscillates below 11 Hz. Such a slow
+  // oscillation may be voluntary.
   EXPECT_GE(calm, static_cast<int>(cases.size()) - 2);
 }
 
-/// If the device's specification states the lag, every hand is calm and the motor makes no energy.
+/// If the device's specification has the lag, every hand must be calm and the motor must make no
+/// energy.
 TEST(FrontierPlant, ToldTheLagEveryHandIsCalmAndTheMotorMakesNothing) {
   for (const double lag : {0.15e-3, 0.3e-3})
     for (std::size_t hand = 0; hand < kEightHands.size(); ++hand) {
@@ -113,7 +114,8 @@ TEST(FrontierPlant, AUsualHandIsCalmInSpiteOfTheLag) {
   EXPECT_EQ(row.energy.made, 0.0);
 }
 
-/// Transmission (10 kN/m) and wall (5 kN/m) are in series: the handle displays 10 / 15 of the wall.
+/// Transmission (10 kN/m) and wall (5 kN/m) are in series. The handle must display 10 / 15 of the
+/// wall's stiffness.
 TEST(FrontierPlant, BehindATransmissionTheHandleShowsBothSpringsInSeries) {
   Plant plant;
   plant.transmission = {.stiffness = 10e3, .damping = 1.0, .handle_mass = 0.02};
@@ -126,7 +128,7 @@ TEST(FrontierPlant, TheStudyHasEveryHandAndTheSameNumbersEachTime) {
   const Plant plant = load_plant(FELTWIRE_SOURCE_DIR "/examples/plants/light_grip.json");
   const auto all = plant_cases(plant);
   ASSERT_FALSE(all.empty());
-  EXPECT_FALSE(all.front().plant->hand.mass.has_value());  // the study's own hands
+  EXPECT_FALSE(all.front().plant->hand.mass.has_value());  // The study has its own hands.
   EXPECT_TRUE(all.front().plant->hand.has_pad());
   std::vector<FrontierCase> some;
   constexpr std::size_t kPrime = 211;

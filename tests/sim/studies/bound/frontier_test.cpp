@@ -1,4 +1,4 @@
-// The claims of docs/lab/frontier.md about the account and shaping, on the decisive cases.
+// Tests the claims of docs/lab/frontier.md about the account and shaping, on the decisive cases.
 
 #include "sim/studies/bound/frontier.hpp"
 
@@ -24,7 +24,8 @@ std::vector<FrontierRow> over_all_hands(FrontierCase c) {
 }
 FrontierRow row(const FrontierCase& c) { return run_frontier({c}).front(); }
 
-/// The median over hands of the displayed share. For a hand that swings the share is zero.
+/// Returns the median over hands of the displayed share. For a hand that oscillates the share is
+/// zero.
 double median_share(const std::vector<FrontierRow>& rows) {
   return over_hands(rows, [](const FrontierCase&) { return true; }).median;
 }
@@ -75,7 +76,7 @@ TEST(Frontier, LateForcesShowTwiceWhatTheContactFrameShows) {
 }
 
 TEST(Frontier, NothingBehindAnAccountMakesEnergy) {
-  // A prime step visits all laws, hands, walls and delays.
+  // A step by a prime number visits all methods, hands, walls and delays.
   const auto all = frontier_cases();
   std::vector<FrontierCase> some;
   for (std::size_t i = 0; i < all.size(); i += 211)
@@ -178,7 +179,7 @@ TEST(Frontier, WritesEveryRowWithItsKeysAndThePictures) {
   EXPECT_NE(frontier_table(rows).find("round trip 5 ms"), std::string::npos);
 }
 
-// The goals of docs/lab/frontier.md, hand by hand.
+// Tests of the goals of docs/lab/frontier.md for each hand.
 
 TEST(FrontierHands, MostHandsFeelThePapersWall) {
   for (const double damping : {0.5, 2.0, 8.0}) {
@@ -250,7 +251,7 @@ TEST(FrontierHands, MassAloneCarriesAFirstPress) {
   EXPECT_GT(row(c).displayed, 0.99);
 }
 
-/// If the client has the surfaces, a slow network feels like no network.
+/// If the client has the surfaces, a slow network must give the result of a run without a network.
 TEST(FrontierSessions, AreFeltOverSlowNetworksAsInProcess) {
   std::vector<FrontierCase> cases;
   for (FrontierCase c : session_cases())

@@ -1,4 +1,4 @@
-// The trade-off between servo rate and arithmetic agrees with theory.
+// The trade-off between servo rate and arithmetic type must agree with theory.
 
 #include "sim/studies/bound/rate.hpp"
 
@@ -25,7 +25,7 @@ const RateCell& cell(const char* surface, double damping, double rate,
   });
 }
 
-// Pressed from rest, the contact frame displays min(k, 2 b / T).
+// A press from rest with the contact frame must display min(k, 2 b / T).
 TEST(Rate, DisplaysTheStiffnessOrTwiceTheDampingOverThePeriod) {
   ASSERT_EQ(cells().size(), 3u * 2u * 3u * 3u);
   for (const RateCell& c : cells()) {
@@ -41,7 +41,8 @@ TEST(Rate, DisplaysTheStiffnessOrTwiceTheDampingOverThePeriod) {
 TEST(Rate, TheDirectionOnASphereIsAsOldAsTheSample) {
   const double slow = cell("sphere 5 kN/m", 2.0, 500, "double").direction_error;
   const double fast = cell("sphere 5 kN/m", 2.0, 4000, "double").direction_error;
-  EXPECT_NEAR(slow, 2e-3 * 2.0 * 3.14159 * 0.25, 0.1 * slow);  // a quarter turn a second, during T
+  // a quarter turn per second, during T
+  EXPECT_NEAR(slow, 2e-3 * 2.0 * 3.14159 * 0.25, 0.1 * slow);
   EXPECT_LT(fast, slow / 6.0);
 }
 
@@ -52,7 +53,7 @@ TEST(Rate, FloatIsAsGoodAsTheEncoder) {
     EXPECT_NEAR(c.direction_error, exact.direction_error, 1e-3) << c.surface;  // [rad]
     EXPECT_NEAR(c.oscillation, exact.oscillation, 2e-6) << c.surface;
   }
-  // The arithmetic really is float: some numbers differ.
+  // The arithmetic must be float, so some numbers must differ.
   EXPECT_NE(cell("wall 40 kN/m", 2.0, 4000, "float 1 m").displayed,
             cell("wall 40 kN/m", 2.0, 4000, "double").displayed);
 }
@@ -89,7 +90,7 @@ TEST(Rate, TheSameBytesEveryTimeButForTheCost) {
     EXPECT_EQ(text, text_of(directory / "b" / file)) << file;
   }
   EXPECT_NE(text_of(directory / "a" / "rate_cost.csv"), text_of(directory / "b" / "rate_cost.csv"));
-  // 1 kHz of 30 ns of contact plus 30 ns of bound.
+  // 1 kHz of 30 ns of contact plus 30 ns of bound
   EXPECT_NE(text_of(directory / "a" / "rate_cost.csv").find("wall 1 kN/m,0.5,1000,double,0.006,"),
             std::string::npos);
   std::filesystem::remove_all(directory);

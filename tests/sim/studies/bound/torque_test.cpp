@@ -9,8 +9,8 @@
 namespace feltwire::torque_test {
 namespace {
 
-/// The criterion in six degrees of freedom: whole sessions with a body in the hand, every task and
-/// hand, over a link with delay, jitter, loss and reordering.
+/// The criterion in six degrees of freedom: complete sessions of a tool with a body, with every
+/// task and hand, over a link with delay, jitter, loss and reordering.
 TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   std::vector<TorqueSession> sessions = torque_sessions();
   std::erase_if(sessions,
@@ -28,8 +28,8 @@ TEST(Torque, NoSessionGivesAnyHandEnergyInSixDegreesOfFreedom) {
   EXPECT_GT(felt, sessions.size() / 2) << "sessions in which a torque is felt";
 }
 
-/// If the client has body and solids, a delay costs nothing. A peg in its ring and a bar on an
-/// edge, which planes describe badly, have the torque of a session without delay.
+/// If the client has body and solids, a delay must have no effect. Planes describe a peg in a ring
+/// and a bar on an edge badly. These two tasks must give the torque of a session without delay.
 TEST(Torque, OverADelayAWholeBodyIsFeltAsWithoutOne) {
   for (const char* task : {"peg", "roll"}) {
     std::vector<TorqueSession> sessions;
@@ -48,7 +48,7 @@ TEST(Torque, OverADelayAWholeBodyIsFeltAsWithoutOne) {
   }
 }
 
-/// Without a bound the criterion is missed, so the test above can fail.
+/// Without a bound the criterion fails. This shows that the test above can fail.
 TEST(Torque, WithoutABoundTheSamePortMakesEnergy) {
   std::vector<TorqueSession> sessions;
   for (const NamedHand& hand : kEightHands)
@@ -102,7 +102,8 @@ TEST(Torque, RefusesATaskThatIsNotThere) {
               ::testing::ThrowsMessage<std::invalid_argument>(::testing::HasSubstr("juggle")));
 }
 
-/// Figures 5 and 6 for torque: per axis the torque deviates from the stop's; Eq. (3) corrects it.
+/// The paper's figures 5 and 6 for torque: the per-axis bound changes the direction of the torque,
+/// and Eq. (3) of docs/bounding.md corrects it.
 TEST(TorqueFigures, ProjectionGivesTheTorqueItsDirectionBack) {
   const TorqueFigure bare = run_torque_figure(kUnbounded);
   const TorqueFigure before = run_torque_figure("per_axis");

@@ -1,5 +1,4 @@
-// The orderings that docs/lab/laboratory.md states, and that a map is complete and
-// reproducible.
+// Tests the orderings in docs/lab/laboratory.md. A map must be complete and reproducible.
 
 #include "sim/studies/bound/zwidth.hpp"
 
@@ -27,8 +26,9 @@ TEST(Methods, LabelsAreDistinctAndFound) {
   EXPECT_THROW(method("nothing"), std::invalid_argument);
 }
 
-// Without a limit a wall is displayed as it is; by the contact frame up to 2 b / T; by the paper's
-// axes up to b / T. The encoder's quantum causes an error of some percent.
+// Without a bound the displayed stiffness is that of the wall. The contact frame limits the
+// displayed stiffness to 2 b / T, and the paper's per-axis bound to b / T. Encoder steps cause an
+// error of some percent.
 TEST(ZWidth, DisplayedStiffnessIsTheWallsOrWhatTheLawAllows) {
   const auto displayed = [](const char* label, double rate, double stiffness) {
     return press_wall(method(label), 2.0, rate, 0.0, stiffness).displayed.value_or(0.0);
@@ -86,7 +86,7 @@ ZWidthGrid small_grid() {
 TEST(ZWidth, DelayCostsAndRateAndDampingGiveStiffness) {
   const auto cells = map_zwidth(small_grid());
   const auto limit = [&](std::size_t damping, std::size_t rate, std::size_t delay) {
-    return cells[(damping * 2 + rate) * 2 + delay].limit.stiffness;  // none
+    return cells[(damping * 2 + rate) * 2 + delay].limit.stiffness;  // the result for method "none"
   };
   for (const std::size_t damping : {0u, 1u}) {
     for (const std::size_t rate : {0u, 1u})

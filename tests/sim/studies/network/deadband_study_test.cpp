@@ -1,5 +1,5 @@
-// The study's claims on a small grid: the savings and costs of a deadband, and that no hand takes
-// more than was burned.
+// Tests the study's claims on a small grid: the savings and costs of a deadband. No hand may get
+// more energy than the device dissipated.
 
 #include "sim/studies/network/deadband_study.hpp"
 

@@ -1,5 +1,5 @@
-// A local model makes a delay harmless: the criteria of the laboratory's table, on the quick part
-// of it.
+// With a local model a delay must have almost no effect. Tests the criteria of the laboratory's
+// table on a quick part of the table.
 
 #include "sim/studies/network/local_model_study.hpp"
 
@@ -35,7 +35,7 @@ TEST(LocalModelRun, TheForceIsThatOfTheTruePositionWhateverTheDelay) {
     EXPECT_LT(5.0 * model.error, forces.error) << task;
     EXPECT_LT(model.error, 0.05 * model.felt) << task;
     EXPECT_GT(model.from_model, 0.95) << task;
-    // No worse than forces without any delay.
+    // The error must not exceed the error of forces without any delay.
     EXPECT_LE(model.error, 1.05 * cell(task, 0.0, false).error) << task;
     EXPECT_LE(cell(task, 0.0, true).error, 1.05 * cell(task, 0.0, false).error) << task;
     EXPECT_EQ(forces.from_model, 0.0);

@@ -1,5 +1,5 @@
-// Every method over a user's scene and link: passive methods make no energy, other methods
-// do.
+// Tests every method over a user's scene and link. Passive methods must make no energy, but other
+// methods make energy.
 
 #include "sim/studies/network/methods_over_link.hpp"
 
@@ -35,7 +35,7 @@ const OverLinkRow& row(std::string_view label) {
 }
 
 TEST(MethodsOverLink, OnlyWhatIsNotBoundedMakesEnergy) {
-  EXPECT_GT(row("none").energy_made, 0.1);  // [J]: the hand shakes
+  EXPECT_GT(row("none").energy_made, 0.1);  // [J] The hand oscillates.
   EXPECT_GT(row("none").oscillation, 1e-4);
   for (const char* passive : {"per_axis", "per_axis_projected", "contact_frame",
                               "contact_frame + local model", "energy_tank"}) {
@@ -47,7 +47,7 @@ TEST(MethodsOverLink, OnlyWhatIsNotBoundedMakesEnergy) {
 TEST(MethodsOverLink, TheReferenceIsTheSceneItself) {
   EXPECT_EQ(rows().front().label, "reference");
   EXPECT_NEAR(row("reference").felt, 1.0, 0.01);
-  EXPECT_LT(row("reference").error, 0.05);  // [N] of 3: one sample of delay
+  EXPECT_LT(row("reference").error, 0.05);  // [N] of 3 N: one sample of delay
   EXPECT_LT(row("contact_frame + local model").error, row("contact_frame").error);
 }
 
@@ -62,7 +62,7 @@ TEST(MethodsOverLink, TheSameEveryTime) {
 }
 
 TEST(MethodsOverLink, ThePressIsWhatWasAskedFor) {
-  // At rest the arm's spring and the wall's spring are in balance: 3 N in both.
+  // At rest the arm's spring and the wall's spring are in equilibrium with 3 N each.
   const HandTask task = press_at_start(wall(), 3.0);
   const double stiffness = Hand{}.stiffness;
   EXPECT_NEAR(task.depth * stiffness * 1000.0 / (stiffness + 1000.0), 3.0, 1e-12);

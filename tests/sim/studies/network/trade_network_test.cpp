@@ -57,7 +57,8 @@ TEST(TradeNetwork, FewerDatagramsCostLessAndAddDelay) {
     EXPECT_LT(seldom.up_kbit, 0.06 * often.up_kbit);
     EXPECT_TRUE(often.passive && seldom.passive);
   }
-  // Half an interval on average. On the thin line every sample would be too much, so samples wait.
+  // A sample waits half an interval on average. The thin line has no room for every sample, so
+  // samples wait longer.
   EXPECT_GT(cells[kLinks].added_delay, cells[0].added_delay + 5e-3);
   EXPECT_LT(cells[kLinks + 2].added_delay, cells[2].added_delay);
 }

@@ -1,4 +1,4 @@
-// The study of where to bound agrees with known results and would detect a wrong bound.
+// The study of where to bound must agree with known results, and must detect a wrong bound.
 
 #include "sim/studies/network/where_to_bound.hpp"
 
@@ -74,7 +74,8 @@ TEST(Sides, AWrongDampingIsFoundOutAtEverySetting) {
   }
 }
 
-// Under a server's bound the guard limits the energy, but does not stop the swing.
+// If only the server bounds, the client's account limits the energy but does not stop the
+// oscillation.
 TEST(Sides, AServerAloneLetsTheHandSwing) {
   EXPECT_GT(cell("sphere 1 kN/m", "server", 20e-3).oscillation, 200e-6);
   EXPECT_LT(cell("sphere 1 kN/m", "client", 20e-3).oscillation, 60e-6);
@@ -82,21 +83,21 @@ TEST(Sides, AServerAloneLetsTheHandSwing) {
 }
 
 TEST(Sides, WhatIsDisplayedAndHowOldTheDirectionIs) {
-  // min(k, 2 b / T), including the millisecond of a loop without delay.
+  // min(k, 2 b / T), including the millisecond of a loop without delay
   EXPECT_NEAR(cell("wall 40 kN/m", "server", 0.0).displayed, 1000.0, 20.0);
   EXPECT_NEAR(cell("wall 40 kN/m", "client", 0.0).displayed, 1000.0, 40.0);
   EXPECT_NEAR(cell("wall 1 kN/m", "none", 0.0).displayed, 1000.0, 10.0);
-  // A quarter turn a second, during the round trip.
+  // a quarter turn per second, during the round trip
   EXPECT_NEAR(cell("sphere 1 kN/m", "client", 0.0).direction_mean, 1e-3 * 1.5708, 1e-4);
   EXPECT_NEAR(cell("sphere 1 kN/m", "client", 20e-3).direction_mean, 20e-3 * 1.5708, 1e-3);
 }
 
-// The reason why the client bounds alone by default (docs/network.md).
+// This is the reason why the client bounds alone by default (docs/network.md).
 TEST(Sides, OverALossyLineAServersBoundBeforeTheClientsOnlyTakes) {
   const WhereToBoundCell& client = cell("wall 40 kN/m", "client", 20e-3, 0.0, 0.3);
   const WhereToBoundCell& both = cell("wall 40 kN/m", "both", 20e-3, 0.0, 0.3);
   EXPECT_LT(both.displayed, 0.95 * client.displayed);
-  // Without loss there is no difference.
+  // Without loss both results must be equal.
   EXPECT_NEAR(cell("wall 40 kN/m", "client", 20e-3).displayed,
               cell("wall 40 kN/m", "both", 20e-3).displayed, 1e-3);
 }

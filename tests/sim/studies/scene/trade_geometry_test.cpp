@@ -1,4 +1,4 @@
-// The statements of the trade study on geometry and tools also hold for small grids.
+// The statements of the trade study on geometry and tools must hold for small grids too.
 
 #include "sim/studies/scene/trade_geometry.hpp"
 
@@ -31,12 +31,11 @@ TEST(TradeGeometry, TheSolidIsExactAndTheRestErrsByItsOrder) {
   const auto ratio = [](const GeometryCell& coarse, const GeometryCell& fine) {
     return coarse.direction_error / fine.direction_error;
   };
-  // Facets of half the size turn by half as much: the error is linear by the first, quadratic by
-  // the second power of the resolution.
+  // Facets of half the size rotate the normal by half as much. The error of the normal is linear in
+  // the resolution, and the error of the distance is quadratic.
   for (const char* kind : {"mesh, nearest", "mesh, proxy"})
     EXPECT_NEAR(ratio(cell(kind, "double", 320), cell(kind, "double", 1280)), 2.0, 0.6) << kind;
-  // The proxy stays on its facet until it passes an edge; elsewhere it is the nearest
-  // point.
+  // The proxy stays on its facet until it passes an edge. Elsewhere the proxy is the nearest point.
   const GeometryCell &nearest = cell("mesh, nearest", "double", 1280),
                      &proxy = cell("mesh, proxy", "double", 1280);
   EXPECT_NEAR(proxy.direction_error, nearest.direction_error, 1e-4);

@@ -1,4 +1,4 @@
-// The cases of the trade study on scenes are complete, and the compared methods give equal
+// The cases of the trade study on scenes must be complete, and the compared methods must give equal
 // answers.
 
 #include "sim/studies/scene/trade_scene.hpp"
@@ -53,7 +53,8 @@ TEST(TradeScene, TheBareAnswerHasTheSameBits) {
 }
 
 TEST(TradeScene, IsWrittenWithARowACase) {
-  // Few and small cases: the measured times depend on the machine, so nothing checks them.
+  // The test uses few and small cases. The measured times depend on the machine, so the test does
+  // not check them.
   auto cases = scene_cases();
   std::erase_if(cases, [](const SceneCase& c) {
     return c.what.find("327680") != std::string::npos ||
@@ -67,7 +68,7 @@ TEST(TradeScene, IsWrittenWithARowACase) {
     EXPECT_GT(c.sample_ns, 0.0) << c.what;
     EXPECT_GT(c.p99_ns, 0.0) << c.what;
     EXPECT_EQ(c.tick_ns > 0.0, c.what.find("bod") != std::string::npos) << c.what;
-#ifndef FELTWIRE_SANITIZED  // sanitizers use their own heap
+#ifndef FELTWIRE_SANITIZED  // Sanitizers use their own heap.
     EXPECT_GT(c.session_bytes, 1000.0) << c.what;
 #endif
   }

@@ -15,7 +15,7 @@
 namespace feltwire::trade_sixdof_test {
 namespace {
 
-/// A quarter of the time: the hand moves four times faster than in the study.
+/// Uses a quarter of the time, so the hand moves four times faster than in the study.
 SixDofGrid small() {
   return {.points = 300,
           .grid_steps = 16.0,
@@ -69,7 +69,7 @@ TEST(TradeSixDof, PolygonsAreExactAndDoNotJump) {
   }
 }
 
-/// On a ridge a massless tool cannot rest: it jumps from one side to the other.
+/// On a ridge a massless tool cannot rest. The tool jumps from one side to the other.
 TEST(TradeSixDof, AMassTakesTheJumpOverARidge) {
   for (const char* contact : {"points", "polygons"}) {
     EXPECT_GT(cell("ridge", contact, "none").reference_jump, 0.5) << contact;
@@ -90,7 +90,7 @@ TEST(TradeSixDof, GearsAndLinksAreTheSameSolidByBothWays) {
   }
 }
 
-/// A ball of few triangles becomes rounder, stays closed and keeps its corners.
+/// A ball of few triangles must become rounder, stay closed and keep its corners.
 TEST(TradeSixDof, AFinerSurfaceIsClosedAndSmoother) {
   constexpr double kRadius = 0.05;
   const TriangleSoup ball = tessellate(Sphere{kRadius}, 16);
@@ -116,7 +116,7 @@ TEST(TradeSixDof, AFinerSurfaceIsClosedAndSmoother) {
   }
 }
 
-/// Both converge to the same movement; the second-order rule is nearer to it.
+/// Both rules converge to one movement. The second-order rule must be nearer to this movement.
 TEST(TradeSixDof, TheMidpointRuleErrsLessThanBackwardEuler) {
   for (const char* task : {"peg 0.5", "gears", "chain", "edge"})
     EXPECT_LT(cell(task, "polygons", "midpoint").force_error,
@@ -124,7 +124,7 @@ TEST(TradeSixDof, TheMidpointRuleErrsLessThanBackwardEuler) {
         << task;
 }
 
-/// An equal spring pulls an equal tool: apart from the contact law the forces agree.
+/// An equal spring moves an equal tool. The forces must agree except for the contact law.
 TEST(TradeSixDof, MuJoCoHasTheSameTasks) {
   for (const char* task : {"peg 0.5", "peg 0.1", "gears", "chain", "edge"}) {
     const SixDofCell &other = cell(task, "mujoco", "euler"),
@@ -137,7 +137,7 @@ TEST(TradeSixDof, MuJoCoHasTheSameTasks) {
   }
 }
 
-/// Two springs in series: the material's, as the face is the contact area, and the coupling's.
+/// Two springs are in series: the material's (the face is the contact area) and the coupling's.
 TEST(TradeSixDof, TheBoxOnTheTableHasTheForceOfItsClosedForm) {
   constexpr double kDeep = 1e-3;  // [m]
   for (const SixDofTask& task : sixdof_tasks(small().bunny_tolerance, 0, {"edge"})) {

@@ -1,4 +1,4 @@
-// The measures of a lost contact, on samples that are made by hand.
+// Tests the measures of a lost contact on manual samples.
 
 #include "sim/studies/teleop/lost_contact.hpp"
 
@@ -10,8 +10,8 @@ namespace {
 constexpr double kPeriod = 1e-3;  // [s]
 constexpr std::size_t kEnd = 1000, kLost = 200, kAgain = 700;
 
-/// The robot touches nothing from kLost to kAgain, while its tool is 1 mm behind the place of the
-/// surface. The hand feels `force` [N] until sample `free`.
+/// Returns samples in which the robot has no contact from kLost to kAgain. During this time its
+/// tool is 1 mm below the surface. The hand gets `force` [N] until sample `free`.
 std::vector<BenchSample> run(std::size_t free, double force = 1.0) {
   std::vector<BenchSample> samples(kEnd + 1);
   for (std::size_t n = 0; n <= kEnd; ++n) {

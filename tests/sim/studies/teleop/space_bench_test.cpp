@@ -1,4 +1,4 @@
-// The laws around a ball with friction and in a hole: the claims of docs/teleoperation.md.
+// Tests the laws around a ball with friction and in a hole: the claims of docs/teleoperation.md.
 
 #include "sim/studies/teleop/space_bench.hpp"
 
@@ -46,7 +46,7 @@ TEST(SpaceShapes, TheNearestPlaceOfEachFace) {
     EXPECT_EQ(near.free, c.free) << c.at.transpose();
     EXPECT_EQ(near.face, c.face) << c.at.transpose();
   }
-  // 1 mm into the material across the chamfer, which is at 45 degrees.
+  // 1 mm into the material across the chamfer of 45 degrees.
   const double half = std::sqrt(0.5) * 1e-3;
   const Vec3 on(play + 0.5 * hole.chamfer, 0.0, -0.5 * hole.chamfer);
   const NearestPlace chamfer = nearest_place(hole, on + Vec3(half, 0.0, -half));
@@ -61,9 +61,9 @@ TEST(SpaceShapes, FrictionHoldsWithinItsConeAndSlipsAtItsEdge) {
   const Vec3 top(0.0, 0.0, ball.radius), below(0.0, 0.0, ball.radius - kDeep);
   SurfaceProxy proxy(ball, top + Vec3(0.0, 0.0, 1e-3));
   EXPECT_LT(length(Vec3(proxy.follow(below) - top)), 1e-6);
-  // The tangent of the angle is 0.2, less than mu: the proxy sticks.
+  // The tangent of the angle is 0.2, less than mu. The proxy must stick.
   EXPECT_LT(length(Vec3(proxy.follow(below + Vec3(0.2 * kDeep, 0.0, 0.0)) - top)), 1e-6);
-  // Far to the side it slips until it lags by the friction angle.
+  // Far to the side the proxy must slip until it lags by the friction angle.
   Vec3 goal;
   for (double angle = 0.0; angle < 0.5; angle += 1e-4) {
     goal = (ball.radius - kDeep) * Vec3(std::sin(angle), 0.0, std::cos(angle));
@@ -82,7 +82,8 @@ TEST(SpaceShapes, ACornerHoldsInBothDirections) {
   const Vec3 middle(0.0, 0.0, -hole.depth), corner(hole.play, 0.0, -hole.depth);
   Vec3 goal(0.0, 0.0, 0.01);
   for (; goal.z() > -0.05; goal.z() -= 1e-4) proxy.follow(goal);
-  // At first the friction of the ground holds it, up to 10 mm times mu; then the wall holds it.
+  // At first the friction of the bottom holds the proxy, up to 10 mm times mu. Then the wall holds
+  // the proxy.
   for (; goal.x() < 2.9e-3; goal.x() += 1e-5) proxy.follow(goal);
   EXPECT_LT(length(Vec3(proxy.follow(goal) - middle)), 1e-5);
   for (; goal.x() < 6e-3; goal.x() += 1e-5) proxy.follow(goal);
@@ -139,7 +140,7 @@ TEST(SpaceBench, ABallIsFeltInFullOverAHundredMilliseconds) {
       EXPECT_NEAR(*m.displayed, 1.0, 0.05) << trip << ' ' << bad;
       EXPECT_LT(*m.force_share, 0.08) << trip << ' ' << bad;
     }
-  // A hand that moves along the surface does not pay for a late force.
+  // A hand that moves along the surface needs no energy for a late force.
   EXPECT_GT(*run("contact_frame", "sphere", 0.1).force_share, 0.5);
   EXPECT_GT(*run("energy_bounding", "sphere", 0.1).force_share, 0.5);
 }
@@ -155,8 +156,8 @@ TEST(SpaceBench, ThePegGoesInAndWithoutABoundItDoesNot) {
   EXPECT_GT(run("position_force", "peg", 0.1).peak_force, 100.0);
 }
 
-/// The touched side of the hole changes. If the hand is told only one side at a time, it is the
-/// wrong side over 100 ms: 1.41 N.
+/// The touched side of the hole changes. If the hand gets only one side at a time, it gets the
+/// wrong side over 100 ms, and the force error is 1.41 N.
 TEST(SpaceBench, AHoleIsFeltWithBothItsSides) {
   constexpr double kSwings = 30e-6;  // [m]
   const Measured perfect = run("feltwire", "peg", 0.1);
@@ -169,7 +170,7 @@ TEST(SpaceBench, AHoleIsFeltWithBothItsSides) {
   }
 }
 
-/// A coordinate without motion or force, for a law that divides energy by both.
+/// A coordinate has no motion or force. The law divides energy by both.
 TEST(SpaceBench, TimeDomainPassivityHasNoNumberThatIsNone) {
   const Measured m = run("time_domain_passivity", "peg", 0.0, true);
   EXPECT_TRUE(std::isfinite(m.force_error.value_or(NAN)));

@@ -1,4 +1,4 @@
-// The claims of docs/lab/teleoperation.md about the laws on the bench, on the decisive cases.
+// Tests the claims of docs/lab/teleoperation.md about the laws on the bench, on the decisive cases.
 
 #include "sim/studies/teleop/teleop.hpp"
 
@@ -59,14 +59,14 @@ TEST(Teleop, AWallThatMovesIsFeltOverAHundredMilliseconds) {
     EXPECT_LT(*run("feltwire", "moving_wall", 0.1, jitter, loss).force_share, kWithout);
     EXPECT_LT(*run("feltwire_prior", "moving_wall", 0.1, jitter, loss).force_share, kWith);
   }
-  // The best of the passive published laws.
+  // the best passive published law
   EXPECT_GT(*run("two_layer", "moving_wall", 0.1).force_share, 4.0 * kWithout);
 }
 
-/// The bar: a wall that leaves the tool is below 0.1 N at the hand within 30 ms and half of the
-/// round trip.
+/// The requirement: if a wall leaves the tool, the hand's force must be below 0.1 N within 30 ms
+/// plus half of the round trip.
 TEST(Teleop, AWallThatLeavesTheToolIsNotFeltForLong) {
-  constexpr double kBar = 0.03, kLoss = 0.02, kJitter = 5e-3;  // [s], share, [s]
+  constexpr double kBar = 0.03, kLoss = 0.02, kJitter = 5e-3;  // [s], share of lost datagrams, [s]
   for (const char* law : {"feltwire", "feltwire_prior"})
     for (const double trip : {0.0, 0.02, 0.05, 0.1, 0.2, 0.3})
       for (const double jitter : {0.0, kJitter})
@@ -75,7 +75,7 @@ TEST(Teleop, AWallThatLeavesTheToolIsNotFeltForLong) {
           ASSERT_TRUE(m.release) << law << ' ' << trip;
           EXPECT_LT(*m.release, kBar) << law << ' ' << trip << ' ' << jitter << ' ' << loss;
           EXPECT_EQ(m.energy_made, 0.0) << law << ' ' << trip << ' ' << jitter << ' ' << loss;
-          // Half of the round trip belongs to the time without contact, and nobody can help that.
+          // The time without contact includes half of the round trip, which no law can avoid.
           EXPECT_LT(*m.phantom, trip > 0.1 ? 0.55 : 0.2) << law << ' ' << trip;
         }
   const Measured deep = run("feltwire", "moving_wall", 0.2);
