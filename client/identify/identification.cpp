@@ -41,6 +41,7 @@ double sweep_time(const Sweep& sweep, double amplitude) {
 
 IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> force) {
   constexpr double kTravelOverAmplitude = 1.6, kOfWorkspace = 0.16, kOfForce = 0.15;
+  constexpr double kLeastOfForce = 0.01;  // a smaller force moves no handle against its friction
   const double room = spec.workspace.head(spec.translation_dof).minCoeff();
   IdentifyLimits limits;
   limits.amplitude =
@@ -51,10 +52,12 @@ IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> for
   limits.top_speed = std::min(kTopSpeed, std::sqrt(0.5 * kSharpest * limits.amplitude));
   limits.speed = 2.0 * limits.top_speed;
   limits.force = force.value_or(kOfForce * spec.max_force);
-  if (!(limits.force > 0.0 && limits.force <= spec.continuous_force)) {
+  const double least = kLeastOfForce * spec.max_force;
+  if (!(limits.force >= least && limits.force <= spec.continuous_force)) {
     std::ostringstream text;
-    text << "--force " << limits.force << ": use more than 0 and at most " << spec.continuous_force
-         << " N, what the device can hold";
+    text << "--force " << limits.force << ": use at least " << least
+         << " N (a smaller force does not move the handle) and at most " << spec.continuous_force
+         << " N (the device can hold no larger one for long)";
     throw std::invalid_argument(text.str());
   }
   return limits;

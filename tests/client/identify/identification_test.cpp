@@ -97,6 +97,8 @@ TEST(Identification, GivenUpItStaysSo) {
 
 TEST(Identification, AForceBeyondTheDeviceIsRefused) {
   EXPECT_THROW(identify_limits(spec(), 0.0), std::invalid_argument);
+  EXPECT_THROW(identify_limits(spec(), 0.009 * spec().max_force), std::invalid_argument);
+  EXPECT_NO_THROW(identify_limits(spec(), 0.011 * spec().max_force));
   EXPECT_THROW(identify_limits(spec(), std::nan("")), std::invalid_argument);
   EXPECT_THROW(identify_limits(spec(), 1.01 * spec().continuous_force), std::invalid_argument);
 }
