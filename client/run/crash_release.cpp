@@ -10,6 +10,9 @@
 #include <csignal>
 #include <cstdint>
 #include <ctime>
+#include <mutex>
+#include <stdexcept>
+#include <string>
 
 namespace feltwire {
 namespace {
@@ -21,7 +24,8 @@ constexpr std::array kHarmless = {SIGKILL, SIGSTOP, SIGCHLD, SIGCONT, SIGURG, SI
 /// Time [ns] in which a driver's thread executes a release() (AsyncSignalRelease).
 constexpr timespec kTimeToLetGo{.tv_sec = 0, .tv_nsec = 20'000'000};
 
-std::atomic<Device*> device_to_release{nullptr};
+/// The devices of all CrashRelease objects.
+std::array<std::atomic<Device*>, CrashRelease::kMost> devices_to_release{};
 static_assert(std::atomic<Device*>::is_always_lock_free);
 
 template <std::size_t n>
@@ -30,8 +34,13 @@ bool is_among(const std::array<int, n>& signals, int signal) noexcept {
 }
 
 void release_and_die(int signal) {
-  if (Device* device = device_to_release.load()) {
-    device->release();
+  bool released = false;
+  for (const std::atomic<Device*>& place : devices_to_release)
+    if (Device* device = place.load()) {
+      device->release();
+      released = true;
+    }
+  if (released) {
     timespec left = kTimeToLetGo;
     while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
   }
@@ -66,36 +75,67 @@ class OwnSignals {
   };
 };
 
-}  // namespace
+/// The handlers of all signals, and what was there before.
+class Handlers {
+ public:
+  void take_all(bool records) noexcept {
+    for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+      struct sigaction now {};
+      const bool known = ::sigaction(signal, nullptr, &now) == 0;
+      if (!known || is_among(kHarmless, signal) || (signal == SIGUSR1 && records)) continue;
+      const bool ends = (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_DFL;
+      if (is_among(kIgnored, signal))
+        take(signal, SIG_IGN, 0);
+      else if (ends || is_among(kCrashes, signal))
+        take(signal, release_and_die, SA_RESETHAND);
+    }
+    OwnSignals::change(SIG_DFL, SIG_IGN);
+  }
+  void give_back() noexcept {
+    for (std::size_t signal = 1; signal < before_.size(); ++signal)
+      if (taken_[signal]) ::sigaction(static_cast<int>(signal), &before_[signal], nullptr);
+    taken_ = {};
+    OwnSignals::change(SIG_IGN, SIG_DFL);
+  }
 
-CrashRelease::CrashRelease(Device& device, bool records) noexcept {
-  device_to_release.store(&device);
-  const auto take = [&](int signal, void (*handler)(int), int flags) {
+ private:
+  void take(int signal, void (*handler)(int), int flags) noexcept {
     struct sigaction action {};
     action.sa_handler = handler;
     action.sa_flags = flags;
     sigemptyset(&action.sa_mask);
     taken_[static_cast<std::size_t>(signal)] =
         ::sigaction(signal, &action, &before_[static_cast<std::size_t>(signal)]) == 0;
-  };
-  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
-    struct sigaction now {};
-    const bool known = ::sigaction(signal, nullptr, &now) == 0;
-    if (!known || is_among(kHarmless, signal) || (signal == SIGUSR1 && records)) continue;
-    const bool ends = (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_DFL;
-    if (is_among(kIgnored, signal))
-      take(signal, SIG_IGN, 0);
-    else if (ends || is_among(kCrashes, signal))
-      take(signal, release_and_die, SA_RESETHAND);
   }
-  OwnSignals::change(SIG_DFL, SIG_IGN);
+
+  static constexpr std::size_t kSignals = 65;  // 1 to 64
+  std::array<struct sigaction, kSignals> before_{};
+  std::array<bool, kSignals> taken_{};
+};
+
+/// Guards the two below.
+std::mutex mutex;
+std::size_t in_use = 0;  // places of devices_to_release
+Handlers handlers;
+
+}  // namespace
+
+CrashRelease::CrashRelease(Device& device, bool records) {
+  const std::lock_guard lock(mutex);
+  const auto place =
+      std::ranges::find(devices_to_release, nullptr, [](const auto& p) { return p.load(); });
+  if (place == devices_to_release.end())
+    throw std::runtime_error("this process has " + std::to_string(kMost) +
+                             " hands already; close one first");
+  place->store(&device);
+  place_ = static_cast<std::size_t>(place - devices_to_release.begin());
+  if (in_use++ == 0) handlers.take_all(records);
 }
 
 CrashRelease::~CrashRelease() {
-  for (std::size_t signal = 1; signal < before_.size(); ++signal)
-    if (taken_[signal]) ::sigaction(static_cast<int>(signal), &before_[signal], nullptr);
-  OwnSignals::change(SIG_IGN, SIG_DFL);
-  device_to_release.store(nullptr);
+  const std::lock_guard lock(mutex);
+  if (--in_use == 0) handlers.give_back();
+  devices_to_release[place_].store(nullptr);
 }
 
 }  // namespace feltwire

@@ -1,8 +1,7 @@
 #pragma once
-// Releases the device when a signal ends the program.
+// Releases the devices when a signal ends the program.
 
-#include <array>
-#include <csignal>
+#include <cstddef>
 
 #include "client/devices/device.hpp"
 
@@ -17,19 +16,21 @@ namespace feltwire {
 /// (32 and 33) are ignored until it uses them. No program can react to SIGKILL, SIGSTOP, a stack
 /// overflow, or a failure of the machine: only the device's own watchdog can.
 ///
-/// Only one may exist in a program.
+/// A process may have several: each signal releases all their devices. The first one takes the
+/// signals, and the last one gives them back.
 class CrashRelease {
  public:
-  /// `records`: SIGUSR1 asks for a flight record (Signals), and kills nothing.
-  explicit CrashRelease(Device& device, bool records = false) noexcept;
+  static constexpr std::size_t kMost = 64;  // in a process
+
+  /// `records`: SIGUSR1 asks for a flight record (Signals), and kills nothing; the first one
+  /// decides. Throws std::runtime_error if there are kMost already.
+  explicit CrashRelease(Device& device, bool records = false);
   ~CrashRelease();
   CrashRelease(const CrashRelease&) = delete;
   CrashRelease& operator=(const CrashRelease&) = delete;
 
  private:
-  static constexpr std::size_t kSignals = 65;  // 1 to 64
-  std::array<struct sigaction, kSignals> before_{};
-  std::array<bool, kSignals> taken_{};
+  std::size_t place_;
 };
 
 }  // namespace feltwire

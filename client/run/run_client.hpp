@@ -61,6 +61,8 @@ struct RunOptions {
   /// For an observer: called for each view, by the thread that called run_client(). If
   /// it throws, it is not called again; the run goes on, and returns 1.
   OnView on_view = {};
+  /// Gets every tick, in the servo thread; it must outlive the run. Null: nobody does.
+  TickListener* listener = nullptr;
   /// Called with the measurements of the run, after the servo thread has ended. The text that it
   /// returns (JSON) is the report's `check`. If it throws, the report fails.
   std::function<std::string(const RunFigures&)> on_end = {};

@@ -8,19 +8,14 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <string>
 #include <system_error>
 
 #include "client/run/emergency_key.hpp"
-#include "client/run/status_line.hpp"
-#include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr int kHousekeeping = 50;  // [ms] between checks of the rings
-const std::string kLost = "the session was lost";
 
 constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
@@ -47,56 +42,11 @@ void wait(std::array<pollfd, 3>& waiting) noexcept {
   }
 }
 
-void show(StatusLine& line, const LiveStatus& status, const Records& records,
-          const SceneFetch& fetch) noexcept {
-  try {
-    const auto sight = records.sight();
-    std::string more = sight ? text(*sight) : std::string();
-    if (!fetch.refusal().empty()) more += "  contact not computed here";
-    line.show(status, more);
-  } catch (const std::exception&) {  // no memory for this message
-  }
-}
-
-/// Reports and records the applied and refused changes of an admin.
-void tell_of(Changes& changes, StatusLine& line, Records& records,
-             Reconnector& reconnector) noexcept {
-  while (const Changes::Done* done = changes.next(reconnector.sessions())) try {
-      const bool taken = done->refusal.empty();
-      // Update the law of the reconnector first. A new session with the wrong law is worse than a
-      // missing message.
-      if (taken && done->prepared.law) reconnector.put_law(changes.law());
-      line.end();
-      std::fprintf(stderr, "feltwire-client: an admin changes this session: %s%s%s\n",
-                   visible(done->what).c_str(),
-                   taken ? "" : "; refused: ", visible(done->refusal).c_str());
-      records.note({{"what", done->what},
-                    {"answer", taken ? "taken" : "refused"},
-                    {"refusal", done->refusal}});
-    } catch (const std::exception&) {  // no memory for the text
-    }
-}
-
-/// Reports once why the client does not use the fetched data.
-void tell_of(const SceneFetch& fetch, std::string& told, StatusLine& line) noexcept {
-  if (fetch.refusal() == told) return;
-  try {
-    told = fetch.refusal();
-    if (told.empty()) return;
-    line.end();
-    std::fprintf(stderr, "feltwire-client: warning: %s\n", visible(told).c_str());
-  } catch (const std::exception&) {  // no memory for the text
-  }
-}
-
-void tell_of(EmergencyKey::Turned turned, StatusLine& line) noexcept {
+void tell_of(EmergencyKey::Turned turned, RunOutlet& outlet) noexcept {
   if (turned == EmergencyKey::Turned::nothing) return;
-  line.end();
-  std::fputs(
-      turned == EmergencyKey::Turned::stopped
-          ? "feltwire-client: EMERGENCY STOP: all force is off; r starts again, Ctrl-C ends\n"
-          : "feltwire-client: starting again: hold the hand still\n",
-      stderr);
+  outlet.say(turned == EmergencyKey::Turned::stopped
+                 ? "EMERGENCY STOP: all force is off; r starts again, Ctrl-C ends"
+                 : "starting again: hold the hand still");
 }
 
 }  // namespace
@@ -129,50 +79,23 @@ Signals::PendingSignals Signals::take() const noexcept {
   return came;
 }
 
-void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-                       Records& records, Changes& changes, Reconnector& reconnector,
-                       SceneFetch& fetch, std::uint64_t session, EmergencyKey& keys) noexcept {
-  StatusLine line;
-  std::string told;  // last message about fetched data
-  bool connected = true;
+void supervise_session(const Signals& signals, HandRun& run, EmergencyKey& keys,
+                       RunOutlet& outlet) noexcept {
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
-                                 {thread.over_descriptor(), POLLIN, 0},
+                                 {run.over_descriptor(), POLLIN, 0},
                                  {keys.descriptor(), POLLIN, 0}}};
   bool running = true;
   while (running) {
     wait(waiting);
     if (waiting[2].revents != 0) {
-      tell_of(keys.take(), line);
+      tell_of(keys.take(), outlet);
       waiting[2].fd = keys.descriptor();
     }
     const Signals::PendingSignals came = signals.take();
-    if (came.end) thread.stop();
-    running = !thread.over();
-    LiveStatus status;
-    bool fresh = false;
-    while (statuses.pop(status)) fresh = true;
-    records.write();
-    if (came.record) {
-      line.end();
-      records.tell_of_flight_record("asked for");
-    }
-    tell_of(changes, line, records, reconnector);
-    if (fresh) show(line, status, records, fetch);
-    const bool lost = fresh && connected && !status.connected;
-    if (fresh) connected = status.connected;
-    if (running) reconnector.look(connected, Reconnector::Clock::now());
-    if (fresh) fetch.in_use(status.fetched);
-    if (session != 0 && reconnector.session() != 0) session = reconnector.session();
-    if (running && fresh && connected)
-      fetch.look({session, status.reloads}, SceneFetch::Clock::now());
-    tell_of(fetch, told, line);
-    if (lost) {
-      line.end();
-      records.tell_of_flight_record(kLost);
-    }
-    if (!reconnector.refusal().empty()) thread.stop();
+    if (came.end) run.stop();
+    running = run.look();
+    if (came.record) run.write_flight_record("asked for");
   }
-  line.end();
 }
 
 }  // namespace feltwire

@@ -1,12 +1,8 @@
 #pragma once
-// The main thread's loop while the servo thread runs: status lines, records, reconnection, signals.
+// The main thread of a program while its servo thread runs: signals and keys.
 
-#include "client/run/changes.hpp"
 #include "client/run/emergency_key.hpp"
-#include "client/run/records.hpp"
-#include "client/servo/servo_thread.hpp"
-#include "client/transport/reconnector.hpp"
-#include "client/transport/scene_fetch.hpp"
+#include "client/run/hand_run.hpp"
 
 namespace feltwire {
 
@@ -32,14 +28,10 @@ class Signals {
   int descriptor_ = -1;
 };
 
-/// Runs until the servo thread's loop is over. It shows its status, writes the records, also on a
-/// signal, handles changes of an admin, looks for a lost session, and ends the loop on a signal or
-/// when another session is refused for good. A key of the terminal presses the emergency stop
-/// (`keys`). It fetches the scene in full for `session`, the first one of the loop, and for those
-/// after it (session 0: for none). No failure in here ends the run: a status line without memory is
-/// not shown.
-void supervise_session(const Signals& signals, ServoThread& thread, Ring<LiveStatus>& statuses,
-                       Records& records, Changes& changes, Reconnector& reconnector,
-                       SceneFetch& fetch, std::uint64_t session, EmergencyKey& keys) noexcept;
+/// Looks after the run until its servo loop is over (HandRun::look()). It ends the loop on a
+/// signal, and writes a flight record on SIGUSR1. A key of the terminal presses the emergency stop
+/// (`keys`).
+void supervise_session(const Signals& signals, HandRun& run, EmergencyKey& keys,
+                       RunOutlet& outlet) noexcept;
 
 }  // namespace feltwire

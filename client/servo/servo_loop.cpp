@@ -344,9 +344,10 @@ class Loop {
   }
 
   void record(Nanoseconds now) noexcept {
-    if (outputs_.record == nullptr) return;
+    if (outputs_.record == nullptr && outputs_.listener == nullptr) return;
     const TickRecord row = tick_record(servo_, seconds(now - first_tick_), now);
-    if (!outputs_.record->push(row)) ++result_.records_dropped;
+    if (outputs_.record != nullptr && !outputs_.record->push(row)) ++result_.records_dropped;
+    if (outputs_.listener != nullptr) outputs_.listener->ticked(row, !lost_);
   }
 
   void report_status(Nanoseconds now) noexcept {

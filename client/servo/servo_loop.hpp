@@ -52,6 +52,14 @@ struct TimedView {
   SceneView view;
 };
 
+/// Gets every tick. The servo thread calls it: it must not wait, allocate or throw.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  /// `connected`: the session is not lost.
+  virtual void ticked(const TickRecord& tick, bool connected) noexcept = 0;
+};
+
 /// Rings for the output of the thread; null: no output. A full ring loses the newest entry and
 /// counts it.
 struct LoopOutputs {
@@ -59,6 +67,7 @@ struct LoopOutputs {
   Ring<TickRecord>* record = nullptr;
   Ring<TimedView>* views = nullptr;      // for an observer (client/run/observed_scene.hpp)
   Ring<WantedChange>* wanted = nullptr;  // changes that an admin wants, each once
+  TickListener* listener = nullptr;
 };
 
 struct LoopResult {

@@ -423,6 +423,23 @@ TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
       ::testing::KilledBySignal(SIGIO), "");
 }
 
+TEST(CrashReleaseDeathTest, AllDevicesOfTheProcessAreReleased) {
+  SharedDevice first, second, third;
+  EXPECT_EXIT(
+      {
+        const CrashRelease release_first(first);
+        auto release_second = std::make_unique<CrashRelease>(second);
+        const CrashRelease release_third(third);
+        for (SharedDevice* device : {&first, &second, &third}) device->write(kPull);
+        release_second.reset();
+        ::raise(SIGSEGV);
+      },
+      ::testing::KilledBySignal(SIGSEGV), "");
+  EXPECT_EQ(first.told(), 0.0);
+  EXPECT_GT(second.told(), 0.0);
+  EXPECT_EQ(third.told(), 0.0);
+}
+
 /// The driver's library has no call that is safe in a signal handler. The thread of the driver must
 /// remove the force.
 class LettingGoDevice final : public Device {

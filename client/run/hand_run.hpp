@@ -1,0 +1,102 @@
+#pragma once
+// A device in a scene of a server: the session, the servo thread, and what keeps both going.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/run/changes.hpp"
+#include "client/run/crash_release.hpp"
+#include "client/run/records.hpp"
+#include "client/run/rehearsal.hpp"
+#include "client/run/run_client.hpp"
+#include "client/run/run_outlet.hpp"
+#include "client/servo/servo_thread.hpp"
+#include "client/transport/reconnector.hpp"
+#include "client/transport/scene_fetch.hpp"
+
+namespace feltwire {
+
+/// The data that the servo thread of a run shares with the thread that owns the run.
+struct RunTask : ServoTask {
+  using ServoTask::ServoTask;
+  static constexpr std::size_t kSessionRoom = 4, kStatusRoom = 16;
+  std::unique_ptr<Records> records;
+  std::optional<Changes> changes;  // changes that an admin requests
+  Ring<SessionAddress> sessions{kSessionRoom};
+  Ring<LiveStatus> statuses{kStatusRoom};
+  Ring<const FetchedScene*> fetched{kSessionRoom};
+};
+
+/// The recording that the options ask for; empty: none.
+std::optional<RecordingTarget> recording_target(const RunOptions& options);
+
+/// One thread makes a run, calls look() about every 50 ms, and calls end(). The servo has a thread
+/// of its own. run_client() is such a thread; a program that has a loop of its own makes one
+/// itself.
+class HandRun {
+ public:
+  /// Joins the scene, begins the device and starts the servo thread. `options` and `outlet` must
+  /// outlive the run. Throws as run_client() does. The server is told of every failure after the
+  /// join.
+  HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet);
+  /// Calls end().
+  ~HandRun();
+  HandRun(const HandRun&) = delete;
+  HandRun& operator=(const HandRun&) = delete;
+
+  /// Takes the outputs of the servo thread and writes them, handles changes of an admin, looks for
+  /// a lost session, and fetches the scene. False: the servo loop is over. No failure in here ends
+  /// the run.
+  bool look() noexcept;
+  /// Asks the servo to release the hand and end. Does not wait.
+  void stop() noexcept { thread_->stop(); }
+  /// Readable when the servo loop is over; use it only to wait.
+  int over_descriptor() const noexcept { return thread_->over_descriptor(); }
+  /// Calls stop(), waits, and completes the files. Returns the error that ended the run too early;
+  /// empty: none did. A second call returns the same.
+  const std::string& end();
+  /// A thread could not be waited for, and still uses the run: the program should end at once.
+  bool is_stuck() const;
+  /// The servo thread has ended, and the device may be asked. False before end().
+  bool servo_ended() const { return ended_; }
+
+  /// Writes the last seconds to a file, and says which; nothing without a flight recorder.
+  void write_flight_record(const char* cause) noexcept;
+
+  const control::JoinAccepted& accepted() const { return accepted_; }
+  const Address& server() const { return datagrams_; }
+  RealTime real_time() const { return real_time_; }
+  RunTask& task() { return *task_; }
+  const RunTask& task() const { return *task_; }
+  const SceneFetch& fetch() const { return *fetch_; }
+  /// What a hand will feel. Empty: it was not computed, or not in time. Call it after end().
+  std::optional<Rehearsal> rehearsal();
+
+ private:
+  void begin(std::unique_ptr<Device> device, control::JoinRequest& wanted,
+             std::shared_ptr<Transport> transport);
+  void show(const LiveStatus& status) noexcept;
+  void tell_of_changes() noexcept;
+  void tell_of_fetch() noexcept;
+
+  const RunOptions& options_;
+  RunOutlet& outlet_;
+  control::JoinAccepted accepted_;
+  Address datagrams_;
+  std::string device_name_;  // among the devices of this process
+  std::shared_ptr<RunTask> task_;
+  std::optional<Reconnector> reconnector_;
+  std::optional<SceneFetch> fetch_;
+  std::optional<CrashRelease> crash_release_;
+  std::optional<RehearsalThread> rehearsal_;
+  std::optional<ServoThread> thread_;
+  RealTime real_time_;
+  std::uint64_t session_ = 0;  // for which the scene is fetched in full; 0: none
+  bool connected_ = true;
+  std::string fetch_refusal_;         // the last one that was told
+  std::optional<std::string> error_;  // of end()
+  bool ended_ = false;
+};
+
+}  // namespace feltwire
