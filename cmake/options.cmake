@@ -26,6 +26,12 @@ target_include_directories(feltwire_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_include_directories(feltwire_options SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/generated)
 set(FELTWIRE_SANITIZE_TESTS ${FELTWIRE_SANITIZE})
 set(FELTWIRE_ROOMS_AS STATIC)
+# libfeltwire.so (client/c_api) has the rooms' objects in it. No other library replaces their functions, so the compiler may
+# inline them as in a program.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(feltwire_options INTERFACE -fno-semantic-interposition)
+endif()
 if(FELTWIRE_FUZZ)
   # Coverage that libFuzzer is led by; a fuzz target links its main beside (tests/fuzz).
   set(FELTWIRE_SANITIZE "fuzzer-no-link,address,undefined,float-cast-overflow")
@@ -36,7 +42,6 @@ if(FELTWIRE_SANITIZE)
   # A room is a shared library that takes its own copies of inline functions. From an archive, the linker would take those of a
   # program or a test, which are not optimized, as are the rooms that neither a servo nor a scene waits for.
   set(FELTWIRE_ROOMS_AS SHARED)
-  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
   string(APPEND CMAKE_SHARED_LINKER_FLAGS " -Wl,-Bsymbolic-functions")
   set(unhurried client/app client/command_line client/run gateway/app gateway/remote_scene server/access server/app server/control
     server/recording server/web sim/follower sim/replay)

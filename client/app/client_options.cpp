@@ -72,9 +72,8 @@ void list_specs() {
   throw CLI::Success();
 }
 
-}  // namespace
-
-std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
+/// With `error`, the environment is not read, nothing is printed, and the error goes there.
+std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::string* error_text) {
   ClientOptions options;
   SessionParameters& parameters = options.parameters;
   HandTask task;
@@ -451,7 +450,7 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
                             .shared = credential_variables(),
                             .ending = {"list", "list-specs", "check"}};
   try {
-    read_environment(app, argc, argv, variables, client_rivals());
+    if (error_text == nullptr) read_environment(app, argc, argv, variables, client_rivals());
     app.parse(argc, argv);
     if (!values.profile.empty()) {
       apply_profile(network_profile(values.profile), values, parameters);
@@ -459,12 +458,32 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
     }
     to_client_options(values, task, options);
   } catch (const CLI::ParseError& error) {
-    return exit_with(app, error, short_help()) == 0 ? 0 : kUsageError;
+    if (error_text == nullptr) return exit_with(app, error, short_help()) == 0 ? 0 : kUsageError;
+    *error_text = error.what() + advice(error, app);
+    return kUsageError;
   } catch (const std::invalid_argument& error) {
-    std::cerr << "feltwire-client: " << visible(error.what()) << "\n";
+    if (error_text != nullptr)
+      *error_text = error.what();
+    else
+      std::cerr << "feltwire-client: " << visible(error.what()) << "\n";
     return kUsageError;
   }
   return options;
+}
+
+}  // namespace
+
+std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
+  return parse(argc, argv, nullptr);
+}
+
+ClientOptions options_of(const std::vector<std::string>& words) {
+  std::vector<const char*> argv{"feltwire-client"};
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  std::string error;
+  auto parsed = parse(static_cast<int>(argv.size()), argv.data(), &error);
+  if (!error.empty()) throw std::invalid_argument(error);
+  return std::get<ClientOptions>(std::move(parsed));
 }
 
 }  // namespace feltwire

@@ -2,7 +2,9 @@
 // The command line of feltwire-client.
 
 #include <optional>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "client/devices/drivers.hpp"
 #include "client/devices/mapped_device.hpp"
@@ -25,5 +27,8 @@ struct ClientOptions : RunOptions {
 /// Reads the command line. If there is nothing to run (--help, or an error, which has been printed
 /// as one line) it returns the exit code instead.
 std::variant<ClientOptions, int> parse_options(int argc, char** argv);
+/// Reads the words of a command line without the program's name. It reads no environment, and
+/// prints nothing. Throws std::invalid_argument with one line.
+ClientOptions options_of(const std::vector<std::string>& words);
 
 }  // namespace feltwire

@@ -1,5 +1,6 @@
 #include "client/run/debts.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>
@@ -41,14 +42,14 @@ std::string text(const Overdraft& overdraft, const DeviceSpec& spec) {
 double debt_of(const std::string& device) {
   Debts& all = debts();
   const std::lock_guard lock(all.mutex);
-  const auto found = all.by_device.find(device);
-  return found == all.by_device.end() ? 0.0 : found->second;
+  return all.by_device[device];
 }
 
-void keep_debt(const std::string& device, double debt) {
+void settle_debt(const std::string& device, double before, double after) {
   Debts& all = debts();
   const std::lock_guard lock(all.mutex);
-  all.by_device.insert_or_assign(device, debt);
+  double& debt = all.by_device[device];
+  debt = std::max(0.0, debt + (after - before));
 }
 
 }  // namespace feltwire

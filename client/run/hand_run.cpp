@@ -201,9 +201,8 @@ void HandRun::begin(std::unique_ptr<Device> device, control::JoinRequest& wanted
   if (const auto warning = encoder_warning(device->spec(), accepted_.stiffness))
     outlet_.say("warning: " + *warning);
   device_name_ = options_.device_kind + ' ' + device->spec().name;
-  keep_debt(device_name_, debt_of(device_name_));  // so that there is memory for it at the end
-  task_ = make_task(options_, accepted_, debt_of(device_name_), std::move(device),
-                    std::move(transport));
+  owed_ = debt_of(device_name_);
+  task_ = make_task(options_, accepted_, owed_, std::move(device), std::move(transport));
   wanted.parameters = accepted_.parameters;
   RejoinOptions rejoin;
   if (options_.servo.leads) rejoin.seats = accepted_.seats;
@@ -298,7 +297,7 @@ const std::string& HandRun::end() {
   LoopResult& result = task_->result;
   if (!reconnector_->refusal().empty() && !result.stood_still) result.end = EndReason::refused;
   task_->records->finish();
-  keep_debt(device_name_, task_->servo.owed());
+  settle_debt(device_name_, owed_, task_->servo.owed());
   std::string& fault = *error_;
   fault = error_of(result, reconnector_->refusal(), task_->servo);
   if (const auto& overdraft = task_->servo.overdraft())
@@ -309,7 +308,7 @@ const std::string& HandRun::end() {
   return fault;
 }
 
-bool HandRun::is_stuck() const { return !ended_ || reconnector_->asking() || fetch_->asking(); }
+bool HandRun::asking() const { return reconnector_->asking() || fetch_->asking(); }
 
 std::optional<Rehearsal> HandRun::rehearsal() {
   return rehearsal_ ? rehearsal_->finish() : std::nullopt;

@@ -56,10 +56,12 @@ class HandRun {
   /// Calls stop(), waits, and completes the files. Returns the error that ended the run too early;
   /// empty: none did. A second call returns the same.
   const std::string& end();
-  /// A thread could not be waited for, and still uses the run: the program should end at once.
-  bool is_stuck() const;
-  /// The servo thread has ended, and the device may be asked. False before end().
+  /// The servo thread has ended, and the device may be asked. False before end(). False afterwards:
+  /// a call of the device does not return, and its thread still uses the run. The program should
+  /// end at once.
   bool servo_ended() const { return ended_; }
+  /// A thread still waits for an answer of the server. It uses nothing of the run.
+  bool asking() const;
 
   /// Writes the last seconds to a file, and says which; nothing without a flight recorder.
   void write_flight_record(const char* cause) noexcept;
@@ -85,6 +87,7 @@ class HandRun {
   control::JoinAccepted accepted_;
   Address datagrams_;
   std::string device_name_;  // among the devices of this process
+  double owed_ = 0.0;        // [J] debt of that device at the start
   std::shared_ptr<RunTask> task_;
   std::optional<Reconnector> reconnector_;
   std::optional<SceneFetch> fetch_;

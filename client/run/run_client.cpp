@@ -176,7 +176,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   const int ending = conclude(options, task.servo, task.result, fault, reported);
   int code = failed ? 1 : ending;
   if (options.on_exit) code = options.on_exit(code);
-  if (run.is_stuck()) end_at_once(code);
+  if (!run.servo_ended() || run.asking()) end_at_once(code);
   return code;
 }
 

@@ -317,12 +317,16 @@ TEST(Debt, OfAnEarlierRunIsBurnedBeforeAnyForce) {
 
 TEST(Debt, IsKeptForADeviceOfThisProcess) {
   EXPECT_EQ(debt_of("plugin:one"), 0.0);
-  keep_debt("plugin:one", 0.25);
-  keep_debt("plugin:two", 0.5);
+  settle_debt("plugin:one", 0.0, 0.25);
+  settle_debt("plugin:two", 0.0, 0.5);
   EXPECT_EQ(debt_of("plugin:one"), 0.25);
-  keep_debt("plugin:one", 0.0);
+  settle_debt("plugin:one", 0.25, 0.0);
   EXPECT_EQ(debt_of("plugin:one"), 0.0);
   EXPECT_EQ(debt_of("plugin:two"), 0.5);
+  // Two at once: neither forgives the other's debt.
+  settle_debt("plugin:three", 0.0, 0.25);
+  settle_debt("plugin:three", 0.0, 0.0);
+  EXPECT_EQ(debt_of("plugin:three"), 0.25);
 }
 
 TEST(Debt, TakesNoMemory) {

@@ -1,0 +1,142 @@
+// The C interface of feltwire for C#. Written by make_bindings.py from api_table.py. Change the table.
+// All structs are blittable.
+using System;
+using System.Runtime.InteropServices;
+
+namespace Feltwire
+{
+    public static class Native
+    {
+        public const int Ok = 0;  // It is done.
+        public const int Nothing = 1;  // There is nothing yet, or nothing new.
+        public const int Ended = 2;  // The hand's run has ended. fw_last_error() says why, if an error ended it.
+        public const int ErrorArgument = -1;  // An argument is null, or an option is wrong. fw_last_error() names it and the remedy.
+        public const int ErrorRefused = -2;  // The server refuses for good: the token, the scene, the device or a parameter.
+        public const int ErrorServer = -3;  // The server is not reachable, not trusted, or full. Trying again may help.
+        public const int ErrorDevice = -4;  // The device or a file cannot be opened.
+        public const int ErrorMemory = -5;  // There is no memory for it.
+        public const int ErrorInternal = -6;  // Anything else. fw_last_error() has the text.
+
+        /// <summary>How a hand joins a scene. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 112)]
+        public struct HandOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr server;  // HOST:PORT of the server's control port
+            [FieldOffset(16)] public IntPtr fingerprint;  // of the server's certificate; or:
+            [FieldOffset(24)] public IntPtr fingerprint_file;  // the file with it; or:
+            [FieldOffset(32)] public IntPtr ca_file;  // file (PEM) of the authorities to trust
+            [FieldOffset(40)] public IntPtr token_file;  // file with the client's token
+            [FieldOffset(48)] public IntPtr scene;  // name of the scene to join
+            [FieldOffset(56)] public IntPtr name;  // of this client, for the server's log
+            [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand by fw_hand_move() and reads its force from fw_hand_latest()
+            [FieldOffset(72)] public IntPtr spec;  // a built-in specification of the device, or FILE.json; null: the device's own
+            [FieldOffset(80)] public double duration;  // [s] after which the run ends; 0: at fw_hand_close()
+            [FieldOffset(88)] public double stale_after;  // [s] after which a hand of device "caller" that was not moved gets no force, 0.001 to 1
+            [FieldOffset(96)] public IntPtr more;  // further options of feltwire-client: "--record", "a.mcap", ...; its --help-all lists them
+            [FieldOffset(104)] public uint more_count;  // number of these words
+        }
+
+        /// <summary>A place of the tool, in the world frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 72)]
+        public struct Pose
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public double position_0;  // [m]
+            [FieldOffset(16)] public double position_1;  // [m]
+            [FieldOffset(24)] public double position_2;  // [m]
+            [FieldOffset(32)] public double orientation_0;  // unit quaternion w, x, y, z; a device that senses no rotation ignores it
+            [FieldOffset(40)] public double orientation_1;  // unit quaternion w, x, y, z; a device that senses no rotation ignores it
+            [FieldOffset(48)] public double orientation_2;  // unit quaternion w, x, y, z; a device that senses no rotation ignores it
+            [FieldOffset(56)] public double orientation_3;  // unit quaternion w, x, y, z; a device that senses no rotation ignores it
+            [FieldOffset(64)] public uint buttons;  // a bit each; the first is bit 0
+            [FieldOffset(68)] public uint deadman;  // 1: the person holds the enabling switch that lets the hand lead a robot
+        }
+
+        /// <summary>A tick of the servo.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 160)]
+        public struct Tick
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public ulong number;  // of the tick, from 1
+            [FieldOffset(16)] public double time;  // [s] since the first tick
+            [FieldOffset(24)] public double position_0;  // [m] of the tool, world frame
+            [FieldOffset(32)] public double position_1;  // [m] of the tool, world frame
+            [FieldOffset(40)] public double position_2;  // [m] of the tool, world frame
+            [FieldOffset(48)] public double orientation_0;  // unit quaternion w, x, y, z
+            [FieldOffset(56)] public double orientation_1;  // unit quaternion w, x, y, z
+            [FieldOffset(64)] public double orientation_2;  // unit quaternion w, x, y, z
+            [FieldOffset(72)] public double orientation_3;  // unit quaternion w, x, y, z
+            [FieldOffset(80)] public double force_0;  // [N] on the hand from this tick on
+            [FieldOffset(88)] public double force_1;  // [N] on the hand from this tick on
+            [FieldOffset(96)] public double force_2;  // [N] on the hand from this tick on
+            [FieldOffset(104)] public double torque_0;  // [N m] on the hand from this tick on
+            [FieldOffset(112)] public double torque_1;  // [N m] on the hand from this tick on
+            [FieldOffset(120)] public double torque_2;  // [N m] on the hand from this tick on
+            [FieldOffset(128)] public double reply_age;  // [s] age of the newest command of the scene; -1: there is none yet
+            [FieldOffset(136)] public double balance;  // [J] balance of the energy account; not a number: there is no account
+            [FieldOffset(144)] public double account_cut;  // share of the command that the account took off, 0 to 1
+            [FieldOffset(152)] public uint zero_force_reason;  // why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched
+            [FieldOffset(156)] public uint connected;  // 1: the session is alive; 0: it is lost, and the hand looks for it
+        }
+
+        /// <summary>The version of the library: major * 65536 + minor * 256 + patch. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern uint fw_version();
+
+        /// <summary>The text of the last error of the calling thread, in one line; empty: there was none. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern IntPtr fw_last_error();
+
+        /// <summary>What a result means, in one sentence. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern IntPtr fw_result_text(int result);
+
+        /// <summary>Why there is no force: "the hand touches nothing"; empty: no such reason. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern IntPtr fw_zero_force_text(uint reason);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_hand_options_default(ref HandOptions options, uint struct_size);
+
+        /// <summary>The origin, not turned. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_pose_default(ref Pose pose, uint struct_size);
+
+        /// <summary>Joins a scene, and runs the hand's servo in a thread of its own, with the energy account and the limits of feltwire-client. Blocks until the server has answered, and a device may make it wait for a person (homing). The hand must be closed. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_open(ref HandOptions options, out IntPtr hand);
+
+        /// <summary>Moves a hand of device "caller". The servo uses the newest pose at its next tick. Threads: one thread at a time, wait-free.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_move(IntPtr hand, ref Pose pose);
+
+        /// <summary>The newest tick. FW_NOTHING: there was none yet. Threads: any thread, wait-free.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_latest(IntPtr hand, ref Tick tick, uint struct_size);
+
+        /// <summary>Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers tell it. Threads: one thread at a time, wait-free.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_ticks(IntPtr hand, ref Tick ticks, uint struct_size, uint most, out uint count);
+
+        /// <summary>Takes the oldest message for people that was not taken yet: a warning, or a change by an admin. It is cut at `size`, with the zero byte. FW_NOTHING: there is none. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_message(IntPtr hand, byte[] text, uint size);
+
+        /// <summary>Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_wait(IntPtr hand, double timeout);
+
+        /// <summary>Lets the force fade and ends the run. Does not wait. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_stop(IntPtr hand);
+
+        /// <summary>Ends the run, waits for it, and frees the hand. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_close(IntPtr hand);
+    }
+}

@@ -1,0 +1,87 @@
+"""The C interface of feltwire: its result codes, structs and functions. make_bindings.py writes the bindings of each language from it.
+
+A struct grows at its end only, and nothing in it is ever removed or changes its meaning: a program of last year and one of next year
+both run with this library. Types: u32, u64, f64, text (a pointer to UTF-8 that ends in a zero byte), texts (a pointer to such pointers),
+f64[N].
+"""
+
+RESULTS = [
+    ("OK", 0, "It is done."),
+    ("NOTHING", 1, "There is nothing yet, or nothing new."),
+    ("ENDED", 2, "The hand's run has ended. fw_last_error() says why, if an error ended it."),
+    ("ERROR_ARGUMENT", -1, "An argument is null, or an option is wrong. fw_last_error() names it and the remedy."),
+    ("ERROR_REFUSED", -2, "The server refuses for good: the token, the scene, the device or a parameter."),
+    ("ERROR_SERVER", -3, "The server is not reachable, not trusted, or full. Trying again may help."),
+    ("ERROR_DEVICE", -4, "The device or a file cannot be opened."),
+    ("ERROR_MEMORY", -5, "There is no memory for it."),
+    ("ERROR_INTERNAL", -6, "Anything else. fw_last_error() has the text."),
+]
+
+# (name, documentation, [(type, field, documentation)])
+STRUCTS = [
+    ("hand_options", "How a hand joins a scene. A null text is not given.", [
+        ("text", "server", "HOST:PORT of the server's control port"),
+        ("text", "fingerprint", "of the server's certificate; or:"),
+        ("text", "fingerprint_file", "the file with it; or:"),
+        ("text", "ca_file", "file (PEM) of the authorities to trust"),
+        ("text", "token_file", "file with the client's token"),
+        ("text", "scene", "name of the scene to join"),
+        ("text", "name", "of this client, for the server's log"),
+        ("text", "device", "as --device of feltwire-client: \"simulated\", \"haply\", \"plugin:FILE.so\". \"caller\": the program "
+         "moves the hand by fw_hand_move() and reads its force from fw_hand_latest()"),
+        ("text", "spec", "a built-in specification of the device, or FILE.json; null: the device's own"),
+        ("f64", "duration", "[s] after which the run ends; 0: at fw_hand_close()"),
+        ("f64", "stale_after", "[s] after which a hand of device \"caller\" that was not moved gets no force, 0.001 to 1"),
+        ("texts", "more", "further options of feltwire-client: \"--record\", \"a.mcap\", ...; its --help-all lists them"),
+        ("u32", "more_count", "number of these words"),
+    ]),
+    ("pose", "A place of the tool, in the world frame.", [
+        ("f64[3]", "position", "[m]"),
+        ("f64[4]", "orientation", "unit quaternion w, x, y, z; a device that senses no rotation ignores it"),
+        ("u32", "buttons", "a bit each; the first is bit 0"),
+        ("u32", "deadman", "1: the person holds the enabling switch that lets the hand lead a robot"),
+    ]),
+    ("tick", "A tick of the servo.", [
+        ("u64", "number", "of the tick, from 1"),
+        ("f64", "time", "[s] since the first tick"),
+        ("f64[3]", "position", "[m] of the tool, world frame"),
+        ("f64[4]", "orientation", "unit quaternion w, x, y, z"),
+        ("f64[3]", "force", "[N] on the hand from this tick on"),
+        ("f64[3]", "torque", "[N m] on the hand from this tick on"),
+        ("f64", "reply_age", "[s] age of the newest command of the scene; -1: there is none yet"),
+        ("f64", "balance", "[J] balance of the energy account; not a number: there is no account"),
+        ("f64", "account_cut", "share of the command that the account took off, 0 to 1"),
+        ("u32", "zero_force_reason", "why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched"),
+        ("u32", "connected", "1: the session is alive; 0: it is lost, and the hand looks for it"),
+    ]),
+]
+
+# (result, name, [(type, name)], thread word, documentation)
+ANY, ONE, FREE = "any thread", "one thread at a time", "any thread, wait-free"
+FUNCTIONS = [
+    ("u32", "version", [], ANY, "The version of the library: major * 65536 + minor * 256 + patch."),
+    ("text", "last_error", [], ANY, "The text of the last error of the calling thread, in one line; empty: there was none."),
+    ("text", "result_text", [("i32", "result")], ANY, "What a result means, in one sentence."),
+    ("text", "zero_force_text", [("u32", "reason")], ANY, "Why there is no force: \"the hand touches nothing\"; empty: no such reason."),
+    ("void", "hand_options_default", [("hand_options*", "options"), ("u32", "struct_size")], ANY,
+     "Fills in the usual options. Call it first, with sizeof."),
+    ("void", "pose_default", [("pose*", "pose"), ("u32", "struct_size")], ANY, "The origin, not turned."),
+    ("i32", "hand_open", [("const hand_options*", "options"), ("hand**", "hand")], ANY,
+     "Joins a scene, and runs the hand's servo in a thread of its own, with the energy account and the limits of feltwire-client. "
+     "Blocks until the server has answered, and a device may make it wait for a person (homing). The hand must be closed."),
+    ("i32", "hand_move", [("hand*", "hand"), ("const pose*", "pose")], "one thread at a time, wait-free",
+     "Moves a hand of device \"caller\". The servo uses the newest pose at its next tick."),
+    ("i32", "hand_latest", [("const hand*", "hand"), ("tick*", "tick"), ("u32", "struct_size")], FREE,
+     "The newest tick. FW_NOTHING: there was none yet."),
+    ("i32", "hand_ticks", [("hand*", "hand"), ("tick*", "ticks"), ("u32", "struct_size"), ("u32", "most"), ("u32*", "count")],
+     "one thread at a time, wait-free",
+     "Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers tell it."),
+    ("i32", "hand_message", [("hand*", "hand"), ("char*", "text"), ("u32", "size")], ANY,
+     "Takes the oldest message for people that was not taken yet: a warning, or a change by an admin. It is cut at `size`, with the zero "
+     "byte. FW_NOTHING: there is none."),
+    ("i32", "hand_wait", [("hand*", "hand"), ("f64", "timeout")], ANY,
+     "Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet."),
+    ("i32", "hand_stop", [("hand*", "hand")], ANY, "Lets the force fade and ends the run. Does not wait."),
+    ("i32", "hand_close", [("hand*", "hand")], ONE,
+     "Ends the run, waits for it, and frees the hand. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed."),
+]

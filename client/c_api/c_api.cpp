@@ -1,0 +1,316 @@
+// The functions of feltwire.h.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "client/c_api/feltwire.h"
+#include "client/c_api/open_hand.hpp"
+#include "client/devices/mapped_device.hpp"
+#include "client/devices/protected_device.hpp"
+#include "core/base/enum_names.hpp"
+#include "core/build_info/build_info.hpp"
+#include "core/device/device_file.hpp"
+
+/// The handle of a program.
+struct fw_hand {
+  std::unique_ptr<feltwire::OpenHand> hand;
+};
+
+namespace feltwire {
+namespace {
+
+constexpr std::uint32_t kMajor = 0, kMinor = 1, kPatch = 0;  // of CMakeLists.txt: a test compares
+constexpr std::size_t kErrorRoom = 1024;
+/// Numbers only: a thread that ends has nothing to destroy.
+thread_local std::array<char, kErrorRoom> last_error{};
+
+std::int32_t fail(std::int32_t result, const char* text) noexcept {
+  std::strncpy(last_error.data(), text, last_error.size() - 1);
+  last_error.back() = '\0';
+  return result;
+}
+
+/// Runs a function, and turns what it throws into a result.
+template <class Work>
+std::int32_t guarded(Work work) noexcept {
+  try {
+    return work();
+  } catch (const LastingError& error) {
+    return fail(FW_ERROR_REFUSED, error.what());
+  } catch (const SessionError& error) {
+    return fail(FW_ERROR_SERVER, error.what());
+  } catch (const std::invalid_argument& error) {
+    return fail(FW_ERROR_ARGUMENT, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(FW_ERROR_MEMORY, "there is no memory for it");
+  } catch (const std::runtime_error& error) {
+    return fail(FW_ERROR_DEVICE, error.what());
+  } catch (const std::exception& error) {
+    return fail(FW_ERROR_INTERNAL, error.what());
+  } catch (...) {
+    return fail(FW_ERROR_INTERNAL, "an error without a text");
+  }
+}
+
+constexpr std::uint32_t kLeastSize = 2 * sizeof(std::uint32_t);  // struct_size and reserved
+
+/// Reads a struct of a program that was compiled with an older or a newer header. What the program
+/// does not know keeps its usual value. Throws std::invalid_argument if it has no size, or sets a
+/// field that this library does not know.
+template <class Struct>
+Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
+  if (given == nullptr) throw std::invalid_argument(std::string(name) + " is null");
+  if (given->struct_size < kLeastSize)
+    throw std::invalid_argument(std::string(name) + ".struct_size is " +
+                                std::to_string(given->struct_size) + "; call fw_" + name +
+                                "_default() first");
+  Struct read = usual;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  std::memcpy(&read, bytes, std::min<std::size_t>(sizeof read, given->struct_size));
+  if (std::any_of(bytes + std::min<std::size_t>(sizeof read, given->struct_size),
+                  bytes + given->struct_size, [](unsigned char byte) { return byte != 0; }))
+    throw std::invalid_argument(std::string(name) +
+                                " has a field that this version of the library does not know");
+  read.struct_size = sizeof read;
+  return read;
+}
+
+/// Writes as much of a struct as the program knows; the rest of its own becomes zero.
+template <class Struct>
+void write_struct(Struct value, void* to, std::uint32_t size) noexcept {
+  value.struct_size = size;
+  std::memset(to, 0, size);
+  std::memcpy(to, &value, std::min<std::size_t>(sizeof value, size));
+}
+
+fw_hand_options usual_options() noexcept {
+  fw_hand_options options{};
+  options.struct_size = sizeof options;
+  options.name = "libfeltwire";
+  options.device = "simulated";
+  options.stale_after = 0.02;
+  return options;
+}
+
+fw_pose usual_pose() noexcept {
+  fw_pose pose{};
+  pose.struct_size = sizeof pose;
+  pose.orientation[0] = 1.0;
+  return pose;
+}
+
+/// The words of feltwire-client for these options.
+std::vector<std::string> command_line(const fw_hand_options& options, bool caller) {
+  std::vector<std::string> words;
+  const auto add = [&](const char* option, const char* value) {
+    if (value != nullptr) words.insert(words.end(), {option, value});
+  };
+  if (options.server == nullptr) throw std::invalid_argument("hand_options.server is null");
+  add("--connect", options.server);
+  add("--fingerprint", options.fingerprint);
+  add("--fingerprint-file", options.fingerprint_file);
+  add("--ca", options.ca_file);
+  add("--token-file", options.token_file);
+  add("--scene", options.scene);
+  add("--name", options.name);
+  add("--device", caller ? "simulated" : options.device);
+  add("--spec", options.spec);
+  add("--duration", std::to_string(options.duration).c_str());
+  if (options.more_count > 0 && options.more == nullptr)
+    throw std::invalid_argument("hand_options.more is null, and more_count is not 0");
+  for (std::uint32_t i = 0; i < options.more_count; ++i) {
+    if (options.more[i] == nullptr)
+      throw std::invalid_argument("hand_options.more has a null word");
+    words.emplace_back(options.more[i]);
+  }
+  return words;
+}
+
+std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
+  const bool is_caller = given.device != nullptr && std::strcmp(given.device, "caller") == 0;
+  ClientOptions options = options_of(command_line(given, is_caller));
+  if (options.list || options.check)
+    throw std::invalid_argument("--list and --check are for feltwire-client only");
+  OpenedDevice opened;
+  CallerDevice* caller = nullptr;
+  if (is_caller) {
+    if (!(given.stale_after >= 1e-3 && given.stale_after <= 1.0))
+      throw std::invalid_argument("hand_options.stale_after must be from 0.001 to 1 s");
+    options.device_kind = "caller";
+    options.takes = {};  // a person may hold what the program moves
+    auto device = std::make_unique<CallerDevice>(
+        requested_spec(options.device.spec, "simulated").spec, given.stale_after);
+    caller = device.get();
+    opened.device = std::move(device);
+  } else {
+    opened = options.driver->open(options.device);
+  }
+  options.true_energy = std::move(opened.true_energy);
+  options.emergency = std::make_shared<EmergencyStop>();
+  auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
+                                                  options.emergency);
+  const WorkspaceMapping mapping = options.mapping;
+  auto hand = std::make_unique<OpenHand>(
+      std::move(options), std::make_unique<MappedDevice>(std::move(device), mapping), caller);
+  for (std::string& note : opened.notes) hand->keep_message("note: " + note);
+  return hand;
+}
+
+fw_tick to_c(const TickCopy& tick) noexcept {
+  fw_tick out{};
+  out.number = tick.number;
+  out.time = tick.time;
+  std::ranges::copy(tick.position, out.position);
+  std::ranges::copy(tick.orientation, out.orientation);
+  std::ranges::copy(tick.force, out.force);
+  std::ranges::copy(tick.torque, out.torque);
+  out.reply_age = tick.reply_age;
+  out.balance = tick.balance;
+  out.account_cut = tick.account_cut;
+  out.zero_force_reason = tick.zero_force_reason;
+  out.connected = tick.connected ? 1 : 0;
+  return out;
+}
+
+bool is_open(const fw_hand* hand) noexcept { return hand != nullptr && hand->hand != nullptr; }
+std::int32_t no_hand() noexcept { return fail(FW_ERROR_ARGUMENT, "the hand is null"); }
+
+}  // namespace
+}  // namespace feltwire
+
+using namespace feltwire;
+
+std::uint32_t fw_version() { return kMajor << 16 | kMinor << 8 | kPatch; }
+
+const char* fw_last_error() { return last_error.data(); }
+
+const char* fw_result_text(std::int32_t result) {
+  switch (result) {
+    case FW_OK:
+      return "it is done";
+    case FW_NOTHING:
+      return "there is nothing yet, or nothing new";
+    case FW_ENDED:
+      return "the hand's run has ended";
+    case FW_ERROR_ARGUMENT:
+      return "an argument is null, or an option is wrong";
+    case FW_ERROR_REFUSED:
+      return "the server refuses for good";
+    case FW_ERROR_SERVER:
+      return "the server is not reachable, not trusted, or full";
+    case FW_ERROR_DEVICE:
+      return "the device or a file cannot be opened";
+    case FW_ERROR_MEMORY:
+      return "there is no memory for it";
+    case FW_ERROR_INTERNAL:
+      return "an error of the library";
+    default:
+      return "no result of this library";
+  }
+}
+
+const char* fw_zero_force_text(std::uint32_t reason) {
+  // The texts are literals, so each ends in a zero byte.
+  return reason < kZeroForceReasons ? text(static_cast<ZeroForceReason>(reason)).data() : "";
+}
+
+void fw_hand_options_default(fw_hand_options* options, std::uint32_t struct_size) {
+  if (options != nullptr) write_struct(usual_options(), options, struct_size);
+}
+
+void fw_pose_default(fw_pose* pose, std::uint32_t struct_size) {
+  if (pose != nullptr) write_struct(usual_pose(), pose, struct_size);
+}
+
+std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
+  return guarded([&] {
+    if (hand == nullptr) throw std::invalid_argument("hand is null");
+    *hand = nullptr;
+    const fw_hand_options given = read_struct(options, usual_options(), "hand_options");
+    auto opened = std::make_unique<fw_hand>();
+    opened->hand = open_hand(given);
+    *hand = opened.release();
+    return FW_OK;
+  });
+}
+
+std::int32_t fw_hand_move(fw_hand* hand, const fw_pose* pose) {
+  if (!is_open(hand)) return no_hand();
+  return guarded([&] {
+    CallerDevice* device = hand->hand->caller();
+    if (device == nullptr)
+      throw std::invalid_argument("the hand's device is not \"caller\": it moves itself");
+    const fw_pose given = read_struct(pose, usual_pose(), "pose");
+    CallerDevice::Move move{.buttons = given.buttons, .deadman = given.deadman != 0};
+    std::ranges::copy(given.position, move.position.begin());
+    std::ranges::copy(given.orientation, move.orientation.begin());
+    device->move(move);
+    return hand->hand->over() ? FW_ENDED : FW_OK;
+  });
+}
+
+std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t struct_size) {
+  if (!is_open(hand)) return no_hand();
+  if (tick == nullptr || struct_size < kLeastSize)
+    return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
+  TickCopy newest;
+  if (!hand->hand->latest(newest)) return FW_NOTHING;
+  write_struct(to_c(newest), tick, struct_size);
+  return FW_OK;
+}
+
+std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_size,
+                           std::uint32_t most, std::uint32_t* count) {
+  if (!is_open(hand)) return no_hand();
+  if (ticks == nullptr || count == nullptr || struct_size < kLeastSize)
+    return fail(FW_ERROR_ARGUMENT, "ticks or count is null, or struct_size is not the tick's size");
+  auto* to = reinterpret_cast<unsigned char*>(ticks);
+  TickCopy tick;
+  for (*count = 0; *count < most && hand->hand->next(tick); ++*count)
+    write_struct(to_c(tick), to + std::size_t{*count} * struct_size, struct_size);
+  return *count > 0 ? FW_OK : FW_NOTHING;
+}
+
+std::int32_t fw_hand_message(fw_hand* hand, char* text, std::uint32_t size) {
+  if (!is_open(hand)) return no_hand();
+  if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
+  return guarded([&] {
+    const auto message = hand->hand->next_message();
+    const std::string shown = message.value_or(std::string());
+    const std::size_t length = std::min<std::size_t>(shown.size(), size - 1);
+    std::memcpy(text, shown.data(), length);
+    text[length] = '\0';
+    return message ? FW_OK : FW_NOTHING;
+  });
+}
+
+std::int32_t fw_hand_wait(fw_hand* hand, double timeout) {
+  if (!is_open(hand)) return no_hand();
+  if (!(timeout >= 0.0)) return fail(FW_ERROR_ARGUMENT, "timeout must be 0 or more [s]");
+  return hand->hand->wait(timeout) ? FW_ENDED : FW_NOTHING;
+}
+
+std::int32_t fw_hand_stop(fw_hand* hand) {
+  if (!is_open(hand)) return no_hand();
+  hand->hand->stop();
+  return FW_OK;
+}
+
+std::int32_t fw_hand_close(fw_hand* hand) {
+  if (hand == nullptr) return FW_OK;
+  const std::string error = hand->hand->end();
+  const bool stuck = hand->hand->is_stuck();
+  if (stuck)
+    // A thread still uses the run, so that it may not be freed.
+    static_cast<void>(hand->hand.release());
+  delete hand;
+  if (!error.empty()) return fail(FW_ENDED, error.c_str());
+  return stuck ? fail(FW_ERROR_DEVICE, "a call of the device does not return") : FW_OK;
+}

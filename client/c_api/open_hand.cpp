@@ -1,0 +1,118 @@
+#include "client/c_api/open_hand.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "client/devices/await_prepared.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr int kHousekeeping = 50;  // [ms] between two looks at the run
+
+std::array<double, 3> numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// [ms] for poll(), rounded up.
+int milliseconds(double seconds) {
+  constexpr double kMost = 1e6;
+  return static_cast<int>(std::ceil(1e3 * std::clamp(seconds, 0.0, kMost)));
+}
+
+}  // namespace
+
+OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller)
+    : options_(std::move(options)), caller_(caller) {
+  options_.listener = this;
+  await_ready(*device);
+  run_.emplace(std::move(device), options_, static_cast<RunOutlet&>(*this));
+  try {
+    attendant_ = std::thread([this] {
+      pollfd waiting{run_->over_descriptor(), POLLIN, 0};
+      while (run_->look()) ::poll(&waiting, 1, kHousekeeping);
+      over_.set();
+    });
+  } catch (...) {
+    run_.reset();
+    throw;
+  }
+}
+
+OpenHand::~OpenHand() { end(); }
+
+void OpenHand::await_ready(Device& device) {
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kPatience = std::chrono::minutes(1);
+  const Clock::time_point latest = Clock::now() + kPatience;
+  std::string wanted;
+  const auto tell = [&](const std::string& text) { keep_message("no force yet: " + text); };
+  const bool ready = await_prepared(device, tell, [&](const std::string& text) {
+    wanted = text;
+    ::poll(nullptr, 0, 10);
+    return Clock::now() < latest;
+  });
+  if (!ready) throw std::runtime_error("the device is not ready for force: " + wanted);
+}
+
+void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
+  const TickCopy copy{.number = ++number_,
+                      .time = tick.time,
+                      .position = numbers(tick.position),
+                      .force = numbers(tick.held),
+                      .torque = numbers(tick.torque),
+                      .orientation = {tick.orientation.w(), tick.orientation.x(),
+                                      tick.orientation.y(), tick.orientation.z()},
+                      .reply_age = tick.age,
+                      .balance = tick.balance.value_or(std::numeric_limits<double>::quiet_NaN()),
+                      .account_cut = tick.account_cut,
+                      .zero_force_reason = static_cast<std::uint32_t>(tick.no_force),
+                      .connected = connected};
+  latest_.put(copy);
+  ticks_.push(copy);
+}
+
+void OpenHand::say(std::string_view line) noexcept {
+  try {
+    keep_message(std::string(line));
+  } catch (const std::exception&) {  // no memory for it
+  }
+}
+
+void OpenHand::keep_message(std::string message) {
+  const std::lock_guard lock(mutex_);
+  if (messages_.size() == kMessages) messages_.pop_front();
+  messages_.push_back(std::move(message));
+}
+
+std::optional<std::string> OpenHand::next_message() {
+  const std::lock_guard lock(mutex_);
+  if (messages_.empty()) return std::nullopt;
+  std::string oldest = std::move(messages_.front());
+  messages_.pop_front();
+  return oldest;
+}
+
+bool OpenHand::wait(double timeout) const noexcept {
+  pollfd waiting{over_.descriptor(), POLLIN, 0};
+  if (!over_.is_set()) ::poll(&waiting, 1, milliseconds(timeout));
+  return over_.is_set();
+}
+
+std::string OpenHand::end() noexcept {
+  if (!run_) return {};
+  run_->stop();
+  if (attendant_.joinable()) attendant_.join();
+  try {
+    return run_->end();
+  } catch (const std::exception&) {  // no memory for its texts
+    return {};
+  }
+}
+
+}  // namespace feltwire

@@ -1,0 +1,81 @@
+#pragma once
+// A hand of a program that uses the library.
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "client/app/client_options.hpp"
+#include "client/c_api/caller_device.hpp"
+#include "client/run/hand_run.hpp"
+#include "client/servo/event.hpp"
+#include "core/base/latest_value.hpp"
+
+namespace feltwire {
+
+/// A tick as the program gets it: numbers only, so that a copy is a copy of bytes.
+struct TickCopy {
+  std::uint64_t number = 0;                             // from 1
+  double time = 0.0;                                    // [s] since the first tick
+  std::array<double, 3> position{}, force{}, torque{};  // [m], [N], [N m]
+  std::array<double, 4> orientation{};                  // w, x, y, z
+  double reply_age = -1.0;                              // [s]
+  double balance = 0.0;                                 // [J] not a number: there is no account
+  double account_cut = 0.0;
+  std::uint32_t zero_force_reason = 0;
+  bool connected = true;
+};
+
+/// A run, and a thread that looks after it. Any thread may use it.
+class OpenHand final : private RunOutlet, private TickListener {
+ public:
+  /// Joins the scene. `caller`: the device, if the program is the device itself; it lives as long
+  /// as the run. Throws as HandRun does, and std::runtime_error if the device is not ready for
+  /// force within a minute.
+  OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller);
+  ~OpenHand() override;
+  OpenHand(const OpenHand&) = delete;
+  OpenHand& operator=(const OpenHand&) = delete;
+
+  /// Null: the program is not the device.
+  CallerDevice* caller() const noexcept { return caller_; }
+  /// False: there was no tick yet. It never waits.
+  bool latest(TickCopy& tick) const noexcept { return latest_.get(tick); }
+  /// The next tick that was not taken; false: there is none. One thread at a time.
+  bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
+  std::optional<std::string> next_message();
+  void keep_message(std::string message);
+  void stop() noexcept { run_->stop(); }
+  /// Waits until the run has ended, at most `timeout` [s]. Returns whether it has.
+  bool wait(double timeout) const noexcept;
+  /// Whether the run has ended. It never waits.
+  bool over() const noexcept { return over_.is_set(); }
+  /// Ends the run, and waits for it. Returns the error that ended it too early; empty: none did.
+  std::string end() noexcept;
+  /// After end(): a call of the device does not return, so this must not be destroyed.
+  bool is_stuck() const { return !run_->servo_ended(); }
+
+ private:
+  void say(std::string_view line) noexcept override;
+  void show(const LiveStatus&, std::string_view) noexcept override {}
+  void ticked(const TickRecord& tick, bool connected) noexcept override;
+  void await_ready(Device& device);
+
+  static constexpr std::size_t kTicks = 1 << 14;
+  static constexpr std::size_t kMessages = 64;
+  ClientOptions options_;
+  CallerDevice* caller_;
+  mutable std::mutex mutex_;  // of the messages
+  std::deque<std::string> messages_;
+  std::uint64_t number_ = 0;  // of ticks; servo thread
+  LatestValue<TickCopy> latest_;
+  Ring<TickCopy> ticks_{kTicks};
+  std::optional<HandRun> run_;
+  Event over_;
+  std::thread attendant_;
+};
+
+}  // namespace feltwire

@@ -1,0 +1,295 @@
+// The C interface, against a server of this process.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "client/c_api/feltwire.h"
+#include "core/base/latest_value.hpp"
+#include "server/app/server.hpp"
+#include "tests/client/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire::c_api_test {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+Scene floor_scene() {
+  Object plane;
+  plane.name = "floor";
+  plane.shape = Plane{};
+  plane.material = {.stiffness = 500.0};
+  return Scene("floor", {plane});
+}
+
+ServerConfig any_ports() {
+  ServerConfig config;
+  config.port = 0;
+  config.log_level = "off";
+  return config;
+}
+
+class CApi : public ::testing::Test {
+ protected:
+  CApi() {
+    std::vector<Scene> scenes;
+    scenes.push_back(floor_scene());
+    server_ = std::make_unique<Server>(any_ports(), std::move(scenes), test::security());
+    address_ = "127.0.0.1:" + std::to_string(server_->control_port());
+    token_file_ = (folder_ / "token").string();
+    std::ofstream(token_file_) << test::admin_token().text.text() << "\n";
+    fingerprint_ = to_string(fingerprint(test::identity()));
+  }
+
+  fw_hand_options options() const {
+    fw_hand_options options;
+    fw_hand_options_default(&options, sizeof options);
+    options.server = address_.c_str();
+    options.fingerprint = fingerprint_.c_str();
+    options.token_file = token_file_.c_str();
+    options.scene = "floor";
+    options.more = kMore.data();
+    options.more_count = static_cast<std::uint32_t>(kMore.size());
+    return options;
+  }
+
+  static fw_pose at(double z) {
+    fw_pose pose;
+    fw_pose_default(&pose, sizeof pose);
+    pose.position[2] = z;
+    return pose;
+  }
+
+  /// Moves the hand on a straight line, a step for each tick of its servo.
+  static void move(fw_hand* hand, double from, double to) {
+    constexpr double kStep = 5e-5;  // [m]
+    const int steps = static_cast<int>(std::ceil(std::abs(to - from) / kStep));
+    for (int i = 0; i <= steps; ++i) {
+      const fw_pose pose = at(from + (to - from) * i / std::max(steps, 1));
+      ASSERT_EQ(fw_hand_move(hand, &pose), FW_OK);
+      await_tick(hand);
+    }
+  }
+  static void await_tick(fw_hand* hand) {
+    fw_tick tick{};
+    fw_hand_latest(hand, &tick, sizeof tick);
+    const std::uint64_t before = tick.number;
+    test::eventually("a tick", [&] {
+      return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK && tick.number > before;
+    });
+  }
+
+  // A busy machine may let the thread of this test wait.
+  static constexpr std::array<const char*, 4> kMore = {"--flight-recorder", "off", "--let-go-after",
+                                                       "1"};
+  TemporaryFolder folder_;
+  std::unique_ptr<Server> server_;
+  std::string address_, token_file_, fingerprint_;
+};
+
+TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
+  fw_hand_options given = options();
+  given.device = "caller";
+  given.stale_after = 0.2;
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  fw_tick tick{};
+  test::eventually("a tick", [&] { return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK; });
+  EXPECT_STREQ(fw_zero_force_text(tick.zero_force_reason),
+               "its encoders have not found their zero; home it");
+  move(hand, 0.005, -0.002);
+  test::eventually("the floor pushes", [&] {
+    const fw_pose pose = at(-0.002);
+    fw_hand_move(hand, &pose);
+    fw_hand_latest(hand, &tick, sizeof tick);
+    return tick.force[2] > 0.5;
+  });
+  EXPECT_LT(tick.force[2], 1.1);
+  EXPECT_EQ(tick.position[2], -0.002);
+  EXPECT_EQ(tick.connected, 1u);
+  EXPECT_FALSE(std::isnan(tick.balance));
+  test::eventually("the force of a hand that does not move is gone", [&] {
+    fw_hand_latest(hand, &tick, sizeof tick);
+    return tick.force[2] == 0.0;
+  });
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+}
+
+TEST_F(CApi, TicksComeInOrderAndTheRunEndsAfterItsDuration) {
+  fw_hand_options given = options();
+  given.duration = 0.3;
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  const fw_pose pose = at(0.0);
+  EXPECT_EQ(fw_hand_move(hand, &pose), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("it moves itself"));
+  std::uint64_t next = 1;
+  const auto take = [&] {
+    std::array<fw_tick, 64> ticks{};
+    std::uint32_t count = 0;
+    while (fw_hand_ticks(hand, ticks.data(), sizeof(fw_tick), ticks.size(), &count) == FW_OK)
+      for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ(ticks[i].number, next++);
+    EXPECT_EQ(count, 0u);
+  };
+  test::eventually("the end", [&] {
+    take();
+    return fw_hand_wait(hand, 0.01) == FW_ENDED;
+  });
+  take();
+  EXPECT_GT(next, 2u);
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+}
+
+TEST_F(CApi, TwoHandsShareTheScene) {
+  const fw_hand_options given = options();
+  fw_hand *first = nullptr, *second = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &first), FW_OK) << fw_last_error();
+  ASSERT_EQ(fw_hand_open(&given, &second), FW_OK) << fw_last_error();
+  EXPECT_EQ(fw_hand_close(first), FW_OK) << fw_last_error();
+  await_tick(second);
+  EXPECT_EQ(fw_hand_stop(second), FW_OK);
+  EXPECT_EQ(fw_hand_wait(second, 10.0), FW_ENDED);
+  EXPECT_EQ(fw_hand_close(second), FW_OK) << fw_last_error();
+}
+
+TEST_F(CApi, AServerThatEndsIsTold) {
+  fw_hand_options given = options();
+  std::array<const char*, 6> more = {"--flight-recorder", "off", "--let-go-after", "1",
+                                     "--reconnect",       "0"};
+  given.more = more.data();
+  given.more_count = more.size();
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  await_tick(hand);
+  server_.reset();
+  EXPECT_EQ(fw_hand_wait(hand, 20.0), FW_ENDED);
+  EXPECT_EQ(fw_hand_close(hand), FW_ENDED);
+  EXPECT_THAT(fw_last_error(), HasSubstr("shutting down"));
+}
+
+TEST_F(CApi, WrongArgumentsAreNamed) {
+  fw_hand* hand = nullptr;
+  EXPECT_EQ(fw_hand_open(nullptr, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("hand_options is null"));
+  fw_hand_options given = options();
+  EXPECT_EQ(fw_hand_open(&given, nullptr), FW_ERROR_ARGUMENT);
+  given.server = nullptr;
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("server is null"));
+  given = options();
+  given.device = "no_such_device";
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("no_such_device"));
+  given = options();
+  const char* wrong[] = {"--stifness", "3"};
+  given.more = wrong;
+  given.more_count = 2;
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("--stifness"));
+  given = options();
+  given.device = "caller";
+  given.stale_after = 5.0;
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("stale_after"));
+  given = options();
+  given.scene = "no_such_scene";
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_REFUSED);
+  EXPECT_THAT(fw_last_error(), HasSubstr("no_such_scene"));
+  EXPECT_EQ(hand, nullptr);
+  server_.reset();
+  given = options();
+  EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_SERVER);
+  EXPECT_EQ(fw_hand_close(nullptr), FW_OK);
+  fw_tick tick{};
+  EXPECT_EQ(fw_hand_latest(nullptr, &tick, sizeof tick), FW_ERROR_ARGUMENT);
+}
+
+/// A program that was compiled with another version of the header has structs of other sizes.
+TEST_F(CApi, StructsOfOtherVersionsWork) {
+  struct Older {
+    fw_hand_options options;
+  } older{options()};
+  older.options.struct_size = offsetof(fw_hand_options, stale_after);
+  older.options.stale_after = -1.0;  // behind the older struct: anything
+  older.options.device = "caller";
+  fw_hand* hand = nullptr;
+  // The older program has no `more` either.
+  EXPECT_EQ(fw_hand_open(&older.options, &hand), FW_OK) << fw_last_error();
+  std::array<unsigned char, sizeof(fw_tick) + 16> newer{};
+  newer.fill(0xff);
+  test::eventually("a tick", [&] {
+    return fw_hand_latest(hand, reinterpret_cast<fw_tick*>(newer.data()), newer.size()) == FW_OK;
+  });
+  fw_tick tick;
+  std::memcpy(&tick, newer.data(), sizeof tick);
+  EXPECT_EQ(tick.struct_size, newer.size());
+  for (std::size_t i = sizeof tick; i < newer.size(); ++i) EXPECT_EQ(newer[i], 0) << i;
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+
+  struct Newer {
+    fw_hand_options options;
+    std::uint64_t field;
+  } later{options(), 0};
+  later.options.struct_size = sizeof later;
+  EXPECT_EQ(fw_hand_open(&later.options, &hand), FW_OK) << fw_last_error();
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+  later.field = 1;
+  EXPECT_EQ(fw_hand_open(&later.options, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("does not know"));
+  later.options.struct_size = 0;
+  EXPECT_EQ(fw_hand_open(&later.options, &hand), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("fw_hand_options_default() first"));
+}
+
+TEST(CApiTexts, EachThreadHasItsError) {
+  fw_hand* hand = nullptr;
+  EXPECT_EQ(fw_hand_open(nullptr, &hand), FW_ERROR_ARGUMENT);
+  std::thread([] { EXPECT_STREQ(fw_last_error(), ""); }).join();
+  EXPECT_STRNE(fw_last_error(), "");
+  for (int result = FW_ERROR_INTERNAL; result <= FW_ENDED; ++result)
+    EXPECT_STRNE(fw_result_text(result), "no result of this library") << result;
+  EXPECT_STREQ(fw_result_text(77), "no result of this library");
+  EXPECT_STREQ(fw_zero_force_text(1000), "");
+}
+
+TEST(CApiTexts, TheVersionIsThatOfTheProject) {
+  const std::uint32_t version = fw_version();
+  EXPECT_EQ(std::to_string(version >> 16) + "." + std::to_string(version >> 8 & 0xff) + "." +
+                std::to_string(version & 0xff),
+            FELTWIRE_VERSION);
+}
+
+TEST(LatestValue, AReaderNeverSeesHalfAValue) {
+  struct Pair {
+    std::array<std::uint64_t, 9> same{};
+  };
+  LatestValue<Pair> latest;
+  Pair pair;
+  EXPECT_FALSE(latest.get(pair));
+  constexpr std::uint64_t kValues = 200'000;
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kValues; ++i) {
+      Pair next;
+      next.same.fill(i);
+      latest.put(next);
+    }
+  });
+  std::uint64_t newest = 0;
+  while (newest < kValues) {
+    if (!latest.get(pair)) continue;
+    EXPECT_GE(pair.same[0], newest);
+    newest = pair.same[0];
+    for (const std::uint64_t word : pair.same) ASSERT_EQ(word, newest);
+  }
+  writer.join();
+  EXPECT_EQ(latest.count(), kValues);
+}
+
+}  // namespace
+}  // namespace feltwire::c_api_test
