@@ -30,6 +30,12 @@ target_link_libraries(feltwire_installed_core INTERFACE Eigen3::Eigen flatbuffer
 target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium zstd ZLIB::ZLIB
   ${FELTWIRE_WSLAY} Threads::Threads)
 
+# The C interface: a library that needs nothing of the others.
+set_target_properties(feltwire PROPERTIES EXPORT_NAME c)
+target_include_directories(feltwire INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+install(TARGETS feltwire EXPORT feltwire LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES client/c_api/feltwire.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/feltwire)
 install(EXPORT feltwire NAMESPACE feltwire:: FILE feltwireTargets.cmake DESTINATION ${config})
 configure_package_config_file(cmake/feltwireConfig.cmake.in ${PROJECT_BINARY_DIR}/feltwireConfig.cmake

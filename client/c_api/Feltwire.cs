@@ -55,6 +55,24 @@ namespace Feltwire
             [FieldOffset(68)] public uint deadman;  // 1: the person holds the enabling switch that lets the hand lead a robot
         }
 
+        /// <summary>What the server granted.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 88)]
+        public struct Session
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public ulong number;  // of the session at the server
+            [FieldOffset(16)] public double servo_period;  // [s] between two ticks
+            [FieldOffset(24)] public double hold_time;  // [s] a force is held without a newer command; it fades from half of it on
+            [FieldOffset(32)] public double stiffness;  // [N/m] of the stiffest surface of the scene; 0: not known
+            [FieldOffset(40)] public double start_position_0;  // [m] a point on a surface, where a hand that does not know the scene should begin
+            [FieldOffset(48)] public double start_position_1;  // [m] a point on a surface, where a hand that does not know the scene should begin
+            [FieldOffset(56)] public double start_position_2;  // [m] a point on a surface, where a hand that does not know the scene should begin
+            [FieldOffset(64)] public double start_normal_0;  // unit normal of the surface there
+            [FieldOffset(72)] public double start_normal_1;  // unit normal of the surface there
+            [FieldOffset(80)] public double start_normal_2;  // unit normal of the surface there
+        }
+
         /// <summary>A tick of the servo.</summary>
         [StructLayout(LayoutKind.Explicit, Size = 160)]
         public struct Tick
@@ -110,6 +128,10 @@ namespace Feltwire
         /// <summary>Joins a scene, and runs the hand's servo in a thread of its own, with the energy account and the limits of feltwire-client. Blocks until the server has answered, and a device may make it wait for a person (homing). The hand must be closed. Threads: any thread.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_open(ref HandOptions options, out IntPtr hand);
+
+        /// <summary>What the server granted when the hand joined. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_session(IntPtr hand, ref Session session, uint struct_size);
 
         /// <summary>Moves a hand of device "caller". The servo uses the newest pose at its next tick. Threads: one thread at a time, wait-free.</summary>
         [DllImport("feltwire")]

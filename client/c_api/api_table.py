@@ -41,6 +41,14 @@ STRUCTS = [
         ("u32", "buttons", "a bit each; the first is bit 0"),
         ("u32", "deadman", "1: the person holds the enabling switch that lets the hand lead a robot"),
     ]),
+    ("session", "What the server granted.", [
+        ("u64", "number", "of the session at the server"),
+        ("f64", "servo_period", "[s] between two ticks"),
+        ("f64", "hold_time", "[s] a force is held without a newer command; it fades from half of it on"),
+        ("f64", "stiffness", "[N/m] of the stiffest surface of the scene; 0: not known"),
+        ("f64[3]", "start_position", "[m] a point on a surface, where a hand that does not know the scene should begin"),
+        ("f64[3]", "start_normal", "unit normal of the surface there"),
+    ]),
     ("tick", "A tick of the servo.", [
         ("u64", "number", "of the tick, from 1"),
         ("f64", "time", "[s] since the first tick"),
@@ -69,6 +77,8 @@ FUNCTIONS = [
     ("i32", "hand_open", [("const hand_options*", "options"), ("hand**", "hand")], ANY,
      "Joins a scene, and runs the hand's servo in a thread of its own, with the energy account and the limits of feltwire-client. "
      "Blocks until the server has answered, and a device may make it wait for a person (homing). The hand must be closed."),
+    ("i32", "hand_session", [("const hand*", "hand"), ("session*", "session"), ("u32", "struct_size")], ANY,
+     "What the server granted when the hand joined."),
     ("i32", "hand_move", [("hand*", "hand"), ("const pose*", "pose")], "one thread at a time, wait-free",
      "Moves a hand of device \"caller\". The servo uses the newest pose at its next tick."),
     ("i32", "hand_latest", [("const hand*", "hand"), ("tick*", "tick"), ("u32", "struct_size")], FREE,

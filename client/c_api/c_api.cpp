@@ -241,6 +241,24 @@ std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
   });
 }
 
+std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint32_t struct_size) {
+  if (!is_open(hand)) return no_hand();
+  if (session == nullptr || struct_size < kLeastSize)
+    return fail(FW_ERROR_ARGUMENT, "session is null, or struct_size is not its size");
+  const control::JoinAccepted& accepted = hand->hand->accepted();
+  fw_session out{};
+  out.number = accepted.session;
+  out.servo_period = accepted.parameters.servo_period;
+  out.hold_time = accepted.parameters.hold_time;
+  out.stiffness = accepted.stiffness;
+  for (int i = 0; i < 3; ++i) {
+    out.start_position[i] = accepted.start_position[i];
+    out.start_normal[i] = accepted.start_normal[i];
+  }
+  write_struct(out, session, struct_size);
+  return FW_OK;
+}
+
 std::int32_t fw_hand_move(fw_hand* hand, const fw_pose* pose) {
   if (!is_open(hand)) return no_hand();
   return guarded([&] {

@@ -64,6 +64,18 @@ typedef struct fw_pose {
   uint32_t deadman; /* 1: the person holds the enabling switch that lets the hand lead a robot */
 } fw_pose;
 
+/* What the server granted. */
+typedef struct fw_session {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint64_t number; /* of the session at the server */
+  double servo_period; /* [s] between two ticks */
+  double hold_time; /* [s] a force is held without a newer command; it fades from half of it on */
+  double stiffness; /* [N/m] of the stiffest surface of the scene; 0: not known */
+  double start_position[3]; /* [m] a point on a surface, where a hand that does not know the scene should begin */
+  double start_normal[3]; /* unit normal of the surface there */
+} fw_session;
+
 /* A tick of the servo. */
 typedef struct fw_tick {
   uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
@@ -110,6 +122,10 @@ FW_EXPORT void fw_pose_default(fw_pose* pose, uint32_t struct_size);
    closed.
    Threads: any thread. */
 FW_EXPORT int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand);
+
+/* What the server granted when the hand joined.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_hand_session(const fw_hand* hand, fw_session* session, uint32_t struct_size);
 
 /* Moves a hand of device "caller". The servo uses the newest pose at its next tick.
    Threads: one thread at a time, wait-free. */

@@ -45,6 +45,20 @@ class Pose(ctypes.Structure):
     ]
 
 
+class Session(ctypes.Structure):
+    """What the server granted."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("number", ctypes.c_uint64),  # of the session at the server
+        ("servo_period", ctypes.c_double),  # [s] between two ticks
+        ("hold_time", ctypes.c_double),  # [s] a force is held without a newer command; it fades from half of it on
+        ("stiffness", ctypes.c_double),  # [N/m] of the stiffest surface of the scene; 0: not known
+        ("start_position", ctypes.c_double * 3),  # [m] a point on a surface, where a hand that does not know the scene should begin
+        ("start_normal", ctypes.c_double * 3),  # unit normal of the surface there
+    ]
+
+
 class Tick(ctypes.Structure):
     """A tick of the servo."""
     _fields_ = [
@@ -80,6 +94,8 @@ def declare(library):
     library.fw_pose_default.argtypes = [ctypes.POINTER(Pose), ctypes.c_uint32]
     library.fw_hand_open.restype = ctypes.c_int32
     library.fw_hand_open.argtypes = [ctypes.POINTER(HandOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_hand_session.restype = ctypes.c_int32
+    library.fw_hand_session.argtypes = [ctypes.c_void_p, ctypes.POINTER(Session), ctypes.c_uint32]
     library.fw_hand_move.restype = ctypes.c_int32
     library.fw_hand_move.argtypes = [ctypes.c_void_p, ctypes.POINTER(Pose)]
     library.fw_hand_latest.restype = ctypes.c_int32

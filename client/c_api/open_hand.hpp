@@ -42,6 +42,7 @@ class OpenHand final : private RunOutlet, private TickListener {
 
   /// Null: the program is not the device.
   CallerDevice* caller() const noexcept { return caller_; }
+  const control::JoinAccepted& accepted() const { return run_->accepted(); }
   /// False: there was no tick yet. It never waits.
   bool latest(TickCopy& tick) const noexcept { return latest_.get(tick); }
   /// The next tick that was not taken; false: there is none. One thread at a time.

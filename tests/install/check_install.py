@@ -94,6 +94,14 @@ def main():
         run("cc", "-std=c99", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
             source / "examples/my_plugin.c", "-o", folder / "my_plugin.so")
 
+        library = next(prefix.rglob("libfeltwire.so")).parent
+        run("cc", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
+            source / "examples/my_hand.c", f"-L{library}", f"-Wl,-rpath,{library}", "-lfeltwire", "-lm", "-o", folder / "my_hand")
+        exported = run("nm", "-D", "--defined-only", "--format=posix", library / "libfeltwire.so").splitlines()
+        others = [line for line in exported if not line.startswith(("fw_", "FELTWIRE_0"))]
+        if others or not any(line.startswith("fw_hand_open") for line in exported):
+            sys.exit("libfeltwire.so exports something else than fw_*:\n" + "\n".join(others))
+
         flags = run("pkg-config", "--cflags", "--libs", "feltwire",
                     environment={"PKG_CONFIG_PATH": str(next(prefix.rglob("feltwire.pc")).parent)}).split()
         run(compiler, "-std=c++20", example, *flags, "-o", folder / "my_device")

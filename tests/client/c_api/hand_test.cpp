@@ -143,6 +143,11 @@ TEST_F(CApi, TicksComeInOrderAndTheRunEndsAfterItsDuration) {
   });
   take();
   EXPECT_GT(next, 2u);
+  fw_session session{};
+  EXPECT_EQ(fw_hand_session(hand, &session, sizeof session), FW_OK);
+  EXPECT_EQ(session.servo_period, 1e-3);
+  EXPECT_EQ(session.stiffness, 500.0);
+  EXPECT_EQ(session.start_normal[2], 1.0);
   EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
 }
 
