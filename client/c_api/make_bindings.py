@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the bindings of the C interface from api_table.py: make_bindings.py [--check]
 
-feltwire.h (C99 and C++), feltwire_abi.py (ctypes) and Feltwire.cs (C#, blittable structs). With --check nothing is written; the exit
+feltwire.h (C99 and C++), client/python/feltwire/abi.py (ctypes) and Feltwire.cs (C#, blittable structs). With --check nothing is written; the exit
 status is 1 if a file is not what the table says.
 """
 import pathlib
@@ -99,6 +99,9 @@ PY = {"u32": "ctypes.c_uint32", "i32": "ctypes.c_int32", "u64": "ctypes.c_uint64
       "hand*": "ctypes.c_void_p", "const hand*": "ctypes.c_void_p", "hand**": "ctypes.POINTER(ctypes.c_void_p)"}
 
 
+NUMPY = {"u32": "u4", "i32": "i4", "u64": "u8", "f64": "f8"}
+
+
 def class_name(struct):
     return "".join(word.capitalize() for word in struct.split("_"))
 
@@ -120,6 +123,16 @@ def python():
             array = f" * {count}" if "[" in kind else ""
             out.append(f'        ("{field}", {PY[base]}{array}),  # {text}')
         out.append("    ]")
+    for struct in api.STRUCTS:
+        found, size = layout(struct)
+        if any(parts(kind)[0] in ("text", "texts") for kind, _, _ in found):
+            continue
+        out.append(f"\n\n# numpy.dtype() takes it.\n{struct[0].upper()}_DTYPE = {{")
+        out.append(f'    "names": {[field for _, field, _ in found]},'.replace("'", '"'))
+        formats = [NUMPY[parts(kind)[0]] + (f"({parts(kind)[1]},)" if "[" in kind else "") for kind, _, _ in found]
+        formats = ", ".join(f'("{f[:2]}", ({f[3:-2]},))' if "(" in f else f'"{f}"' for f in formats)
+        out.append(f"    \"formats\": [{formats}],")
+        out.append(f'    "offsets": {[offset for _, _, offset in found]},\n    "itemsize": {size},\n}}')
     out.append('\n\ndef declare(library):\n    """Sets the types of all functions of a loaded library, and returns it."""')
     for result, name, arguments, _, _ in api.FUNCTIONS:
         out.append(f"    library.fw_{name}.restype = {PY[result]}")
@@ -171,7 +184,7 @@ def offsets():
     return "\n".join(out) + "\n"
 
 
-FILES = {"feltwire.h": header, "feltwire_abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets}
+FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets}
 
 if __name__ == "__main__":
     stale = [name for name, text in FILES.items() if not (HERE / name).exists() or (HERE / name).read_text() != text()]

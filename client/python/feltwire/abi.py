@@ -78,6 +78,33 @@ class Tick(ctypes.Structure):
     ]
 
 
+# numpy.dtype() takes it.
+POSE_DTYPE = {
+    "names": ["struct_size", "reserved", "position", "orientation", "buttons", "deadman"],
+    "formats": ["u4", "u4", ("f8", (3,)), ("f8", (4,)), "u4", "u4"],
+    "offsets": [0, 4, 8, 32, 64, 68],
+    "itemsize": 72,
+}
+
+
+# numpy.dtype() takes it.
+SESSION_DTYPE = {
+    "names": ["struct_size", "reserved", "number", "servo_period", "hold_time", "stiffness", "start_position", "start_normal"],
+    "formats": ["u4", "u4", "u8", "f8", "f8", "f8", ("f8", (3,)), ("f8", (3,))],
+    "offsets": [0, 4, 8, 16, 24, 32, 40, 64],
+    "itemsize": 88,
+}
+
+
+# numpy.dtype() takes it.
+TICK_DTYPE = {
+    "names": ["struct_size", "reserved", "number", "time", "position", "orientation", "force", "torque", "reply_age", "balance", "account_cut", "zero_force_reason", "connected"],
+    "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4"],
+    "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156],
+    "itemsize": 160,
+}
+
+
 def declare(library):
     """Sets the types of all functions of a loaded library, and returns it."""
     library.fw_version.restype = ctypes.c_uint32

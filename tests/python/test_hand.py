@@ -1,0 +1,104 @@
+"""The Python package against a server of its own: test_hand.py SOURCE_FOLDER. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
+sys.path.insert(0, str(SOURCE / "client/python"))
+import feltwire  # noqa: E402
+
+LONGEST = 30.0  # [s]
+# Nobody holds these hands. A busy machine may let a thread wait, which must not end a run.
+PATIENT = {"let_go_after": 1, "flight_recorder": "off"}
+
+
+def eventually(what, condition):
+    end = time.monotonic() + LONGEST
+    while time.monotonic() < end:
+        if condition():
+            return
+    raise AssertionError(f"it did not happen within {LONGEST} s: {what}")
+
+
+class Hands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = feltwire.serve(SOURCE / "scenes/plane.json")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.close()
+
+    def test_a_simulated_hand_feels_the_plane(self):
+        with self.server.join(path="press", duration=2, **PATIENT) as hand:
+            self.assertTrue(hand.wait(LONGEST))
+            ticks = hand.ticks()
+            self.assertEqual(hand.messages(), [])
+        numbers = [int(tick["number"]) if hasattr(tick, "dtype") else tick.number for tick in ticks]
+        self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+        forces = [tick["force"][2] if hasattr(tick, "dtype") else tick.force[2] for tick in ticks]
+        self.assertGreater(max(forces), 0.3)
+
+    def test_a_program_moves_a_hand(self):
+        with self.server.join(device="caller", stale_after=0.2, **PATIENT) as hand:
+            start, normal = hand.session.start_position, hand.session.start_normal
+            eventually("a tick", hand.latest)
+            self.assertIn("not found their zero", hand.why_no_force())
+
+            def go(height):
+                """One tick later the servo has it."""
+                before = hand.latest().number
+                self.assertTrue(hand.move([start[i] + height * normal[i] for i in range(3)]))
+                eventually("a tick", lambda: hand.latest().number > before)
+
+            for step in range(120):
+                go(0.004 - 5e-5 * step)
+
+            def pushed():
+                go(-0.002)
+                return sum(hand.latest().force[i] * normal[i] for i in range(3)) > 0.3
+
+            eventually("the plane pushes", pushed)
+            eventually("a hand that is not moved gets no force", lambda: max(map(abs, hand.latest().force)) == 0.0)
+
+    def test_words_of_options(self):
+        from feltwire.hand import _words
+        self.assertEqual(_words({"center": (0, 0.1, 2), "local_model": False, "rehearse": True, "record": None, "max_force": 3}),
+                         ["--center", "0,0.1,2", "--no-local-model", "--rehearse", "--max-force", "3"])
+
+    def test_errors_are_exceptions_with_the_text(self):
+        with self.assertRaisesRegex(feltwire.Refused, "no_such_scene"):
+            self.server.join("no_such_scene", **PATIENT)
+        with self.assertRaisesRegex(ValueError, "--pth"):
+            self.server.join(pth="press")
+        with self.assertRaisesRegex(feltwire.ServerError, "127.0.0.1:1"):
+            feltwire.join("127.0.0.1:1", "plane", fingerprint_file=self.server.fingerprint_file, token_file=self.server.token_file)
+        with self.server.join(**PATIENT) as hand:
+            with self.assertRaisesRegex(ValueError, "it moves itself"):
+                hand.move((0, 0, 0))
+        with self.assertRaises(ValueError):
+            hand.latest()  # closed
+        with self.assertRaisesRegex(feltwire.Error, "no_such_file"):
+            feltwire.serve("no_such_file.json")
+
+    def test_a_server_that_ends_is_an_error_of_the_run(self):
+        with feltwire.serve(SOURCE / "scenes/plane.json") as server:
+            hand = server.join(reconnect=0, **PATIENT)
+            eventually("a tick", hand.latest)
+        self.assertTrue(hand.wait(LONGEST))
+        with self.assertRaisesRegex(feltwire.Error, "shutting down"):
+            hand.close()
+
+    def test_a_missing_library_says_how_to_get_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, "-c", "import feltwire"], capture_output=True, text=True, cwd=SOURCE / "client/python",
+                                  env={"FELTWIRE_LIBRARY": f"{folder}/none.so"}, check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("set FELTWIRE_LIBRARY", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
