@@ -168,6 +168,14 @@ Bytes Encoder::goodbye(GoodbyeReason reason) {
   return builder_->finish(wire::CreateGoodbye(builder, static_cast<wire::GoodbyeReason>(reason)));
 }
 
+Bytes Encoder::state(const RobotState& state) {
+  return builder_->finish(build(builder_->begin(), state));
+}
+
+Bytes Encoder::target(const RobotTarget& target) {
+  return builder_->finish(build(builder_->begin(), target));
+}
+
 DropReason decode(Bytes payload, SampleBatch& out) noexcept {
   const Aligned bytes(payload);
   const auto* root = bytes.root<wire::Samples>();

@@ -191,7 +191,8 @@ bool read(const wire::Vec3f& turn, Remote& to) noexcept {
   return within(to.turn->norm(), kMost);
 }
 
-Bytes Encoder::state(const RobotState& s) {
+flatbuffers::Offset<wire::FollowerState> build(flatbuffers::FlatBufferBuilder& builder,
+                                               const RobotState& s) {
   const std::uint32_t flags =
       (s.force ? kFlagSensed : 0) | (s.ok ? kFlagOk : 0) | (s.stopped ? kFlagStopped : 0);
   const wire::RobotState state(
@@ -201,18 +202,17 @@ Bytes Encoder::state(const RobotState& s) {
       wire_float(s.force.value_or(Vec3::Zero())), wire_float(s.torque), wire_contact(s.contact),
       wire_energy(s.energy), static_cast<float>(s.gripper), static_cast<float>(s.gripper_force),
       flags, 0);
-  auto& builder = builder_->begin();
   const auto others = build_others(builder, s.others);
-  return builder_->finish(wire::CreateFollowerState(builder, &state, others));
+  return wire::CreateFollowerState(builder, &state, others);
 }
 
-Bytes Encoder::target(const RobotTarget& t) {
+flatbuffers::Offset<wire::FollowerTarget> build(flatbuffers::FlatBufferBuilder& builder,
+                                                const RobotTarget& t) {
   const wire::RobotTarget target(t.index, t.sample_index, wire_double(t.pose.position),
                                  wire_double(t.pose.orientation), t.hand_work, t.known_surface,
                                  static_cast<float>(t.gripper), static_cast<std::uint32_t>(t.state),
                                  0);
-  auto& builder = builder_->begin();
-  return builder_->finish(wire::CreateFollowerTarget(builder, &target));
+  return wire::CreateFollowerTarget(builder, &target);
 }
 
 DropReason decode(Bytes payload, RobotState& out) noexcept {

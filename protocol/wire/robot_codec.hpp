@@ -29,6 +29,11 @@ flatbuffers::Offset<WireSurfaces> build_others(flatbuffers::FlatBufferBuilder& b
 /// Fills `to`, with none if `from` is null. `malformed`, `count` or `not_finite` if it cannot.
 DropReason read(const WireSurfaces* from, OtherSurfaces& to) noexcept;
 
+flatbuffers::Offset<wire::FollowerState> build(flatbuffers::FlatBufferBuilder& builder,
+                                               const RobotState& state);
+flatbuffers::Offset<wire::FollowerTarget> build(flatbuffers::FlatBufferBuilder& builder,
+                                                const RobotTarget& target);
+
 /// The `turn` of a reply. False if no rotation vector has this length.
 bool read(const wire::Vec3f& turn, Remote& to) noexcept;
 
