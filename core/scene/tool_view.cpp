@@ -1,9 +1,13 @@
 #include "core/scene/tool_view.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "core/base/numeric.hpp"
+#include "core/mesh/mesh_distance.hpp"
+#include "core/mesh/mesh_surface.hpp"
+#include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
@@ -24,6 +28,18 @@ Requirements required_by(const std::vector<Object>& objects, const std::vector<G
   return r;
 }
 
+/// A body needs distances. So a mesh that was not given as a grid becomes a grid.
+ToolView::Sampled sample_for_body(Object& object, std::size_t index) {
+  const auto surface = std::get<Mesh>(object.shape).surface;
+  try {
+    object.shape = grid_for_body(surface);
+  } catch (const std::invalid_argument& error) {
+    refuse("object '" + object.name + "'",
+           {"mesh", std::string("is touched by a body, as a grid of distances: ") + error.what()});
+  }
+  return {object.name, grid_resolution(surface->mesh()), index, surface};
+}
+
 }  // namespace
 
 ToolView::ToolView(Objects objects, Guides guides)
@@ -37,6 +53,24 @@ void ToolView::set_still(std::size_t count) {
   still_ = count;
   broad_phase_ = tool_.body ? BroadPhase{}  // a body finds its own contacts
                             : BroadPhase({objects_->data(), still_}, tool_.radius);
+}
+
+ToolView ToolView::with(HandTool tool) const {
+  if (auto violation = check(tool, *objects_)) refuse(description_of(tool), *violation);
+  ToolView view = *this;
+  const auto is_mesh = [](const Object& object) {
+    return std::holds_alternative<Mesh>(object.shape);
+  };
+  if (tool.body && std::ranges::any_of(*objects_, is_mesh)) {
+    const auto objects = std::make_shared<std::vector<Object>>(*objects_);
+    for (std::size_t i = 0; i < objects->size(); ++i)
+      if (is_mesh((*objects)[i])) view.sampled_.push_back(sample_for_body((*objects)[i], i));
+    view.objects_ = objects;
+  }
+  view.requirements_.rotation = tool.body != nullptr;
+  view.tool_ = std::move(tool);
+  view.set_still(still_);
+  return view;
 }
 
 ToolView ToolView::with(Objects objects) const {

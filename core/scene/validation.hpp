@@ -50,6 +50,8 @@ std::optional<Violation> broken_name(const std::string& name);
 
 /// Checks a tool in a scene with these objects.
 std::optional<Violation> check(const HandTool& tool, std::span<const Object> objects);
+/// A tool as refuse() names it: "tool 'ball'", or "tool" for one without a name.
+std::string description_of(const HandTool& tool);
 /// Checks the number of tools to choose from.
 std::optional<Violation> broken_tools(std::size_t count);
 inline constexpr std::size_t kMaxTools = 64;
