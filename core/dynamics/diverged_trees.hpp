@@ -13,7 +13,6 @@ namespace feltwire {
 /// tree is known by the number of its root body.
 class DivergedTrees {
  public:
-  DivergedTrees() = default;
   explicit DivergedTrees(const mjModel& model)
       : model_(&model), marked_(static_cast<std::size_t>(model.nbody), 0) {
     ties_.reserve(kMostTies);
@@ -52,7 +51,7 @@ class DivergedTrees {
     return static_cast<std::size_t>(model_->body_rootid[body]);
   }
   static constexpr std::size_t kMostTies = 4096;  // more would have to be allocated in a tick
-  const mjModel* model_ = nullptr;
+  const mjModel* model_;
   std::vector<char> marked_;
   std::vector<std::pair<std::size_t, std::size_t>> ties_;
 };

@@ -6,15 +6,17 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
+#include "core/dynamics/body_tool_contact.hpp"
 #include "core/dynamics/diverged_trees.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
+#include "core/dynamics/point_tool_contact.hpp"
+#include "core/dynamics/state_snapshots.hpp"
 #include "core/scene/mechanism.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr double kSnapshotInterval = 0.1;  // [s]
-constexpr std::size_t kSnapshots = 16;
 constexpr int kFreeCoordinates = 7, kFreeSpeeds = 6;
 
 mujoco::Simulation simulation_of(const Mechanism& mechanism) {
@@ -27,47 +29,13 @@ mujoco::Simulation simulation_of(const Mechanism& mechanism) {
 
 }  // namespace
 
-/// The MuJoCo side: the state and a ring of good states.
+/// The MuJoCo side: the simulation, and its earlier good states.
 struct World::Run {
-  struct Snapshot {
-    std::vector<mjtNum> coordinates, activations;
-    std::uint64_t step = 0;
-  };
-
   explicit Run(const Mechanism& mechanism)
-      : simulation(simulation_of(mechanism)), parts(mechanism.parts()) {
-    initial = snapshot_of(0);
-    diverged_trees = DivergedTrees(model());
-    ring.assign(kSnapshots, initial);
-  }
-
-  Snapshot snapshot_of(std::uint64_t step) const {
-    return {
-        {data()->qpos, data()->qpos + model().nq}, {data()->act, data()->act + model().na}, step};
-  }
-  void keep(std::uint64_t step) noexcept {
-    newest = (newest + 1) % kSnapshots;
-    kept = std::min(kept + 1, kSnapshots);
-    Snapshot& place = ring[newest];
-    std::copy_n(data()->qpos, model().nq, place.coordinates.begin());
-    std::copy_n(data()->act, model().na, place.activations.begin());
-    place.step = step;
-  }
-  /// Removes all states younger than `step`, and the next one. Returns that one.
-  const Snapshot& take_before(std::uint64_t step) noexcept {
-    while (kept > 0) {
-      const Snapshot& last = ring[newest];
-      newest = (newest + kSnapshots - 1) % kSnapshots;
-      --kept;
-      if (last.step <= step) return last;
-    }
-    return initial;
-  }
-  void restore(const Snapshot& to) noexcept {
-    mj_resetData(&model(), data());
-    std::copy(to.coordinates.begin(), to.coordinates.end(), data()->qpos);
-    std::copy(to.activations.begin(), to.activations.end(), data()->act);
-  }
+      : simulation(simulation_of(mechanism)),
+        parts(mechanism.parts()),
+        snapshots(model(), *data()),
+        diverged_trees(model()) {}
 
   /// Whether a warning of the last step says that it failed. MuJoCo has then reset itself.
   bool broken() const noexcept {
@@ -122,9 +90,7 @@ struct World::Run {
 
   mujoco::Simulation simulation;
   const std::vector<Mechanism::Part>& parts;
-  Snapshot initial;
-  std::vector<Snapshot> ring;
-  std::size_t newest = 0, kept = 0;
+  StateSnapshots snapshots;
   DivergedTrees diverged_trees;  // of the last failed step
 };
 
@@ -146,17 +112,8 @@ const Mechanism& mechanism_of(const Scene& scene) {
 
 World::World(const Scene& scene)
     : tick_(mechanism_of(scene).tick()),
-      still_(mechanism_of(scene).still()),
-      parts_(mechanism_of(scene).parts().size()),
-      motions_(parts_),
-      followed_(parts_),
+      objects_(scene),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
-  for (const ToolView& view : scene.views()) {
-    const std::span<const Object> moving(view.objects().data() + still_, parts_);
-    held_.push_back({&view, view.objects(), NeighbourSearch(moving, view.tool().radius)});
-    for (std::size_t i = 0; i < parts_; ++i)
-      followed_[i].way |= follows_way(moving[i].shape, moving[i].felt_from);
-  }
   look();
 }
 
@@ -166,40 +123,43 @@ const mjModel_& World::model() const noexcept { return run_->model(); }
 
 mjData_& World::state() noexcept { return *run_->data(); }
 
+WorldMoment World::moment() const noexcept {
+  return {.tick = tick_,
+          .steps = counters_.steps,
+          .resets = counters_.resets,
+          .now = counters_.steps + passed_,
+          .trust = trust_,
+          .gravity = gravity()};
+}
+
 /// Reads poses and velocities from MuJoCo after mj_step1.
 void World::look() noexcept {
-  for (std::size_t i = 0; i < parts_; ++i) {
+  for (std::size_t i = 0; i < objects_.moving(); ++i) {
     const Mechanism::Part& part = run_->parts[i];
     const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(run_->data()->xquat, part.body));
     const Vec3 arm = turned * part.in_body.position;
-    followed_[i].before = objects()[still_ + i].pose;
     Pose pose;
     pose.position = mujoco::vector(mujoco::entry<3>(run_->data()->xpos, part.body)) + arm;
     pose.orientation = (turned * part.in_body.orientation).normalized();
     std::array<mjtNum, 6> velocity{};  // of the body's frame, world axes: angular, linear
     mj_objectVelocity(&run_->model(), run_->data(), mjOBJ_XBODY, part.body, velocity.data(), 0);
-    for (MovedView& held : held_) {
-      held.objects[still_ + i].pose = pose;
-      held.reach.place(i, pose);
-    }
-    Motion& motion = motions_[i];
-    motion.angular = mujoco::vector(velocity.data());
-    motion.linear = mujoco::vector(velocity.data() + 3) + motion.angular.cross(arm);
+    const Vec3 angular = mujoco::vector(velocity.data());
+    objects_.place(i, pose, {mujoco::vector(velocity.data() + 3) + angular.cross(arm), angular});
   }
-  for (MovedView& held : held_) held.reach.placed();
+  objects_.placed();
 }
 
 bool World::sane(std::size_t part) const noexcept {
   // Written so that the comparison rejects NaN.
-  if (!(length(motions_[part].linear) <= kLargestSpeed)) return false;
-  if (!(length(motions_[part].angular) <= kLargestTurn)) return false;
-  const Pose& pose = objects()[still_ + part].pose;
+  if (!(length(objects_.velocity(part).linear) <= kLargestSpeed)) return false;
+  if (!(length(objects_.velocity(part).angular) <= kLargestTurn)) return false;
+  const Pose& pose = objects_.pose(part);
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
 }
 
 bool World::sane() const noexcept {
   if (run_->broken()) return false;
-  for (std::size_t i = 0; i < parts_; ++i)
+  for (std::size_t i = 0; i < objects_.moving(); ++i)
     if (!sane(i)) return false;
   return true;
 }
@@ -222,20 +182,22 @@ bool World::step() noexcept {
   }
   run_->diverged_trees.remember(*run_->data());
   const auto interval = static_cast<std::uint64_t>(std::llround(kSnapshotInterval / tick_));
-  if (counters_.steps % interval == 0) run_->keep(counters_.steps);
+  if (counters_.steps % interval == 0)
+    run_->snapshots.keep(run_->model(), *run_->data(), counters_.steps);
   return true;
 }
 
 void World::go_back() noexcept {
   const auto age = static_cast<std::uint64_t>(std::llround(kGoodAge / tick_));
   const std::uint64_t before = counters_.steps > age ? counters_.steps - age : 0;
-  run_->restore(run_->take_before(before));
+  run_->snapshots.take_before(before).restore(run_->model(), *run_->data());
   if (!run_->simulation.evaluate() || run_->broken()) [[unlikely]] {
-    run_->restore(run_->initial);  // it was evaluated successfully before
+    // It was evaluated successfully before.
+    run_->snapshots.initial().restore(run_->model(), *run_->data());
     run_->simulation.evaluate();
   }
   look();
-  for (MovedView& held : held_) held.reach.begin_anew();
+  objects_.begin_anew();
   trust_ = 0.0;
   ++counters_.resets;
   reset_before_ = last_reset_;
@@ -246,7 +208,7 @@ void World::find_broken(bool gave_up) noexcept {
   DivergedTrees& broken = run_->diverged_trees;
   broken.clear();
   if (gave_up || !run_->mark_warned()) broken.mark_all();
-  for (std::size_t i = 0; i < parts_; ++i)
+  for (std::size_t i = 0; i < objects_.moving(); ++i)
     if (!sane(i)) broken.mark(run_->parts[i].body);
   broken.spread();
 }
@@ -263,21 +225,6 @@ double World::blame(const BodyContactState& contacts) const noexcept {
   return hardest;
 }
 
-Vec3 World::velocity_at(std::size_t object, const Vec3& point) const noexcept {
-  if (object < still_ || object >= objects().size()) return Vec3::Zero();
-  const Motion& motion = motions_[object - still_];
-  return motion.linear + motion.angular.cross(point - objects()[object].pose.position);
-}
-
-void World::adopt(const Scene& scene) noexcept {
-  for (std::size_t held = 0; held < held_.size(); ++held) {
-    MovedView& moved = held_[held];
-    moved.view = &scene.views()[held];
-    for (std::size_t i = 0; i < moved.objects.size(); ++i)
-      moved.objects[i].material = moved.view->objects()[i].material;
-  }
-}
-
 Vec3 World::gravity() const { return run_->simulation.gravity(); }
 
 void World::set_gravity(const Vec3& gravity) noexcept { run_->simulation.set_gravity(gravity); }
@@ -292,24 +239,33 @@ Vec3 World::momentum() const noexcept {
   return sum;
 }
 
-void World::push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept {
-  if (memory.size() != objects().size() || contacts.nearness.size() != parts_) [[unlikely]]
-    return;
-  if (contacts.resets != counters_.resets) {
-    contacts.fresh = false;
-    forget_moving(contacts, memory);
-  }
-  if (!contacts.fresh) {
-    Command unused;
-    ask_near({contacts.tool.position, Vec3::Zero()}, memory, contacts, unused);
-  }
-  contacts.fresh = false;
-  double force = 0.0;  // [N]
-  for (const std::uint32_t part : contacts.near.parts) force += length(contacts.forces[part]);
-  const double given = share * allowed(contacts, force);
-  const NeighbourSearch& reach = held_[contacts.held].reach;
-  for (const std::uint32_t part : contacts.near.parts)
-    apply(part, contacts, reach.nearest(part, contacts.tool.position), given);
+BodyContactState World::contact_state(const ToolView& view, const HandLimits& limits) const {
+  const auto found = std::ranges::find(objects_.views(), &view, &MovedView::view);
+  if (found == objects_.views().end())
+    throw std::invalid_argument(
+        "tool: is of another scene than this world; ask for a contact state of one of its tools");
+  const std::size_t moving = objects_.moving();
+  BodyContactState contacts;
+  contacts.most_force = limits.force;
+  contacts.pace = HandSpeedLimit(limits.speed, tick_, kRecovery);
+  contacts.held = static_cast<std::size_t>(found - objects_.views().begin());
+  contacts.forces.assign(moving, Vec3::Zero());
+  contacts.torques.assign(moving, Vec3::Zero());
+  contacts.peak_pushes.resize(moving);
+  contacts.near.parts.reserve(moving);
+  contacts.nearness.assign(moving, NeighbourState::far);
+  if (view.tool().body) contacts.motions.resize(view.objects().size());
+  return contacts;
+}
+
+Command World::touch(const Tool& tool, TouchMemory& memory,
+                     BodyContactState& contacts) const noexcept {
+  return feltwire::touch(objects_, moment(), tool, memory, contacts);
+}
+
+Command World::touch(const Pose& device, const Vec3& velocity, double elapsed, BodyMemory& memory,
+                     BodyContactState& contacts) const noexcept {
+  return feltwire::touch(objects_, moment(), device, velocity, elapsed, memory, contacts);
 }
 
 void World::apply(std::size_t part, BodyContactState& contacts, const Vec3& at,
@@ -326,19 +282,23 @@ void World::apply(std::size_t part, BodyContactState& contacts, const Vec3& at,
              run_->parts[part].body, run_->data()->qfrc_applied);
 }
 
+void World::push(BodyContactState& contacts, TouchMemory& memory, double share) noexcept {
+  if (!hold_still(objects_, moment(), memory, contacts)) return;
+  double force = 0.0;  // [N]
+  for (const std::uint32_t part : contacts.near.parts) force += length(contacts.forces[part]);
+  const double given = share * allowed(contacts, force);
+  const NeighbourSearch& reach = objects_.views()[contacts.held].reach;
+  for (const std::uint32_t part : contacts.near.parts)
+    apply(part, contacts, reach.nearest(part, contacts.tool.position), given);
+}
+
 void World::push(BodyContactState& contacts, BodyMemory& memory, double share) noexcept {
-  if (contacts.forces.size() != parts_) [[unlikely]]
-    return;
-  // Without a sample the hand is assumed to stand still.
-  if (!contacts.fresh || contacts.resets != counters_.resets) {
-    hold(contacts.device, tick_, memory, contacts);
-    contacts.ahead += tick_;
-  }
-  contacts.fresh = false;
+  if (!hold_still(objects_, moment(), memory, contacts)) return;
   double force = 0.0;  // [N]
   for (const Vec3& part : contacts.forces) force += length(part);
   const double given = share * allowed(contacts, force);
-  for (std::size_t i = 0; i < parts_; ++i) apply(i, contacts, contacts.tool.position, given);
+  for (std::size_t i = 0; i < contacts.forces.size(); ++i)
+    apply(i, contacts, contacts.tool.position, given);
 }
 
 }  // namespace feltwire

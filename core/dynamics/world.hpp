@@ -6,49 +6,14 @@
 #include <memory>
 #include <vector>
 
-#include "core/dynamics/hand_speed_limit.hpp"
-#include "core/dynamics/neighbour_list.hpp"
-#include "core/local_model/local_model.hpp"
+#include "core/dynamics/body_contact_state.hpp"
+#include "core/dynamics/moving_objects.hpp"
 #include "core/scene/scene.hpp"
-#include "core/tool/body_tool.hpp"
 
 struct mjModel_;
 struct mjData_;
 
 namespace feltwire {
-
-/// The state of a moving object for a tool: too far to be in the tool's list of neighbours, in the
-/// list, or in the list and evaluated at the tool's last sample.
-enum class NeighbourState : std::uint8_t { far, near, asked };
-
-/// The largest recent force with which a hand pushed an object.
-struct PeakPush {
-  double force = 0.0;      // [N]
-  std::uint64_t step = 0;  // of the world, then
-};
-
-/// The contacts of one tool with the moving objects after its last sample.
-struct BodyContactState {
-  std::size_t held = 0;  // the tool's place in Scene::views()
-  Tool tool;
-  std::vector<Vec3> forces;  // [N] on the hand, one for each moving object
-  NeighbourList
-      near;  // of a point or a ball: only these objects are evaluated; others give no force
-  std::vector<NeighbourState> nearness;  // of a point or a ball: one for each moving object
-  bool fresh = false;                    // made by the newest sample, with no step since
-  std::uint64_t resets = 0;              // the world's, when the contact memory was last valid
-  std::uint64_t steps = 0;               // the world's, when it was last asked
-  double most_force = HandLimits::kOff;  // [N] limit, on all moving objects together
-  HandSpeedLimit pace;
-  bool placed = false;                // a sample has come
-  std::vector<PeakPush> peak_pushes;  // one for each moving object
-
-  // The rest is for a tool with a body. `tool` is then the pose at which the contacts hold it.
-  Pose device;                        // the pose of the device
-  std::vector<Vec3> torques;          // [N m] on the hand, about the tool's position
-  std::vector<ObjectMotion> motions;  // of all objects, since it was last asked
-  double ahead = 0.0;                 // [s] that the tool went through since the hand's last sample
-};
 
 struct WorldCounters {
   std::uint64_t steps = 0;
@@ -68,24 +33,28 @@ class World {
   World& operator=(const World&) = delete;
 
   /// The scene for one of its tools; `held` as in BodyContactState.
-  const ToolView& view(std::size_t held = 0) const { return *held_[held].view; }
+  const ToolView& view(std::size_t held = 0) const { return *objects_.views()[held].view; }
   double tick() const { return tick_; }  // [s] time of one step
   /// The objects of that view; moving ones are at their present places.
-  const std::vector<Object>& objects(std::size_t held = 0) const { return held_[held].objects; }
+  const std::vector<Object>& objects(std::size_t held = 0) const {
+    return objects_.views()[held].objects;
+  }
   /// [m/s] of the material point of an object that is at `point` [m, world].
-  Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept;
+  Vec3 velocity_at(std::size_t object, const Vec3& point) const noexcept {
+    return objects_.velocity_at(object, point);
+  }
   const WorldCounters& counters() const { return counters_; }
   /// True: the bodies were put back less than kRecovery ago.
   bool recovering() const { return trust_ < 1.0; }
   /// The share (0 to 1) of its force with which an object is felt: 1, and less for a moving object
   /// while recovering().
-  double trust(std::size_t object) const { return object < still_ ? 1.0 : trust_; }
+  double trust(std::size_t object) const { return object < objects_.still() ? 1.0 : trust_; }
   /// So many ticks of time passed without a step, because the server could not keep up. The hands
   /// moved in that time.
   void let_pass(std::uint64_t ticks) noexcept { passed_ += ticks; }
   /// Continues in another scene that differs only in the materials of its objects
   /// (Scene::set_material). The scene must outlive the world.
-  void adopt(const Scene& scene) noexcept;
+  void adopt(const Scene& scene) noexcept { objects_.adopt(scene); }
   /// [m/s^2] on the bodies.
   Vec3 gravity() const;
   /// Takes effect from the step after the next one. A new World starts with the scene's gravity.
@@ -145,51 +114,17 @@ class World {
 
  private:
   struct Run;
-  struct MovedView;
+  WorldMoment moment() const noexcept;
   void look() noexcept;
   bool sane() const noexcept;
   bool sane(std::size_t part) const noexcept;
   void find_broken(bool gave_up) noexcept;
   void go_back() noexcept;
-  void forget_moving(BodyContactState& contacts, TouchMemory& memory) const noexcept;
-  std::uint64_t time() const noexcept { return counters_.steps + passed_; }
-  double way_of(const BodyContactState& contacts, const Pose& next) const noexcept;
-  Command hold(const Pose& device, double elapsed, BodyMemory& memory,
-               BodyContactState& contacts) const noexcept;
   void apply(std::size_t part, BodyContactState& contacts, const Vec3& at, double share) noexcept;
-  void update_neighbours(const MovedView& held, const Vec3& position, TouchMemory& memory,
-                         BodyContactState& contacts) const noexcept;
-  void ask_near(const Tool& tool, TouchMemory& memory, BodyContactState& contacts,
-                Command& sum) const noexcept;
-  void ask(const MovedView& held, std::size_t part, const Tool& tool, TouchMemory& memory,
-           BodyContactState& contacts, Command& sum) const noexcept;
-  bool comes_near(const MovedView& held, std::size_t part, const Vec3& position,
-                  const BodyContactState& contacts, FeatureMemory& memory) const noexcept;
-  bool passes_by(const MovedView& held, std::size_t part, const Vec3& position,
-                 FeatureMemory& memory) const noexcept;
 
   double tick_;
-  std::size_t still_, parts_;  // objects that stand, that move
-  struct Motion {
-    Vec3 linear = Vec3::Zero();   // [m/s] of the object's origin
-    Vec3 angular = Vec3::Zero();  // [rad/s]
-  };
-  std::vector<Motion> motions_;  // of those that move
-  /// For a shape that must know from where a tool comes, in the shape's own frame (follows_way()).
-  struct Followed {
-    bool way = false;
-    Pose before;  // a step ago
-  };
-  std::vector<Followed> followed_;
-  /// The objects as one of the tools meets them. They are at the same places for all tools, but a
-  /// mesh is triangles for a point and a grid for a body.
-  struct MovedView {
-    const ToolView* view;
-    std::vector<Object> objects;
-    NeighbourSearch reach;  // of those that move
-  };
-  std::vector<MovedView> held_;  // never empty
-  double trust_ = 1.0;           // share of a moving object's force that is felt
+  MovingObjects objects_;
+  double trust_ = 1.0;  // share of a moving object's force that is felt
   WorldCounters counters_;
   std::uint64_t passed_ = 0;                         // ticks that were not stepped
   std::uint64_t last_reset_ = 0, reset_before_ = 0;  // [steps]
