@@ -1,3 +1,5 @@
+#include "core/dynamics/mujoco_compile.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +17,6 @@
 #include "core/dynamics/mujoco_geoms.hpp"
 #include "core/dynamics/mujoco_text.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/mechanism.hpp"
 
 namespace feltwire {
 namespace {
@@ -242,13 +243,6 @@ void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of,
 }
 
 }  // namespace
-
-double Mechanism::tick() const { return model_->opt.timestep; }
-int Mechanism::bodies() const {
-  int count = 0;
-  for (int b = 1; b < model_->nbody; ++b) count += model_->body_weldid[b] != 0 ? 1 : 0;
-  return count;
-}
 
 std::shared_ptr<const Mechanism> compile(std::vector<Object>& objects, std::vector<int> body_of,
                                          const std::vector<Body>& given,

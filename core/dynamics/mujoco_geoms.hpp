@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/dynamics/mujoco_compile.hpp"
 #include "core/geometry/primitive.hpp"
 #include "core/mesh/triangle_mesh.hpp"
-#include "core/scene/mechanism.hpp"
 
 namespace feltwire::mujoco {
 

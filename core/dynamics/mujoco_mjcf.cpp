@@ -1,3 +1,5 @@
+#include "core/dynamics/mujoco_mjcf.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -13,7 +15,6 @@
 #include "core/dynamics/unpacked_files.hpp"
 #include "core/dynamics/urdf_paths.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/scene/mechanism.hpp"
 
 namespace feltwire {
 namespace {

@@ -111,7 +111,7 @@ const Mechanism& mechanism_of(const Scene& scene) {
 }  // namespace
 
 World::World(const Scene& scene)
-    : tick_(mechanism_of(scene).tick()),
+    : tick_(mechanism_of(scene).model().opt.timestep),
       objects_(scene),
       run_(std::make_unique<Run>(mechanism_of(scene))) {
   look();

@@ -2,12 +2,11 @@
 // The moving part of a scene: bodies, their joints, and the MuJoCo model compiled from them.
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/contact/contact.hpp"
@@ -55,7 +54,7 @@ std::optional<Violation> check(const MechanismOptions& options);
 class Mechanism {
  public:
   /// An object that moves with a body.
-  struct Part {    // the body's number in MuJoCo
+  struct Part {
     int body = 0;  // MuJoCo's number
     Pose in_body;  // of the object
   };
@@ -71,8 +70,6 @@ class Mechanism {
 
   const mjModel_& model() const { return *model_; }
   const std::vector<double>& start() const { return start_; }
-  double tick() const;  // [s]
-  int bodies() const;   // number of moving bodies
   /// The objects of a scene are `still()` static ones, followed by one for each part.
   std::size_t still() const { return still_; }
   const std::vector<Part>& parts() const { return parts_; }
@@ -86,39 +83,5 @@ class Mechanism {
   std::vector<std::string> warnings_;
   std::vector<double> start_;
 };
-
-/// Convex solids, each as the points [m] that it is the hull of.
-using ConvexSolids = std::vector<std::vector<Vec3>>;
-
-/// Compiles the bodies and the static objects that they may collide with. `body_of` gives the body
-/// of each object; -1: none. Object poses are those at the start, world frame. Moves the objects
-/// that belong to bodies behind the others and keeps their order, because a scene stores them so.
-/// `solids`: for each object that is a closed mesh the solids that bodies collide with, relative to
-/// the mesh's origin; null, or no list: its convex hull. Mass and inertia are those of the mesh.
-/// Throws std::invalid_argument that names body or object, field, value and remedy.
-std::shared_ptr<const Mechanism> compile(
-    std::vector<Object>& objects, std::vector<int> body_of, const std::vector<Body>& bodies,
-    const MechanismOptions& options, std::vector<std::shared_ptr<const ConvexSolids>> solids = {});
-
-/// The materials for the geoms of an MJCF file.
-struct MjcfMaterials {
-  struct Named {
-    std::string name;  // of a geom, or of a material of the file; a geom's own name wins
-    Material material;
-  };
-  Material other;  // of all other geoms
-  std::vector<Named> named;
-};
-
-/// Moves joints to where they start, in `coordinates` (qpos of that model). May throw FileError.
-using SetStart = std::function<void(const mjModel_& model, double* coordinates)>;
-
-/// Reads an MJCF file. Its colliding geoms become objects (added to `objects`, which must be
-/// empty). Geoms that collide with nothing are decoration and are not felt. `set_start` may be
-/// empty. Throws FileError that names the file and the geom, or quotes MuJoCo's message.
-std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
-                                           const MjcfMaterials& materials, double tick,
-                                           std::vector<Object>& objects,
-                                           const SetStart& set_start = {});
 
 }  // namespace feltwire

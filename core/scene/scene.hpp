@@ -60,7 +60,7 @@ class Scene {
 
   /// The moving part; null: nothing moves.
   const std::shared_ptr<const Mechanism>& mechanism() const { return mechanism_; }
-  /// Precondition: made by compile() for these objects (core/scene/mechanism.hpp).
+  /// Precondition: made by compile() for these objects (core/dynamics/mujoco_compile.hpp).
   void set_mechanism(std::shared_ptr<const Mechanism> mechanism);
 
   /// Empty: no robot follows here.

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "core/arm/driven_arm.hpp"
+#include "core/dynamics/mujoco_compile.hpp"
+#include "core/dynamics/mujoco_mjcf.hpp"
 #include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"

@@ -8,7 +8,7 @@
 
 #include "core/base/json_document.hpp"
 #include "core/convex/decomposition.hpp"
-#include "core/scene/mechanism.hpp"
+#include "core/dynamics/mujoco_compile.hpp"
 
 namespace feltwire {
 

@@ -11,10 +11,10 @@
 #include <cmath>
 #include <string>
 
+#include "core/dynamics/mujoco_compile.hpp"
 #include "core/dynamics/world.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/mechanism.hpp"
 
 namespace feltwire::world_bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/dynamics/mujoco_compile.hpp"
 #include "core/dynamics/world.hpp"
-#include "core/scene/mechanism.hpp"
 #include "core/scene/scene.hpp"
 
 namespace feltwire::test {

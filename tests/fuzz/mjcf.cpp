@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/dynamics/mujoco_mjcf.hpp"
 #include "core/dynamics/world.hpp"
-#include "core/scene/mechanism.hpp"
 #include "core/scene/scene.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

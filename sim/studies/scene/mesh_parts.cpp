@@ -9,8 +9,8 @@
 
 #include "core/base/text.hpp"
 #include "core/convex/convex_hull.hpp"
+#include "core/dynamics/mujoco_compile.hpp"
 #include "core/dynamics/world.hpp"
-#include "core/scene/mechanism.hpp"
 #include "sim/measure/cost.hpp"
 
 namespace feltwire {

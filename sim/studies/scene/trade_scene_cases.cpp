@@ -2,11 +2,11 @@
 #include <optional>
 #include <utility>
 
+#include "core/dynamics/mujoco_compile.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/grid/signed_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/mesh/tessellation.hpp"
-#include "core/scene/mechanism.hpp"
 #include "core/tool/body_tool.hpp"
 #include "sim/measure/glide.hpp"
 #include "sim/studies/scene/trade_scene.hpp"
