@@ -1,11 +1,11 @@
-// Evaluates a distance grid at eight places at once. Each place reads nine rows of samples. The
-// rows of four places are transposed. Each lane of a vector then belongs to one place, and all
-// arithmetic is vector arithmetic. The width is a constant, so that every machine computes the same
-// bits.
+#include "core/grid/distance_group.hpp"
 
+#include <array>
 #include <cstring>
 
-#include "core/grid/distance_grid.hpp"
+// A place reads nine rows of samples. The rows of four places are transposed, so that each lane of
+// a vector belongs to one place and all arithmetic is vector arithmetic. The width is fixed here
+// and not chosen by the compiler: every machine gives the same bits.
 
 namespace feltwire {
 namespace {
@@ -48,21 +48,25 @@ void weigh(Interpolation interpolation, const Real* beyond, QuadWeights<Type>& w
   w.slope = {-below, below - above, above};
 }
 
-}  // namespace
+using Offsets = std::array<std::size_t, FieldGroup::kSize>;  // of the first sample, into `values`
+/// [h] The places less their nearest samples, along x, y and z.
+template <class Real>
+using Beyond = std::array<std::array<Real, FieldGroup::kSize>, 3>;
 
 /// Finds the samples of all places. Returns false if a place is too far from the surface to have
 /// samples.
 template <class Real>
-bool DistanceGrid<Real>::find(const FieldGroup& group, Offsets& offsets,
-                              Beyond& beyond) const noexcept {
+bool find(const BrickSamples<Real>& grid, const FieldGroup& group, Offsets& offsets,
+          Beyond<Real>& beyond) noexcept {
   using Lanes = FieldGroup::Lanes;
+  constexpr int kBrick = BrickSamples<Real>::kBrick, kRow = BrickSamples<Real>::kRow;
   // Add half a step, so that the integer part is the index of the nearest sample.
-  const std::array<Lanes, 3> u = {inverse_h_ * (group.x - origin_.x()) + 0.5,
-                                  inverse_h_ * (group.y - origin_.y()) + 0.5,
-                                  inverse_h_ * (group.z - origin_.z()) + 0.5};
+  const std::array<Lanes, 3> u = {grid.inverse_h * (group.x - grid.origin.x()) + 0.5,
+                                  grid.inverse_h * (group.y - grid.origin.y()) + 0.5,
+                                  grid.inverse_h * (group.z - grid.origin.z()) + 0.5};
   std::array<std::array<std::uint32_t, FieldGroup::kSize>, 3> nearest;
   for (std::size_t axis = 0; axis < u.size(); ++axis) {
-    const double end = kBrick * count_[static_cast<Eigen::Index>(axis)];
+    const double end = kBrick * grid.count[static_cast<Eigen::Index>(axis)];
     if (!(u[axis].minCoeff() >= 0.0 && u[axis].maxCoeff() < end) || !u[axis].allFinite())
       return false;
     for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
@@ -74,23 +78,25 @@ bool DistanceGrid<Real>::find(const FieldGroup& group, Offsets& offsets,
   }
   for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
     const std::uint32_t x = nearest[0][lane], y = nearest[1][lane], z = nearest[2][lane];
-    const auto nx = static_cast<std::size_t>(count_.x()), ny = static_cast<std::size_t>(count_.y());
-    const std::int32_t slot = slots_[(z / kBrick * ny + y / kBrick) * nx + x / kBrick];
+    const auto nx = static_cast<std::size_t>(grid.count.x()),
+               ny = static_cast<std::size_t>(grid.count.y());
+    const std::int32_t slot = grid.slots[(z / kBrick * ny + y / kBrick) * nx + x / kBrick];
     if (slot < 0) return false;
     const std::size_t own = (std::size_t{z % kBrick} * kRow + y % kBrick) * kRow + x % kBrick;
-    offsets[lane] = static_cast<std::size_t>(slot) * kStored + own;
+    offsets[lane] = static_cast<std::size_t>(slot) * BrickSamples<Real>::kStored + own;
   }
   return true;
 }
 
 template <class Real>
-void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
-                              FieldGroup& group) const noexcept {
+void evaluate(const BrickSamples<Real>& grid, const Offsets& offsets, const Beyond<Real>& beyond,
+              FieldGroup& group) noexcept {
+  constexpr int kRow = BrickSamples<Real>::kRow;
   using Four = typename Quad<Real>::Type;
   for (std::size_t half = 0; half < FieldGroup::kSize; half += kQuad) {
     std::array<QuadWeights<Four>, 3> w;
     for (std::size_t axis = 0; axis < w.size(); ++axis)
-      weigh<Real>(interpolation_, &beyond[axis][half], w[axis]);
+      weigh<Real>(grid.interpolation, &beyond[axis][half], w[axis]);
     const Four zero = w[0].value[0] - w[0].value[0];
     Four value = zero, slope_x = zero, slope_y = zero, slope_z = zero;
     for (std::size_t z = 0; z < kTaps; ++z) {
@@ -99,7 +105,8 @@ void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
         const std::size_t row = (z * kRow + y) * kRow;
         std::array<Four, kQuad> from;
         for (std::size_t i = 0; i < kQuad; ++i)
-          load(from[i], &values_[offsets[half + i] + row]);  // The fourth number has weight zero.
+          load(from[i],
+               &grid.values[offsets[half + i] + row]);  // the fourth number has weight zero
         const Four low = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
         const Four high = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
         const Four low_last = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
@@ -126,46 +133,23 @@ void DistanceGrid<Real>::fine(const Offsets& offsets, const Beyond& beyond,
       group.gradient_z[lane] = static_cast<double>(slope_z[i]);
     }
   }
-  group.gradient_x *= inverse_h_;
-  group.gradient_y *= inverse_h_;
-  group.gradient_z *= inverse_h_;
+  group.gradient_x *= grid.inverse_h;
+  group.gradient_y *= grid.inverse_h;
+  group.gradient_z *= grid.inverse_h;
 }
+
+}  // namespace
 
 template <class Real>
-void DistanceGrid<Real>::at(FieldGroup& group) const noexcept {
+bool evaluate_group(const BrickSamples<Real>& grid, FieldGroup& group) noexcept {
   Offsets offsets;
-  Beyond beyond;
-  if (find(group, offsets, beyond)) [[likely]]
-    return fine(offsets, beyond, group);
-  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane)
-    group.put(lane, at(group.place(lane)));
+  Beyond<Real> beyond;
+  if (!find(grid, group, offsets, beyond)) return false;
+  evaluate(grid, offsets, beyond, group);
+  return true;
 }
 
-template <class Real>
-void DistanceGrid<Real>::at_least(FieldGroup& group, double sign,
-                                  const FieldGroup::Lanes& wanted) const noexcept {
-  Offsets offsets;
-  Beyond beyond;
-  if (find(group, offsets, beyond)) {
-    fine(offsets, beyond, group);
-    group.distance = sign * group.distance - h_;  // The bound equals that of a single place.
-    return;
-  }
-  for (std::size_t lane = 0; lane < FieldGroup::kSize; ++lane) {
-    const auto l = static_cast<Eigen::Index>(lane);
-    group.distance[l] = at_least(group.place(lane), sign, wanted[l]);
-  }
-}
-
-template bool DistanceGrid<float>::find(const FieldGroup&, Offsets&, Beyond&) const noexcept;
-template bool DistanceGrid<double>::find(const FieldGroup&, Offsets&, Beyond&) const noexcept;
-template void DistanceGrid<float>::fine(const Offsets&, const Beyond&, FieldGroup&) const noexcept;
-template void DistanceGrid<double>::fine(const Offsets&, const Beyond&, FieldGroup&) const noexcept;
-template void DistanceGrid<float>::at(FieldGroup&) const noexcept;
-template void DistanceGrid<double>::at(FieldGroup&) const noexcept;
-template void DistanceGrid<float>::at_least(FieldGroup&, double,
-                                            const FieldGroup::Lanes&) const noexcept;
-template void DistanceGrid<double>::at_least(FieldGroup&, double,
-                                             const FieldGroup::Lanes&) const noexcept;
+template bool evaluate_group(const BrickSamples<float>&, FieldGroup&) noexcept;
+template bool evaluate_group(const BrickSamples<double>&, FieldGroup&) noexcept;
 
 }  // namespace feltwire
