@@ -10,7 +10,7 @@
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_port.hpp"
 #include "core/teleoperation/follower.hpp"
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 
 namespace feltwire {
 

@@ -7,8 +7,8 @@
 
 #include "core/base/types.hpp"
 #include "core/local_model/local_contact.hpp"
+#include "core/teleoperation/robot.hpp"
 #include "core/teleoperation/surface_offset.hpp"
-#include "protocol/wire/robot.hpp"
 
 namespace feltwire {
 

@@ -12,10 +12,10 @@
 #include "core/bounding/port_energy.hpp"
 #include "core/local_model/body_model.hpp"
 #include "core/local_model/local_model.hpp"
+#include "core/teleoperation/robot.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/session_parameters.hpp"
 #include "protocol/wire/hand_report.hpp"
-#include "protocol/wire/robot.hpp"
 
 namespace feltwire {
 

@@ -1,9 +1,9 @@
 #pragma once
 // Internal to the codec: the messages about robots, as values and as structs of the schema.
 
+#include "core/teleoperation/robot.hpp"
 #include "protocol/wire/datagram.hpp"
 #include "protocol/wire/datagram_generated.h"
-#include "protocol/wire/robot.hpp"
 
 namespace feltwire {
 

@@ -7,7 +7,7 @@
 #include "core/arm/driven_arm.hpp"
 #include "core/dynamics/world.hpp"
 #include "core/scene/scene.hpp"
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 #include "server/scene/teleop_link.hpp"
 
 namespace feltwire {

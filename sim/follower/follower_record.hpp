@@ -10,7 +10,7 @@
 
 #include "core/base/line_file.hpp"
 #include "core/base/ring.hpp"
-#include "protocol/wire/robot.hpp"
+#include "core/teleoperation/robot.hpp"
 
 namespace feltwire {
 

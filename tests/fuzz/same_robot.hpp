@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "protocol/wire/robot.hpp"
+#include "core/teleoperation/robot.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

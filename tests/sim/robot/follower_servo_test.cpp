@@ -1,6 +1,6 @@
 // Tests the servo of a robot that follows: its targets, and invalid readings.
 
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 #include "sim/robot/point_robot.hpp"
 
 namespace feltwire::scene_surfaces_test {

@@ -17,7 +17,7 @@
 #include "client/followers/robot_datagrams.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/datagram_session.hpp"
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 #include "server/scene/scene_sessions.hpp"
 #include "sim/robot/point_robot.hpp"
 #include "tests/protocol/sealed.hpp"

@@ -12,10 +12,10 @@
 #include "core/teleoperation/gripper_follow.hpp"
 #include "core/teleoperation/link_states.hpp"
 #include "core/teleoperation/motion_limit.hpp"
+#include "core/teleoperation/robot.hpp"
 #include "core/teleoperation/surface_model.hpp"
 #include "core/teleoperation/target_limiter.hpp"
 #include "core/teleoperation/workspace.hpp"
-#include "protocol/wire/robot.hpp"
 
 namespace feltwire {
 

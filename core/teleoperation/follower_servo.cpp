@@ -1,4 +1,4 @@
-#include "protocol/follower/follower_servo.hpp"
+#include "core/teleoperation/follower_servo.hpp"
 
 #include <algorithm>
 #include <cmath>
