@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <asio/post.hpp>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -129,16 +128,13 @@ bool RemoteScene::take_picture(Picture& picture) {
   return std::exchange(fresh_, false);
 }
 
-void RemoteScene::describe(asio::io_context& back,
-                           std::function<void(std::vector<HandDescription>)> done) {
+void RemoteScene::describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) {
   std::vector<HandDescription> hands;
   {
     const std::lock_guard lock(mutex_);
     hands = hands_;
   }
-  asio::post(back, [hands = std::move(hands), done = std::move(done)]() mutable {
-    done(std::move(hands));
-  });
+  back([hands = std::move(hands), done = std::move(done)]() mutable { done(std::move(hands)); });
 }
 
 std::optional<std::string> RemoteScene::out_of_sight() const {

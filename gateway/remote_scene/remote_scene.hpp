@@ -50,8 +50,7 @@ class RemoteScene final : public SceneInView {
   bool take_picture(Picture& picture) override;
   /// Gives what the server tells observers of its sessions. An older server tells only their
   /// numbers and tools.
-  void describe(asio::io_context& back,
-                std::function<void(std::vector<HandDescription>)> done) override;
+  void describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) override;
   std::optional<std::string> out_of_sight() const override;
   /// The times that the server counted in this scene, as it told last. Empty: it did not tell them,
   /// or cannot be reached. From any thread.

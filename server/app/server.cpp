@@ -12,13 +12,13 @@
 
 #include "core/base/file_error.hpp"
 #include "core/base/visible_text.hpp"
+#include "protocol/net/post.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "server/access/admin_token.hpp"
 #include "server/app/page_address.hpp"
 #include "server/app/prometheus_metrics.hpp"
 #include "server/control/control_service.hpp"
 #include "server/recording/recorder.hpp"
-#include "server/scene/post.hpp"
 #include "server/scene/scene_ports.hpp"
 #include "server/web/web_server.hpp"
 
@@ -213,7 +213,7 @@ struct Server::Parts {
       auto asked = std::make_shared<ControlService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
           scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
-            post_patiently(io, [asked, file = std::move(file)] {
+            post_patiently(post_to(io), [asked, file = std::move(file)] {
               const auto tell = std::exchange(*asked, {});
               if (file) return tell(file->string());
               tell(Refused{RefusalCode::failed,
@@ -302,7 +302,7 @@ struct Server::Parts {
     const auto ended = std::make_shared<Ended>(Ended{done, std::string()});
     const auto pass_on = [this, host, ended](LoadedScene loaded) {
       ended->loaded = std::move(loaded);
-      post_patiently(io,
+      post_patiently(post_to(io),
                      [this, host, ended] { ended->done(enter(host, std::move(ended->loaded))); });
     };
     if (!loader.begin(host, files[host], pass_on))

@@ -5,6 +5,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/post.hpp"
 #include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
 
@@ -175,7 +176,7 @@ void ControlService::change(PendingRequest asked, const std::string& name, LiveC
   const std::string by =
       visible("client " + asked.token.client + " (token " + asked.token.id + ")");
   hosts_[std::get<std::size_t>(scene)]->change(
-      std::move(change), io_,
+      std::move(change), post_to(io_),
       [name, by, answer = std::move(asked.answer)](std::variant<std::string, Refused> outcome) {
         if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
         auto& what = std::get<std::string>(outcome);

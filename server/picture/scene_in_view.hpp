@@ -1,7 +1,6 @@
 #pragma once
 // A scene that viewers see. This process computes it, or a server that this process observes.
 
-#include <asio/io_context.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,13 +16,16 @@
 
 namespace feltwire {
 
+/// Runs a function later in the thread of whoever asks. The scene's threads call it, so it has to
+/// work until they have ended. Throws std::bad_alloc.
+using PostBack = std::function<void(std::function<void()>)>;
+
 /// The changes that an admin may make in a scene. Call them from any thread.
 class SceneControls {
  public:
   virtual ~SceneControls() = default;
-  /// Makes a live change, and posts the result to `back`: the change, or the reason of the refusal.
-  /// `back` outlives the scene's threads.
-  virtual void change(LiveChange change, asio::io_context& back,
+  /// Makes a live change, and posts the result back: the change, or the reason of the refusal.
+  virtual void change(LiveChange change, PostBack back,
                       std::function<void(std::variant<std::string, control::Refused>)> done) = 0;
   /// Ends a session with a goodbye, if it is there.
   virtual void evict(std::uint64_t session) = 0;
@@ -46,10 +48,8 @@ class SceneInView {
   /// Copies the newest picture and requests the next (PictureExchange::take), for one viewers'
   /// thread. False: there is no new one, and `picture` is unchanged.
   virtual bool take_picture(Picture& picture) = 0;
-  /// Posts descriptions of the hands to `back`, which outlives the scene's threads. From any
-  /// thread.
-  virtual void describe(asio::io_context& back,
-                        std::function<void(std::vector<HandDescription>)> done) = 0;
+  /// Posts descriptions of the hands back. From any thread.
+  virtual void describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) = 0;
 
   /// The reason why the scene cannot be seen now, for people; empty: it can be seen. From any
   /// thread.

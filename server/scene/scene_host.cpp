@@ -11,9 +11,9 @@
 
 #include "protocol/net/clock.hpp"
 #include "protocol/net/listen_error.hpp"
+#include "protocol/net/post.hpp"
 #include "protocol/net/real_time.hpp"
 #include "protocol/net/udp_socket.hpp"
-#include "server/scene/post.hpp"
 #include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
@@ -120,7 +120,7 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
       pending->answer = std::move(pending->failure);
     }
     publish_size();
-    post_patiently(back, [pending] { pending->completion(std::move(pending->answer)); });
+    post_patiently(post_to(back), [pending] { pending->completion(std::move(pending->answer)); });
     await_tick();
     publish();
   });
@@ -151,7 +151,7 @@ void SceneHost::reload(Scene scene) {
   });
 }
 
-void SceneHost::change(LiveChange change, asio::io_context& back,
+void SceneHost::change(LiveChange change, PostBack back,
                        std::function<void(std::variant<std::string, control::Refused>)> done) {
   using control::Refused;
   struct Wanted {
@@ -163,7 +163,7 @@ void SceneHost::change(LiveChange change, asio::io_context& back,
                     "the server failed at this; its log says why, and nothing changed"};
   };
   auto wanted = std::make_shared<Wanted>(Wanted{std::move(change), std::move(done)});
-  post([this, wanted = std::move(wanted), &back] {
+  post([this, wanted = std::move(wanted), back = std::move(back)] {
     try {
       if (!closing_) wanted->outcome = make(wanted->change);
     } catch (const std::exception& error) {
@@ -205,11 +205,10 @@ SceneInView::CurrentScene SceneHost::current_scene() const {
   return current_;
 }
 
-void SceneHost::describe(asio::io_context& back,
-                         std::function<void(std::vector<HandDescription>)> done) {
-  post([this, &back, done = std::move(done)]() mutable {
+void SceneHost::describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) {
+  post([this, back = std::move(back), done = std::move(done)]() mutable {
     if (closing_) return;
-    asio::post(back, [hands = sessions_.describe(), done = std::move(done)]() mutable {
+    back([hands = sessions_.describe(), done = std::move(done)]() mutable {
       done(std::move(hands));
     });
   });

@@ -84,7 +84,7 @@ class SceneHost final : public SceneInView, public SceneControls {
   /// memory) the scene stays, and the log says so. From any thread.
   void reload(Scene scene);
   /// Changes the scene in the scene's thread, between two datagrams (SceneSessions::change).
-  void change(LiveChange change, asio::io_context& back,
+  void change(LiveChange change, PostBack back,
               std::function<void(std::variant<std::string, control::Refused>)> done) override;
   void evict(std::uint64_t session) override;
 
@@ -94,9 +94,8 @@ class SceneHost final : public SceneInView, public SceneControls {
   bool take_picture(Picture& picture) override { return pictures_.take(picture); }
   /// Pictures for a recorder's thread.
   PictureExchange& recorded_pictures() { return recorded_pictures_; }
-  /// Describes the hands in the scene's thread, and posts the answer to `back`.
-  void describe(asio::io_context& back,
-                std::function<void(std::vector<HandDescription>)> done) override;
+  /// Describes the hands in the scene's thread, and posts the answer back.
+  void describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) override;
   SceneControls* controls() override { return this; }
 
   /// The totals up to now, from a running thread. Do not call it in that thread, or while another

@@ -10,6 +10,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/post.hpp"
 #include "server/web/viewer_message.hpp"
 #include "server/web/viewer_slot.hpp"
 
@@ -120,7 +121,7 @@ void ViewerHub::change(ViewerSlot& slot, LiveChange change) {
   std::optional<ParameterChange> made;
   if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
   slot.stage->scene->controls()->change(
-      std::move(change), io_,
+      std::move(change), post_to(io_),
       [this, by, scene, id = slot.id, stage = slot.stage, made = std::move(made),
        alive = std::weak_ptr(alive_)](std::variant<std::string, control::Refused> outcome) {
         const auto* no = std::get_if<control::Refused>(&outcome);

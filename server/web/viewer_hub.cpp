@@ -8,6 +8,7 @@
 
 #include "core/base/visible_text.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/post.hpp"
 #include "server/web/viewer_slot.hpp"
 
 namespace feltwire::web {
@@ -309,7 +310,7 @@ void ViewerHub::show(Stage& stage, Nanoseconds now) {
   const SharedBytes text(sessions(stage.hands, stage.picture, stage.rates, seconds(now - begin_)));
   for (ViewerSlot* slot : ready) slot->viewer->show_text(text);
   stage.scene->describe(
-      io_, [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
+      post_to(io_), [&stage, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {
         if (alive.expired()) return;
         stage.hands = std::move(hands);
         stage.describing = false;
