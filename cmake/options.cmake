@@ -44,7 +44,7 @@ if(FELTWIRE_SANITIZE)
   set(FELTWIRE_ROOMS_AS SHARED)
   string(APPEND CMAKE_SHARED_LINKER_FLAGS " -Wl,-Bsymbolic-functions")
   set(unhurried client/app client/command_line client/run gateway/app gateway/remote_scene server/access server/app server/control
-    server/recording server/web sim/follower sim/replay)
+    server/recording server/web client/follower_app sim/replay)
   list(TRANSFORM unhurried PREPEND feltwire_)
   string(REPLACE "/" "_" unhurried "${unhurried}")
   set(program $<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>)

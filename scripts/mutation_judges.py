@@ -16,7 +16,7 @@ JUDGES = {
     'client/servo': (('client_test', ('client/servo', 'client/transport')), ('device_test', ('client/servo',)))}
 # Tests of a room that another room's program has: they run only where they are nearest.
 ELSEWHERE = {
-    'client/servo': dict.fromkeys(('tests/sim/robot/remote_hand_test.cpp', 'tests/sim/robot/teleoperation_walls_test.cpp'),
+    'client/servo': dict.fromkeys(('tests/client/simulated_robots/remote_hand_test.cpp', 'tests/client/simulated_robots/teleoperation_walls_test.cpp'),
                                   'teleoperation_session_test')}
 NEAREST = 2          # test files that run before the programs
 

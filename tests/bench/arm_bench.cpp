@@ -6,9 +6,9 @@
 
 #include <string>
 
+#include "client/simulated_robots/arm.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "server/scene/world_arm.hpp"
-#include "sim/arm/arm.hpp"
 
 namespace feltwire::arm_bench {
 namespace {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "client/devices/hand_device.hpp"
+#include "client/simulated_robots/arm.hpp"
 #include "core/base/numeric.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/text.hpp"
@@ -16,7 +17,6 @@
 #include "scenes/arm/peg_text.hpp"
 #include "scenes/arm/sphere_text.hpp"
 #include "scenes/arm/table_text.hpp"
-#include "sim/arm/arm.hpp"
 #include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/teleop/bench.hpp"
 #include "sim/studies/teleop/bench_energy.hpp"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "sim/arm/arm.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "client/simulated_robots/arm.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_arm_test {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/robot/point_robot.hpp"
+#include "client/simulated_robots/point_robot.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 #include "tests/core/support.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::follower_servo_test {

@@ -1,4 +1,4 @@
-#include "sim/robot/point_robot.hpp"
+#include "client/simulated_robots/point_robot.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/arm/arm.hpp"
+#include "client/simulated_robots/arm.hpp"
 
 namespace feltwire::arm_test {
 

@@ -12,7 +12,7 @@
 #include "client/followers/follower_loop.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "server/app/server.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
 

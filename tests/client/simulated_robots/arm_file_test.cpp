@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/file_error.hpp"
-#include "tests/sim/arm/arm_support.hpp"
+#include "tests/client/simulated_robots/arm_support.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::arm_test {

@@ -1,4 +1,4 @@
-#include "sim/follower/follower_record.hpp"
+#include "client/follower_app/follower_record.hpp"
 
 #include <chrono>
 #include <condition_variable>

@@ -8,7 +8,7 @@
 
 #include "protocol/session/profiles.hpp"
 #include "server/picture/picture.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_observer_test {
 namespace {

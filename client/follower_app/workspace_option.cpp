@@ -1,4 +1,4 @@
-#include "sim/follower/workspace_option.hpp"
+#include "client/follower_app/workspace_option.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/teleoperation/contact_estimator.hpp"
-#include "tests/sim/arm/arm_support.hpp"
+#include "tests/client/simulated_robots/arm_support.hpp"
 
 namespace feltwire::arm_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::shared_leaders_test {
 namespace {

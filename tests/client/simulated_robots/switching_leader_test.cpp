@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::switching_leader_test {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 #include "tests/core/support.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_walls_test {
 namespace {

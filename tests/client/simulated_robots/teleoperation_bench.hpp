@@ -16,10 +16,10 @@
 #include "client/emulated_link/link.hpp"
 #include "client/followers/robot_datagrams.hpp"
 #include "client/servo/servo.hpp"
+#include "client/simulated_robots/point_robot.hpp"
 #include "client/transport/datagram_session.hpp"
 #include "core/teleoperation/follower_servo.hpp"
 #include "server/scene/scene_sessions.hpp"
-#include "sim/robot/point_robot.hpp"
 #include "tests/protocol/sealed.hpp"
 
 namespace feltwire::test {

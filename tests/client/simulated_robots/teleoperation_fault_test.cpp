@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 #include "tests/core/support.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_fault_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/arm/arm.hpp"
+#include "client/simulated_robots/arm.hpp"
 
 #include <algorithm>
 #include <cmath>

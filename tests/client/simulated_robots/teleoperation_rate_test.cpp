@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_rate_test {
 namespace {

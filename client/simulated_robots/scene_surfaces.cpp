@@ -1,4 +1,4 @@
-#include "sim/robot/scene_surfaces.hpp"
+#include "client/simulated_robots/scene_surfaces.hpp"
 
 #include <stdexcept>
 

@@ -12,16 +12,16 @@
 
 #include "client/command_line/credential_options.hpp"
 #include "client/emulated_link/emulated_port.hpp"
+#include "client/follower_app/follower_record.hpp"
+#include "client/follower_app/follower_report.hpp"
+#include "client/follower_app/robots.hpp"
+#include "client/follower_app/workspace_option.hpp"
 #include "client/followers/follower_loop.hpp"
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/command_line/environment.hpp"
 #include "core/command_line/suggestion.hpp"
-#include "sim/follower/follower_record.hpp"
-#include "sim/follower/follower_report.hpp"
-#include "sim/follower/robots.hpp"
-#include "sim/follower/workspace_option.hpp"
 
 namespace feltwire {
 namespace {

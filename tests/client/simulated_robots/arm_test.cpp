@@ -1,6 +1,6 @@
 // Tests the simulated arm in free space: its springs, its limits, its energy.
 
-#include "sim/arm/arm.hpp"
+#include "client/simulated_robots/arm.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/splitmix.hpp"
-#include "tests/sim/arm/arm_support.hpp"
+#include "tests/client/simulated_robots/arm_support.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace feltwire::arm_test {

@@ -1,16 +1,16 @@
-#include "sim/follower/robots.hpp"
+#include "client/follower_app/robots.hpp"
 
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
 
 #include "client/followers/socket_follower.hpp"
+#include "client/simulated_robots/arm.hpp"
+#include "client/simulated_robots/point_robot.hpp"
+#include "client/simulated_robots/scene_surfaces.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/net/clock.hpp"
-#include "sim/arm/arm.hpp"
-#include "sim/robot/point_robot.hpp"
-#include "sim/robot/scene_surfaces.hpp"
 
 namespace feltwire {
 namespace {

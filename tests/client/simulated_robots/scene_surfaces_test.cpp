@@ -1,14 +1,14 @@
 // Tests a scene file as the model of the robot's surroundings.
 
-#include "sim/robot/scene_surfaces.hpp"
+#include "client/simulated_robots/scene_surfaces.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
+#include "client/simulated_robots/point_robot.hpp"
 #include "core/teleoperation/follower_servo.hpp"
-#include "sim/robot/point_robot.hpp"
 
 namespace feltwire::scene_surfaces_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::teleoperation_test {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/scene_file/load_scene.hpp"
-#include "tests/sim/robot/teleoperation_bench.hpp"
+#include "tests/client/simulated_robots/teleoperation_bench.hpp"
 
 namespace feltwire::world_arm_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/follower/follower_report.hpp"
+#include "client/follower_app/follower_report.hpp"
 
 #include <array>
 #include <cstdio>
