@@ -8,7 +8,7 @@
 
 namespace feltwire {
 
-/// The hand of the live page is within these limits (sim/page_hand).
+/// The hand of the live page is within these limits (gateway/page_hand).
 inline constexpr double kPointerForce = 10.0;   // [N] largest force of the device
 inline constexpr double kPointerRate = 1000.0;  // [1/s] largest number of samples
 

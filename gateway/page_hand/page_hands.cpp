@@ -3,8 +3,8 @@
 #include <list>
 #include <mutex>
 
+#include "gateway/page_hand/page_hand.hpp"
 #include "server/app/make_page_hands.hpp"
-#include "sim/page_hand/page_hand.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/page_hand/page_hand.hpp"
+#include "gateway/page_hand/page_hand.hpp"
 
 #include <poll.h>
 
