@@ -11,8 +11,8 @@
 #include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/command_line/environment.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "protocol/session/bound_words.hpp"
 
 namespace feltwire {

@@ -11,10 +11,10 @@
 #include "core/base/enum_names.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/command_line/environment.hpp"
-#include "core/command_line/short_help.hpp"
-#include "core/command_line/suggestion.hpp"
 #include "core/device/spec_text.hpp"
+#include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/short_help.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "protocol/session/profiles.hpp"
 
 namespace feltwire {

@@ -11,7 +11,7 @@
 #include "client/devices/usb_scan.hpp"
 #include "client/run/device_check.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/suggestion.hpp"
 
 namespace feltwire {
 namespace {

@@ -22,8 +22,8 @@
 #include "client/run/crash_release.hpp"
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/command_line/suggestion.hpp"
 #include "core/device/spec_text.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/real_time.hpp"
 
 namespace feltwire {

@@ -1,7 +1,7 @@
 #pragma once
 // Which options of feltwire-client drop others from the environment.
 
-#include "core/command_line/environment.hpp"
+#include "protocol/command_line/environment.hpp"
 
 namespace feltwire {
 

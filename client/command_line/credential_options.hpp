@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/transport/credentials.hpp"
-#include "core/command_line/environment.hpp"
+#include "protocol/command_line/environment.hpp"
 
 namespace feltwire {
 

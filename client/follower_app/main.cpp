@@ -20,8 +20,8 @@
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/command_line/environment.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/suggestion.hpp"
 
 namespace feltwire {
 namespace {

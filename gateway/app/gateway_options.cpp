@@ -6,8 +6,8 @@
 
 #include "client/command_line/credential_options.hpp"
 #include "core/build_info/build_info.hpp"
-#include "core/command_line/environment.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
 
 namespace feltwire {

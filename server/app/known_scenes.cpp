@@ -6,7 +6,7 @@
 #include "core/base/json_document.hpp"
 #include "core/base/json_member.hpp"
 #include "core/base/pending_file.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
 
 namespace feltwire {

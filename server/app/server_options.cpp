@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/build_info/build_info.hpp"
-#include "core/command_line/environment.hpp"
-#include "core/command_line/short_help.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/short_help.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "protocol/session/profiles.hpp"
 
 namespace feltwire {

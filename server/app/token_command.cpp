@@ -7,7 +7,7 @@
 
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
 #include "server/app/known_scenes.hpp"

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "core/base/pending_file.hpp"
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/suggestion.hpp"
 #include "server/app/health.hpp"
 #include "server/app/server.hpp"
 #include "server/app/summary.hpp"

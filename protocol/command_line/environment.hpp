@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/command_line/suggestion.hpp"
+#include "protocol/command_line/suggestion.hpp"
 
 namespace feltwire {
 
