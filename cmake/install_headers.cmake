@@ -3,6 +3,7 @@
 # so that nothing but the folder feltwire/ is added to what a consumer can include. A header that needs a library which only
 # our own sources need (Asio, OpenSSL, FlatBuffers, libsodium, nlohmann-json) is internal and stays here, with those that
 # include it.
+# The headers of devices stood in client/devices in version 0.1. A file there includes the new place, so that such programs compile.
 set(headers)
 foreach(room IN LISTS ROOMS)
   file(GLOB found RELATIVE ${SOURCE} ${SOURCE}/${room}/*.hpp ${SOURCE}/${room}/*.h)
@@ -28,4 +29,8 @@ foreach(header IN LISTS headers)
   file(READ ${SOURCE}/${header} text)
   string(REGEX REPLACE "#include \"(core|protocol|client)/" "#include \"feltwire/\\1/" text "${text}")
   file(WRITE ${OUT}/feltwire/${header} "${text}")
+  if(header MATCHES "^client/(device|hands|input_devices|drivers)/")
+    get_filename_component(name ${header} NAME)
+    file(WRITE ${OUT}/feltwire/client/devices/${name} "#include \"feltwire/${header}\"\n")
+  endif()
 endforeach()

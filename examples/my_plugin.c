@@ -6,7 +6,7 @@
  * The device here is a handle on a spring, computed instead of built: replace the lines that move it by calls to the maker's
  * library. ARGUMENTS are the mass of the handle [kg]. */
 
-#include <feltwire/client/devices/feltwire_device_v1.h>
+#include <feltwire/client/drivers/plugin/feltwire_device_v1.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

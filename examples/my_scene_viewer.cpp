@@ -8,7 +8,7 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <feltwire/client/devices/simulated_device.hpp>
+#include <feltwire/client/hands/simulated_device.hpp>
 #include <feltwire/client/run/run_client.hpp>
 #include <string>
 #include <vector>

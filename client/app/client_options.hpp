@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "client/devices/drivers.hpp"
-#include "client/devices/mapped_device.hpp"
+#include "client/device/mapped_device.hpp"
+#include "client/drivers/drivers.hpp"
 #include "client/emulated_link/link_options.hpp"
 #include "client/run/run_client.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "client/devices/drivers.hpp"
-#include "client/devices/usb_scan.hpp"
+#include "client/drivers/drivers.hpp"
+#include "client/input_devices/usb_scan.hpp"
 #include "client/run/device_check.hpp"
 #include "core/base/visible_text.hpp"
 #include "protocol/command_line/suggestion.hpp"

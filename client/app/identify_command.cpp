@@ -16,7 +16,7 @@
 #include <string>
 #include <thread>
 
-#include "client/devices/drivers.hpp"
+#include "client/drivers/drivers.hpp"
 #include "client/identify/identified_spec.hpp"
 #include "client/identify/measure.hpp"
 #include "client/run/crash_release.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "client/command_line/credential_options.hpp"
-#include "client/devices/drivers.hpp"
+#include "client/drivers/drivers.hpp"
 #include "core/bounding/method.hpp"
 #include "core/recording/recording_files.hpp"
 #include "protocol/session/session_parameters.hpp"

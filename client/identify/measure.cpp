@@ -5,8 +5,8 @@
 #include <string>
 #include <thread>
 
-#include "client/devices/await_prepared.hpp"
-#include "client/devices/tick_pace.hpp"
+#include "client/device/await_prepared.hpp"
+#include "client/device/tick_pace.hpp"
 #include "protocol/net/clock.hpp"
 
 namespace feltwire {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/identify/identification.hpp"
 
 namespace feltwire {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 
 namespace feltwire {
 

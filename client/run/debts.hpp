@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/servo/overdraft.hpp"
 
 namespace feltwire {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "client/devices/tick_pace.hpp"
+#include "client/device/tick_pace.hpp"
 #include "core/base/units.hpp"
 #include "protocol/net/clock.hpp"
 

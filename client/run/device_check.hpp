@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/run/check_result.hpp"
 #include "core/base/histogram.hpp"
 #include "protocol/net/real_time.hpp"

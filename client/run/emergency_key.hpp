@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "client/devices/protected_device.hpp"
+#include "client/device/protected_device.hpp"
 
 namespace feltwire {
 

@@ -14,7 +14,7 @@
 #include <random>
 #include <stop_token>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "core/base/text.hpp"
 #include "core/base/visible_text.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/devices/true_energy.hpp"
+#include "client/hands/true_energy.hpp"
 #include "client/run/changes.hpp"
 #include "client/run/flight_record.hpp"
 #include "client/run/observer_recorder.hpp"

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "client/devices/device.hpp"
-#include "client/devices/protected_device.hpp"
-#include "client/devices/true_energy.hpp"
+#include "client/device/device.hpp"
+#include "client/device/protected_device.hpp"
+#include "client/hands/true_energy.hpp"
 #include "client/run/observer_recorder.hpp"
 #include "client/run/recording.hpp"
 #include "client/run/run_figures.hpp"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "client/devices/await_prepared.hpp"
+#include "client/device/await_prepared.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {

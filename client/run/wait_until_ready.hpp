@@ -1,7 +1,7 @@
 #pragma once
 // Before a session: a person homes the device, or takes its stylus out of the inkwell.
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/run/supervise_session.hpp"
 
 namespace feltwire {

@@ -1,7 +1,7 @@
 #pragma once
 // First stage of a tick: the device's reading becomes a movement, or a fault.
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/servo/servo_statistics.hpp"
 #include "core/device/possible_movement.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "client/devices/command_delay.hpp"
+#include "client/device/command_delay.hpp"
 #include "client/servo/device_input.hpp"
 #include "client/servo/overdraft.hpp"
 #include "client/servo/servo_law.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/servo/remote_hand.hpp"
 #include "client/servo/servo_options.hpp"
 #include "core/teleoperation/link_states.hpp"

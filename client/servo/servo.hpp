@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "client/servo/device_input.hpp"
 #include "client/servo/explanation.hpp"
 #include "client/servo/force_fade.hpp"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "client/device/guarded_device.hpp"
 #include "client/servo/event.hpp"
-#include "client/servo/guarded_device.hpp"
 #include "client/servo/live_status.hpp"
 #include "client/servo/prepared_change.hpp"
 #include "client/servo/servo.hpp"

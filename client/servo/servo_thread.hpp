@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "client/servo/guarded_device.hpp"
+#include "client/device/guarded_device.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "protocol/net/real_time.hpp"
 

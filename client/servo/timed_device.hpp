@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "core/base/histogram.hpp"
 #include "protocol/net/clock.hpp"
 

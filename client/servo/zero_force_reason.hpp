@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire {

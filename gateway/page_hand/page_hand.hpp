@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "client/devices/pointer_device.hpp"
+#include "client/hands/pointer_device.hpp"
 #include "client/transport/control_client.hpp"
 #include "server/web/page_hands.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 
 namespace feltwire {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 
 namespace feltwire {
 

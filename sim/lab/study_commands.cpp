@@ -6,7 +6,7 @@
 #include <iostream>
 #include <memory>
 
-#include "client/devices/plant_file.hpp"
+#include "client/hands/plant_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/device/device_file.hpp"
 #include "core/scene_file/load_scene.hpp"

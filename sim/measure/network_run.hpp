@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "client/devices/replay_device.hpp"
-#include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link.hpp"
+#include "client/hands/replay_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "client/servo/servo.hpp"
 #include "core/scene/scene.hpp"
 #include "server/scene/scene_sessions.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <thread>
 
-#include "client/devices/replay_device.hpp"
 #include "client/emulated_link/emulated_port.hpp"
+#include "client/hands/replay_device.hpp"
 #include "client/servo/servo_loop.hpp"
 #include "server/app/server.hpp"
 #include "tests/support/eventually.hpp"

@@ -1,12 +1,12 @@
 // Tests the assumed lag of a device without a specified lag.
 
-#include "client/devices/connection_lag.hpp"
+#include "client/device/connection_lag.hpp"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "client/devices/drivers.hpp"
+#include "client/drivers/drivers.hpp"
 #include "core/bounding/device_account.hpp"
 #include "core/device/spec_text.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -1,6 +1,6 @@
 // Tests the packets and the geometry of a Falcon.
 
-#include "client/devices/falcon_board.hpp"
+#include "client/drivers/novint/falcon_board.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // Tests the Falcon's driver against a substitute of libusb. The substitute has a Falcon of known
 // true motion.
 
-#include "client/devices/falcon.hpp"
+#include "client/drivers/novint/falcon.hpp"
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "client/devices/protected_device.hpp"
+#include "client/device/protected_device.hpp"
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
 #include "tests/client/temporary_folder.hpp"

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "client/devices/force_dimension.hpp"
+#include "client/drivers/force_dimension/force_dimension.hpp"
 #include "client/servo/servo.hpp"
 #include "tests/devices/drd_stand_in.hpp"
 #include "tests/devices/stand_in_session.hpp"

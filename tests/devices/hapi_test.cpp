@@ -1,14 +1,14 @@
 // Tests the driver of the 2-dof open board against a board at a pseudo terminal. The board has a
 // known true motion.
 
-#include "client/devices/hapi.hpp"
+#include "client/drivers/haply/hapi.hpp"
 
 #include <gmock/gmock.h>
 
 #include <numbers>
 #include <random>
 
-#include "client/devices/hapi_board.hpp"
+#include "client/drivers/haply/hapi_board.hpp"
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
 #include "tests/devices/hapi_stand_in.hpp"

@@ -1,12 +1,12 @@
 // Tests the driver of Haply's devices against a substitute of their service.
 
-#include "client/devices/haply.hpp"
+#include "client/drivers/haply/haply.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "client/devices/haply_messages.hpp"
+#include "client/drivers/haply/haply_messages.hpp"
 #include "client/servo/servo.hpp"
 #include "protocol/net/clock.hpp"
 #include "tests/devices/haply_stand_in.hpp"

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "client/devices/input_nodes.hpp"
+#include "client/input_devices/input_nodes.hpp"
 #include "tests/devices/joystick_hand.hpp"
 #include "tests/support/temporary_folder.hpp"
 

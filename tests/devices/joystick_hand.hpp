@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "client/devices/joystick_device.hpp"
+#include "client/drivers/joystick/joystick_device.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/input_stand_in.hpp"
 #include "tests/devices/tick.hpp"

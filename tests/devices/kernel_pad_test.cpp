@@ -10,9 +10,9 @@
 #include <cerrno>
 #include <system_error>
 
-#include "client/devices/input_nodes.hpp"
-#include "client/devices/joystick_device.hpp"
-#include "client/devices/machine_files.hpp"
+#include "client/drivers/joystick/joystick_device.hpp"
+#include "client/input_devices/input_nodes.hpp"
+#include "client/input_devices/machine_files.hpp"
 
 namespace feltwire::kernel_pad_test {
 namespace {

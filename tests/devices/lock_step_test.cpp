@@ -1,7 +1,7 @@
 // Devices answer each command. Tests the force that the driver assumes when a new command did not
 // reach the device.
 
-#include "client/devices/lock_step.hpp"
+#include "client/device/lock_step.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Tests a device behind a mapping: its positions, forces, specification and energy.
 
-#include "client/devices/mapped_device.hpp"
+#include "client/device/mapped_device.hpp"
 
 #include <gmock/gmock.h>
 
 #include <numbers>
 #include <random>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "tests/devices/mapped_handle.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/seeds.hpp"

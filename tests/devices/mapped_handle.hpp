@@ -9,8 +9,8 @@
 #include <random>
 #include <utility>
 
-#include "client/devices/mapped_device.hpp"
-#include "client/devices/protected_device.hpp"
+#include "client/device/mapped_device.hpp"
+#include "client/device/protected_device.hpp"
 #include "client/servo/servo.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/devices/simulated_mass.hpp"

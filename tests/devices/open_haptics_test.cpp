@@ -1,6 +1,6 @@
 // Tests the driver of OpenHaptics against a substitute of the maker's library with its callbacks.
 
-#include "client/devices/open_haptics.hpp"
+#include "client/drivers/open_haptics/open_haptics.hpp"
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>

@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "client/devices/feltwire_device_v1.h"
+#include "client/drivers/plugin/feltwire_device_v1.h"
 #include "tests/devices/shared_page.hpp"
 
 namespace {

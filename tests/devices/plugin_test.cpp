@@ -6,7 +6,7 @@
 #include <limits>
 #include <thread>
 
-#include "client/devices/plugin_device.hpp"
+#include "client/drivers/plugin/plugin_device.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/devices/plugin_stand_in.hpp"

@@ -1,6 +1,6 @@
 // Tests a protected device: a start without a kick, an emergency stop and a tool's weight.
 
-#include "client/devices/protected_device.hpp"
+#include "client/device/protected_device.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // A service sends much data without a message. The WebSocket must not block the servo's thread.
 
-#include "client/devices/service_socket.hpp"
+#include "client/drivers/haply/service_socket.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

@@ -32,7 +32,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "tests/fault/fault_log.hpp"
 
 extern "C" {

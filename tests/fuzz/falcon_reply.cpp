@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "client/devices/falcon_board.hpp"
+#include "client/drivers/novint/falcon_board.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "client/devices/falcon_firmware.hpp"
-#include "client/devices/falcon_line.hpp"
+#include "client/drivers/novint/falcon_firmware.hpp"
+#include "client/drivers/novint/falcon_line.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/libusb_script.hpp"
 

@@ -1,7 +1,7 @@
 // Takes arbitrary bytes from the serial port of a 2-dof open board. The result must be no reply, or
 // possible arm angles and a tool that the links reach.
 
-#include "client/devices/hapi_board.hpp"
+#include "client/drivers/haply/hapi_board.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "client/devices/haply_messages.hpp"
-#include "client/devices/service_socket.hpp"
+#include "client/drivers/haply/haply_messages.hpp"
+#include "client/drivers/haply/service_socket.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace feltwire::fuzz {

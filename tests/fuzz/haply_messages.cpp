@@ -1,7 +1,7 @@
 // Takes arbitrary bytes from a service on this machine. The result must be no message, or a message
 // with possible numbers. The driver must be able to write a command for such a message.
 
-#include "client/devices/haply_messages.hpp"
+#include "client/drivers/haply/haply_messages.hpp"
 
 #include "tests/fuzz/fuzz.hpp"
 

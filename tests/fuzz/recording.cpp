@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "client/devices/replay_device.hpp"
+#include "client/hands/replay_device.hpp"
 #include "core/base/csv.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

@@ -156,9 +156,9 @@ def main():
     manifest = {"machine": machine(bin_folder), "recordings": recordings, "samples": exported}
     (target / "manifest.json").write_text(json.dumps(manifest, indent=2) + "\n")
     shutil.copy(source / "core/device/sigma_7.json", target / "device.json")
-    include = target / "include/feltwire/client/devices"
+    include = target / "include/feltwire/client/drivers/plugin"
     include.mkdir(parents=True)
-    shutil.copy(source / "client/devices/feltwire_device_v1.h", include)
+    shutil.copy(source / "client/drivers/plugin/feltwire_device_v1.h", include)
     shutil.copy(source / "examples/my_plugin.c", target)
     print(f"write {target / 'configuration.json'} with every field of server/app/server_config.fbs")
 

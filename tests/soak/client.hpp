@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/datagram_session.hpp"

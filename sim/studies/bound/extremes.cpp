@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/studies/bound/in_float.hpp"
 #include "sim/studies/bound/stress_inputs.hpp"

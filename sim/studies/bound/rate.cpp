@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "core/base/parallel.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"

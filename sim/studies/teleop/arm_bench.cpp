@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "client/devices/hand_device.hpp"
+#include "client/hands/hand_device.hpp"
 #include "client/simulated_robots/arm.hpp"
 #include "core/base/numeric.hpp"
 #include "core/base/parallel.hpp"

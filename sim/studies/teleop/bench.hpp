@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "client/devices/simulated_device.hpp"
 #include "client/emulated_link/link_options.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "sim/teleoperation_laws/teleoperation_law.hpp"
 
 namespace feltwire::teleop {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "client/devices/amplifier.hpp"
+#include "client/hands/amplifier.hpp"
 #include "core/base/types.hpp"
 
 namespace feltwire::identify_test {

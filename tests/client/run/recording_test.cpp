@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "client/devices/replay_device.hpp"
+#include "client/hands/replay_device.hpp"
 #include "client/run/records.hpp"
 #include "tests/client/temporary_folder.hpp"
 

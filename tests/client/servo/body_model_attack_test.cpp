@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "client/servo/servo.hpp"
 #include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "sim/hands/eight_hands.hpp"

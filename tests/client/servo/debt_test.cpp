@@ -7,7 +7,7 @@
 #include <deque>
 #include <optional>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "client/run/debts.hpp"
 #include "client/servo/stall_detector.hpp"
 #include "server/scene/session.hpp"

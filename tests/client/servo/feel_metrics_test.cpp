@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "client/servo/servo.hpp"
 #include "tests/client/servo_bench.hpp"
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <sstream>
 
-#include "client/devices/mapped_device.hpp"
-#include "client/devices/replay_device.hpp"
+#include "client/device/mapped_device.hpp"
+#include "client/hands/replay_device.hpp"
 #include "core/base/numeric.hpp"
 #include "tests/client/servo_bench.hpp"
 

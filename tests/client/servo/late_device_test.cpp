@@ -6,7 +6,7 @@
 
 #include <deque>
 
-#include "client/devices/simulated_device.hpp"
+#include "client/hands/simulated_device.hpp"
 #include "server/scene/session.hpp"
 #include "sim/hands/eight_hands.hpp"
 #include "tests/client/servo_bench.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <sstream>
 
-#include "client/devices/replay_device.hpp"
+#include "client/hands/replay_device.hpp"
 #include "client/servo/servo.hpp"
 #include "client/transport/transport.hpp"
 #include "tests/client/peer.hpp"

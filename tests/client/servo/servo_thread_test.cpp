@@ -14,7 +14,7 @@
 #include <functional>
 #include <semaphore>
 
-#include "client/devices/async_signal_release.hpp"
+#include "client/device/async_signal_release.hpp"
 #include "client/run/crash_release.hpp"
 #include "client/servo/stall_detector.hpp"
 #include "tests/client/peer.hpp"

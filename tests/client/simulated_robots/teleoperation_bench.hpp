@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "client/devices/hand_device.hpp"
 #include "client/emulated_link/link.hpp"
 #include "client/followers/robot_datagrams.hpp"
+#include "client/hands/hand_device.hpp"
 #include "client/servo/servo.hpp"
 #include "client/simulated_robots/point_robot.hpp"
 #include "client/transport/datagram_session.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "client/devices/plant_file.hpp"
+#include "client/hands/plant_file.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/over_hands.hpp"
 

@@ -1,0 +1,131 @@
+#include "client/device/sample_mailbox.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+#include <system_error>
+
+#include "protocol/net/clock.hpp"
+
+namespace feltwire {
+namespace {
+
+Command weighted(const Command& a, double of_a, const Command& b, double of_b) noexcept {
+  return {of_a * a.elastic + of_b * b.elastic, of_a * a.frictional + of_b * b.frictional,
+          of_a * a.torque + of_b * b.torque};
+}
+
+}  // namespace
+
+Wake::Wake() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (descriptor_ < 0)
+    throw std::system_error(errno, std::generic_category(), "cannot make an event");
+}
+
+Wake::~Wake() { ::close(descriptor_); }
+
+void Wake::set() const noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof one);
+}
+
+void Wake::wait_until(Nanoseconds latest) const noexcept {
+  const Nanoseconds left = std::max(latest - monotonic_now(), Nanoseconds(0));
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec time{.tv_sec = static_cast<time_t>(whole.count()),
+                      .tv_nsec = static_cast<long>((left - whole).count())};
+  pollfd waiting{descriptor_, POLLIN, 0};
+  ::ppoll(&waiting, 1, &time, nullptr);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
+}
+
+void Wake::wait() const noexcept {
+  pollfd waiting{descriptor_, POLLIN, 0};
+  ::poll(&waiting, 1, -1);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
+}
+
+Command SampleMailbox::exchange(DeviceReading reading, Nanoseconds patience) noexcept {
+  const Nanoseconds now = monotonic_now();
+  const double span = seconds(now - offered_at_);
+  if (number_ > 0 && span > 0.0) {
+    const double late = std::clamp(seconds(applied_at_ - offered_at_) / span, 0.0, 1.0);
+    reading.held = weighted(before_, late, applied_, 1.0 - late);
+  }
+  offered_at_ = now;
+  before_ = applied_;
+  number_ += 2;
+  state_.store(number_, std::memory_order_release);
+  bool answered = false;
+  if (offers_.push({reading, span, number_})) {
+    servo_wake_.set();
+    const Nanoseconds latest = now + patience;
+    while (!answered && !released() && monotonic_now() < latest) {
+      device_wake_.wait_until(latest);
+      answered = state_.load(std::memory_order_acquire) == number_ + 1;
+    }
+  }
+  std::uint64_t standing = number_;
+  answered = !state_.compare_exchange_strong(standing, kClosed, std::memory_order_acq_rel);
+  if (answered) applied_ = command_;
+  repeated_ = answered ? 0 : repeated_ + 1;
+  if (released() || repeated_ > most_repeated_) applied_ = {};
+  applied_at_ = monotonic_now();
+  return applied_;
+}
+
+/// Takes the offers since the last call. Averages the held forces of skipped readings over time. A
+/// single fault marks the result as faulty. Returns true if an offer arrived.
+bool SampleMailbox::take() noexcept {
+  Offer offer;
+  while (offers_.pop(offer)) {
+    if (news_.held && offer.reading.held && news_span_ + offer.span > 0.0) {
+      const double share = news_span_ / (news_span_ + offer.span);
+      offer.reading.held = weighted(*news_.held, share, *offer.reading.held, 1.0 - share);
+    }
+    news_span_ += offer.span;
+    offer.reading.ok &= news_.ok;
+    news_ = offer.reading;
+    taken_ = offer.number;
+  }
+  return news_.fresh;
+}
+
+bool SampleMailbox::await(Nanoseconds latest) noexcept {
+  while (!take()) {
+    if (released() || monotonic_now() >= latest) return false;
+    servo_wake_.wait_until(latest);
+  }
+  return true;
+}
+
+DeviceReading SampleMailbox::newest() noexcept {
+  take();
+  DeviceReading newest = news_;
+  if (newest.fresh && newest.held) expected_ = *newest.held;
+  news_ = {.pose = {}, .fresh = false};
+  news_span_ = 0.0;
+  return newest;
+}
+
+Command SampleMailbox::write(const Command& on_hand) noexcept {
+  if (released()) return {};
+  if (taken_ == 0) return expected_;
+  std::uint64_t standing = taken_;
+  const std::uint64_t answer = taken_ + 1;
+  taken_ = 0;
+  command_ = on_hand;  // the reader ignores it unless the next line succeeds
+  if (!state_.compare_exchange_strong(standing, answer, std::memory_order_acq_rel))
+    return expected_;
+  device_wake_.set();
+  expected_ = on_hand;
+  return on_hand;
+}
+
+}  // namespace feltwire
