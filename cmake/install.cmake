@@ -26,11 +26,20 @@ set(client_rooms protocol/crypto protocol/session protocol/wire protocol/net
   client/device client/hands client/input_devices client/drivers/common client/drivers/force_dimension
   client/drivers/open_haptics client/drivers/haply client/drivers/novint client/drivers/joystick client/drivers/plugin
   client/drivers client/transport client/servo core/recording client/run)
+if(FELTWIRE_LEFT_OUT)
+  list(REMOVE_ITEM client_rooms ${FELTWIRE_LEFT_OUT})
+endif()
+set(wslay)
+set(FELTWIRE_WSLAY_LIB)
+if(FELTWIRE_DRIVER_HAPLY)
+  set(wslay wslay)
+  set(FELTWIRE_WSLAY_LIB " -lwslay")  # Debian's package has no .pc file
+endif()
 feltwire_installed(core ${core_rooms})
 feltwire_installed(client ${client_rooms})
 target_link_libraries(feltwire_installed_core INTERFACE Eigen3::Eigen flatbuffers::flatbuffers)
 target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium zstd ZLIB::ZLIB
-  wslay Threads::Threads)
+  ${wslay} Threads::Threads)
 
 # The C interface: a library that needs nothing of the others.
 set_target_properties(feltwire PROPERTIES EXPORT_NAME c)
@@ -46,7 +55,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/feltwireConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/feltwireConfig.cmake ${PROJECT_BINARY_DIR}/feltwireConfigVersion.cmake
   DESTINATION ${config})
 file(RELATIVE_PATH FELTWIRE_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-set(FELTWIRE_WSLAY_LIB " -lwslay")  # Debian's package has no .pc file
 configure_file(cmake/feltwire.pc.in ${PROJECT_BINARY_DIR}/feltwire.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/feltwire.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 

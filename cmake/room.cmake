@@ -2,11 +2,17 @@
 #
 # The library of one folder of core/, protocol/, server/, client/, gateway/ or sim/, whose CMakeLists.txt calls this: core/mesh is
 # feltwire_core_mesh. USES names the rooms whose headers it includes; LINKS what whoever includes its headers needs too;
-# PRIVATE what its sources alone need. A room without sources has headers only.
+# PRIVATE what its sources alone need. A room without sources has headers only. Rooms in the list FELTWIRE_LEFT_OUT are not built.
 function(feltwire_room folder)
   cmake_parse_arguments(ARG "" "" "USES;LINKS;PRIVATE;SOURCES;SCHEMAS" ${ARGN})
   file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+  if(path IN_LIST FELTWIRE_LEFT_OUT)
+    return()
+  endif()
   string(REPLACE "/" "_" name "feltwire_${path}")
+  if(FELTWIRE_LEFT_OUT)
+    list(REMOVE_ITEM ARG_USES ${FELTWIRE_LEFT_OUT})
+  endif()
   set(uses)
   foreach(room IN LISTS ARG_USES)
     string(REPLACE "/" "_" used "feltwire_${room}")

@@ -82,6 +82,7 @@ constexpr std::array kDrivers = {
            .library = nullptr,
            .held_by_person = false,
            .gives_force = false},
+#ifdef FELTWIRE_DRIVER_FORCE_DIMENSION
     Driver{.kind = "forcedimension",
            .takes_name = Name::optional,
            .name = "NUMBER",
@@ -93,6 +94,8 @@ constexpr std::array kDrivers = {
            .buttons = 8,
            .deadman_button = 2,
            .clutch_button = 1},
+#endif
+#ifdef FELTWIRE_DRIVER_OPEN_HAPTICS
     Driver{.kind = "openhaptics",
            .takes_name = Name::optional,
            .name = "NAME",
@@ -104,6 +107,8 @@ constexpr std::array kDrivers = {
            .buttons = 4,
            .deadman_button = 1,
            .clutch_button = 2},
+#endif
+#ifdef FELTWIRE_DRIVER_HAPLY
     Driver{.kind = "haply",
            .takes_name = Name::optional,
            .name = "ID@PORT",
@@ -115,6 +120,8 @@ constexpr std::array kDrivers = {
            .buttons = 3,
            .deadman_button = 1,
            .clutch_button = 2},
+#endif
+#ifdef FELTWIRE_DRIVER_NOVINT
     Driver{.kind = "falcon",
            .takes_name = Name::optional,
            .name = "NUMBER",
@@ -127,6 +134,8 @@ constexpr std::array kDrivers = {
            .buttons = 4,
            .deadman_button = 1,
            .clutch_button = 2},
+#endif
+#ifdef FELTWIRE_DRIVER_HAPLY
     Driver{.kind = "hapi",
            .takes_name = Name::required,
            .name = "PORT",
@@ -135,6 +144,8 @@ constexpr std::array kDrivers = {
            .spec = "hapi_2dof",
            .open = open_hapi,
            .library = nullptr},
+#endif
+#ifdef FELTWIRE_DRIVER_JOYSTICK
     Driver{.kind = "gamepad",
            .takes_name = Name::optional,
            .name = "EVENT",
@@ -155,6 +166,7 @@ constexpr std::array kDrivers = {
            .library = nullptr,
            .gives_force = false,
            .buttons = kMouseButtons.size()},
+#endif
     Driver{.kind = "plugin",
            .takes_name = Name::required,
            .name = "FILE.so[:ARGUMENTS]",
@@ -166,6 +178,20 @@ constexpr std::array kDrivers = {
            .buttons = 32,
            .deadman_button = 1,
            .clutch_button = 2},
+};
+
+/// The option of the build (cmake/drivers.cmake) that a kind of device needs.
+struct BuildOption {
+  std::string_view kind, option;
+};
+constexpr std::array kBuildOptions = {
+    BuildOption{"forcedimension", "FELTWIRE_DRIVER_FORCE_DIMENSION"},
+    BuildOption{"openhaptics", "FELTWIRE_DRIVER_OPEN_HAPTICS"},
+    BuildOption{"haply", "FELTWIRE_DRIVER_HAPLY"},
+    BuildOption{"falcon", "FELTWIRE_DRIVER_NOVINT"},
+    BuildOption{"hapi", "FELTWIRE_DRIVER_HAPLY"},
+    BuildOption{"gamepad", "FELTWIRE_DRIVER_JOYSTICK"},
+    BuildOption{"spacemouse", "FELTWIRE_DRIVER_JOYSTICK"},
 };
 
 /// Returns "KIND", "KIND:NAME" or "KIND[:NAME]".
@@ -224,15 +250,28 @@ constexpr std::array kFamilies = {
     Family{"hapi", "hapi"},
 };
 
+/// The remedy where this program was built without the driver of that kind; empty: it has none.
+std::string remedy_without(std::string_view kind) {
+  const BuildOption* build = find_named(kBuildOptions, kind, &BuildOption::kind);
+  if (build == nullptr) return {};
+  return "this program was built without that driver; build it with -D" +
+         std::string(build->option) + "=ON";
+}
+
 /// Returns the option that selects the device of this specification.
 std::string option_for(std::string_view spec) {
-  for (const Family& family : kFamilies)
-    if (spec.starts_with(family.device))
-      return "--device " + spelling(*find_named(kDrivers, family.kind, &Driver::kind));
+  for (const Family& family : kFamilies) {
+    if (!spec.starts_with(family.device)) continue;
+    if (const Driver* driver = find_named(kDrivers, family.kind, &Driver::kind))
+      return "--device " + spelling(*driver);
+    return "--device " + std::string(family.kind) + " (" + remedy_without(family.kind) + ")";
+  }
   return "--device plugin:FILE.so (docs/devices.md)";
 }
 
 [[noreturn]] void refuse_device(std::string_view words) {
+  if (const std::string remedy = remedy_without(words.substr(0, words.find(':'))); !remedy.empty())
+    throw std::invalid_argument("--device " + std::string(words) + ": " + remedy);
   const std::string unknown = "unknown device '" + std::string(words) + "'";
   const std::string spec = meant_spec(words);
   if (spec.empty())
