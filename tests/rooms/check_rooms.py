@@ -3,7 +3,7 @@
 
 The CMakeLists.txt of core/, protocol/, server/, client/, gateway/ and sim/ list their rooms from the ground up, each with the rooms
 that it USES. A room may include headers of itself and of those; it may use only rooms that are listed before it, so that
-no circle can be; and the client uses nothing of the server.
+no circle can be; and the client uses nothing of the server. Programs that users run link nothing of sim/, which has the laboratory.
 
 A class has its member functions in its header and in one .cpp. A nested class counts as a part of its outer class if the same header
 declares both; classes in anonymous namespaces of different files are different classes. What a header declares is defined in the
@@ -60,6 +60,8 @@ def broken_includes(rooms, files):
         wrong += [f"{room}: uses {used}, which is not listed before it" for used in uses if used not in below]
         wrong += [f"{room}: may not use {used}" for used in uses
                   if (room.split("/")[0], used.split("/")[0]) in FORBIDDEN]
+    wrong += [f"{floor}/CMakeLists.txt: links {name}, which is of the laboratory; move what users run out of sim/"
+              for floor in FLOORS[:-1] for name in re.findall(r"\bfeltwire_sim\w*", (source / floor / "CMakeLists.txt").read_text(encoding="utf-8"))]
     seen = {room: set() for room in rooms}
     for file, number, header in included(files):
         room, other = str(file.parent), str(header.parent)
