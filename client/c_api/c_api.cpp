@@ -12,8 +12,8 @@
 
 #include "client/c_api/feltwire.h"
 #include "client/c_api/open_hand.hpp"
-#include "client/devices/mapped_device.hpp"
-#include "client/devices/protected_device.hpp"
+#include "client/device/mapped_device.hpp"
+#include "client/device/protected_device.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/device/device_file.hpp"

@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "client/devices/device.hpp"
+#include "client/device/device.hpp"
 #include "core/base/latest_value.hpp"
 
 namespace feltwire {

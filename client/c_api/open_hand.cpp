@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/devices/await_prepared.hpp"
+#include "client/device/await_prepared.hpp"
 
 namespace feltwire {
 namespace {

@@ -53,7 +53,7 @@ def included(files):
                 yield file, number, pathlib.PurePath(found.group(1))
 
 
-def broken_includes(rooms, files):
+def broken_includes(source, rooms, files):
     wrong = []
     for place, (room, uses) in enumerate(rooms.items()):
         below = list(rooms)[:place]
@@ -61,7 +61,8 @@ def broken_includes(rooms, files):
         wrong += [f"{room}: may not use {used}" for used in uses
                   if (room.split("/")[0], used.split("/")[0]) in FORBIDDEN]
     wrong += [f"{floor}/CMakeLists.txt: links {name}, which is of the laboratory; move what users run out of sim/"
-              for floor in FLOORS[:-1] for name in re.findall(r"\bfeltwire_sim\w*", (source / floor / "CMakeLists.txt").read_text(encoding="utf-8"))]
+              for floor in FLOORS[:-1]
+              for name in re.findall(r"\bfeltwire_sim\w*", (source / floor / "CMakeLists.txt").read_text(encoding="utf-8"))]
     seen = {room: set() for room in rooms}
     for file, number, header in included(files):
         room, other = str(file.parent), str(header.parent)
@@ -163,7 +164,7 @@ def main():
         print("\n".join(large_classes(code)))
         return 0
     rooms = declared(source)
-    wrong = broken_includes(rooms, files) + same_names(files) + scattered_classes(code) + distant_definitions(code)
+    wrong = broken_includes(source, rooms, files) + same_names(files) + scattered_classes(code) + distant_definitions(code)
     print("\n".join(wrong) or f"{len(rooms)} rooms, every include goes downwards, and every class is in one .cpp")
     return 1 if wrong else 0
 
