@@ -3,8 +3,8 @@
 #include <list>
 #include <mutex>
 
+#include "gateway/page_hand/make_page_hands.hpp"
 #include "gateway/page_hand/page_hand.hpp"
-#include "server/app/make_page_hands.hpp"
 
 namespace feltwire {
 namespace {

@@ -27,7 +27,7 @@ class Server {
   /// Loads the scenes, the certificate and the tokens of the configuration, binds every port and
   /// starts the threads. Throws FileError, std::invalid_argument or std::runtime_error, each with
   /// one clear line. `hands` makes the hands for viewers of the live page
-  /// (server/app/make_page_hands.hpp); empty: none.
+  /// (gateway/page_hand/make_page_hands.hpp); empty: none.
   explicit Server(const ServerConfig& config, const web::MakePageHands& hands = {});
   /// Uses the given scenes and identity; those of the configuration are not read. `load` reads
   /// a scene's file again at a reload.

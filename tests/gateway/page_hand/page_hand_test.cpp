@@ -8,7 +8,7 @@
 
 #include "client/transport/control_client.hpp"
 #include "core/bounding/method.hpp"
-#include "server/app/make_page_hands.hpp"
+#include "gateway/page_hand/make_page_hands.hpp"
 #include "server/app/server.hpp"
 #include "tests/server/make.hpp"
 #include "tests/server/web/page_client.hpp"

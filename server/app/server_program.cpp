@@ -1,4 +1,4 @@
-// feltwire-server: serves scenes to haptic clients until SIGINT or SIGTERM.
+#include "server/app/server_program.hpp"
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -22,7 +22,6 @@
 #include "server/app/health.hpp"
 #include "server/app/known_scenes.hpp"
 #include "server/app/log_format.hpp"
-#include "server/app/make_page_hands.hpp"
 #include "server/app/page_address.hpp"
 #include "server/app/server.hpp"
 #include "server/app/server_options.hpp"
@@ -32,13 +31,14 @@
 #include "server/app/token_command.hpp"
 #include "server/scene/answer_time.hpp"
 
+namespace feltwire {
 namespace {
 
 constexpr int kBadUsage = 2, kCannotRun = 1;
 constexpr std::chrono::milliseconds kHealthTimeout{1500};
 
 int fail(int status, const char* what) {
-  std::fprintf(stderr, "feltwire-server: %s\n", feltwire::visible(what).c_str());
+  std::fprintf(stderr, "feltwire-server: %s\n", visible(what).c_str());
   return status;
 }
 
@@ -73,29 +73,28 @@ std::string client_program() {
 }
 
 /// The command line that joins from this machine.
-std::string join_line(const feltwire::ServerConfig& config, const feltwire::Server& server) {
+std::string join_line(const ServerConfig& config, const Server& server) {
   const auto address = asio::ip::make_address(config.address);
   const std::string host = address.is_unspecified() ? "127.0.0.1" : config.address;
-  const auto token = feltwire::local_token_file(config);
+  const auto token = local_token_file(config);
   const bool has_token = !token.empty() && std::filesystem::exists(token);
   return client_program() + " --connect " +
          (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" +
          std::to_string(server.control_port()) + " --scene " +
          shell_word(server.scenes().front().scene) + " --fingerprint " +
-         feltwire::to_string(server.fingerprint()) + " --token-file " +
+         to_string(server.fingerprint()) + " --token-file " +
          (has_token ? shell_word(std::filesystem::absolute(token).string()) : "FILE");
 }
 
-void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& server) {
-  std::printf("fingerprint: %s\n", feltwire::to_string(server.fingerprint()).c_str());
+void print_ready(const ServerConfig& config, const Server& server) {
+  std::printf("fingerprint: %s\n", to_string(server.fingerprint()).c_str());
   std::printf("listening: control tcp %u", unsigned{server.control_port()});
   for (const auto& scene : server.scenes())
-    std::printf(", scene %s udp %u", feltwire::visible(scene.scene).c_str(),
-                unsigned{scene.udp_port});
+    std::printf(", scene %s udp %u", visible(scene.scene).c_str(), unsigned{scene.udp_port});
   std::printf("\njoin: %s\n", join_line(config, server).c_str());
   if (const std::string page = server.web_url(); !page.empty()) {
-    std::printf("live page: %s%s\n", page.c_str(), feltwire::token_for_page(config).c_str());
-    if (const std::string admin = feltwire::admin_token_for_page(config); !admin.empty())
+    std::printf("live page: %s%s\n", page.c_str(), token_for_page(config).c_str());
+    if (const std::string admin = admin_token_for_page(config); !admin.empty())
       std::printf("as an admin: %s%s\n", page.c_str(), admin.c_str());
   }
   std::fflush(stdout);
@@ -103,7 +102,7 @@ void print_ready(const feltwire::ServerConfig& config, const feltwire::Server& s
 
 /// Serves until SIGINT or SIGTERM. Every thread blocks these, SIGUSR1 and SIGHUP. Returns false if
 /// a thread was left behind that hangs reading a file.
-bool serve(feltwire::Server& server, const sigset_t& signals, const std::string& summary) {
+bool serve(Server& server, const sigset_t& signals, const std::string& summary) {
   const auto count = [&] {
     if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
   };
@@ -117,7 +116,7 @@ bool serve(feltwire::Server& server, const sigset_t& signals, const std::string&
       for (const std::string& wrong : all) spdlog::error("{}; the scene stays as it was", wrong);
     });
   };
-  const int signal = feltwire::wait_for_end(signals, {write_all, reload});
+  const int signal = wait_for_end(signals, {write_all, reload});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   const bool ended = server.stop();
   try {
@@ -125,9 +124,8 @@ bool serve(feltwire::Server& server, const sigset_t& signals, const std::string&
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
   }
-  std::fputs(
-      feltwire::visible_lines(text(server.summary()) + text(server.control_summary())).c_str(),
-      stdout);
+  std::fputs(visible_lines(text(server.summary()) + text(server.control_summary())).c_str(),
+             stdout);
   return ended;
 }
 
@@ -140,35 +138,33 @@ bool serve(feltwire::Server& server, const sigset_t& signals, const std::string&
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  feltwire::forbid_core_dumps();
-  feltwire::end_without_random_numbers();
-  if (argc > 1 && std::string_view(argv[1]) == "token")
-    return feltwire::token_command(argc - 1, argv + 1);
+int server_program(int argc, char** argv, const web::MakePageHands& make_page_hands) {
+  forbid_core_dumps();
+  end_without_random_numbers();
+  if (argc > 1 && std::string_view(argv[1]) == "token") return token_command(argc - 1, argv + 1);
   try {
-    const feltwire::ServerTask asked = feltwire::server_task(argc, argv);
-    const feltwire::ServerConfig& config = asked.config;
+    const ServerTask asked = server_task(argc, argv);
+    const ServerConfig& config = asked.config;
     if (!asked.explain.empty()) {
-      const feltwire::Scene scene = feltwire::load_scene(asked.explain);
+      const Scene scene = load_scene(asked.explain);
       std::vector<std::string> warnings = scene.warnings();
-      if (auto slow = feltwire::warning_of_slow_answers(scene)) warnings.push_back(*slow);
+      if (auto slow = warning_of_slow_answers(scene)) warnings.push_back(*slow);
       for (const std::string& warning : warnings)
-        std::fprintf(stderr, "%s\n", feltwire::visible(asked.explain + ": " + warning).c_str());
-      std::fputs(feltwire::visible_lines(describe_costs(scene)).c_str(), stdout);
+        std::fprintf(stderr, "%s\n", visible(asked.explain + ": " + warning).c_str());
+      std::fputs(visible_lines(describe_costs(scene)).c_str(), stdout);
       return 0;
     }
     if (asked.health) {
-      feltwire::check_health(config.address, config.port, kHealthTimeout);
+      check_health(config.address, config.port, kHealthTimeout);
       return 0;
     }
     validate(config);
-    feltwire::open_log("feltwire-server", config.log_level);
+    open_log("feltwire-server", config.log_level);
     // Block signals before any thread starts, so that only this thread takes them.
-    const sigset_t signals = feltwire::block_signals();
+    const sigset_t signals = block_signals();
 
-    feltwire::StartEnded start_ended;
-    std::optional<feltwire::Server> server =
-        feltwire::start_server(config, start_ended, feltwire::make_page_hands);
+    StartEnded start_ended;
+    std::optional<Server> server = start_server(config, start_ended, make_page_hands);
     if (!server) {
       spdlog::info("{} before it served",
                    start_ended.signal == SIGINT ? "interrupted" : "terminated");
@@ -177,12 +173,12 @@ int main(int argc, char** argv) {
     }
     // Report an unwritable file at once, not at the end of a long day.
     if (!asked.summary.empty()) {
-      feltwire::remove_leftovers(asked.summary);
+      remove_leftovers(asked.summary);
       write_summary(asked.summary, server->summary(), server->control_summary());
     }
     std::vector<std::string> names;
     for (const auto& scene : server->scenes()) names.push_back(scene.scene);
-    feltwire::note_scenes(config, names);
+    note_scenes(config, names);
     print_ready(config, *server);
     if (!serve(*server, signals, asked.summary)) leave_now();
     return 0;
@@ -195,3 +191,5 @@ int main(int argc, char** argv) {
     return fail(kCannotRun, error.what());
   }
 }
+
+}  // namespace feltwire
