@@ -14,7 +14,7 @@
 #include "protocol/session/lead_share.hpp"
 #include "protocol/session/material_fields.hpp"
 #include "server/scene/parameter_changes.hpp"
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {
@@ -68,10 +68,10 @@ struct SceneSessions::Change {
 
   /// The message for the log; empty without a log. Made before the change, because it may throw.
   std::vector<std::uint8_t> logged(const control::Message& message) const {
-    return sessions.log_ == nullptr ? std::vector<std::uint8_t>{} : body(message);
+    return sessions.log_.payload(message);
   }
   void log(EventKind kind, Bytes what, std::uint32_t hand = 0) const noexcept {
-    sessions.log({.kind = kind, .hand = hand, .time = now, .payload = what});
+    sessions.log_.put({.kind = kind, .hand = hand, .time = now, .payload = what});
   }
 
   ChangeOutcome operator()(const MaterialChange& change) {

@@ -3,7 +3,6 @@
 
 #include "protocol/wire/control.hpp"
 #include "server/scene/scene_sessions.hpp"
-#include "server/scene/session_slot.hpp"
 
 namespace feltwire {
 
@@ -27,11 +26,10 @@ control::Message SceneSessions::take_surfaces(const control::TakeSurfaces& reque
     return other_version(request.version);
   control::TakeSurfaces logged = request;
   logged.session = (*slot)->number;
-  const std::vector<std::uint8_t> event =
-      log_ == nullptr ? std::vector<std::uint8_t>{} : body(logged);
+  const std::vector<std::uint8_t> event = log_.payload(logged);
   if (auto wrong = (*slot)->session.take_surfaces(request.version, request.objects))
     return control::Refused{control::RefusalCode::bad_parameters, *std::move(wrong)};
-  log({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = event});
+  log_.put({.kind = EventKind::parameters, .hand = (*slot)->number, .time = now, .payload = event});
   return control::SurfacesTaken{request.session};
 }
 

@@ -1,6 +1,6 @@
 // Answers the payload of an accepted datagram.
 
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 
@@ -32,13 +32,13 @@ Bytes SceneSessions::answer_samples(SessionSlot& slot, Bytes payload,
   const Bytes answer = taken.withheld            ? Bytes{}
                        : slot.session.observes() ? show(slot, taken.reply, origin.now)
                                                  : fitted(slot, taken.reply, origin.now);
-  if (log_ != nullptr)
-    log({.kind = EventKind::samples,
-         .outcome = taken.withheld ? EventOutcome::withheld : EventOutcome::answered,
-         .hand = slot.number,
-         .time = origin.now,
-         .digest = taken.withheld ? 0 : digest(answer),
-         .payload = payload});
+  if (log_.is_on())
+    log_.put({.kind = EventKind::samples,
+              .outcome = taken.withheld ? EventOutcome::withheld : EventOutcome::answered,
+              .hand = slot.number,
+              .time = origin.now,
+              .digest = taken.withheld ? 0 : digest(answer),
+              .payload = payload});
   return answer;
 }
 

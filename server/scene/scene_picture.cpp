@@ -5,7 +5,6 @@
 
 #include "server/picture/picture.hpp"
 #include "server/scene/scene_sessions.hpp"
-#include "server/scene/session_slot.hpp"
 
 namespace feltwire {
 namespace {

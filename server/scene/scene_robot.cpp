@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {
@@ -110,13 +110,13 @@ void SceneSessions::receive_state(SessionSlot& slot, Bytes payload, const Origin
   slot.rate.count(1);
   slot.last_heard = origin.now;
   if (origin.newest) slot.peer = origin.from;
-  if (log_ != nullptr)
-    log({.kind = EventKind::samples,
-         .outcome = EventOutcome::withheld,
-         .hand = slot.number,
-         .time = origin.now,
-         .digest = 0,
-         .payload = payload});
+  if (log_.is_on())
+    log_.put({.kind = EventKind::samples,
+              .outcome = EventOutcome::withheld,
+              .hand = slot.number,
+              .time = origin.now,
+              .digest = 0,
+              .payload = payload});
 }
 
 /// Whether the hand that sent the batch moves an arm of the world, or wants to lead one.

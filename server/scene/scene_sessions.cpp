@@ -6,7 +6,6 @@
 #include "core/build_info/build_info.hpp"
 #include "protocol/session/grant.hpp"
 #include "protocol/session/lead_share.hpp"
-#include "server/scene/session_slot.hpp"
 
 namespace feltwire {
 namespace {
@@ -111,14 +110,14 @@ std::vector<SceneSessions::GoodbyeDatagram> SceneSessions::enter(const Scene& sc
       goodbyes.push_back(goodbye(*slots_[i], GoodbyeReason::evicted));
     else
       places[i] = Session::Place(*view, world.get(), slots_[i]->session.limits());
-  if (log_ != nullptr) log_->announce(scene.files());
+  log_.announce(scene.files());
 
   if (world_ != nullptr) add(counters_.world, world_->counters());
   const std::unique_ptr<World> before = std::move(world_);  // kept until no session uses it
   take_over(scene, std::move(world), std::move(seats));
   last_tick_ = now;
   ++version_;
-  log({.kind = EventKind::reload, .time = now});
+  log_.put({.kind = EventKind::reload, .time = now});
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(places[i]));
@@ -193,7 +192,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
   std::vector<std::uint8_t> logged;
   try {
     request.parameters = granted(request.parameters);
-    if (log_ != nullptr) logged = body(request);
+    logged = log_.payload(request);
     auto slot = std::make_unique<SessionSlot>(
         SessionSlot{id,
                     Session(request, *view, world_.get()),
@@ -231,7 +230,7 @@ control::Message SceneSessions::join(control::JoinRequest request, std::uint64_t
     seat.link.seat_robot(slot.number, seat.own);
     accepted.workspace = wanted.workspace;
   }
-  log({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
+  log_.put({.kind = EventKind::join, .hand = slot.number, .time = now, .payload = logged});
   accepted.session = id;
   accepted.parameters = request.parameters;
   accepted.silence_timeout = std::chrono::duration<double>(silence_timeout_).count();
@@ -298,8 +297,7 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
 }
 
 void SceneSessions::end(SessionSlot& slot, SessionEnd how) noexcept {
-  const auto said = static_cast<std::uint8_t>(how);
-  log({.kind = EventKind::end, .hand = slot.number, .time = logged_at_, .payload = {&said, 1}});
+  log_.put_end(slot.number, how);
   add(counters_, slot.session);
   // Nobody may ask for them. Then forget them before they take more memory.
   if (ended_.size() == ended_.capacity()) ended_.clear();
@@ -386,6 +384,10 @@ SceneCounters SceneSessions::counters() const {
   for (const auto& slot : slots_) add(sum, slot->session);
   if (world_ != nullptr) add(sum.world, world_->counters());
   return sum;
+}
+
+void SceneSessions::replay_end(std::uint64_t id, SessionEnd how) noexcept {
+  if (SessionSlot** slot = by_id_.find(id)) end(**slot, how);
 }
 
 const Session* SceneSessions::find(std::uint64_t id) {

@@ -2,15 +2,12 @@
 // All sessions of one scene: from the bytes of a datagram to those of its answer. It has no socket
 // and no clock.
 
-#include <sys/socket.h>
-
 #include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/base/time_counts.hpp"
-#include "protocol/net/local_address.hpp"
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/control.hpp"
@@ -18,38 +15,19 @@
 #include "protocol/wire/seal.hpp"
 #include "server/picture/picture.hpp"
 #include "server/scene/apply_live_change.hpp"
-#include "server/scene/event_log.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/id_map.hpp"
 #include "server/scene/observer_view.hpp"
+#include "server/scene/peer_address.hpp"
+#include "server/scene/scene_log.hpp"
 #include "server/scene/session.hpp"
 #include "server/scene/session_end.hpp"
+#include "server/scene/session_limits.hpp"
+#include "server/scene/session_slot.hpp"
 #include "server/scene/teleop_link.hpp"
 #include "server/scene/world_arm.hpp"
 
 namespace feltwire {
-
-/// The address of a datagram's sender, to which its answer goes, and the address of this machine
-/// that the sender spoke to, from which the answer leaves.
-struct Peer {
-  sockaddr_storage address{};
-  socklen_t length = 0;  // [bytes] 0: not known yet
-  LocalAddress local{};
-};
-
-/// The limits of a session. Beyond them it is slowed or ended.
-struct SessionLimits {
-  static constexpr double kSampleRate = 1.5;
-  double sample_rate =
-      kSampleRate;  // as a multiple of its servo rate, > 1 (server/scene/sample_rate.hpp)
-  /// Datagrams under its id that were not sealed with its keys; never more than the cipher allows
-  /// (forgery_limit).
-  std::uint64_t forgeries = ~std::uint64_t{0};
-  /// Resets of moving objects for which its hand may be blamed: so many at once, and again within
-  /// the time [s]; with one more the session ends.
-  static constexpr int kResets = 5;
-  static constexpr double kResetTime = 10.0;
-};
 
 struct SceneCounters {
   std::uint64_t sessions_served = 0;
@@ -195,9 +173,9 @@ class SceneSessions {
 
   /// From now on, all inputs that decide a reply go into the log, which must outlive this; null:
   /// none. A log can be replayed only if it began before the first session.
-  void log_to(EventLog* log) noexcept { log_ = log; }
+  void log_to(EventLog* log) noexcept { log_.log_to(log); }
   /// Logs the places of all moving objects, for a replay to compare. Never allocates.
-  void check(Nanoseconds now) noexcept;
+  void check(Nanoseconds now) noexcept { log_.check(world_.get(), now); }
 
   // For a replay (server/recording/scene_replay.hpp).
   /// Does the work of receive() for the payload of an accepted datagram. Returns the payload of the
@@ -217,10 +195,7 @@ class SceneSessions {
   const Session* find(std::uint64_t id);
 
  private:
-  struct SessionSlot;
-  struct Origin;
   struct Change;
-  struct AskedChange;
   /// A seat of the scene for a robot.
   struct Seat {
     TeleopLink link;
@@ -256,11 +231,6 @@ class SceneSessions {
   std::optional<SeenRobot> next_robot(SessionSlot& observer, Nanoseconds now) const noexcept;
   void add_figures(SceneView& view, Nanoseconds now) const noexcept;
   PictureHand picture_of(const SessionSlot& slot, Nanoseconds now) const noexcept;
-  void log(SceneEvent event) noexcept {
-    if (log_ == nullptr) return;
-    logged_at_ = event.time;
-    log_->put(event);
-  }
   struct Ending;
   std::optional<Ending> ending(const SessionSlot& slot, Nanoseconds now) const noexcept;
   void end(SessionSlot& slot, SessionEnd how) noexcept;
@@ -279,8 +249,8 @@ class SceneSessions {
   std::unique_ptr<World> world_;
   Nanoseconds tick_{0}, last_tick_{0};  // of the world: length, time
   int most_ticks_ = kMostTicks;  // largest number of ticks that one call makes up for at present
-  std::vector<std::unique_ptr<SessionSlot>> slots_;  // in the order they joined
-  std::vector<ActingHand> hands_;                    // of those, without the observers'
+  SessionSlots slots_;
+  std::vector<ActingHand> hands_;  // of those, without the observers'
   IdMap<SessionSlot*> by_id_;
   std::vector<Seat> seats_;  // for robots
   FairShare share_;
@@ -295,8 +265,7 @@ class SceneSessions {
   SceneCounters counters_;
   bool has_answers_ = false;  // clients have answered to changes
   bool has_short_paths_ = false;
-  EventLog* log_ = nullptr;
-  Nanoseconds logged_at_{0};  // the time of the newest event
+  SceneLog log_;
 };
 
 }  // namespace feltwire

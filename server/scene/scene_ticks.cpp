@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 
@@ -10,7 +10,7 @@ void SceneSessions::tick(Nanoseconds now) noexcept {
   if (world_ == nullptr || slots_.empty()) return;
   const auto due = (now - last_tick_) / tick_;
   if (due == 0) return;
-  log({.kind = EventKind::tick, .time = now});
+  log_.put({.kind = EventKind::tick, .time = now});
   counters_.world_late.record((now - last_tick_ - tick_).count());
   const auto late = due - most_ticks_;
   if (late > 0) [[unlikely]] {

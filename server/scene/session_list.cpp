@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "server/scene/named_counters.hpp"
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 

@@ -1,28 +1,33 @@
 #pragma once
+// A session with the data that the stages of its scene keep of it.
 
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "core/base/token_bucket.hpp"
+#include "protocol/session/client_change.hpp"
+#include "protocol/session/role.hpp"
+#include "protocol/session/session_parameters.hpp"
+#include "protocol/wire/seal.hpp"
+#include "server/scene/observer_view.hpp"
+#include "server/scene/peer_address.hpp"
 #include "server/scene/sample_rate.hpp"
-#include "server/scene/scene_sessions.hpp"
+#include "server/scene/session.hpp"
+#include "server/scene/session_limits.hpp"
 
 namespace feltwire {
 
 /// The sender and the time of a datagram.
-struct SceneSessions::Origin {
+struct Origin {
   const Peer& from;
   bool newest;  // of its session
   Nanoseconds now;
 };
 
-/// The body of a message's frame, for the event log.
-inline std::vector<std::uint8_t> body(const control::Message& message) {
-  std::vector<std::uint8_t> frame = control::encode(message);
-  frame.erase(frame.begin(), frame.begin() + control::kFrameLengthSize);
-  return frame;
-}
-
 /// A change that was requested of a session's client.
-struct SceneSessions::AskedChange {
+struct AskedChange {
   ClientChange change;
   SessionParameters parameters;  // with its law, for the time when the client takes it
   std::string what;              // for people: the old and the new value
@@ -35,7 +40,7 @@ struct SceneSessions::AskedChange {
 };
 
 /// A session with the data of its transport.
-struct SceneSessions::SessionSlot {
+struct SessionSlot {
   std::uint64_t id;
   Session session;
   Nanoseconds last_heard;
@@ -65,5 +70,8 @@ struct SceneSessions::SessionSlot {
 
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };
+
+/// The sessions of a scene, in the order they joined.
+using SessionSlots = std::vector<std::unique_ptr<SessionSlot>>;
 
 }  // namespace feltwire

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/scene/session_slot.hpp"
+#include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
 namespace {
@@ -67,7 +67,7 @@ void SceneSessions::limit_replies(SessionSlot& slot, std::size_t payload,
   const auto low = static_cast<std::uint8_t>(slot.room & 0xff),
              high = static_cast<std::uint8_t>(slot.room >> 8);
   const std::array<std::uint8_t, 2> said{low, high};
-  log({.kind = EventKind::path, .hand = slot.number, .time = now, .payload = said});
+  log_.put({.kind = EventKind::path, .hand = slot.number, .time = now, .payload = said});
 }
 
 bool SceneSessions::is_limited(std::uint64_t id, std::size_t payload) noexcept {
