@@ -4,7 +4,7 @@
 
 #include "core/base/pending_file.hpp"
 #include "server/access/json_text.hpp"
-#include "server/scene/named_counters.hpp"
+#include "server/scene/scene_counters.hpp"
 
 namespace feltwire {
 namespace {

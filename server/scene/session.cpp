@@ -10,6 +10,7 @@
 #include "core/local_model_extraction/extract.hpp"
 #include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/tool/body_tool.hpp"
+#include "server/scene/shortened_model.hpp"
 
 namespace feltwire {
 namespace {
@@ -297,6 +298,23 @@ BodyModel Session::body_model(int most) const noexcept {
              ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held, surfaces_,
                                     known_, most)
              : feltwire::body_model(*view_, last_.pose, body_, surfaces_, known_, most);
+}
+
+bool Session::shorten(Reply& reply, std::size_t excess) const noexcept {
+  if (reply.modelled && reply.model.count > 0) {
+    feltwire::shorten(reply.model, excess);
+    return true;
+  }
+  if (reply.modelled) {
+    reply.modelled = false;
+    return true;
+  }
+  if (!reply.body_modelled) return false;
+  const std::uint32_t scene = reply.body.scene;
+  reply.body = body_model(shortened_points(reply.body, excess));
+  reply.body.scene = scene;
+  reply.body_modelled = reply.body.reach > 0.0;
+  return true;
 }
 
 LocalModel Session::surfaces() const noexcept {

@@ -41,6 +41,7 @@ class TeleopLink {
   /// A hand or a robot has left.
   void leave(std::uint32_t number) noexcept;
   bool taken() const noexcept { return robot_ != 0; }
+  const RemoteSeat& seat() const noexcept { return seat_; }
 
   /// At most so many hands wait for the lead; others are ignored.
   static constexpr std::size_t kMostWaiting = 8;

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/control/control_service.hpp"
-#include "server/scene/named_counters.hpp"
+#include "server/scene/scene_counters.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,4 +1,6 @@
-#include "server/scene/named_counters.hpp"
+#include "server/scene/scene_counters.hpp"
+
+#include <string>
 
 namespace feltwire {
 
@@ -21,6 +23,16 @@ std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(const Sce
           {"duplicates", c.samples.duplicates},
           {"late_ticks", c.samples.late_ticks},
           {"shed", c.shed}};
+}
+
+control::Counters counter_list(const SceneCounters& counters) {
+  control::Counters list;
+  for (const auto& [counter, value] : named_counters(counters))
+    list.counters.push_back({std::string(counter), value});
+  for (std::size_t i = 1; i < counters.drops.size(); ++i)
+    list.counters.push_back(
+        {std::string("dropped.") + name(static_cast<DropReason>(i)), counters.drops[i]});
+  return list;
 }
 
 }  // namespace feltwire
