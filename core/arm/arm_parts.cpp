@@ -9,7 +9,7 @@
 namespace feltwire::arm {
 namespace {
 
-/// Finds the parts by their names without the prefix.
+/// Finds the parts of an arm in the model by their names. Each name begins with the prefix.
 class Parts {
  public:
   Parts(const mjModel& model, std::string file, std::string prefix)
@@ -24,7 +24,7 @@ class Parts {
     return id;
   }
 
-  /// Returns the index in sensordata of the first of a sensor's three numbers.
+  /// Returns the index in `sensordata` of the first of the sensor's three numbers.
   int sensor(const char* own, mjtSensor type, const char* tag, int site) const {
     const std::string name = prefix_ + own;
     const int id = mj_name2id(&model_, mjOBJ_SENSOR, name.c_str());
@@ -84,7 +84,8 @@ class Parts {
     return "has no " + std::string(kind) + " '" + name + "'";
   }
 
-  /// Returns the index of the only motor of a joint. The motor's ctrl is a torque or a force.
+  /// Returns the index of the joint's only motor. The control value of this motor is a torque [N m]
+  /// or a force [N].
   int motor(const std::string& name, int joint) const {
     for (int m = 0; m < model_.nu; ++m) {
       if (model_.actuator_trnid[std::ptrdiff_t{2} * m] != joint) continue;

@@ -11,16 +11,17 @@
 namespace feltwire {
 namespace {
 
-constexpr double kTouches = 1.0;    // [N]
-constexpr double kMostNoise = 4.0;  // largest noise, in RMS values
+constexpr double kTouches = 1.0;  // [N] A tool that measures more force is in contact.
+// Largest length of the noise vector; the RMS value of a component is 1.
+constexpr double kMostNoise = 4.0;
 
-/// Returns three normally distributed numbers of variance 1 (Box and Muller), as a vector of length
-/// kMostNoise or less.
+/// Returns a vector of three normally distributed random numbers of variance 1 (Box-Muller method).
+/// Shortens a vector that is longer than kMostNoise.
 Vec3 noise(std::uint64_t seed, std::uint64_t n) noexcept {
   constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
-  constexpr int kSpare = 11;                          // bits that a double cannot hold
+  constexpr int kSpare = 11;  // number of bits of a draw that a double cannot hold
   constexpr std::uint64_t kDraws = 4;
-  const auto uniform = [&](std::uint64_t i) {  // in (0, 1]
+  const auto uniform = [&](std::uint64_t i) {  // returns a random number in (0, 1]
     return (static_cast<double>(splitmix::draw(seed, kDraws * n + i) >> kSpare) + 1.0) * kUnit;
   };
   const auto normal = [&](std::uint64_t size, double turn) {
@@ -31,9 +32,10 @@ Vec3 noise(std::uint64_t seed, std::uint64_t n) noexcept {
   return size > kMostNoise ? Vec3(kMostNoise / size * v) : v;
 }
 
-/// Returns a lower bound [N s/m] of the axes' friction, as seen at the tool. By the Cauchy-Schwarz
-/// inequality, |v|^2 <= (sum r_i |q_i'|)^2 <= sum d_i q_i'^2 sum r_i^2 / d_i. Here r_i is an upper
-/// bound of the distance from axis i to the tool.
+/// Returns a lower bound [N s/m] of the damping at the tool that the friction of the axes causes.
+/// By the Cauchy-Schwarz inequality, |v|^2 <= (sum r_i |q_i'|)^2 <= sum d_i q_i'^2 sum r_i^2 / d_i.
+/// Here v is the velocity of the tool, q_i' the speed of axis i, d_i its damping and r_i an upper
+/// bound of its distance from the tool.
 double least_damping(const arm::ArmParts& arm, const mjModel& model) {
   double reach = mujoco::vector(mujoco::entry<3>(model.site_pos, arm.tool)).norm(), sum = 0.0;
   int body = arm.hand;
@@ -92,7 +94,8 @@ void DrivenArm::spread(int steps) noexcept {
 }
 
 bool DrivenArm::drive(mjData& data) noexcept {
-  // Store the wrist's frame at the beginning of the step, because the sensor values refer to it.
+  // Store the orientation of the wrist at the beginning of the step, because the sensors measure in
+  // this frame.
   using Frame = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   inside_->wrist = Frame(mujoco::entry<9>(data.site_xmat, inside_->parts.wrist));
   arm::Impedance& impedance = inside_->impedance;
@@ -138,7 +141,8 @@ const FollowerReading& DrivenArm::read(const mjData& data, std::uint64_t n) noex
   reading.pose = tool.pose;
   reading.velocity = tool.velocity;
   reading.angular_velocity = tool.angular_velocity;
-  constexpr std::uint64_t kOther = 0x746f72717565ULL;  // This gives the torque another noise.
+  // Another seed, so that the noise of the torque does not depend on that of the force.
+  constexpr std::uint64_t kOther = 0x746f72717565ULL;
   reading.force = inside_->force + control.noise * noise(control.seed, n);
   reading.torque = inside_->torque + control.torque_noise * noise(control.seed ^ kOther, n);
   reading.commanded = target().pose;

@@ -14,16 +14,18 @@ namespace feltwire::arm {
 namespace {
 
 constexpr int kWays = 6, kLinear = 3;
-constexpr double kReferenceRate = 20.0;  // [Hz] cutoff of the low pass
+// [Hz] cutoff frequency of the low-pass filter for the target's velocity
+constexpr double kReferenceRate = 20.0;
 constexpr double kFastest = 0.5;         // [m/s] largest accepted speed of the target
-constexpr double kFastestTurn = 2.0;     // [rad/s] largest accepted turning speed
-constexpr double kPostureDamping = 1.0;  // [N m s/rad] per root of the stiffness
-constexpr double kWall = 300.0;          // [N m/rad] stiffness of a joint's wall
-constexpr double kWallDamping = 5.0;     // [N m s/rad]
-constexpr double kBefore = 0.1;          // [rad] from the start of the wall to the limit
-// The mean of the gripper's fingers follows the target. Their difference is controlled to zero.
-constexpr double kGrip = 4000.0, kGripDamping = 40.0;      // [N/m], [N s/m]
-constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m]
+constexpr double kFastestTurn = 2.0;     // [rad/s] largest accepted angular speed of the target
+constexpr double kPostureDamping = 1.0;  // [N m s/rad] damping at a posture stiffness of 1 N m/rad
+constexpr double kWall = 300.0;  // [N m/rad] stiffness of the virtual wall before a joint limit
+constexpr double kWallDamping = 5.0;  // [N m s/rad] damping of this wall
+constexpr double kBefore = 0.1;       // [rad] distance of this wall from the joint limit
+// The mean of the gripper's fingers follows the target with this stiffness [N/m] and damping [N
+// s/m].
+constexpr double kGrip = 4000.0, kGripDamping = 40.0;
+constexpr double kLevel = 10000.0, kLevelDamping = 100.0;  // [N/m], [N s/m] for a zero difference
 
 using feltwire::clamp_length;
 
@@ -39,7 +41,8 @@ bool is_orientation(const Quaternion& q) {
   return std::isfinite(square) && std::abs(square - 1.0) < 0.01;
 }
 
-/// Returns the energy [J] of a spring with the largest force `most`.
+/// Returns the energy [J] of a spring that is stretched by `stretched` and has at most the force
+/// `most`.
 double stored(double stiffness, double stretched, double most) {
   const double free = most / stiffness;
   return stretched <= free ? 0.5 * stiffness * stretched * stretched
@@ -107,7 +110,8 @@ void Impedance::aim(const FollowerTarget& target, const ToolState& tool) noexcep
     target_.pose.orientation =
         turned > wide ? Quaternion(Eigen::AngleAxisd(wide, left / wide)) * tool.pose.orientation
                       : target.pose.orientation.normalized();
-    moved_.setZero();  // A target that the tool drags along has no velocity.
+    // The limited target moves with the tool, so its movement is not a commanded velocity.
+    moved_.setZero();
   } else {
     target_.pose = {target.pose.position, target.pose.orientation.normalized()};
     moved_.head<3>() += target_.pose.position - before.position;
@@ -158,10 +162,11 @@ Vec7 Impedance::walls(const Vec7& q, const Vec7& speed) const noexcept {
   return torque;
 }
 
-/// Returns the torques towards home, without the part that would move the tool. The projection is
-/// Khatib's dynamically consistent null space (IEEE J. Robotics and Automation 3(1) 1987).
+/// Returns the joint torques that pull the arm towards its home posture, without the part that
+/// would move the tool. The projection is Khatib's dynamically consistent null space (IEEE J.
+/// Robotics and Automation 3(1) 1987).
 Vec7 Impedance::posture(const Vec7& q, const Vec7& speed) noexcept {
-  constexpr double kSingular = 1e-6;  // [1/kg] keeps the inverse finite
+  constexpr double kSingular = 1e-6;  // [1/kg] added to the mobility, so that its inverse is finite
   const std::ptrdiff_t speeds = model_.nv;
   const mjtNum* const rows = solved_.data();
   Jacobian solved;
