@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// Removes the access rights of all other users, also from an existing file. Leaves a pipe or a
-/// device unchanged. Returns false and sets errno if the system refuses.
+/// Removes all access rights of the group and of other users, also from an existing file. Leaves a
+/// pipe or a device unchanged. Returns false and sets errno if the system refuses.
 bool keep_private(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
@@ -49,8 +49,8 @@ void AppendedFile::append(std::string_view piece, Whole whole) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int error = errno;
-      // Remove the incomplete piece, because it would make the whole file unreadable. A pipe cannot
-      // be truncated.
+      // Cut off the incomplete end of `piece`, because it would make the whole file unreadable. For
+      // a pipe, ftruncate() fails.
       size_ += static_cast<std::int64_t>(whole(piece.substr(0, done)));
       while (::ftruncate(descriptor_, size_) != 0 && errno == EINTR) {
       }
@@ -63,7 +63,8 @@ void AppendedFile::append(std::string_view piece, Whole whole) {
 
 void AppendedFile::finish() {
   const int descriptor = std::exchange(descriptor_, -1);
-  // These errors come from files that are not on a disk and need no synchronization.
+  // Ignore EINVAL and EROFS. These errors come from files that are not on a disk and need no
+  // synchronization.
   const bool lost = ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS;
   int error = lost ? errno : 0;
   if (::close(descriptor) != 0 && error == 0 && errno != EINTR) error = errno;

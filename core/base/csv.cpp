@@ -16,14 +16,16 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;  // enough to find the text in the file
+  // Largest number of quoted characters; enough to find the text in the file.
+  constexpr std::size_t kLongest = 40;
   std::string out(1, '\'');
   out += text.substr(0, kLongest);
   out += text.size() > kLongest ? "...'" : "'";
   return out;
 }
 
-/// Calls use(field number from 0, trimmed field) for each field. Returns the number of fields.
+/// Calls use(number, text) for each field, with the number of the field (from 0) and its trimmed
+/// text. Returns the number of fields.
 template <class Use>
 std::size_t for_each_field(std::string_view line, Use use) {
   std::size_t count = 0;

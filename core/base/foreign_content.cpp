@@ -9,7 +9,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// Whether a text begins with `lower`, ignoring case. `lower` must be in lower case.
+/// Returns true if the text begins with `lower`, in upper or lower case. `lower` must be in lower
+/// case.
 bool begins_with(std::string_view text, std::string_view lower) {
   return text.size() >= lower.size() &&
          std::equal(lower.begin(), lower.end(), text.begin(), [](char a, char b) {
@@ -33,7 +34,7 @@ constexpr std::array<Packed, 8> kPacked = {
      {"7z\xBC\xAF\x27\x1C"sv, "is a 7z archive; unpack it, and name a file of it"},
      {"Rar!\x1A\x07"sv, "is a rar archive; unpack it, and name a file of it"}}};
 
-/// Whether the text is a web page that a server sent instead of the file.
+/// Returns true if the text is a web page that a server sent instead of the file.
 bool is_web_page(std::string_view text) {
   constexpr std::array<std::string_view, 4> kBegins = {"<!doctype html", "<html", "<head", "<body"};
   return std::ranges::any_of(kBegins, [&](std::string_view b) { return begins_with(text, b); });
@@ -47,7 +48,8 @@ std::string_view without_byte_order_mark(std::string_view text) {
 }
 
 std::optional<std::string> foreign_content(std::string_view bytes) {
-  constexpr std::size_t kLongestPointer = 1024;  // [bytes] limit in Git LFS's specification
+  // [bytes] largest size of a pointer file in the specification of Git LFS.
+  constexpr std::size_t kLongestPointer = 1024;
   for (const Packed& packed : kPacked)
     if (bytes.starts_with(packed.begin)) return packed.what;
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))

@@ -23,7 +23,7 @@ using flatbuffers::Type;
 using json::Node;
 using Kind = Node::Kind;
 
-constexpr std::size_t kMaxFile = std::size_t{16} << 20;  // [bytes]
+constexpr std::size_t kMaxFile = std::size_t{16} << 20;  // [bytes] largest accepted size of a file
 
 std::string describe(const Node& node) {
   switch (node.kind) {
@@ -64,7 +64,8 @@ const Node* member(const Node& object, std::string_view key) {
   return nullptr;
 }
 
-/// Follows a path through the document as far as the path exists. Leaves the rest in `path`.
+/// Follows a path through the document as far as the path exists. Returns the last node of this
+/// part. Leaves the rest in `path`.
 const Node& walk(const Node& root, std::string_view& path) {
   const Node* node = &root;
   while (!path.empty()) {
@@ -85,13 +86,14 @@ const Node& walk(const Node& root, std::string_view& path) {
   return *node;
 }
 
-/// Replaces the escapes of a text by their characters. Returns an error text if half of a surrogate
-/// pair is missing. Precondition: the scanner has accepted the escapes.
+/// Appends `written` to `text`, with the character in place of each escape sequence. Returns an
+/// error text if one half of a surrogate pair is missing. Precondition: the JSON scanner has
+/// accepted the escape sequences.
 std::optional<std::string_view> unescape(std::string_view written, std::string& text) {
   constexpr std::string_view kUnpairedHigh = "illegal Unicode sequence (unpaired high surrogate)";
   constexpr std::uint32_t kHigh = 0xD800, kLow = 0xDC00, kEnd = 0xE000, kPairs = 0x10000;
   constexpr std::string_view kLetters = "bfnrt", kControls = "\b\f\n\r\t";
-  std::uint32_t high = 0;  // first half of a pair; 0: none
+  std::uint32_t high = 0;  // first half of a surrogate pair, or 0
   for (std::size_t at = 0; at < written.size();) {
     const bool escape = written[at] == '\\';
     const char c = written[escape ? at + 1 : at];
@@ -119,8 +121,8 @@ std::optional<std::string_view> unescape(std::string_view written, std::string& 
   return std::nullopt;
 }
 
-/// Checks the structure of a document against a schema, so that every error has its field and line.
-/// Builds the FlatBuffer at the same time.
+/// Checks the structure of a document against a schema, so that every error message names the field
+/// and the line. Builds the FlatBuffer at the same time.
 class Builder {
  public:
   explicit Builder(const std::string& file) : file_(file) {}
@@ -134,7 +136,7 @@ class Builder {
   /// The value of a field or an element: its bytes, or the offset of its text, list or table.
   struct Value {
     std::vector<std::uint8_t> bytes;
-    flatbuffers::uoffset_t offset = 0;  // 0: the value has no text, list or table
+    flatbuffers::uoffset_t offset = 0;  // 0 if the value has no text, list or table
   };
 
   [[noreturn]] void fail(const Node& node, const std::string& path, const std::string& why) const {
@@ -159,7 +161,7 @@ class Builder {
     return buffer_.EndTable(start);
   }
 
-  /// Reads a struct from an object or from a list of all fields.
+  /// Reads a struct from an object or from a list of all fields, and writes it to `place`.
   void fixed(Node& node, const StructDef& definition, const std::string& path,
              std::uint8_t* place) const {
     const auto& fields = definition.fields.vec;
@@ -176,7 +178,7 @@ class Builder {
     });
   }
 
-  /// Calls `take` with each member, its field and its path.
+  /// Calls take(member, its field in the schema, its path) for each member of the node.
   template <class Take>
   void members(Node& node, const StructDef& definition, const std::string& path, Take take) const {
     const auto& fields = definition.fields.vec;
@@ -296,7 +298,7 @@ class Builder {
     return value;
   }
 
-  /// Writes the low bytes of an integer, the lowest byte first.
+  /// Writes an integer of this type to `place`, the lowest byte first.
   static void put(std::uint64_t value, flatbuffers::BaseType type, std::uint8_t* place) {
     for (std::size_t i = 0; i < flatbuffers::SizeOf(type); ++i, value >>= 8)
       place[i] = static_cast<std::uint8_t>(value);
@@ -307,8 +309,8 @@ class Builder {
 };
 
 /// Parses a schema. If memory runs out while FlatBuffers 2.0.8 reads an enumeration value, the
-/// destructor of the parser frees this value twice. So this function never destroys an interrupted
-/// parser, and leaks its memory.
+/// destructor of the parser frees this value twice. So after an exception, this function does not
+/// destroy the parser, and leaks its memory.
 std::unique_ptr<flatbuffers::Parser> parsed_schema(const char* schema, const std::string& file) {
   auto parser = std::make_unique<flatbuffers::Parser>();
   bool good = false;

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// Returns the length up to the end of the last complete line.
+/// Returns the length [bytes] of the complete lines in `written`.
 std::size_t whole_lines(std::string_view written) {
   const std::size_t last = written.rfind('\n');
   return last == std::string_view::npos ? 0 : last + 1;
@@ -36,7 +36,7 @@ void LineFile::put() {
   try {
     file_.append(lines_, whole_lines);
   } catch (...) {
-    lines_.clear();  // The file already has a part of these lines.
+    lines_.clear();  // The file already has a part of these lines, so do not write them again.
     throw;
   }
   lines_.clear();

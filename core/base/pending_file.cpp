@@ -13,14 +13,15 @@
 namespace feltwire {
 namespace {
 
-constexpr std::string_view kPart = ".part-";  // suffix of the file's name during writing
-constexpr std::size_t kDigits = 6;            // digits after kPart
+constexpr std::string_view kPart = ".part-";  // suffix in the name of the temporary file
+constexpr std::size_t kDigits = 6;            // number of digits after kPart
 
-/// Creates a file that did not exist, and stores its name.
+/// Creates a new file beside `file`, and stores its path in `name`. Returns its descriptor, or -1
+/// on an error.
 int make_beside(const std::filesystem::path& file, mode_t mode, std::string& name) {
   for (int number = 0;; ++number) {
     std::string digits = std::to_string(number);
-    if (digits.size() > kDigits) return -1;  // errno is EEXIST.
+    if (digits.size() > kDigits) return -1;  // All names are in use, so errno is EEXIST.
     digits.insert(0, kDigits - digits.size(), '0');
     name = file.string() + std::string(kPart) + digits;
     const int made = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
@@ -34,7 +35,8 @@ bool synchronize(int descriptor) {
   return true;
 }
 
-/// Synchronizes the folder of a file. Ignores a failure, because some file systems cannot do this.
+/// Synchronizes the folder of a file with the disk. Ignores a failure, because some file systems
+/// cannot do this.
 void synchronize_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -51,8 +53,8 @@ PendingFile::PendingFile(std::filesystem::path file, std::string_view text,
   if (std::error_code failed; std::filesystem::is_directory(file_, failed))
     cannot_write(file_, "it is a directory");
   if (is_special(file_)) cannot_write(file_, "it is not a regular file");
-  // If a mode is given, create a private file first. No other user may read it before it has this
-  // mode.
+  // If a mode is given, create the file as private first. Otherwise another user could read the
+  // file before it has this mode.
   const int descriptor = make_beside(file_, mode ? kPrivate : kPublic, written_);
   if (descriptor < 0) cannot_write(file_, std::strerror(errno));
   const bool written = (!mode || ::fchmod(descriptor, *mode) == 0) && write_all(descriptor, text) &&

@@ -12,7 +12,7 @@ std::error_code make_private_folder(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::error_code failed;
   if (fs::is_directory(folder, failed)) return {};
-  // mkdir() gets the name without a final slash.
+  // Drop a final slash. With it, parent_path() would return the folder itself.
   const fs::path own = folder.has_filename() ? folder : folder.parent_path();
   if (own.has_parent_path()) {
     fs::create_directories(own.parent_path(), failed);

@@ -67,7 +67,7 @@ std::string read_regular_file(const std::filesystem::path& file, std::size_t mos
   };
   if (status.st_size > 0 && static_cast<std::uintmax_t>(status.st_size) > most) too_large();
 
-  // The files of the kernel report size 0, so the size is only a first guess.
+  // The size is only a first guess, because files of the kernel (such as /proc) report size 0.
   constexpr std::size_t kBlock = 65536;
   std::string text(std::min(most, static_cast<std::size_t>(status.st_size)) + 1, '\0');
   std::size_t size = 0;

@@ -7,8 +7,8 @@
 namespace feltwire {
 
 Vec3 rotation_between(const Quaternion& from, const Quaternion& to) {
-  // `to * conj(from)` is the unit rotation times |to||from|. The angle depends only on the ratio of
-  // the quaternion's parts, so this factor does not matter.
+  // `to * conj(from)` is the unit rotation times the factor |to||from|. The angle depends only on
+  // the ratio of the quaternion's parts, so this factor does not matter.
   const Quaternion difference = to * from.conjugate();
   const double sine = difference.vec().norm();
   if (!(sine > 0.0) || !std::isfinite(sine) || !std::isfinite(difference.w())) return Vec3::Zero();

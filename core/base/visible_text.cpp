@@ -9,17 +9,18 @@ namespace {
 
 using CodePoint = std::uint32_t;
 
-/// A UTF-8 character. Its size is 0 if the first byte begins no character.
+/// A UTF-8 character and its size [bytes]. The size is 0 if the first byte begins no character.
 struct Character {
   CodePoint code = 0;
   std::size_t size = 0;
 };
 
-/// Follows table 3-7 of the Unicode standard: only the shortest form, no surrogates, at most
-/// U+10FFFF.
+/// Returns the first character of a text. By table 3-7 of the Unicode standard, a valid character
+/// has the shortest form, is no surrogate, and is at most U+10FFFF.
 Character first_character(std::string_view text) {
   constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
-  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};  // indexed by size
+  // Least code of each size, indexed by size.
+  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);
   if (lead < 0x80) return {lead, 1};
@@ -39,13 +40,13 @@ bool within(CodePoint code, CodePoint first, CodePoint last) {
   return code >= first && code <= last;
 }
 
-/// Whether the character controls a terminal or is invisible.
+/// Returns true if the character controls a terminal or is invisible.
 bool hidden(CodePoint code) {
   constexpr CodePoint kSoftHyphen = 0xAD, kArabicMark = 0x61C, kByteOrderMark = 0xFEFF;
   return code < 0x20 || within(code, 0x7F, 0x9F) || code == kSoftHyphen || code == kArabicMark ||
-         within(code, 0x200B, 0x200F) ||    // zero width, direction marks
-         within(code, 0x2028, 0x202E) ||    // separators, embeddings, overrides
-         within(code, 0x2060, 0x206F) ||    // joiners, isolates
+         within(code, 0x200B, 0x200F) ||    // zero-width characters, direction marks
+         within(code, 0x2028, 0x202E) ||    // line separators, direction embeddings, overrides
+         within(code, 0x2060, 0x206F) ||    // word joiners, direction isolates
          within(code, 0xFFF9, 0xFFFB) ||    // annotations
          within(code, 0xE0000, 0xE0FFF) ||  // tags, variation selectors
          within(code, 0x180B, 0x180E) || code == kByteOrderMark;
