@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-/// Returns the highest whole servo rate [Hz] at which this energy account can model a motor with
+/// Returns the highest integer servo rate [Hz] at which this energy account can model a motor with
 /// this lag. Precondition: the lag is not zero.
 long highest_rate(const MotorLag& lag) {
   constexpr double kRounded = 1.0 + 1e-9;
@@ -53,9 +53,9 @@ const AccountConfig& checked(const AccountConfig& config) {
   return config;
 }
 
-/// Returns the largest share s in [0, 1] at which `balance` covers the sum of all needs (the
-/// energies that the forces may give to the hand). `Needs` is a span, preferably with a length
-/// known at compile time.
+/// Returns the largest share s in [0, 1] for which the sum of all needs is at most `balance` [J]. A
+/// need is the largest energy that the share s of a force can give to the hand. `Needs` is a span,
+/// preferably with a length known at compile time.
 template <class Needs>
 double affordable(const Needs& needs, double balance) noexcept {
   if (!(balance > 0.0)) return 0.0;
@@ -70,16 +70,17 @@ double affordable(const Needs& needs, double balance) noexcept {
     for (const EnergyNeed& need : needs) sum += need.at(s);
     return sum;
   };
-  // A rounding error may move a command at the limit of its own bound beyond the balance. Do not
-  // scale such a command.
+  // A rounding error may raise the sum of a permitted command above the balance. Do not scale such
+  // a command.
   if (all(1.0) <= balance * (1.0 + kOffByRounding)) return 1.0;
-  constexpr double kLess = 1.0 - kOffByRounding;  // A rounding error must not overdraw the balance.
+  // With this factor, a rounding error does not overdraw the balance.
+  constexpr double kLess = 1.0 - kOffByRounding;
   const double below = kLess * std::sqrt(balance / first);
   if (std::ranges::all_of(needs, [&](const EnergyNeed& need) { return need.before_turn(below); }))
     return std::min(below, 1.0);
-  // At its turn, a need changes from a quadratic function to its second form. Every need grows with
-  // s. So the solution is beyond a turn exactly if the sum of needs at this turn is below the
-  // balance.
+  // At s = `turn`, a need changes from a quadratic function of s to another one (EnergyNeed). Every
+  // need grows with s. So the solution is beyond `turn` exactly if the sum of all needs at `turn`
+  // is below the balance.
   double square = 0.0, linear = 0.0, left = balance;
   for (const EnergyNeed& need : needs) {
     const double turn = need.reach / need.free;
@@ -89,7 +90,7 @@ double affordable(const Needs& needs, double balance) noexcept {
     linear += need.linear;
     left += need.burned / need.squared;
   }
-  // Positive root of square s^2 + linear s = left, in the form without cancellation.
+  // Compute the positive root s of square s^2 + linear s = left, in the form without cancellation.
   const double s = 2.0 * left / (linear + std::sqrt(linear * linear + 4.0 * square * left));
   return std::isfinite(s) ? std::clamp(s * kLess, 0.0, 1.0) : 0.0;
 }
@@ -99,7 +100,8 @@ double affordable(const Needs& needs, double balance) noexcept {
 PortAccount::PortAccount(const AccountConfig& config)
     : cap_(checked(config).cap),
       looks_ahead_(config.looks_ahead),
-      // The true force of a lagging motor is too uncertain for learning.
+      // With a lagging motor, do not learn the force of the hand, because the motor's force is
+      // uncertain.
       translation_(config.translation, config.period,
                    config.learns_outside_force && config.lag.time == 0.0),
       rotation_(config.rotation, config.period,
@@ -115,8 +117,9 @@ PortAccount::PortAccount(const AccountConfig& config)
   surely_paid_ = 1.0 - std::max(translation_.most_kept(), rotation_.most_kept());
 }
 
-/// Returns the balance that limits the next force: the current balance or, if smaller, the expected
-/// balance when the force acts. The expectation assumes that the motion continues.
+/// Adds the energy of the last sample to the balance. Returns the balance [J] that limits the next
+/// force: the current balance or, if smaller, the balance expected for the time when this force
+/// acts. The expectation assumes that the motion continues.
 inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   const bool was_in_debt = in_debt();
   // Reject a movement if its square is not finite, even if its components are finite.
@@ -135,7 +138,8 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
     balance_ += earned;
     if (translation_.strong_hand() || rotation_.strong_hand()) ++statistics_.strong_hand;
   } else {
-    // The last force was affordable, so even the worst movement left a balance of zero or more.
+    // The movement is unknown, so assume the worst movement. The last force was limited so that
+    // even this movement leaves a balance of zero or more.
     balance_ = std::min(balance_, worst_next_);
     translation_.forget();
     rotation_.forget();
@@ -149,20 +153,20 @@ inline double PortAccount::take_in(const BoundingStep& s) noexcept {
   return balance_ - ahead * std::max(0.0, per_period);
 }
 
-/// Whether no force acts on the hand and no earlier force is pending.
+/// Returns true if no force acts on the hand and no earlier force is pending.
 bool PortAccount::idle() const noexcept {
   for (std::size_t n = 0; n < late_; ++n)
     if (!ForceAndTorque{coming_forces_[n], coming_torques_[n]}.nothing()) return false;
   return held_.nothing() && older_forces_.nothing() && older_torques_.nothing();
 }
 
-/// Returns the force of the last command.
+/// Returns the force and the torque of the last command.
 inline PortAccount::Last PortAccount::last() const noexcept {
   if (late_ == 0) return {held_.force, held_.torque};
   return {coming_forces_[late_ - 1], coming_torques_[late_ - 1]};
 }
 
-/// Returns the share of the balance that is kept in reserve.
+/// Returns the share of the balance that is kept in reserve for a late tick.
 inline double PortAccount::kept() const noexcept {
   const double force = translation_.kept_beside(last().force);
   if (force == 0.0) return 0.0;
@@ -170,8 +174,9 @@ inline double PortAccount::kept() const noexcept {
   return beside == PortBalance::kBesideNothing ? 0.0 : beside;
 }
 
-/// Returns the share of `wanted` to give. `usual` and `most` are the affordable shares without and
-/// with the reserve. The reserve is used only so far that the force falls gradually.
+/// Returns the share of `wanted` to give. The balance without its reserve is enough for the share
+/// `usual`, and the whole balance for the share `most`. The reserve is used only as far as needed
+/// to let the force fall gradually.
 double PortAccount::softened(const ForceAndTorque& wanted, double usual,
                              double most) const noexcept {
   const bool pushes = !wanted.force.isZero(0.0);
@@ -181,11 +186,11 @@ double PortAccount::softened(const ForceAndTorque& wanted, double usual,
   return usual >= softer ? usual : std::max(usual, std::min(most, softer));
 }
 
-/// Returns the share of `wanted` that `left` [J] covers after the pending forces: the given forces
-/// that do not act yet. `own` has the needs of `wanted` after these forces. A force that used all
-/// energy would leave none for the next force. So `left` must also cover L + 1 such forces in a
-/// row. Their needs are computed at the returned share. The needs at a larger share are distributed
-/// differently, and the result would oscillate.
+/// Returns the share of `wanted` for which `left` [J] is enough after the pending forces (forces
+/// that are given but do not act yet). `own` has the needs of `wanted` after these forces. A force
+/// that used all energy would leave none for the next force. So `left` must be enough for `late_` +
+/// 1 such forces in a row. Their needs are computed at the returned share. With the needs at a
+/// larger share, the result would oscillate.
 double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& wanted, double left,
                                        double hold) noexcept {
   std::array<EnergyNeed, 2 * (std::size_t{AccountConfig::kMostLate} + 1)> all;
@@ -205,14 +210,14 @@ double PortAccount::share_after_coming(const Needs& own, const ForceAndTorque& w
   return usual == 1.0 || keeps == 0.0 ? usual : softened(wanted, usual, share(left));
 }
 
-/// Returns the need [J] of `held` in full, after the first n pending forces.
+/// Returns the need [J] of the whole force and torque `held`, after the first n pending forces.
 double PortAccount::need_after(const ForceAndTorque& held, std::size_t n,
                                double hold) const noexcept {
   return translation_.need(held.force, hold, {coming_forces_.data(), n}).at(1.0) +
          rotation_.need(held.torque, hold, {coming_torques_.data(), n}).at(1.0);
 }
 
-/// Stores the given force. The force acts on the hand now, or L samples later.
+/// Stores the given force. The force acts on the hand now, or `late_` samples later.
 void PortAccount::give(const ForceAndTorque& given) noexcept {
   if (late_ == 0) {
     held_ = given;
@@ -244,8 +249,8 @@ Command PortAccount::step(const BoundingStep& s, double next_hold) noexcept {
   return given;
 }
 
-/// Returns the largest share of `wanted` that `left` [J] covers. Returns kNoLimit if a need has no
-/// limit, for example because a number is not finite.
+/// Returns the largest share of `wanted` for which `left` [J] is enough. Returns kNoLimit if a need
+/// has no limit, for example because a number is not finite.
 inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double left,
                                             double hold) noexcept {
   if (lags()) return lagging_share(wanted, left, hold);
@@ -261,7 +266,7 @@ inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double
 }
 
 /// Computes affordable_share() for a lagging motor. The cost of a share has no simple inverse, so
-/// this function searches. The returned share is always affordable.
+/// this function searches for the share. The needs of the returned share are never above `left`.
 double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept {
   const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
   const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
@@ -330,7 +335,7 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
       for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
       return LaggingNeed(balance, older, force, config.period).at(1.0);
     }
-    double sum = 0.0;  // sum over all samples that pay for this force
+    double sum = 0.0;  // [J] sum of the needs after 0, 1, 2, ... forces of `coming`
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);
     return sum;

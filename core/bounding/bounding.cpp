@@ -9,13 +9,14 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShortestPeriod = 1e-12;  // [s]
+constexpr double kShortestPeriod = 1e-12;  // [s] shortest accepted servo period
 
 void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Checks the constants c1 and c2 of one port. Every configuration may set them.
+/// Checks the constants c1 and c2 [N/m or N m/rad] of one port. The check applies to every mode,
+/// because every configuration may set them.
 void check_constants(const Damping& damping, double period, std::optional<double> given_c1,
                      std::optional<double> given_c2, const std::string& suffix) {
   const Vec3 b = damping.per_axis();

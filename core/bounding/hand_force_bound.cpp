@@ -9,7 +9,7 @@ namespace feltwire {
 
 void HandForceBound::moved(const Vec3& displacement, const Vec3& held, double hold_time) noexcept {
   pass(hold_time);
-  // The weights are valid only for samples of about one period.
+  // The weights of the held forces are valid only for samples of about one period.
   if (hold_time < 0.5 * period_ || hold_time > 1.5 * period_) return forget();
   const double late = (block_.samples + 0.5) / kSamples;
   block_.way += displacement;
@@ -31,7 +31,8 @@ void HandForceBound::look() noexcept {
 
 void HandForceBound::pass(double time) noexcept {
   time_ += time;
-  if (time_ < kWindow - 0.5 * period_) return;  // A sum of periods has rounding errors.
+  // The half period allows for rounding errors of the sum.
+  if (time_ < kWindow - 0.5 * period_) return;
   const double seen = kMargin * std::max(largest_, largest_before_);
   bound_ = std::clamp(seen, kLeastShare * told_, told_);
   largest_before_ = largest_;

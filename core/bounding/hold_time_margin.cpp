@@ -5,15 +5,15 @@
 namespace feltwire {
 
 void HoldTimeMargin::saw(double hold_time, bool felt) noexcept {
-  // Changes per tick, as shares of T. In one tick, a force at its limit falls by at most twice
-  // kGrowth, or half of kGrowthOfAnyHand. On a device with late forces, each pending force adds the
-  // same amount.
+  // Largest changes of the reserved time per tick, as shares of the period T. Per tick, they reduce
+  // a force at its limit by at most the share 2 kGrowth, or kGrowthOfAnyHand / 2. On a device with
+  // late forces, each pending force adds the same amount.
   constexpr double kGrowth = 0.005, kGrowthOfAnyHand = 0.03, kShrinkage = 0.001, kAtOnce = 1.0;
   const auto follow = [&](double reserved, double growth, double most) {
     return std::clamp(most, reserved - kShrinkage * period_, reserved + growth * period_);
   };
-  // The lateness of this tick counts from the next tick on. The reachable displacement already
-  // covers the lateness in this tick.
+  // The delay of this tick counts from the next tick on. For this tick, the reachable displacement
+  // already includes the delay.
   reserved_ = follow(reserved_, kGrowth, std::max(over_, over_before_));
   over_ = std::max(over_, std::min(hold_time - period_, period_));
   window_ += hold_time;

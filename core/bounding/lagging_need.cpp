@@ -26,7 +26,7 @@ LaggingNeed::LaggingNeed(const PortBalance& port, const LaggingForces& older, co
     limited_ = limited_ && (squared_ == 0.0 || sample.wanted.limited());
     if (i > 0) sample.rounded = port.quantum() * wanted.lpNorm<1>();
     const Vec3* newer = nullptr;
-    double worst = 0.0;  // [J]
+    double worst = 0.0;  // [J] largest need of the older forces so far
     for (std::size_t j = 0; j < older.count(); ++j) {
       const auto& [force, age] = older[j];
       const double share = older.share(age, ahead, hold);
@@ -48,11 +48,12 @@ LaggingNeed::LaggingNeed(const PortBalance& port, const LaggingForces& older, co
 double LaggingNeed::of_sample(std::size_t i, double s) const noexcept {
   const OfSample& sample = samples_[i];
   const double own = sample.wanted.at(s) + s * sample.rounded;
-  const double most = sample.older[0];  // share of all older forces together
+  // Share of the sample's mean force that comes from all older forces.
+  const double most = sample.older[0];
   double sum = (sample.weight - most) * own + sample.changes;
   for (std::size_t j = 0; j < sample.count; ++j)
     sum += (sample.older[j] - sample.older[j + 1]) * std::max(own, sample.worst[j]);
-  // The force changes from the newest older force to s f, the share s of the wanted force. In later
+  // The force changes from the newest older force to s f, where f is the wanted force. In later
   // samples, it changes from s f to zero.
   const double change =
       std::sqrt(std::max(0.0, newest_squared_ + s * (s * squared_ - 2.0 * along_)));

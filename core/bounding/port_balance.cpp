@@ -1,5 +1,6 @@
-// A port of the passivity account. It computes the energy that a sample earns, and the need of a
-// force: the largest energy that the force can give to the hand in the next sample.
+// A port (translation or rotation) of the energy account. It computes the energy that a sample
+// earns, and the need of a force: the largest energy that the force can give to the hand in the
+// next sample.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -22,16 +23,18 @@ PortBalance::PortBalance(const PortKnowledge& known, double period, bool learns)
   if (learns && reach_.bounds()) learned_.emplace(known, period);
 }
 
-/// Computes the share of the balance to keep for a late tick. Forces act L samples late. Let f be a
-/// force so small that its need is f d, where d is the reachable displacement. L + 1 such forces
-/// act in a row. After the late tick, each d is longer by delta, and the next force is f'. Then f'
-/// (d_L + delta) = f (d_L - L delta) + the kept part of f (d_0 + ... + d_L). Between an axis and a
+/// Computes the share of the balance to keep in reserve, so that a late tick reduces the force only
+/// gradually. Forces act L samples late. Let f be a force so small that its need is f d, where d is
+/// the reachable displacement (d_n in the n-th sample). L + 1 such forces act in a row. After the
+/// late tick, each d is longer by delta, and the next force is f'. Then f' (d_L + delta) = f (d_L -
+/// L delta) + the kept part of f (d_0 + ... + d_L). For a force direction u between an axis and a
 /// diagonal, the kept part grows nearly with the square of |u|_1.
 void PortBalance::keep_for_late_ticks(int late) noexcept {
-  if (late == 0 || !reach_.bounds()) return;  // In both cases, a first press gets its full force.
-  constexpr double kLate = 0.5;               // lateness in periods T
-  constexpr double kMost = 0.1;               // largest kept share of a balance
-  constexpr int kSamples = 4;                 // more samples than reach_ stores
+  // In both cases, a tool that begins to press gets its full force.
+  if (late == 0 || !reach_.bounds()) return;
+  constexpr double kLate = 0.5;  // delay of a tick, in periods T
+  constexpr double kMost = 0.1;  // largest share of a balance that is kept
+  constexpr int kSamples = 4;    // number of samples; reach_ stores fewer
   const Vec3 none = Vec3::Zero();
   ReachableDisplacement before(known_);
   for (int n = 0; n < kSamples; ++n) before.moved(none, none, period_, period_);
@@ -86,14 +89,16 @@ inline bool PortBalance::beyond_reach(const Vec3& displacement, const Vec3& held
   if (!reach_.known() || reach_.goes_on(displacement, hold_time)) return false;
   const double squared = displacement.squaredNorm();
   if (squared == 0.0) return false;
-  // A movement of one encoder quantum is always possible, and it is often exactly at the limit.
+  // Allow for rounding errors, because a movement of one encoder quantum is often exactly at the
+  // limit.
   return squared >
          (1.0 + kOffByRounding) * reach_.along(displacement, std::sqrt(squared), held, hold_time);
 }
 
-/// During a uniform movement, only the mean force counts. At most share(j) of the mean comes from
-/// the older force j and the forces before j. So the slice share(j) - share(j + 1) is charged with
-/// the worst of the forces up to j. TurnLimit covers a hand that reverses within the sample.
+/// Returns the energy [J] that the sample is charged for the lag of the motor. During a uniform
+/// movement, only the mean force counts. At most share(j) of the mean comes from the older force j
+/// and the forces before j. So the slice share(j) - share(j + 1) is charged with the worst of the
+/// forces up to j. `turns` adds the energy for a hand that reverses within the sample.
 double PortBalance::charged_for_lag(const Vec3& displacement, const Vec3& held, double hold_time,
                                     const LaggingForces& older) const noexcept {
   double charged = 0.0, worst = 0.0, slice = 0.0;
@@ -128,7 +133,7 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
     too_fast_ = squared > reach_.at_full_speed(displacement, std::sqrt(squared), hold_time);
   }
   if (reach_.bounds() || limits_speed_) {
-    const Vec3* drives = &held;  // force that explains most of the movement
+    const Vec3* drives = &held;  // the force that pushes most along the displacement
     for (std::size_t i = 0; i < lagging; ++i)
       if (older[i].force.dot(displacement) > drives->dot(displacement)) drives = &older[i].force;
     const bool too_far = beyond_reach(displacement, *drives, hold_time);
@@ -146,13 +151,14 @@ double PortBalance::earned(const Vec3& displacement, const Vec3& held, double ho
          held.dot(displacement) - lagged;
 }
 
-// The need is the maximum of F y - (b/h) y^2 over 0 <= y <= d(F) = d0 + k F, with F = s |wanted|.
-// The free maximum is F^2 h/(4b) at y = F h/(2b). If this y exceeds d(F), the need is the value at
-// d(F).
+// Limits the need by the inertia of the handle. The force F = s |wanted| gives the energy F y -
+// (b/h) y^2 to the hand, with the movement y, the damping b and the hold time h. The movement is at
+// most d(F) = d0 + k F. Without this limit, the largest energy is F^2 h/(4b) at y = F h/(2b). If
+// this y exceeds d(F), the need is the energy at y = d(F).
 inline void PortBalance::limit_by_inertia(EnergyNeed& need, const Force& force, const Hold& hold,
                                           double farther) const noexcept {
   const double k = hold.per_newton;
-  if (!(k < hold.free)) return;  // With so much damping, y never exceeds d(F).
+  if (!(k < hold.free)) return;  // With so much damping, F h/(2b) never exceeds d(F).
   need.reach = reach_.along(force.vector, force.length, hold.time) + farther;
   need.free = (hold.free - k) * force.squared;
   need.second = hold.second * force.squared;
@@ -184,8 +190,9 @@ EnergyNeed PortBalance::need(const Vec3& wanted, double hold_time,
                  [&](double length) { return reach_.driven(wanted, length, coming, hold_time); });
 }
 
-/// Each earlier sample adds its speed times a whole sample to the movement. This sample adds its
-/// speed times half a sample.
+/// Returns the need of `wanted` after `samples` earlier samples. The speed gained in an earlier
+/// sample moves the handle for the whole sample. The speed gained in this sample counts for half a
+/// sample.
 EnergyNeed PortBalance::need_after(const Vec3& wanted, double hold_time, int samples,
                                    double strongest) const noexcept {
   return need_of(wanted, hold_time, [&](double length) {
@@ -200,8 +207,9 @@ double PortBalance::need_of_any_hand(const Vec3& wanted, double hold_time) const
   return 0.5 * hold_of(damping_along(wanted), hold_time).free * squared;
 }
 
-/// Both limits hold at every share of the force. Use the smaller limit at the whole force, because
-/// the maximum under both limits is only slightly smaller.
+/// Limits the need by the largest speed of the handle. The limits by inertia and by speed hold at
+/// every share of the force. Use only the limit that is smaller at the whole force, because both
+/// limits together give only a slightly smaller maximum.
 void PortBalance::limit_by_speed(EnergyNeed& need, const Force& force,
                                  const Hold& hold) const noexcept {
   const double reach = reach_.at_full_speed(force.vector, force.length, hold.time);

@@ -56,7 +56,7 @@ double ReachableDisplacement::Past::magnitude() const noexcept {
   return joined ? strongest : length(held);
 }
 
-/// Joins two samples. The stronger force may have acted all the time, in any direction.
+/// Joins two samples. Assumes that the stronger force acted all the time, in any direction.
 ReachableDisplacement::Past ReachableDisplacement::together(const Past& first,
                                                             const Past& second) noexcept {
   return {.displacement = first.displacement + second.displacement,
@@ -84,8 +84,8 @@ void ReachableDisplacement::moved(const Vec3& displacement, const Vec3& held, do
   past_[newest_] = sample;
 }
 
-/// Returns |v| times the largest speed along v at the end of `sample`. `before` is the age of the
-/// previous sample.
+/// Returns |v| times the largest speed along v at the end of `sample`. `before` is the age (in
+/// samples) of the sample before it.
 double ReachableDisplacement::fastest(const Past& sample, std::size_t before, const Vec3& v,
                                       double length) const noexcept {
   const double outside = known_.outside_force * length;
@@ -102,7 +102,7 @@ double ReachableDisplacement::fastest(const Past& sample, std::size_t before, co
 }
 
 /// Returns |v| times the largest speed along v after a sample of irregular duration. `simple` is
-/// the bound from that sample alone. The result is never below the bound after a regular period
+/// the bound from this sample alone. The result is never below the bound after a regular period
 /// with the same speed. So irregular ticks do not reduce the reachable displacement of a handle at
 /// rest.
 double ReachableDisplacement::irregular(const Vec3& v, double length,
