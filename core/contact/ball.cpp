@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-/// Uses one formula on both sides of the surface: the potential is (radius - d)^2.
+/// Computes the contact of a ball with a grid. The formula is the same on both sides of the
+/// surface: the potential is (radius - d)^2, where d is the signed distance of the centre.
 SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
                      FeatureMemory& memory) {
   const FieldPoint field = signed_distance(grid, side, p);
@@ -22,9 +23,10 @@ SurfacePoint sampled(const Grid& grid, Side side, const Vec3& p, double radius,
   return {p + beneath * out.direction, out.direction, beneath * out.length};
 }
 
-/// Computes the contact of a ball outside a solid. The ball rounds off the solid's edges. While the
-/// centre is outside the solid, the function uses the signed distance. While the centre is inside,
-/// the function uses the solid's own proxy.
+/// Computes the contact of a ball with the outside of a solid. The contact surface has rounded
+/// edges, because the ball has a radius. While the centre of the ball is outside the solid, the
+/// function uses the signed distance. While the centre is inside, it uses the solid's
+/// surface_point().
 template <Primitive Solid>
 SurfacePoint rounded(const Solid& solid, const Vec3& p, double radius, FeatureMemory& memory) {
   SurfacePoint centre = solid.surface_point(Side::outside, p, memory);

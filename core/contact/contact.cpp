@@ -36,7 +36,7 @@ bool touch(const Object& object, const Material& material, const Tool& tool, Con
   const Command command =
       contact_force(material, surface.depth, to_world * surface.normal, stick_force, tool.velocity);
   if (!std::isfinite(command.force().sum())) [[unlikely]] {
-    memory = {};  // Products of the sizes or positions overflow.
+    memory = {};  // A product of sizes or positions has overflowed.
     return false;
   }
   elastic = command.elastic;
