@@ -9,8 +9,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kRounding = 1e-9;  // share of the size
-constexpr int kAlongAxis = 15;      // cuts per axis
+constexpr double kRounding = 1e-9;  // tolerance for rounding errors, as a share of the solid's size
+constexpr int kAlongAxis = 15;      // number of cuts across each axis
 constexpr std::size_t kHollow = 24;
 
 /// Returns the height [m] of a point above the plane.
@@ -68,8 +68,9 @@ std::vector<double> ClippedSolid::heights_over(const HalfSpaceBelow& cut) const 
   return heights;
 }
 
-// A side gets a vertex on the plane only from a polygon with another corner strictly on that side.
-// Otherwise a face in the plane would become a part without volume.
+// Returns the points below and above the cut. A vertex on the plane belongs to a side only if one
+// of its polygons has another corner strictly on that side. Otherwise a face in the plane would
+// become a part without volume.
 std::pair<std::vector<Vec3>, std::vector<Vec3>> ClippedSolid::points_beside(
     const HalfSpaceBelow& cut) const {
   const std::vector<double> heights = heights_over(cut);
@@ -156,7 +157,8 @@ std::vector<HalfSpaceBelow> ClippedSolid::cuts() const {
     for (int i = 1; i <= kAlongAxis; ++i)
       cuts.push_back({Vec3::Unit(axis), bounds.least[axis] + (bounds.most - bounds.least)[axis] *
                                                                  i / (kAlongAxis + 1)});
-  // At a hollow (concave) edge, a corner of the neighbouring face lies above this face.
+  // A plane through a face at a hollow (concave) edge. At such an edge, a corner of the
+  // neighbouring face lies above this face.
   struct Hollow {
     double weight;
     HalfSpaceBelow plane;
@@ -180,7 +182,7 @@ std::vector<HalfSpaceBelow> ClippedSolid::cuts() const {
       // The edge of this face from a to b is hollow if the other face's normal tilts towards this
       // face.
       const double bend = normal.cross(at->second.normal).dot(along);
-      constexpr double kSharp = 1e-3;  // [rad]
+      constexpr double kSharp = 1e-3;  // [rad] smaller angles count as flat
       if (bend >= -kSharp * along.norm()) continue;
       hollow.push_back({-bend, plane});
       hollow.push_back({-bend, at->second});

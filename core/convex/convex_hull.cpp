@@ -39,10 +39,10 @@ class Qhull {
   qhT state_{};
 };
 
-/// Whether all points lie in one plane, on one line or at one place, within rounding errors. Qhull
-/// reports a different error for each of these cases.
+/// Returns true if all points lie in one plane, on one line or at one point, within rounding
+/// errors. Qhull has a different error for each of these cases, so this function tests them first.
 bool is_flat(std::span<const Vec3> points) {
-  constexpr double kFlat = 1e-13;  // share of the size
+  constexpr double kFlat = 1e-13;  // tolerance, as a share of the size of the point set
   const auto farthest = [&](const auto& distance) {
     return *std::ranges::max_element(points, {}, distance);
   };
@@ -59,7 +59,8 @@ bool is_flat(std::span<const Vec3> points) {
   return !(height(farthest(height)) > kFlat * size);
 }
 
-/// Calls read(qh) with the triangulated hull of the points. Returns false if the points are flat.
+/// Calls read(qh) with the triangulated hull of the points. Returns false if there are fewer than
+/// four points or if they lie in a plane.
 template <class Read>
 bool with_hull(std::span<const Vec3> points, Read read) {
   constexpr std::size_t kLeast = 4;
@@ -88,7 +89,7 @@ std::size_t index_of(const qhT& qh, const vertexT& vertex) {
   return static_cast<std::size_t>(vertex.point - qh.first_point) / 3;
 }
 
-/// Returns the indices of the corners among the given points, in ascending order.
+/// Returns the indices of the hull's corners among the given points, in ascending order.
 std::vector<std::size_t> corners_of(const qhT& qh) {
   std::vector<std::size_t> corners;
   for (const vertexT* vertex = qh.vertex_list; vertex != nullptr && vertex->next != nullptr;

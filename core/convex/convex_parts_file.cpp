@@ -19,12 +19,12 @@ namespace feltwire {
 namespace {
 
 constexpr std::string_view kMagic = "FWPARTS1";
-constexpr std::size_t kNumber = 8, kCount = 4, kCorner = 3 * kNumber;  // [bytes]
+constexpr std::size_t kNumber = 8, kCount = 4, kCorner = 3 * kNumber;  // [bytes] sizes in the file
 constexpr std::size_t kDigest = std::tuple_size_v<PartsKey>;
 constexpr std::size_t kHead = kMagic.size() + kDigest + kNumber + kCount;
 constexpr std::size_t kLeastCorners = 4;
 
-/// The SHA-256 hash of all added bytes, in order.
+/// Computes the SHA-256 hash of all added bytes, in order.
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new()) {

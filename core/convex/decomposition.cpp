@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Pieces to cut per requested part. The later joining reduces their number.
+/// Number of pieces to cut per requested part. Joining the pieces later reduces their number.
 constexpr std::size_t kPiecesPerPart = 2;
 /// A part below this share of the whole volume is a rounding error.
 constexpr double kDust = 1e-9;
@@ -22,19 +22,19 @@ constexpr double kDust = 1e-9;
 struct Piece {
   ClippedSolid solid;
   ConvexHull hull;
-  double outside = 0.0;  // [m]
+  double outside = 0.0;  // [m] outward_error() of the hull
 };
 
 /// Cuts one mesh into pieces.
 struct Cutter {
   const MeshSurface& surface;
-  double tolerance;  // [m]
+  double tolerance;  // [m] largest outward_error() of a piece
 
   double outside(const ConvexHull& hull) const { return outward_error(hull, surface, tolerance); }
 
-  /// Whether a piece is thinner along a direction than the tolerance. A cut across such a direction
-  /// brings no hull nearer to the surface. Without this test, a thin plate with a hollow in its rim
-  /// would be cut again and again.
+  /// Returns true if a piece is thinner along a direction than the tolerance. A cut across such a
+  /// direction brings no hull nearer to the surface. Without this test, a thin plate with a hollow
+  /// in its rim would be cut again and again.
   bool is_thin(const Piece& piece, const Vec3& direction) const {
     double least = kInfinity, most = -kInfinity;
     for (const Vec3& v : piece.hull.vertices) {
@@ -44,8 +44,8 @@ struct Cutter {
     return most - least < tolerance;
   }
 
-  /// Returns the plane that leaves the hulls with the least volume. Among equal planes, prefers an
-  /// even cut, to avoid thin slices.
+  /// Returns the plane whose two pieces have the least volume of hulls together. Among planes with
+  /// equal volumes, prefers pieces of equal size, to avoid thin slices.
   std::optional<HalfSpaceBelow> best_cut(const Piece& piece) const {
     constexpr double kUneven = 0.02;
     const std::vector<HalfSpaceBelow> cuts = piece.solid.cuts();
@@ -69,7 +69,8 @@ struct Cutter {
     return Piece{std::move(solid), *std::move(hull), out};
   }
 
-  /// Cuts until every piece is within the tolerance, or until there are `most` pieces.
+  /// Cuts the mesh until the outward error of every piece is within the tolerance, or until there
+  /// are `most` pieces.
   std::vector<Piece> cut(std::size_t most) const {
     std::vector<Piece> done, open;
     if (auto whole = piece(ClippedSolid(surface))) open.push_back(*std::move(whole));
@@ -104,10 +105,10 @@ Part part_of(ConvexHull hull) {
 
 /// Two parts joined into one.
 struct Join {
-  std::size_t a = 0, b = 0;  // a < b
+  std::size_t a = 0, b = 0;  // indices of the parts; a < b
   ConvexHull hull;
   double added = 0.0;  // [m^3] volume of the hull minus both volumes
-  bool fits = true;    // false: the hull exceeds the tolerance
+  bool fits = true;    // false if the hull exceeds the tolerance
 };
 
 /// Joins pairs of parts, beginning with the pair that adds the least volume. A join may exceed the
@@ -177,7 +178,7 @@ double tolerance_of(const DecompositionOptions& options, const TriangleMesh& mes
 }
 
 ConvexParts convex_parts(const MeshSurface& solid, const DecompositionOptions& options) {
-  // The search may find only this share of the true error (outward_error()).
+  // outward_error() may find only this share of the true error.
   constexpr double kFound = 8.0 / 9.0;
   const double tolerance = tolerance_of(options, solid.mesh());
   const Cutter cutter{solid, kFound * tolerance};

@@ -10,7 +10,7 @@ namespace feltwire {
 namespace {
 
 struct Box {
-  double most = 0.0;  // [m] upper bound of the distance in the box
+  double most = 0.0;  // [m] upper bound of the signed distance from the surface, over the box
   double distance = 0.0;
   Vec3 middle = Vec3::Zero(), half = Vec3::Zero();
   bool operator<(const Box& other) const { return most < other.most; }
@@ -31,7 +31,7 @@ double signed_distance(const MeshSurface& solid, const Vec3& p, double within) {
 
 double outward_error(const ConvexHull& hull, const MeshSurface& solid, double tolerance) {
   constexpr double kGap = 1.125;       // largest ratio of the true error to `found`
-  constexpr double kWider = 1.000001;  // margin above rounding errors
+  constexpr double kWider = 1.000001;  // margin for rounding errors
   Bounds bounds;
   for (const Vec3& v : hull.vertices) bounds.add(v);
   double found = 0.0;
