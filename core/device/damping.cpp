@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-// Relative tolerance of the symmetry check.
+// relative tolerance of the symmetry check
 constexpr double kAsymmetry = 1e-9;
 
 [[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument(message); }

@@ -51,15 +51,15 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
   return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
-/// Returns the least value over all directions. The value is a number in one field or a matrix in
-/// another field.
+/// Returns the least value over all directions. The file has a number in `field`, or a matrix in
+/// the field with the suffix _matrix.
 double least(const JsonDocument& document, const std::string& field, double number,
              const Numbers* values) {
   if (values == nullptr) return number;
   const std::string other = field + "_matrix";
   if (document.has(field))
     document.fail(other, "stands beside " + field + ", which says the same; give one of the two");
-  // This applies the checks of a damping.
+  // Use the checks of a damping matrix.
   const Damping given(matrix(document, other.c_str(), *values));
   try {
     validate(given, other.c_str());

@@ -6,7 +6,8 @@
 namespace feltwire {
 namespace {
 
-// No haptic device reaches these limits. A larger number means a wrong unit.
+// Largest accepted values. No haptic device reaches these limits, so a larger value has a wrong
+// unit.
 constexpr double kMaxDamping = 1e3;            // [N s/m]
 constexpr double kMaxRotationalDamping = 1e2;  // [N m s/rad]
 constexpr double kMaxLag = 0.1;                // [s]

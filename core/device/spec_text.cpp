@@ -13,7 +13,7 @@ constexpr std::string_view kAssumption = "assumption", kAssumedFor = "assumption
 struct Number {
   const char* field;
   const char* unit;
-  // The energy account relies on this number: too large a value creates energy.
+  // True if the energy account relies on this number: too large a value then creates energy.
   bool counted_on;
   std::function<std::string(const DeviceSpec&)> text;
 };
@@ -103,7 +103,7 @@ std::vector<std::string> assumptions(const SourcedSpec& described) {
   for (const Number& number : numbers()) {
     const std::string_view source = source_of(described, number.field);
     if (!number.counted_on || !source.starts_with(kAssumption)) continue;
-    // A source such as "assumption for USB" names the case that it applies to.
+    // A source such as "assumption for USB" names the case in which the assumption holds.
     const bool says_for = source.starts_with(kAssumedFor);
     said.push_back(std::string(number.field) + " " + number.text(described.spec) + " " +
                    number.unit + " is an " + std::string(says_for ? source : kAssumption) + "; " +
