@@ -5,7 +5,8 @@
 namespace feltwire {
 namespace {
 
-/// Returns the inertia of a unit volume at an offset (Steiner's theorem).
+/// Returns the inertia [m^2, per unit of mass] that the offset `by` [m] from the centre of mass
+/// adds (Steiner's theorem).
 Mat3 offset_inertia(const Vec3& by) {
   return by.squaredNorm() * Mat3::Identity() - by * by.transpose();
 }
@@ -23,9 +24,9 @@ MassProperties mass_properties(const Shape& shape) {
       [] { return MassProperties{}; });
 }
 
-// Sums over the tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact formulas
-// for the 3-D tetrahedron inertia tensor"). Lengths are in units of the size, as in
-// TriangleMesh::volume().
+// Computes sums over the tetrahedra from the origin to each triangle (Tonon 2004, "Explicit exact
+// formulas for the 3-D tetrahedron inertia tensor"). Lengths are divided by the size of the mesh,
+// as in TriangleMesh::volume().
 MassProperties mass_properties(const TriangleMesh& mesh) {
   const double size = mesh.half_extents().maxCoeff();
   double volume = 0.0;
@@ -63,10 +64,11 @@ MassProperties together(const MassProperties& a, const MassProperties& b) {
 }
 
 bool is_convex(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-9;  // rounding of a flat face, as a share of the size
+  // Largest rounding error of a flat face, as a share of the mesh's size.
+  constexpr double kFlat = 1e-9;
   if (!mesh.report().closed()) return false;
-  // Euler's formula: a surface without handles has vertices - edges + triangles = 2. A closed
-  // surface has 3/2 edges per triangle.
+  // Test for handles by Euler's formula: a surface without handles has vertices - edges + triangles
+  // = 2. A closed surface has 3/2 edges per triangle.
   if (2 * mesh.vertices().size() != mesh.triangles().size() + 4) return false;
   const double flat = kFlat * mesh.half_extents().maxCoeff();
   for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {

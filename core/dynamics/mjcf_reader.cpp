@@ -40,7 +40,7 @@ int files = -1;  // descriptor of FILES
     std::fputs(words, out);
     std::fclose(out);
   }
-  _exit(1);  // This skips the destructors of a half-read model.
+  _exit(1);  // _exit() skips the destructors of a half-read model.
 }
 
 [[noreturn]] void refuse_file(const char* name, mode_t mode) {
@@ -53,7 +53,7 @@ int files = -1;  // descriptor of FILES
   refuse(words.data());
 }
 
-/// Whether the file lies in the root after all links are resolved.
+/// Returns true if the file lies in the root after all links are resolved.
 bool is_within_root(const char* name) {
   const std::size_t length = std::strlen(root);
   if (length == 0) return true;
@@ -64,8 +64,8 @@ bool is_within_root(const char* name) {
   return within;
 }
 
-/// Adds a file to the list for the recording. On a failure, the recording lacks the file, and its
-/// replay reports the missing file.
+/// Adds the name to FILES. On a failure, the recording lacks the file, and its replay reports the
+/// missing file.
 void note(const char* name) {
   const ssize_t ignored = write(files, name, std::strlen(name) + 1);
   static_cast<void>(ignored);
@@ -107,7 +107,7 @@ void limit_resources() {
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
 #ifndef FELTWIRE_SANITIZED                     // A sanitizer's own memory would count too.
-  constexpr rlim_t kMemory = rlim_t{4} << 30;  // [bytes]
+  constexpr rlim_t kMemory = rlim_t{4} << 30;  // [bytes] largest data memory
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_DATA, &memory);
 #endif

@@ -17,12 +17,13 @@ constexpr int kFewContacts = 16, kContactsOfGeom = 4;
 constexpr int kDefaultContacts = 100, kDefaultRows = 500;
 constexpr int kMostFriction = 6;         // largest friction dimension of a contact
 constexpr int kRowsOfEquality = 6;       // rows of a weld constraint
-constexpr double kFirstStack = 1 << 20;  // size in numbers (mjtNum)
-// Size in numbers: 2 GiB; unused stack takes no memory.
+constexpr double kFirstStack = 1 << 20;  // first size of the stack, as a count of mjtNum
+// Largest size of the stack, as a count of mjtNum. These are 2 GiB. Unused stack takes no memory.
 constexpr double kMostStack = 2.0 * (1 << 27);
 constexpr double kNumber = sizeof(mjtNum), kIndex = sizeof(int);
 
-/// Returns the constraint rows of one contact with the largest friction dimension in the model.
+/// Returns the number of constraint rows of a contact that has the largest friction dimension in
+/// the model.
 int rows_of_contact(const mjModel& model) {
   int dimensions = 1;
   for (int g = 0; g < model.ngeom; ++g) dimensions = std::max(dimensions, model.geom_condim[g]);
@@ -32,7 +33,7 @@ int rows_of_contact(const mjModel& model) {
   return pyramid ? 2 * (dimensions - 1) : dimensions;
 }
 
-/// Returns an upper bound of the constraint rows outside contacts.
+/// Returns an upper bound of the number of constraint rows that belong to no contact.
 int other_rows(const mjModel& model) {
   int rows = kRowsOfEquality * model.neq;
   for (int i = 0; i < model.nv; ++i) rows += model.dof_frictionloss[i] > 0.0 ? 1 : 0;
@@ -42,16 +43,16 @@ int other_rows(const mjModel& model) {
   return rows;
 }
 
-/// Returns the stack size, in numbers, for kinematics and collision detection. The constants are
-/// measured values with a margin.
+/// Returns the stack size, as a count of mjtNum, for kinematics and collision detection. The
+/// constants are measured values with a margin.
 double least_stack(const mjModel& model, int rows) {
   constexpr double kVectors = 64.0;
   const double bodies = model.nbody;
   return bodies * bodies + kVectors * (1.0 + bodies + model.nv + model.ngeom + model.njnt + rows);
 }
 
-/// Returns least_stack() plus the solvers' share: Newton's matrices have one row per degree of
-/// freedom, and the noslip solver's matrix has one row per constraint row.
+/// Returns least_stack() plus the stack size that the solvers need: Newton's matrices have one row
+/// per degree of freedom, and the noslip solver's matrix has one row per constraint row.
 double whole_stack(const mjModel& model, int rows) {
   constexpr double kNewton = 3.0, kSecond = 2.0;
   const double nv = model.nv, all = rows;
@@ -61,7 +62,8 @@ double whole_stack(const mjModel& model, int rows) {
 
 int numbers(double count) { return static_cast<int>(std::min(count, kMostStack)); }
 
-/// Whether the file sets its own sizes, which then differ from MuJoCo's default sizes.
+/// Returns true if the buffer sizes differ from MuJoCo's default sizes. The file then sets its own
+/// sizes.
 bool has_own_room(const mjModel& m) {
   constexpr double kOfSquare = 5.0, kOfOthers = 20.0, kLeast = 1000.0;
   const double square = m.njmax + m.neq + m.nv;
@@ -135,8 +137,9 @@ std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
   const std::size_t stack = solver + 2 * rows * rows + count * count +
                             kVectors * (1 + rows + speeds + 2 * count + 7 * objects);
   // mj_makeData() allocates two blocks: one for the constraints and one for the stack. It counts
-  // the bytes of each block in an int.
-  constexpr double kMost = 2e9, kEntry = sizeof(mjtNum) + sizeof(int);  // [bytes]
+  // the bytes of each block in an int, so kMost [bytes] limits each block. kEntry [bytes] is the
+  // size of a matrix entry with its column index.
+  constexpr double kMost = 2e9, kEntry = sizeof(mjtNum) + sizeof(int);
   const auto r = static_cast<double>(rows), v = static_cast<double>(speeds);
   const double most =
       std::max(kEntry * (2.0 * r * v + r * r), sizeof(mjtNum) * static_cast<double>(stack));
@@ -156,7 +159,7 @@ Simulation::Simulation(const mjModel& model, double most_memory, const std::vect
   bring_own_sort();
   if (!fixed_) give(model_, first_room(model));
   data_ = make_data(model_, start);
-  // Allocate the whole stack at once, because the simulation may need it later.
+  // If the first stack is too small, allocate the largest stack that the model needs.
   if (data_ == nullptr && !fixed_) {
     model_.nstack = numbers(whole_stack(model_, model_.njmax));
     data_ = make_data(model_, start);

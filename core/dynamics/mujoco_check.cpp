@@ -14,9 +14,11 @@
 namespace feltwire::mujoco {
 namespace {
 
-constexpr double kOverlap = 1e-4;  // [m] deeper than any resting contact
-/// Limit of tick * sqrt(k / m). A single undamped spring is stable up to 2 under symplectic Euler.
-/// However, n hands at one place act as one spring of stiffness n k.
+// [m] deeper overlaps at the start are reported; a resting contact is never so deep.
+constexpr double kOverlap = 1e-4;
+/// Largest accepted value of tick * sqrt(k / m), for a contact stiffness k and a mass m. A single
+/// undamped spring is stable up to 2 under symplectic Euler. However, n hands at one point act as
+/// one spring of stiffness n k.
 constexpr double kCalm = 1.0;
 
 template <class... Numbers>
@@ -35,7 +37,7 @@ Vec3 half_extents(const Shape& shape) {
       [] { return Vec3(Vec3::Zero()); });
 }
 
-/// Whether the shape stays within a ball that fits its bounding box.
+/// Returns true if the shape lies inside the largest ball in its bounding box.
 bool is_ball(const Shape& shape) {
   return on_primitive(
       shape, [](const auto& solid) { return solid.reach() <= solid.half_box().minCoeff(); },
@@ -51,7 +53,8 @@ Vec3 middle(const Shape& shape) {
 using Wrench = Eigen::Matrix<double, 6, 1>;
 using Mobility = Eigen::Matrix<double, 6, 6>;
 
-/// Returns the linear and angular velocity after a unit impulse on the body at its origin.
+/// Returns the matrix that maps an impulse on the body at its origin to the linear and angular
+/// velocity after it.
 Mobility mobility(const mjModel& model, mjData& data, int body) {
   constexpr int kLinear = 3, kWays = 6;
   Eigen::Matrix<double, kWays, Eigen::Dynamic, Eigen::RowMajor> jacobian(kWays, model.nv);
@@ -69,7 +72,8 @@ double yielding(const Mobility& moves, const Vec3& arm, const Vec3& normal) {
   return wrench.dot(moves * wrench);
 }
 
-/// Returns the largest inverse effective mass over faces, edges and corners of the object's box.
+/// Returns the largest inverse effective mass [1/kg] over the middles of faces and edges and over
+/// the corners of the object's bounding box.
 double most_yielding(const mjModel& model, mjData& data, const Object& object, int body) {
   double most = 0.0;
   const Mobility moves = mobility(model, data, body);
@@ -94,7 +98,7 @@ double most_yielding(const mjModel& model, mjData& data, const Object& object, i
 
 std::string too_light(const Object& object, double mass, double tick) {
   const double stiffness = object.material.stiffness;
-  const double calm_tick = kCalm * std::sqrt(mass / stiffness);  // [s]
+  const double calm_tick = kCalm * std::sqrt(mass / stiffness);  // [s] longest accepted tick
   return "object '" + object.name + "': " + printed("%.3g g", 1e3 * mass) +
          " where it yields most, against a material of " + printed("%.4g N/m", stiffness) +
          ", swings faster than a tick of " + printed("%.3g ms", 1e3 * tick) +
@@ -105,7 +109,8 @@ std::string too_light(const Object& object, double mass, double tick) {
                                   : "; no tick that a scene may have is short enough");
 }
 
-/// Returns the body to which the index in a MuJoCo warning belongs; negative if unknown.
+/// Returns the body to which the index in a MuJoCo warning belongs, or a negative number if it is
+/// unknown.
 int body_of(const mjModel& model, int kind, int index) {
   if (kind != mjWARN_BADQPOS) return index >= 0 && index < model.nv ? model.dof_bodyid[index] : -1;
   int body = -1;
@@ -114,7 +119,7 @@ int body_of(const mjModel& model, int kind, int index) {
   return body;
 }
 
-/// Returns a name for messages: an object of that body, or else the body's own name.
+/// Returns a name for messages: the object of this body, or else the name of the body itself.
 std::string name_of(const mjModel& model, int body, const std::vector<Object>& objects,
                     std::size_t still, const std::vector<Mechanism::Part>& parts) {
   const auto part = std::ranges::find(parts, body, &Mechanism::Part::body);
@@ -131,7 +136,7 @@ struct BadStep {
 constexpr std::array<BadStep, 3> kBadSteps = {
     {{mjWARN_BADQACC, "acceleration"}, {mjWARN_BADQVEL, "speed"}, {mjWARN_BADQPOS, "place"}}};
 
-/// Simulates the first steps. Returns a text if a step fails. After a failed step, MuJoCo resets
+/// Simulates the first steps. Returns a warning if a step fails. After a failed step, MuJoCo resets
 /// its state. Then the world resets at every step, and nothing moves.
 template <class Name>
 std::optional<std::string> first_steps(Simulation& simulation, Name name) {
@@ -192,7 +197,7 @@ std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjt
   }
   for (std::string& thin : thin_contacts(model, *data, objects, object_of))
     warnings.push_back(std::move(thin));
-  // Do this last, because it moves the bodies.
+  // Simulate the steps last, because they move the bodies.
   if (auto broken = first_steps(
           *simulation, [&](int body) { return name_of(model, body, objects, still, parts); }))
     warnings.push_back(*std::move(broken));

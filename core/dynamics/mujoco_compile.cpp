@@ -27,16 +27,16 @@ using mujoco::text;
 
 /// Time constant of contacts between bodies, in ticks (MuJoCo's solref). The stability limit is 2.
 constexpr double kContactTicks = 5.0;
-/// Contacts and joint limits are soft and yield by the share 1 - d of the load. The value d grows
-/// over a depth [m] (MuJoCo's solimp). These values are as rigid as possible without oscillation at
-/// the tick.
+/// MuJoCo's solimp of contacts and joint limits: the least and the largest impedance d, and the
+/// depth [m] over which d grows. These soft constraints yield by the share 1 - d of the load. The
+/// values are as rigid as possible without oscillation at the tick.
 constexpr const char* kImpedance = "0.99 0.999 0.0001";
 
-/// MuJoCo's loader compares each body with each other body. Loading so many bodies takes most of a
-/// minute.
+/// Largest number of bodies. MuJoCo's loader compares each body with each other body. Loading so
+/// many bodies takes most of a minute.
 constexpr std::size_t kMostBodies = 4000;
 
-// The model as MJCF. The bodies are named b0, b1, ...
+// The functions below write the model as MJCF. The bodies are named b0, b1, ...
 
 Pose operator*(const Pose& a, const Pose& b) {
   return {a.position + a.orientation * b.position, a.orientation * b.orientation};
@@ -46,7 +46,8 @@ Pose inverse(const Pose& p) {
   return {back * -p.position, back};
 }
 
-/// Warns of an object without geoms: a hollow shape other than a box, or a shape that MuJoCo lacks.
+/// Returns a warning about an object without geoms: a hollow shape other than a box, or a shape
+/// that MuJoCo lacks.
 std::string passed_through(const Object& object) {
   return "object '" + object.name +
          "': hands feel it, but bodies pass through it: MuJoCo has no such solid; build what "
@@ -95,8 +96,8 @@ std::string rounded(double value) {
   return text.data();
 }
 
-/// Returns the exact mass and inertia of an object, because MuJoCo would use those of the
-/// approximate geoms.
+/// Returns the <inertial> element with the exact mass and inertia of a solid. Without it, MuJoCo
+/// would use the mass and inertia of the approximate geoms.
 std::string inertial(const MassProperties& solid, double density) {
   const Mat3 inertia = density * solid.inertia;
   return "<inertial" + attribute("pos", text(solid.center)) +
@@ -106,7 +107,7 @@ std::string inertial(const MassProperties& solid, double density) {
          "/>\n";
 }
 
-/// Returns the reason why a mesh cannot move.
+/// Returns the error text for a mesh that has no volume and so cannot move.
 Violation no_volume(const TriangleMesh& mesh) {
   const MeshReport& report = mesh.report();
   if (!report.closed())
@@ -116,7 +117,8 @@ Violation no_volume(const TriangleMesh& mesh) {
   return {"mesh", "its normals look inwards, so it has no volume and cannot move; turn them"};
 }
 
-/// Warns of an angle above one turn, because the user may have meant degrees instead of radians.
+/// Returns a warning about an angle above one turn, because the user may have meant degrees instead
+/// of radians.
 std::string odd_angle(const Body& body) {
   constexpr double kTurn = 2.0 * std::numbers::pi, kDegree = std::numbers::pi / 180.0;
   if (body.joint != Joint::hinge) return {};
@@ -162,7 +164,7 @@ void check_bodies(const std::vector<Object>& objects, const std::vector<int>& bo
   }
 }
 
-/// Warns of each non-convex mesh for which no convex solids are given.
+/// Adds a warning for each non-convex mesh for which no convex solids are given.
 void warn_of_hulls(const std::vector<Object>& objects, const mujoco::CollisionGeoms& geoms,
                    const mujoco::ObjectSolids& solids, const std::vector<int>& body_of,
                    const std::vector<Body>& bodies, std::vector<std::string>& warnings) {
@@ -224,7 +226,7 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
   return xml + "</worldbody></mujoco>\n";
 }
 
-/// Moves the still objects to the front. Otherwise keeps the order.
+/// Moves the objects without a body to the front. Otherwise keeps the order.
 void put_still_first(std::vector<Object>& objects, std::vector<int>& body_of,
                      mujoco::ObjectSolids& solids) {
   std::vector<Object> ordered;

@@ -11,8 +11,8 @@ namespace {
 thread_local std::jmp_buf* way_out = nullptr;
 thread_local bool stack_overflowed = false;
 
-// MuJoCo is C code, and an exception must not pass through C code. If the handler returned, MuJoCo
-// would end the process.
+// Leaves MuJoCo's function by longjmp(). MuJoCo is C code, and an exception must not pass through C
+// code. If this handler returned, MuJoCo would end the process.
 void on_error(const char* message) {
   stack_overflowed = std::strstr(message, "tack overflow") != nullptr;
   if (way_out != nullptr) std::longjmp(*way_out, 1);

@@ -15,10 +15,12 @@
 namespace feltwire::mujoco {
 namespace {
 
-/// Whether a mesh keeps a volume in single precision. MuJoCo refuses a mesh without volume.
+/// Returns true if a mesh still has a volume in single precision. MuJoCo refuses a mesh without
+/// volume.
 bool is_solid_in_float(const std::vector<Vec3>& points) {
   constexpr double kLeastVolume = 2.0 * mjMINVAL;  // [m^3]
-  // Share of the size. It is larger than the rounding errors of single precision.
+  // Least volume as a share of the cube of the size. It is larger than the rounding errors of
+  // single precision.
   constexpr double kThin = 1e-6;
   std::vector<Vec3> rounded;
   Bounds bounds;
@@ -50,12 +52,12 @@ std::vector<PhysicsGeom> made_geoms(const Object& object, const ConvexSolids* so
   return geoms;
 }
 
-/// Returns the number part of a geom's name, for one of `count` geoms.
+/// Returns the number in the name of a geom. The object has `count` geoms.
 std::string number_of(std::size_t object, std::size_t index, std::size_t count) {
   return std::to_string(object) + (count > 1 ? "_" + std::to_string(index) : "");
 }
 
-/// Returns the shape attributes of a geom. `name` is the mesh of a hull.
+/// Returns the shape attributes of a geom. `name` is the mesh of a geom that is a convex hull.
 std::string geom_shape(const PhysicsGeom& geom, const std::string& name) {
   const auto sized = [](const char* type, const std::string& size) {
     return attribute("type", type) + attribute("size", size);
@@ -129,8 +131,8 @@ std::string CollisionGeoms::meshes() const {
 
 std::string CollisionGeoms::text(std::size_t object, const Pose& pose, const Material& material,
                                  const std::string& more) const {
-  // MuJoCo has one friction coefficient per contact, and gets the dynamic friction. A contact
-  // without friction is one-dimensional.
+  // MuJoCo has one friction coefficient per contact, so use the dynamic friction. A contact without
+  // friction is one-dimensional.
   const double friction = material.dynamic_friction;
   const auto& geoms = geoms_of(object);
   std::string xml;

@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* kReader = "feltwire-mjcf";
 
-// Descriptors in the child process.
+// Numbers of the descriptors in the child process.
 constexpr int kInput = 3, kModel = 4, kError = 5, kFiles = 6, kFirstFree = 7;
 
 /// A file in memory (memfd).
@@ -65,7 +65,7 @@ class MemoryFile {
   int descriptor_ = -1;
 };
 
-/// Returns the path of the reader: beside this program, or else in the build folder (for tests).
+/// Returns the path of feltwire-mjcf: beside this program, or else in the build folder (for tests).
 std::string reader() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -97,7 +97,7 @@ class Child {
         current_work() != nullptr ? static_cast<int>(syscall(SYS_pidfd_open, id_, 0)) : -1;
     const MaybeDescriptor owned(handle);
     while (current_work() != nullptr && !wait(WNOHANG)) {
-      constexpr int kLook = 20;        // [ms]
+      constexpr int kLook = 20;        // [ms] interval between checks for a cancelled work
       pollfd ends{handle, POLLIN, 0};  // poll() ignores a negative descriptor.
       poll(&ends, 1, kLook);
       check_cancelled();
@@ -117,7 +117,7 @@ class Child {
     int descriptor;
   };
 
-  /// Returns true if the child process has ended.
+  /// Calls waitpid(). Returns true if the child process has ended.
   bool wait(int options) {
     pid_t found = 0;
     do found = waitpid(id_, &status_, options);
@@ -139,7 +139,7 @@ struct Ends {
   int model, error, files;
 };
 
-/// Runs the child and returns waitpid()'s status. Throws std::system_error if it cannot start.
+/// Runs feltwire-mjcf and returns waitpid()'s status. Throws std::system_error if it cannot start.
 int run_reader(const std::string& file, const std::string& root, const std::string& text,
                const Ends& ends) {
   posix_spawn_file_actions_t actions;
@@ -185,7 +185,8 @@ std::string quoted_behind(const std::string& words, std::string_view word) {
   return end == std::string::npos ? std::string() : words.substr(begin + 1, end - begin - 1);
 }
 
-/// Names this MuJoCo version and the unknown word, because the file may need a newer version.
+/// Returns a hint that names this MuJoCo version and the unknown word, because the file may need a
+/// newer version.
 std::string of_this_version(const std::string& words) {
   const std::string element = quoted_behind(words, "Element");
   const std::string where = element.empty() ? "" : " in <" + element + ">";
@@ -204,7 +205,7 @@ std::string of_this_version(const std::string& words) {
          "; if the file was made for a newer one, remove it or write it for this version";
 }
 
-/// Returns the reason why there is no model.
+/// Returns the reason why MuJoCo's loader has made no model.
 std::string reason(int status, const MemoryFile& error) {
   constexpr std::size_t kMostWords = 1000;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
@@ -235,9 +236,9 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-/// Loads a file. If `text` is given, it replaces the text of the file.
+/// Loads a file with feltwire-mjcf. If `text` is given, it replaces the text of the file.
 Loaded load(const std::string& file, const std::string* text, const std::string& root = {}) try {
-  constexpr std::size_t kMostNames = 1 << 20;  // [bytes]
+  constexpr std::size_t kMostNames = 1 << 20;  // [bytes] largest length of the list of file names
   const MemoryFile input("input"), model("model"), error("error"), files("files");
   if (text != nullptr) input.write(*text);
   const bool replaced = text != nullptr && file != place(kInput);

@@ -38,8 +38,8 @@ class MjcfMeshes {
  public:
   MjcfMeshes(const mjModel& model, const std::string& file) : model_(model), file_(file) {}
 
-  /// Returns the mesh in MuJoCo's frame. Its origin is the centre of mass, and its axes are the
-  /// principal axes of inertia.
+  /// Returns the mesh of a geom in MuJoCo's frame. Its origin is the centre of mass, and its axes
+  /// are the principal axes of inertia.
   Mesh mesh_of(int geom) {
     const int id = model_.geom_dataid[geom];
     if (const auto at = known_.find(id); at != known_.end()) return at->second;
@@ -112,10 +112,10 @@ void check_names(const mjModel& model, const MjcfMaterials& materials, const std
                          "' that the scene gives a feel to; correct the name");
 }
 
-/// Warns of suspicious meshes. MuJoCo replaces each mesh by its convex hull, so an open mesh may go
-/// unnoticed until a hand enters it. A very large mesh is probably in millimetres.
+/// Returns warnings about suspicious meshes. MuJoCo replaces each mesh by its convex hull, so an
+/// open mesh may go unnoticed until a hand enters it. A very large mesh is probably in millimetres.
 std::vector<std::string> odd_meshes(const std::vector<Object>& objects) {
-  constexpr double kLargest = 20.0;  // [m]
+  constexpr double kLargest = 20.0;  // [m] A larger mesh is probably in millimetres.
   std::vector<std::string> warnings;
   for (const Object& object : objects) {
     const auto* mesh = std::get_if<Mesh>(&object.shape);
@@ -155,10 +155,10 @@ std::string read_xml(const std::filesystem::path& file) {
   return text;
 }
 
-/// MuJoCo opens files by itself. So this function writes recorded files to the disk for MuJoCo, and
-/// records the files that MuJoCo has read.
+/// Reads a model with MuJoCo, which opens files by itself. So this function writes recorded files
+/// to the disk for MuJoCo, and records the files that MuJoCo has read.
 mujoco::Loaded read_model(const std::filesystem::path& file) {
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // [bytes] per file
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // [bytes] largest size of a file
   const FileReading reading = file_reading_of_this_thread;
   if (reading.given != nullptr) {
     const UnpackedFiles unpacked(*reading.given);
@@ -188,7 +188,8 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
   if (loaded.model == nullptr) throw FileError(name + ": " + loaded.error);
   mjModel& model = *loaded.model;
   check_names(model, materials, name);
-  // mj_step1 and mj_step2 together make one Euler step. Runge-Kutta would need more evaluations.
+  // Use Euler's method. mj_step1 and mj_step2 together make one Euler step, but Runge-Kutta would
+  // need more evaluations.
   if (model.opt.integrator == mjINT_RK4) model.opt.integrator = mjINT_EULER;
   model.opt.timestep = tick;
 

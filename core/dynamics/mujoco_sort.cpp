@@ -9,8 +9,8 @@
 namespace feltwire::mujoco {
 namespace {
 
-// Memory of this thread for half of the sorted items. It grows on demand and stays until the thread
-// ends.
+// Memory of this thread for half of the items to sort. It grows on demand and stays until the
+// thread ends.
 thread_local std::byte* room_of_thread = nullptr;
 thread_local std::size_t size_of_room = 0;
 
@@ -37,7 +37,7 @@ std::byte* room_for(std::size_t bytes) noexcept {
   return nullptr;
 }
 
-/// Merges two sorted halves. The left of two equal items stays first.
+/// Merges two sorted halves. If an item of each half is equal, the left item comes first.
 void merge_halves(std::byte* left, std::size_t of_left, std::size_t of_right, std::size_t size,
                   Compare compare, void* context, std::byte* room) noexcept {
   std::memcpy(room, left, of_left * size);
@@ -63,7 +63,7 @@ void sort_halves(std::byte* first, std::size_t count, std::size_t size, Compare 
   merge_halves(first, of_left, count - of_left, size, compare, context, room);
 }
 
-/// Sorts without extra memory: slow, but also stable.
+/// Sorts without extra memory. This is slow, but also stable.
 void sort_in_place(std::byte* first, std::size_t count, std::size_t size, Compare compare,
                    void* context) noexcept {
   for (std::size_t n = 1; n < count; ++n)

@@ -30,7 +30,8 @@ NeighbourSearch::NeighbourSearch(std::span<const Object> moving, double tool_rad
   }
   margin_ = margin_of(radii);
   for (std::size_t i = 0; i < radii.size(); ++i) {
-    constexpr double kRounding = 1e-9;  // bound of rounding errors over weeks
+    // Share of the margin that allows for rounding errors over weeks.
+    constexpr double kRounding = 1e-9;
     const double wide = radii[i] + (1.0 + kRounding) * margin_;
     balls_.push_back({Vec3::Zero(), radii[i] * radii[i], wide * wide});
     place(i, moving[i].pose);

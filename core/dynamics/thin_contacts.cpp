@@ -25,9 +25,9 @@ struct GeomExtent {
   int geom;
   double low, high;  // [m] lowest and highest point along `up`
   double thickness;  // [m] least extent in any direction
-  bool falls;        // Gravity moves the geom.
-  bool endless;      // No body falls through a plane.
-  bool thin;         // Some object may be too fast for this thickness.
+  bool falls;        // true if gravity moves the geom
+  bool endless;      // true for a plane, because no body falls through it
+  bool thin;         // true if an object may be too fast for this thickness
 };
 
 /// Returns half the extent [m] of a geom along a direction in the geom's frame.
@@ -77,8 +77,8 @@ double half_thickness(const mjModel& model, int geom) {
                    half_extent(model, geom, Vec3::UnitZ())});
 }
 
-/// Returns the depth [m] of the surface of geom `surface_of` below the middle of geom `middle_of`,
-/// or a negative value if the surface is not below.
+/// Returns the depth [m] of the surface of geom `surface_of` below the centre of geom `middle_of`,
+/// or a negative value if the surface is not below the centre.
 double depth_below(const mjModel& model, const mjData& data, int middle_of, int surface_of,
                    const Vec3& down) {
   const std::array<mjtNum, 3> along = {down.x(), down.y(), down.z()};
@@ -91,7 +91,8 @@ double depth_below(const mjModel& model, const mjData& data, int middle_of, int 
 }
 
 /// Returns the combined thickness [m] of two geoms in contact. MuJoCo loses the contact of a
-/// capsule and a box when the capsule's axis is inside the box, so the box does not count.
+/// capsule and a box when the capsule's axis is inside the box, so the thickness of the box does
+/// not count.
 double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent& b) {
   const int kinds[] = {model.geom_type[a.geom], model.geom_type[b.geom]};
   if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
@@ -99,8 +100,8 @@ double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent&
   return a.thickness + b.thickness;
 }
 
-/// Whether gravity moves a body. This holds if the body or one of its parents is free, or slides
-/// along `up`.
+/// Returns true if gravity moves a body. This holds if the body or one of its parents is free, or
+/// slides along `up`.
 bool falls(const mjModel& model, const mjData& data, int body, const Vec3& up) {
   constexpr double kAlong = 0.1;
   for (; body != 0; body = model.body_parentid[body])
@@ -120,7 +121,7 @@ bool meet(const mjModel& model, int a, int b) {
          (model.geom_contype[b] & model.geom_conaffinity[a]) != 0;
 }
 
-/// Whether the vertical projections of two geoms may overlap.
+/// Returns true if the vertical projections of two geoms may overlap.
 bool overlap(const mjModel& model, const mjData& data, int a, int b, const Vec3& up) {
   const Vec3 apart = vector(entry<3>(data.geom_xpos, a)) - vector(entry<3>(data.geom_xpos, b));
   return (apart - up.dot(apart) * up).norm() <= model.geom_rbound[a] + model.geom_rbound[b];
@@ -141,9 +142,10 @@ double longest_contact_time(const mjModel& model) {
 }
 
 struct Fall {
-  double height, thickness;        // [m] fall of the middle; thickness of both geoms
-  double topple = 0.0;             // [m] fall until the body lies flat
-  double speed = 0.0, held = 0.0;  // [m/s]
+  double height, thickness;  // [m] fall of the body's centre; sum of the thicknesses of both geoms
+  double topple = 0.0;       // [m] fall until the body lies flat
+  // [m/s] speed at the contact; largest speed that the contact can stop.
+  double speed = 0.0, held = 0.0;
 };
 
 std::string warning_of(const Object& upper, const Object& lower, const GeomExtent& a,
@@ -174,7 +176,7 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
 
 double held_speed(double thickness, double contact, double tick) {
   // A contact is a critically damped spring with the time constant `contact`, so a body penetrates
-  // by speed * contact / e. The delay until the contact begins adds the path of kTicks ticks
+  // by speed * contact / e. The delay until the contact begins adds the distance of kTicks ticks
   // (measured, ThinContacts.*).
   constexpr double kTicks = 0.65, kE = 2.718281828459045;
   return 0.5 * thickness / (contact / kE + kTicks * tick);
@@ -201,12 +203,12 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     lowest = std::min(lowest, middle - half);
     highest = std::max(highest, middle + half);
   }
-  // Nothing in the scene can fall faster than this, so thicker bodies need no check.
+  // Nothing in the scene can fall faster than `fastest`, so thicker bodies need no check.
   const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
   for (GeomExtent& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
-  // Returns the height of a geom's fall, down to the highest fixed geom below it.
+  // Returns the height [m] of a geom's fall, down to the highest fixed geom below it.
   constexpr std::size_t kMostPairs = 20'000'000, kMostSaid = 16;
   std::size_t pairs = 0, more = 0;
   const auto drop_of = [&](const GeomExtent& a) {
@@ -220,7 +222,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     return std::isfinite(least) ? least : 0.0;
   };
 
-  // Returns the height by which the middle of a body falls until the body lies flat.
+  // Returns the height [m] by which the centre of a body falls until the body lies flat.
   const auto fall_of = [&](const GeomExtent& a, const GeomExtent& b) {
     const double below = depth_below(model, data, a.geom, b.geom, -up);
     if (model.geom_type[b.geom] == mjGEOM_MESH)

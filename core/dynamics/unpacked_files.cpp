@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the number of levels by which a normalized path leads up.
+/// Returns the number of ".." elements of a normalized path.
 std::ptrdiff_t levels_up(const fs::path& name) {
   return std::count(name.begin(), name.end(), fs::path(".."));
 }

@@ -64,7 +64,7 @@ std::optional<fs::path> find_package_file(std::string_view path, const fs::path&
   return std::nullopt;
 }
 
-/// Replaces each value of filename="..." by the result of `take` for this value.
+/// Replaces the value of each filename="..." by take(value).
 template <class Take>
 std::string with_names(const std::string& xml, Take take) {
   constexpr std::string_view kAttribute = "filename";
@@ -113,7 +113,7 @@ std::optional<std::string> with_paths_kept(const std::string& xml, const fs::pat
     if (name.starts_with(kFile)) return name.substr(kFile.size());
     if (!name.starts_with(kPackage)) return name;
     const auto found = file_of_uri(name, folder);
-    // MuJoCo prepends the folder of the URDF file to a name.
+    // Return a relative path, because MuJoCo prepends the folder of the URDF file to a name.
     return found ? found->lexically_relative(folder.empty() ? fs::path(".") : folder).string()
                  : name;
   });
