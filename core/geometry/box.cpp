@@ -12,8 +12,8 @@ namespace {
 
 double face_sign(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 
-/// Returns the face through which the path from a free point enters, or -1 if the path does not
-/// enter.
+/// Returns the index of the face through which the path enters the box, or -1 if the path does not
+/// enter. The path begins outside the box.
 int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
   double in = 0.0, out = 1.0;
   int entered = -1;
@@ -36,7 +36,7 @@ int box_entry(const Vec3& h, const Vec3& from, const Vec3& to) {
 
 SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
   // The solid is convex, so a tool that is still inside has crossed no other face since its entry.
-  // A tool without a memory gets the nearest face.
+  // If the face of entry is unknown, use the nearest face.
   int face = static_cast<int>(memory.feature) - 1;
   if (face < 0 || face >= kBoxFaces) {
     face = memory.tracked ? box_entry(h, memory.proxy, p) : -1;
@@ -59,8 +59,9 @@ SurfacePoint box_from_outside(const Vec3& h, const Vec3& p, FeatureMemory& memor
   return held_on({point, sign * Vec3::Unit(axis), depth}, face, memory);
 }
 
-/// From inside, the free space is convex. The proxy is the clamped point on a face, an edge or a
-/// corner. The force acts along the line from the tool to the proxy.
+/// Computes the contact with a hollow box. The free space inside is convex, so the proxy is the
+/// tool position clamped to the box: on a face, an edge or a corner. The force acts along the line
+/// from the tool to the proxy.
 SurfacePoint box_from_inside(const Vec3& h, const Vec3& p, FeatureMemory& memory) {
   const Vec3 point = p.cwiseMax(-h).cwiseMin(h);
   const Vec3 beyond = p - point;
@@ -120,7 +121,7 @@ TriangleSoup Box::triangles(int) const {
   return soup;
 }
 
-/// Six planes replace a hollow box.
+/// Returns the collision geoms. Six planes replace a hollow box.
 std::vector<PhysicsGeom> Box::geoms(Side side) const {
   if (side == Side::outside) return {{.kind = PhysicsGeom::Kind::box, .size = half_extents}};
   std::vector<PhysicsGeom> walls;
@@ -145,7 +146,7 @@ SurfaceParts Box::parts(Side side, const Vec3& p, std::uint32_t entered) const n
       add(all, inward, feature_of(face));
       continue;
     }
-    Vec3 way = out;  // way to a point beyond only this face
+    Vec3 way = out;  // vector from p to a point that is beyond only this face
     way[axis] = inward;
     add_convex(all, way.norm(), solid, face, entered);
   }

@@ -20,8 +20,9 @@ SurfacePoint Capsule::surface_point(Side side, const Vec3& p,
                                     FeatureMemory& memory) const noexcept {
   const double h = half_length;
   if (side == Side::inside) return hollow_surface(p, on_axis(h, p), radius, memory);
-  // On the axis, every direction across the axis is equally near. At its ends, every direction of
-  // the half sphere is equally near.
+  // From a point on the axis, the surface is equally near in every direction across the axis. At
+  // the ends of the axis, it is equally near in every direction of the half sphere. So use the
+  // remembered normal.
   Vec3 undefined = memory.normal;
   undefined.z() = std::clamp(undefined.z(), p.z() <= -h ? -1.0 : 0.0, p.z() >= h ? 1.0 : 0.0);
   undefined = undefined.isZero(0.0) ? Vec3::UnitX() : direction(undefined);
@@ -42,8 +43,8 @@ Vec3 Capsule::half_box() const noexcept { return {radius, radius, half_length + 
 
 double Capsule::reach() const noexcept { return radius + half_length; }
 
-/// Sums a cylinder and two half balls. The centre of mass of a half ball is 3/8 r beyond its flat
-/// face.
+/// Returns the sum of a cylinder and two half balls. The centre of mass of a half ball is 3/8 r
+/// beyond its flat face.
 MassProperties Capsule::mass_properties() const {
   const double middle = 2.0 * std::numbers::pi * radius * radius * half_length;
   const double ends = 4.0 / 3.0 * std::numbers::pi * (radius * radius * radius);
@@ -64,17 +65,18 @@ std::vector<PhysicsGeom> Capsule::geoms(Side side) const {
   return {{.kind = PhysicsGeom::Kind::capsule, .size = {radius, half_length, 0.0}}};
 }
 
-/// Side and ends form one smooth surface, but need more than one patch. Only the patch nearest to
-/// the point is modelled. The other patches begin behind their junction with this patch.
+/// Returns the parts of the surface near p. Side and ends form one smooth surface, but need more
+/// than one patch. Only the patch nearest to p is modelled. The other patches begin behind their
+/// junction with this patch.
 SurfaceParts Capsule::parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept {
   SurfaceParts all;
   const double h = half_length;
   const double near = std::max(0.0, height(side, (p - on_axis(h, p)).norm(), radius));
   add(all, unless_entered(near, side, entered), kOnlyFeature);
   if (!(h > 0.0)) return all;
-  // From outside, beside the cylinder, the way to the junction's plane and the way to the surface
-  // are perpendicular, so Pythagoras gives the bound. From inside, only the longer of the two ways
-  // is a safe bound.
+  // From outside, beside the cylinder, the shortest lines to the junction's plane and to the
+  // surface are perpendicular, so Pythagoras gives the bound. From inside, only the longer of the
+  // two lines is a safe bound.
   const double in = std::max(0.0, root(p.x(), p.y()) - radius);
   const auto behind = [&](double way) {
     add(all, side == Side::outside ? root(way, in) : std::max(way, near), kOnlyFeature, false);

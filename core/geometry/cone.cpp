@@ -14,7 +14,8 @@
 namespace feltwire {
 namespace {
 
-/// A cone relative to a point p, in the half plane through the axis and p.
+/// A cone relative to a point p, in the half plane through the axis and p. The side is the lateral
+/// surface of the cone.
 struct ConeView {
   ConeView(const Cone& cone, const Vec3& p) : radius(cone.radius), half_length(cone.half_length) {
     slant = hypotenuse(radius, 2.0 * half_length);
@@ -28,9 +29,10 @@ struct ConeView {
     along = across * sine + (half_length - p.z()) * cosine;
   }
   bool is_inside() const { return below_side > 0.0 && above_base > 0.0; }
-  /// Returns the normal of the side in the direction `facing`.
+  /// Returns the outward normal of the side. `facing` is the unit vector from the axis to this part
+  /// of the side.
   Vec3 normal(const Vec3& facing) const { return cosine * facing + sine * Vec3::UnitZ(); }
-  /// Returns the direction down the side, from the tip to the rim.
+  /// Returns the unit vector along the side, from the tip to the rim.
   Vec3 down(const Vec3& facing) const { return sine * facing - cosine * Vec3::UnitZ(); }
   Vec3 tip() const { return half_length * Vec3::UnitZ(); }
   Vec3 on_side(const Vec3& facing, double from_tip) const {
@@ -38,17 +40,18 @@ struct ConeView {
   }
 
   double radius, half_length, slant;
-  double sine, cosine;  // of the angle between the axis and the side
-  double across;        // [m] of p from the axis
-  Vec3 outward;         // from the axis to p; zero on the axis
-  double below_side;    // [m] depth of p below the endless side
-  double above_base;    // [m] height of p above the endless base
-  double along;         // [m] from the tip to the closest point of the side
+  double sine, cosine;  // sine and cosine of the angle between the axis and the side
+  double across;        // [m] distance of p from the axis
+  Vec3 outward;         // unit vector from the axis to p; zero on the axis
+  double below_side;    // [m] depth of p below the infinitely extended side
+  double above_base;    // [m] height of p above the plane of the base
+  double along;         // [m] distance from the tip to the point of the side closest to p
 };
 
-/// The point of the solid that is nearest to an outside point.
+/// The point of the solid that is closest to a point outside.
 struct ConeClosest {
-  Vec3 point = Vec3::Zero(), away = Vec3::Zero();  // unit vector to the outside point
+  // `away`: unit vector from `point` to the outside point.
+  Vec3 point = Vec3::Zero(), away = Vec3::Zero();
   double distance = std::numeric_limits<double>::infinity();
   int face = kConeSide;
 };
@@ -78,14 +81,14 @@ ConeClosest closest_on(const ConeView& view, const Vec3& p) {
   return best;
 }
 
-/// From inside, the free space is convex, as for the box.
+/// Computes the contact with a hollow cone. The free space inside is convex, as for the box.
 SurfacePoint cone_from_inside(const Cone& cone, const Vec3& p, FeatureMemory& memory) {
   const ConeClosest closest = closest_on(ConeView(cone, p), p);
   if (!(closest.distance > 0.0) || !std::isfinite(closest.distance)) return no_contact(memory);
   return stand_on(closest.point, -closest.away, closest.distance, closest.face, memory);
 }
 
-/// The part of a path inside the solid, and the face of entry.
+/// The part of a path that is inside the cone, and the face through which the path enters.
 struct ConeSpan : Span {
   int face = kConeSide;
 };
@@ -109,7 +112,8 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   cut(h - from.z(), -way.z(), kConeSide);
   if (!(span.in < span.out)) return span;
 
-  // Clip the path to the inside of the side: a x^2 + 2 b x + c < 0.
+  // Clip the path to the part inside the side, where a x^2 + 2 b x + c < 0 for the position x on
+  // the path.
   const double slope = cone.radius / (2.0 * h);
   const Vec3 start = Vec3(from.x(), from.y(), slope * (h - from.z())) / length_unit;
   const Vec3 going = Vec3(way.x(), way.y(), -slope * way.z()) / length_unit;
@@ -144,8 +148,9 @@ ConeSpan way_within(const Cone& cone, const Vec3& from, const Vec3& way) {
   return span;
 }
 
-/// Returns the proxy on the side. The proxy turns with the hand as on a cylinder with the cone's
-/// radius at the hand's height. A proxy that is pulled over the tip continues on the hand's side.
+/// Computes the contact with the side. The proxy turns about the axis with the tool, as on a
+/// cylinder with the cone's radius at the tool's height. If the tool pulls the proxy over the tip,
+/// the proxy continues on the tool's side of the axis.
 SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from, const Vec3& p,
                        Vec3 facing, FeatureMemory& memory) {
   const double wide = (view.half_length - p.z()) * view.sine / view.cosine;
@@ -159,8 +164,8 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
   const bool nearest = facing == view.outward;
   const double under = nearest ? view.below_side : -normal.dot(offset);
   if (!(under > 0.0)) return free_at(p, memory);
-  // A point outside the solid is in contact while the straight line back to the side crosses the
-  // solid.
+  // A tool that has left the solid is still in contact if the straight line from the tool to the
+  // side crosses the solid.
   if (!view.is_inside()) {
     const Span back = way_within(cone, p, under * normal);
     if (!(back.in < back.out)) return free_at(p, memory);
@@ -173,13 +178,13 @@ SurfacePoint cone_side(const Cone& cone, const ConeView& view, const Vec3& from,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({on.point, normal, on.depth}, kConeSide, memory);
-  memory.proxy = p;  // A round surface stores the tool's position.
+  memory.proxy = p;  // For a round surface, the memory stores the tool's position.
   return on;
 }
 
-/// Returns the extent [m] of a patch about a point of the side. Within this extent, a cylinder
-/// approximates the cone. At a cone angle of 45 degrees, the error is half of kPatchSlope times the
-/// extent. At other angles, the error is smaller.
+/// Returns the extent [m] of a patch about a point of the side at the distance `across` [m] from
+/// the axis. Within this extent, a cylinder approximates the cone. At a cone angle of 45 degrees,
+/// the error is half of kPatchSlope times the extent. At other angles, the error is smaller.
 double side_extent(double across) {
   constexpr double kOfRadius = 0.25;
   return kOfRadius * across;
@@ -219,7 +224,8 @@ SurfacePoint Cone::surface_point(Side side, const Vec3& p, FeatureMemory& memory
 
 Grown<Cone> Cone::grown(Side side, double ball) const noexcept {
   if (side == Side::outside) return {*this, Vec3::Zero(), ball};
-  // Use a smaller cone with the same angle. Its side and base lie inside by the ball's radius.
+  // Use a smaller cone with the same angle. The distance between the sides and between the bases of
+  // both cones is the ball's radius.
   const double sine = radius / hypotenuse(radius, 2.0 * half_length);
   const double top = half_length - ball / sine, bottom = ball - half_length;
   const double half = 0.5 * (top - bottom);
@@ -264,7 +270,8 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   const ConeView view(*this, p);
   const Vec3 outward = or_else(view.outward, Vec3::UnitX());
   const double down = std::clamp(view.along, 0.0, view.slant);
-  const double off = length(Vec3(p - view.on_side(outward, down)));  // distance to the side
+  // [m] distance of p from the side.
+  const double off = length(Vec3(p - view.on_side(outward, down)));
   const double extent = side_extent(down * view.sine);
   const double under = std::max(0.0, view.below_side), over = std::max(0.0, view.above_base);
   if (side == Side::inside) {
@@ -275,14 +282,15 @@ SurfaceParts Cone::parts(Side side, const Vec3& p, std::uint32_t entered) const 
   }
   const ConeClosest closest = closest_on(view, p);
   const double solid = std::isfinite(closest.distance) ? closest.distance : 0.0;
-  // These values are lower bounds of the distance to any point beyond one face and within the
-  // other.
+  // These values are lower bounds of the distance from p to any point beyond one face and within
+  // the other.
   const double beyond_side = std::max(under, -view.above_base);
   const double beyond_base = std::max(over, -view.below_side);
   add_convex(all, beyond_side, solid, kConeSide, entered);
   add_convex(all, beyond_base, solid, kConeBase, entered);
-  // Bound the distance to the surface beyond the side's patch. This surface is at least the extent
-  // away from the solid's nearest point, so its distance from p is larger (Pythagoras).
+  // Bound the distance from p to the surface beyond the side's patch. This surface is at least
+  // `extent` away from the solid's point nearest to p, so its distance from p is larger
+  // (Pythagoras).
   double rest = extent - off;
   if (entered != feature_of(kConeSide)) {
     if (solid > 0.0 && closest.face == kConeSide) rest = root(solid, extent);

@@ -13,7 +13,7 @@
 namespace feltwire {
 namespace {
 
-/// From inside, the free space is convex, as for the box.
+/// Computes the contact with a hollow cylinder. The free space inside is convex, as for the box.
 SurfacePoint cylinder_from_inside(const Cylinder& cylinder, const Vec3& p, FeatureMemory& memory) {
   const double h = cylinder.half_length;
   const Vec3 across(p.x(), p.y(), 0.0);
@@ -29,8 +29,8 @@ SurfacePoint cylinder_from_inside(const Cylinder& cylinder, const Vec3& p, Featu
   return stand_on(at_side + z * Vec3::UnitZ(), -direction(beyond), depth, feature, memory);
 }
 
-/// Returns the face through which the path from a free point enters, or -1 if the path does not
-/// enter.
+/// Returns the index of the face through which the path enters the cylinder, or -1 if the path does
+/// not enter. The path begins outside the cylinder.
 int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
   const double h = cylinder.half_length, r = cylinder.radius;
   const Vec3 flat(1.0, 1.0, 0.0);
@@ -54,11 +54,12 @@ int cylinder_entry(const Cylinder& cylinder, const Vec3& from, const Vec3& to) {
   return side.in < side.out ? face : -1;
 }
 
-/// Between the ends, the side is part of an infinite cylinder.
+/// Computes the contact with the side, the lateral surface. Between the ends, it is part of an
+/// infinite cylinder.
 SurfacePoint cylinder_side(const Cylinder& cylinder, const Vec3& p, FeatureMemory& memory) {
   if (!(std::abs(p.z()) < cylinder.half_length)) return free_at(p, memory);
   Vec3 undefined = memory.normal;
-  undefined.z() = 0.0;  // Before the first contact, the normal is along z.
+  undefined.z() = 0.0;  // Before the first contact, memory.normal is along z.
   if (undefined.isZero(0.0)) undefined = Vec3::UnitX();
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   return round_from_outside({cylinder.radius, kEndless}, p, undefined, memory);

@@ -12,7 +12,7 @@ constexpr int kMostActive = 3;
 using Subset = std::array<std::size_t, kMostActive>;
 
 /// Finds the point on all these planes that is nearest to the goal. Returns false if the planes do
-/// not determine this point, or if a plane would have to pull.
+/// not determine this point, or if a plane would have to pull the goal instead of pushing it.
 bool on_planes(std::span<const HalfSpace> all, const Subset& which, int count, const Vec3& goal,
                Vec3& point) {
   const HalfSpace& a = all[which[0]];
@@ -61,8 +61,8 @@ NearestPoint nearest_in(std::span<const HalfSpace> spaces, const Vec3& goal, dou
     if (!(lowest < -tolerance)) return best;
     if (!may_go_on(work, kRoundWork)) break;
 
-    // Combine the worst plane with a subset of the active planes, so that the point satisfies all
-    // four planes.
+    // Find a point that satisfies the worst plane and the active planes. It lies on the worst plane
+    // and on a subset of the active planes.
     NearestPoint next;
     double nearest = 0.0;
     for (unsigned chosen = 0; chosen < 1u << best.count; ++chosen) {

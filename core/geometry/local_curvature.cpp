@@ -8,7 +8,7 @@ namespace feltwire {
 
 LocalCurvature local_curvature(const Vec3& u, const Vec3& v, double uu, double uv,
                                double vv) noexcept {
-  // The principal curvatures are mean +- half. The first curvature is along `first`.
+  // The principal curvatures are mean + half (along `first`) and mean - half (along `second`).
   const double mean = 0.5 * (uu + vv), half = hypotenuse(0.5 * (uu - vv), uv);
   const double most = mean + half, least = mean - half;
   const double turn = 0.5 * std::atan2(2.0 * uv, uu - vv);

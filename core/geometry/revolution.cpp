@@ -36,10 +36,10 @@ std::vector<Profile> capsule_profile(double radius, double half_length, int segm
   std::vector<Profile> profile;
   for (int half = 0; half < 2; ++half)
     for (int i = 0; i <= quarter; ++i) {
-      // The first half has added the equator.
+      // The first half has already added the equator.
       if (half == 1 && i == 0 && half_length == 0.0) continue;
       const double angle =
-          0.5 * std::numbers::pi * (half + static_cast<double>(i) / quarter);  // from the top
+          0.5 * std::numbers::pi * (half + static_cast<double>(i) / quarter);  // [rad] from the top
       profile.push_back({radius * std::sin(angle),
                          radius * std::cos(angle) + (half == 0 ? half_length : -half_length)});
     }

@@ -3,7 +3,7 @@
 namespace feltwire {
 namespace {
 
-/// Returns the contact of a proxy with this normal, for a hand that moved from memory.proxy to p.
+/// Computes the contact of a proxy with this normal, for a tool that moved from memory.proxy to p.
 SurfacePoint held_on_round(const RoundSolid& solid, const Vec3& p, const Vec3& normal,
                            FeatureMemory& memory) {
   const Vec3 core = solid.core(p), offset = p - core;

@@ -16,11 +16,11 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// Returns the unit vector away from the axis, or zero on the axis.
+/// Returns the unit vector from the axis to p, or zero on the axis.
 Vec3 facing_of(const Vec3& p) { return direction(Vec3(p.x(), p.y(), 0.0)); }
 
-/// Returns coordinates in the cross-section of the ring at `facing`: x from the centre of the tube
-/// outwards, y up.
+/// Returns the coordinates of p in the cross-section of the ring at `facing`: x outwards from the
+/// centre of the tube, y upwards.
 Vec3 in_cut(const Torus& torus, const Vec3& facing, const Vec3& p) {
   return {facing.dot(p) - torus.major_radius, p.z(), 0.0};
 }
@@ -37,9 +37,9 @@ double distance_to(const Torus& torus, const Vec3& p) {
 }
 
 /// Returns the distance [m] from a free point to the first entry of a path into the ring, or
-/// infinity. The path is `length` [m] long, along a unit direction. Each step is the distance to
-/// the ring, but at least 1/64 of the tube's radius. So a step can miss only a chord of this
-/// length.
+/// infinity. The path is `length` [m] long, in the unit direction `along`. Each step along the path
+/// is as long as the distance to the ring, but at least 1/64 of the tube's radius. So a step can
+/// miss only a chord that is shorter than this.
 double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double length) {
   constexpr double kLeastStep = 1.0 / 64.0;
   constexpr int kMostSteps = 1024, kHalvings = 48;
@@ -60,16 +60,16 @@ double way_in(const Torus& torus, const Vec3& from, const Vec3& along, double le
   return kInfinite;
 }
 
-/// The place of the proxy on the ring. Around the axis, the proxy moves as on a cylinder with the
-/// ring's radius. Around the tube, it moves as on a cylinder with the tube's radius. In the hole,
-/// the nearest part of the ring changes with the slightest movement, so the proxy stays at its part
-/// there.
+/// The proxy on the ring: its cross-section and the normal in it. Around the axis, the proxy moves
+/// as on a cylinder with the ring's radius. Around the tube, it moves as on a cylinder with the
+/// tube's radius. In the hole, the nearest cross-section changes with the slightest movement, so
+/// the proxy stays in its cross-section there.
 struct RingProxy {
-  Vec3 facing, normal;  // direction of the cross-section; normal in it
+  Vec3 facing, normal;  // direction of the cross-section; normal within it
 };
 
-/// memory.triangle is zero while the proxy is at the part of the ring nearest to the tool.
-/// Otherwise memory.triangle is the angle of the proxy's part, in units of 2^-32 turns.
+/// memory.triangle is zero while the proxy is in the cross-section nearest to the tool. Otherwise
+/// it is the angle of the proxy's cross-section, in units of 2^-32 turns.
 constexpr double kTurn = 2.0 * std::numbers::pi, kParts = 0x1p32;
 Vec3 remembered_facing(const FeatureMemory& memory) {
   if (memory.triangle == 0) return or_else(facing_of(memory.proxy), Vec3::UnitX());
@@ -90,8 +90,8 @@ RingProxy followed(const Torus& torus, const Vec3& from, const Vec3& to, RingPro
   return proxy;
 }
 
-/// A tube wider than the ring (possible for a ball tool) ends on the axis. Moves a proxy beyond the
-/// axis onto the axis.
+/// Moves a proxy beyond the axis onto the axis, and then returns true. A tube that is wider than
+/// the ring (possible for a ball tool) ends on the axis.
 bool ends_on_axis(const Torus& torus, RingProxy& proxy) {
   const double big = torus.major_radius, small = torus.minor_radius;
   if (!(big + small * proxy.normal.x() < 0.0)) return false;
@@ -111,8 +111,8 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
   const bool on_tube = !ends_on_axis(torus, proxy);
   const Vec3 point =
       torus.major_radius * proxy.facing + torus.minor_radius * from_cut(proxy.facing, proxy.normal);
-  // A proxy outside the ring is in contact while the straight line back to the surface crosses the
-  // ring.
+  // A tool that has left the ring is still in contact if the straight line from the tool to the
+  // proxy crosses the ring.
   if (!inside) {
     const double back = straight.dot(point - p);
     if (!(back > 0.0) || !(way_in(torus, p, straight, back) < back)) return free_at(p, memory);
@@ -125,18 +125,18 @@ SurfacePoint held_on_ring(const Torus& torus, const Vec3& p, RingProxy proxy,
     if (back.length > 0.0) on.normal = back.direction;
   }
   held_on({point, normal, on.depth}, 0, memory);
-  memory.proxy = p;  // A round surface stores the tool's position.
+  memory.proxy = p;  // For a round surface, the memory stores the tool's position.
   memory.triangle = at_nearest ? 0 : part_of(proxy.facing);
   return on;
 }
 
 /// Returns the extent [m] about a point of the surface within which a ball or a cylinder
-/// approximates the ring to kPatchSlope. The error grows with the neglected curvature and with the
-/// change of curvature. `cosine` is the cosine of the angle between the normal and the ring's
-/// plane.
+/// approximates the ring with the tolerance kPatchSlope. The error grows with the neglected
+/// curvature and with the change of curvature. `cosine` is the cosine of the angle between the
+/// normal and the ring's plane.
 double patch_extent(const Torus& torus, double cosine) {
   const double big = torus.major_radius, small = torus.minor_radius;
-  const double across = big + small * cosine;  // [m] from the axis
+  const double across = big + small * cosine;  // [m] distance of the point from the axis
   const double left_out = std::min(1.0 / small, std::abs(cosine) / across);
   constexpr double kOfChange = 1.0 / 7.0, kOfTube = 0.25;
   return std::min(
@@ -217,8 +217,8 @@ TriangleSoup Torus::triangles(int segments) const {
   return soup;
 }
 
-/// Returns capsules along the sides of a polygon. The corners lie as far outside the circle as the
-/// middles of the sides lie inside.
+/// Returns capsules along the edges of a polygon around the ring. The corners lie as far outside
+/// the ring's circle as the middles of the edges lie inside.
 std::vector<PhysicsGeom> Torus::geoms(Side side) const {
   if (side == Side::inside) return {};
   constexpr int kCapsules = 24;
@@ -236,8 +236,8 @@ std::vector<PhysicsGeom> Torus::geoms(Side side) const {
   return ring;
 }
 
-/// The surface is smooth, but needs more than one patch. Only the nearest patch is modelled, as far
-/// as it approximates the ring.
+/// Returns the parts of the surface near p. The surface is smooth, but needs more than one patch.
+/// Only the nearest patch is modelled, within the extent in which it approximates the ring.
 SurfaceParts Torus::parts(Side side, const Vec3& p, std::uint32_t entered) const noexcept {
   SurfaceParts all;
   const Vec3 offset = p - core_of(*this, p);
@@ -251,9 +251,9 @@ SurfaceParts Torus::parts(Side side, const Vec3& p, std::uint32_t entered) const
   if (side == Side::inside) {
     rest = std::max(near, rest);
   } else if (off > 0.0) {
-    // Consider the ball in the hole that touches the ring at this point and has its centre on the
-    // axis. No surface is inside this ball. So a surface beyond the extent has at least this
-    // distance from p.
+    // Consider the ball in the hole that touches the ring at its point nearest to p and has its
+    // centre on the axis. No surface is inside this ball. So a surface beyond the extent has at
+    // least the distance `rest` from p.
     const double across = major_radius + minor_radius * cosine;
     const double bent = cosine < 0.0 ? off * -cosine / across : 0.0;
     rest = root(off, extent * std::sqrt(std::max(0.0, 1.0 - bent)));
