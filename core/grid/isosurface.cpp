@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
-/// Values of the field at the corners of cells.
+/// Values of the distance field at the corners of cubic cells.
 class Lattice {
  public:
   Lattice(const DistanceGrid<float>& grid, int steps) {
@@ -22,7 +22,7 @@ class Lattice {
     // Leave more than a cell on each side, so that the surface is closed. Avoid a whole number of
     // cells: otherwise a flat side of the solid lies in a plane of corners, and cells share their
     // vertices.
-    constexpr double kAside = 1.63;  // cells
+    constexpr double kAside = 1.63;  // number of cells between the solid and the border
     origin_ = grid.low() - Vec3::Constant(kAside * step_);
     for (int axis = 0; axis < 3; ++axis)
       count_[static_cast<std::size_t>(axis)] =

@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-/// Returns the distance from the solid, regardless of the side that is felt.
+/// Returns the signed distance from the solid. Ignores on which side (outside or inside) the tool
+/// feels the surface.
 FieldPoint of_solid(const Shape& shape, const Vec3& p) noexcept {
   if (const auto* grid = std::get_if<Grid>(&shape)) return grid->field->at(p);
   return on_primitive(
@@ -17,7 +18,7 @@ FieldPoint of_solid(const Shape& shape, const Vec3& p) noexcept {
       });
 }
 
-/// Returns half the sides [m] of the bounding box.
+/// Returns half the side lengths [m] of the bounding box.
 Vec3 half_box(const Shape& shape) {
   if (std::holds_alternative<Mesh>(shape))
     throw std::invalid_argument("a mesh has a sampling of its own (mesh_distance.hpp)");
