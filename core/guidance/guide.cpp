@@ -8,8 +8,9 @@
 namespace feltwire {
 namespace {
 
-/// Returns `force` along `away`, at most `most`. The damping uses only the rest of `most`, so that
-/// the elastic part depends on the position alone.
+/// Returns the elastic force `force` [N] along `away` and a damping force. Each part and their sum
+/// are at most `most` [N]. The damping uses only the rest of `most`, so that the elastic part
+/// depends on the position alone.
 Command along_way(const Vec3& away, double force, double damping, const Vec3& velocity,
                   double most) {
   Command command;
@@ -20,7 +21,7 @@ Command along_way(const Vec3& away, double force, double damping, const Vec3& ve
   return command;
 }
 
-/// Returns 1 up to half of the range, and then falls linearly to 0.
+/// Returns a factor for the force. It is 1 up to half of the range, and then falls linearly to 0.
 double fade(double distance, double range) {
   constexpr double kWhole = 0.5;
   if (distance <= kWhole * range) return 1.0;
@@ -65,8 +66,8 @@ Command constant(const ConstantForce& field, double most) {
   return command;
 }
 
-/// Returns the tool relative to the guide's place, in the world frame. `Everywhere` contains every
-/// point.
+/// Returns the distance of the tool from the guide's `place` and the unit vector away from it, in
+/// the world frame. `Everywhere` contains every point.
 ClosestPoint foot_at(const Guide& guide, const Vec3& position) {
   if (std::get_if<Everywhere>(&guide.place) != nullptr) return {Vec3::Zero(), -1.0};
   ClosestPoint at = closest_point(
@@ -95,7 +96,7 @@ Command guide_force(const Guide& guide, const Tool& tool) noexcept {
   if (const auto* field = std::get_if<ConstantForce>(&guide.action))
     return inside ? constant(*field, most) : Command{};
 
-  // A bounded solid attracts only from outside. An unbounded place (a plane) attracts from both
+  // A bounded solid attracts only from outside. An unbounded solid (a plane) attracts from both
   // sides.
   if (inside && has_an_end(guide.place)) return {};
   if (inside) at = {-at.away, -at.distance};
@@ -109,7 +110,7 @@ double begins(const Guide& guide, const Vec3& position) noexcept {
   const double distance = foot_at(guide, position).distance;
   if (std::get_if<Magnet>(&guide.action) != nullptr) return 0.0;
   if (const auto* spring = std::get_if<Attract>(&guide.action))
-    // The inside of a solid counts as near.
+    // Inside a solid, the depth counts as the distance.
     return std::max(0.0, std::abs(distance) - spring->range);
   if (const auto* spring = std::get_if<KeepOut>(&guide.action))
     return std::max(0.0, distance - spring->margin);
@@ -124,14 +125,15 @@ bool needs_velocity(const Guide& guide) noexcept {
 
 double stiffness(const Guide& guide) noexcept {
   if (const auto* spring = std::get_if<Attract>(&guide.action)) {
-    // A fading force falls fastest over half of the range, possibly faster than it rises.
+    // A fading force falls over half of the range, possibly more steeply than the spring force
+    // rises.
     const double falling = 2.0 * std::min(guide.max_force, spring->stiffness * spring->range);
     return std::isinf(spring->range) ? spring->stiffness
                                      : std::max(spring->stiffness, falling / spring->range);
   }
   if (const auto* spring = std::get_if<KeepOut>(&guide.action)) return spring->stiffness;
   if (const auto* field = std::get_if<Magnet>(&guide.action))
-    return 2.0 * guide.max_force / field->reach;  // slope at the place itself
+    return 2.0 * guide.max_force / field->reach;  // slope of the force at distance 0
   return 0.0;
 }
 
