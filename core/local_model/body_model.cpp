@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// Adds Coulomb friction and viscous friction of the pressed patches.
+/// Adds the Coulomb friction and the viscous friction of the pressed patches to the contact.
 void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double elapsed,
               ShellContact& contact) noexcept {
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -19,7 +19,7 @@ void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double ela
     Vec6 carried = Vec6::Zero();
     carried.head<3>() = elapsed * patch.velocity;
     if (patch.viscous_friction > 0.0) {
-      double whole = 0.0;  // load on the whole object
+      double whole = 0.0;  // load on all patches of the object
       for (std::size_t k = 0; k < sums.size(); ++k)
         if (model.patches[k].object == patch.object) whole += sums[k].weight;
       contact.viscosity.add(patch.viscous_friction * load / whole * slip, carried);
@@ -37,18 +37,18 @@ void add_slip(const BodyModel& model, std::span<const SlipSums> sums, double ela
 struct Placed {
   Vec3 arm, normal;
   Mat3 spread;
-  double depth;  // [m] of the centre
+  double depth;  // [m] depth of the centre
 };
 
-/// Adds the contact of the part's points. Returns the force [N].
+/// Adds the contact of the part's points to `sum` and `slip`. Returns the force [N] of the part.
 double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContact& sum,
                 SlipSums& slip) noexcept {
   const Vec3 along_normal = part.spread * part.normal;
-  // [m^2] variance of the depths.
+  // [m^2] variance of the points' depths
   const double variance = std::max(0.0, part.normal.dot(along_normal));
   const PressedPart in = pressed_part(part.depth, std::sqrt(3.0 * variance));
   if (!(in.depth > 0.0)) return 0.0;
-  // A point that is deeper by u has the arm `arm` + u `lever`.
+  // The mean arm of the points that are deeper by u is `arm` + u `lever`.
   const Vec3 lever =
       variance > kLeastSquare<double> ? Vec3(-along_normal / variance) : Vec3::Zero();
   Vec6 center, further;
@@ -58,9 +58,9 @@ double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContac
   sum.wrench += stiffness * (in.depth * center + in.moment * further);
   resists = in.share * center * center.transpose() + in.second * further * further.transpose() +
             in.first * (center * further.transpose() + further * center.transpose());
-  // The spread across the normal also resists rotation.
+  // The spread of the points across the normal also resists rotation.
   const Mat3 across = part.spread - variance * lever * lever.transpose();
-  Mat3 cross;  // arm x normal
+  Mat3 cross;  // matrix of the cross product arm x normal
   const Vec3& n = part.normal;
   cross << 0.0, n.z(), -n.y(), -n.z(), 0.0, n.x(), n.y(), -n.x(), 0.0;
   resists.bottomRightCorner<3, 3>() += in.share * cross * across * cross.transpose();
@@ -76,7 +76,7 @@ double add_part(const Placed& part, double stiffness, Mat6& resists, ShellContac
 }  // namespace
 
 PressedPart pressed_part(double depth, double half) noexcept {
-  constexpr double kPoint = 1e-9;  // [m]
+  constexpr double kPoint = 1e-9;  // [m] A part with a smaller half width is a point.
   PressedPart in;
   if (!(half > kPoint)) {
     if (depth > 0.0) in = {1.0, 0.0, 0.0, depth, 0.0, depth * depth, 0.0};

@@ -31,10 +31,11 @@ void LocalBody::take(const BodyModel& model, std::uint64_t ticks) noexcept {
   model_ = model;
 }
 
-/// A model has the tool's pose of one round trip ago, without the corrections since then. So each
-/// difference must be corrected only once (Smith 1957).
+/// Moves the tool towards its pose in the server's model. The model has the pose of one round trip
+/// ago, without the corrections since then. So subtract these corrections, to correct each
+/// difference only once (Smith predictor, 1957).
 void LocalBody::correct(const BodyModel& model, std::uint64_t ticks) noexcept {
-  constexpr double kPart = 0.1;  // corrected share of a difference
+  constexpr double kPart = 0.1;  // share of the difference that one call corrects
   if (ticks == 0 || ticks > ticks_ || ticks > kRemembered) return;
   const Past& past = past_[(ticks_ - ticks) % kRemembered];
   const Vec3 off = kPart * (model.tool.position - past.pose.position - (moved_ - past.moved));
@@ -52,7 +53,7 @@ BodyForce LocalBody::touch(const Pose& device, double age, double elapsed,
   last_weight_ = 0.0;
   const bool whole = has_whole();
   if (!memory_.placed || !(model_.reach > 0.0) || (model_.solids != 0 && !whole)) return force;
-  memory_.known = false;  // Surfaces may have moved.
+  memory_.known = false;  // The surfaces may have moved since the last contact.
   const ModelledSurroundings surroundings(model_, age, elapsed,
                                           whole ? whole_->solids.get() : nullptr);
   const CoupledTool tool{

@@ -8,9 +8,10 @@
 
 namespace feltwire {
 
-/// Let d be the vector from the patch's point to p without its part along the axis. Let n be the
-/// normal and k the curvature. The centre of curvature is at d = -n / k. Balls (k > 0), hollows (k
-/// < 0) and planes use the same formulas:
+/// Returns the height of p above the patch, and the normal there. Let d be the vector from the
+/// patch's point to p without its part along the axis. Let n be the normal and k the curvature. The
+/// centre of curvature is at d = -n / k. Balls (k > 0), hollows (k < 0) and planes use the same
+/// formulas:
 ///   normal = (n + k d) / s,   height = (2 n.d + k |d|^2) / (1 + s),   s = |n + k d|.
 /// These formulas avoid cancellation, and a flat patch needs no distant centre.
 Height height_above(const SurfacePatch& patch, const Vec3& moved, const Vec3& p) noexcept {
@@ -44,7 +45,7 @@ void LocalContact::use(const PrefetchedSurfaces* surfaces) noexcept {
   adopt_whole();
 }
 
-/// Continues the contacts with prefetched surfaces from the server's contacts.
+/// Lets the contacts with prefetched surfaces continue from the contacts in the server's model.
 void LocalContact::adopt_whole() noexcept {
   for (Contact& contact : contacts_)
     if (contact.whole) contact.adopted = true;
@@ -68,9 +69,9 @@ const LocalContact::Contact* LocalContact::contact_of(std::uint16_t object) cons
   return nullptr;
 }
 
-/// Returns the memory with which a contact continues. The client's own memory is preferred if it
-/// follows the object and its face is still described. This is also true without contact, because
-/// the model's contact state is older.
+/// Returns the contact with which the client continues at an object. This is the client's own
+/// contact if it belongs to the object and the model still describes its face. Without contact, the
+/// client's own contact is also preferred, because the model's contact is older.
 LocalContact::Contact LocalContact::continued(const LocalModel& model,
                                               std::uint16_t object) const noexcept {
   const bool same_scene = model.scene == model_.scene;
@@ -110,12 +111,13 @@ void LocalContact::take(const LocalModel& model, const Command* answered) noexce
   texture_ = answered != nullptr ? texture_of(*answered) : Texture{};
 }
 
-/// Returns the part of an answer that the patches do not explain, at the tool position of the
-/// answer.
+/// Returns the part of the server's force `answered` that the patches do not explain, at the tool
+/// position model_.center of this force.
 LocalContact::Texture LocalContact::texture_of(const Command& answered) const noexcept {
   Texture texture{.force = answered.elastic, .depth = 0.0};
   for (const SurfacePatch& patch : model_.view())
-    // The force of a prefetched surface hides the texture.
+    // In contact with a prefetched surface, the texture cannot be separated from the surface's
+    // force.
     if (patch.whole && patch.touching) return {};
   for (int i = 0; i < count_; ++i) {
     FeatureMemory entered;
@@ -132,7 +134,7 @@ LocalContact::Texture LocalContact::texture_of(const Command& answered) const no
   return texture;
 }
 
-/// Returns the patch that the tool touched before or may touch.
+/// Returns the object's patch that the tool touched before, or else another patch of the object.
 const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcept {
   const SurfacePatch* of_object = &model_.patches[0];
   for (const SurfacePatch& patch : model_.view()) {
@@ -144,8 +146,8 @@ const SurfacePatch& LocalContact::patch_of(const Contact& contact) const noexcep
 }
 
 /// Moves the memory of a contact with its surface. The surface has moved for `age` [s] since the
-/// model, or for `elapsed` [s] since the last tick. The patches give the proxy at the time of the
-/// model.
+/// model if the contact is adopted from the model, or else for `elapsed` [s] since the last tick.
+/// For an adopted contact, the patches give the proxy at the time of the model.
 void LocalContact::bring_up(Contact& contact, double age, double elapsed) const noexcept {
   ContactMemory& memory = contact.memory;
   const SurfacePatch& patch = patch_of(contact);
@@ -160,7 +162,8 @@ void LocalContact::bring_up(Contact& contact, double age, double elapsed) const 
   contact.adopted = false;
 }
 
-/// Computes the contact with a prefetched surface as the scene does. The object does not move.
+/// Computes the contact with a prefetched surface as the server's scene does. The object does not
+/// move.
 Command LocalContact::touch_whole(Contact& contact, const SurfacePatch& patch, const Tool& tool,
                                   WorkLimit* work) const noexcept {
   if (contact.adopted) contact.memory = surfaces_->memory_of(patch, model_.center, work);
@@ -175,10 +178,10 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   if (contact.whole) {
     const SurfacePatch& patch = patch_of(contact);
     if (has_whole(patch)) return touch_whole(contact, patch, tool, work);
-    weight = 0.0;  // The model refers to a surface that is missing here.
+    weight = 0.0;  // The model refers to a surface that the client does not have.
     return {};
   }
-  // A memory from the model refers to the model's centre.
+  // An adopted contact began at the tool position of the model.
   CameFrom from = from_;
   if (memory.touching && contact.adopted) from = {true, model_.center, age};
   if (memory.touching) bring_up(contact, age, elapsed);
@@ -206,7 +209,7 @@ Command LocalContact::touch_object(Contact& contact, const Tool& tool, double ag
   Command command = contact_force(patch.material, surface.depth, surface.normal, stick_force,
                                   tool.velocity - patch.velocity);
   if (command.finite() && memory.anchor.allFinite()) return command;
-  memory = {};  // The products of this model overflow.
+  memory = {};  // A product of the model's numbers has overflowed.
   return {};
 }
 
@@ -214,7 +217,7 @@ double LocalContact::weight_at(const Vec3& position) const noexcept {
   return share_within(length(Vec3(position - model_.center)), model_.reach);
 }
 
-/// Drops all results of this tick.
+/// Drops all results of this tick, because its work limit is reached.
 LocalForce LocalContact::cut_off() noexcept {
   adopt_whole();
   from_ = {};
@@ -234,7 +237,8 @@ LocalForce LocalContact::touch(const Tool& tool, double age, double elapsed,
     force.command.elastic += part.elastic;
     force.command.frictional += part.frictional;
   }
-  // Scale the texture's force with the depth, so that it never exceeds the push of the surface.
+  // Scale the texture's force with the depth, so that it never exceeds the normal force of the
+  // surface.
   double depth = 0.0;
   for (int i = 0; i < count_; ++i)
     depth = std::max(depth, contacts_[static_cast<std::size_t>(i)].rough_depth);

@@ -18,15 +18,15 @@ bool solid(double height) { return height < 0.0; }  // A NaN counts as free spac
 /// A patch and the tool's height above it.
 struct PatchView {
   const SurfacePatch* patch = nullptr;
-  double height = 0.0;  // [m] of the tool above the patch
+  double height = 0.0;  // [m] height of the tool above the patch
   Vec3 normal = Vec3::Zero();
-  double before = 0.0;  // [m] height before this movement
+  double before = 0.0;  // [m] height of the tool above the patch before this movement
 
-  /// Returns the height [m] above the surface that pushes.
+  /// Returns the height [m] of the tool above the patch plus its offset.
   double clearance() const { return height - patch->offset; }
-  /// Returns the half space in front of the tangent plane, including the offset.
+  /// Returns the half space in front of the patch's tangent plane, shifted by the offset.
   HalfSpace open(const Vec3& tool) const { return {normal, normal.dot(tool) - clearance()}; }
-  /// Returns the half space behind the tangent plane, without the offset.
+  /// Returns the half space behind the patch's tangent plane, without the offset.
   HalfSpace closed(const Vec3& tool) const { return {-normal, height - normal.dot(tool)}; }
 };
 
@@ -37,13 +37,13 @@ struct SeenPatches {
   void add(const PatchView& seen) { all[count++] = seen; }
 };
 
-/// Handles patches that are not joined. The proxy is the nearest point in front of all tangent
-/// planes.
+/// Computes the proxy for patches that are not joined. The proxy is the nearest point in front of
+/// all tangent planes.
 PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   PatchProxy proxy;
   std::array<HalfSpace, kMaxPatches> spaces;
   Vec3 beyond = Vec3::Zero();
-  double deepest = 0.0;  // [m]
+  double deepest = 0.0;  // [m] largest depth behind a patch
   int count = 0;
   for (std::size_t i = 0; i < seen.count; ++i) {
     const PatchView& one = seen.all[i];
@@ -69,8 +69,8 @@ PatchProxy before_all(const SeenPatches& seen, const Vec3& tool) {
   return proxy;
 }
 
-/// Returns the patch beyond an obtuse edge, if the proxy must cross this edge to reach the point of
-/// its own patch closest to the tool.
+/// Returns the patch on which the proxy lies. This is a patch other than `from` if the proxy must
+/// cross an obtuse edge to reach the point of `from` closest to the tool.
 PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool, double age) {
   constexpr double kBeyond = 1e-9;  // tolerance, as a share of the depth
   const Vec3 closest = tool - from.height * from.normal;
@@ -87,8 +87,8 @@ PatchView slid(const SeenPatches& seen, const PatchView& from, const Vec3& tool,
   return to;
 }
 
-/// Handles a ball on an edge, a corner or a face of joined patches. The ball touches the nearest
-/// point of the solid behind all tangent planes.
+/// Computes the proxy of a ball on an edge, a corner or a face of joined patches. The ball touches
+/// the nearest point of the solid behind all tangent planes.
 PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const Vec3& tool) {
   std::array<HalfSpace, kMaxPatches> spaces;
   for (std::size_t i = 0; i < seen.count; ++i) spaces[i] = seen.all[i].closed(tool);
@@ -104,10 +104,10 @@ PatchProxy round_edge(const SeenPatches& seen, const PatchView& highest, const V
 }
 
 /// Returns the face that a ball reaches from a round edge or corner, when the ball's centre is
-/// behind all patches. On this face, the descent is steepest. Null means that the ball was on no
+/// behind all patches. It is the face with the steepest descent. Returns null if the ball was on no
 /// edge or corner.
 const PatchView* fallen(const SeenPatches& seen, const Vec3& tool, const FeatureMemory& before) {
-  constexpr double kRound = 1e-9;    // 1 minus the cosine between normals
+  constexpr double kRound = 1e-9;    // 1 minus the cosine of the angle between the normals
   constexpr double kTouched = 1e-3;  // tolerance, as a share of the ball's radius
   const PatchView* best = nullptr;
   double steepest = 0.0;
@@ -144,9 +144,9 @@ const PatchView* entry(const SeenPatches& seen) {
   return in < out ? by : nullptr;
 }
 
-/// Whether the straight line from the tool back to a face lies in the solid.
+/// Returns true if the straight line from the tool back to the face `by` lies in the solid.
 bool holds(const SeenPatches& seen, const PatchView& by) {
-  double from = 0.0, to = -by.height;  // [m] along the face's normal
+  double from = 0.0, to = -by.height;  // [m] limits on the line along the face's normal
   for (const PatchView& one : seen.view()) {
     if (one.patch == by.patch) continue;
     const double rises = one.normal.dot(by.normal);
@@ -160,8 +160,9 @@ bool holds(const SeenPatches& seen, const PatchView& by) {
   return from < to;
 }
 
-/// Handles joined patches. The patch of entry holds the tool while the solid is between patch and
-/// tool. If the entry is unknown, the nearest patch holds the tool.
+/// Computes the proxy for joined patches. The proxy stays on the patch through which the tool
+/// entered, while the solid is between this patch and the tool. If this patch is unknown, the proxy
+/// is on the nearest patch.
 PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
                       const FeatureMemory& before, bool came) {
   const PatchView* highest = nullptr;
@@ -187,8 +188,9 @@ PatchProxy behind_all(const SeenPatches& seen, const Vec3& tool, double age,
   return {on.patch, {tool + depth * on.normal, on.normal, depth}};
 }
 
-/// Corrects the height above a round patch if the proxy stayed on another side (round_proxy.hpp).
-/// If `before` does not hold the tool on this patch, `from` shows whether the tool has entered.
+/// Corrects the height above a round patch if the proxy stayed on another side of its ball or
+/// cylinder (round_proxy.hpp). If the tool was not in contact with this patch before, `from` shows
+/// whether the tool has entered the solid.
 void leave_behind(PatchView& seen, const Vec3& moved, const Vec3& moved_then, const Vec3& tool,
                   const FeatureMemory& before, const CameFrom& from) {
   constexpr double kRounding = 1e-9;
@@ -241,7 +243,8 @@ PatchProxy patch_proxy(const LocalModel& model, std::uint16_t object, const Vec3
   }
   const PatchProxy open = before_all(hollow, tool);
   const PatchProxy convex = behind_all(joined, tool, age, before, from.known);
-  // An object has patches of one kind. If both kinds occur, the deeper contact counts.
+  // All patches of an object are joined, or none is. If both kinds occur, the deeper contact
+  // counts.
   return convex.surface.depth > open.surface.depth ? convex : open;
 }
 
