@@ -12,23 +12,25 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Largest number of parts of the shell. The remaining places of the model are for points of these
-/// parts that meet another side of the solid.
+/// Largest number of parts into which the point shell is split. The other kSpare points of the
+/// model are for points of these parts that meet another side of the solid.
 constexpr int kSpare = kLeastBodyPoints - 1;
 constexpr int kParts = kMaxBodyPoints - kSpare;
 
-constexpr double kLooked = 2e-3;      // [m] A nearer part is examined point by point.
-constexpr double kLeastReach = 1e-2;  // [m] least reach of a model that omits points
+constexpr double kLooked = 2e-3;  // [m] The points of a nearer part are examined one by one.
+// [m] least distance within which a model that omits points is complete.
+constexpr double kLeastReach = 1e-2;
 
-/// A part of the shell near one object. The part has the nodes or points [begin, end).
+/// A part of the shell near one object: the nodes or points with the indices [begin, end).
 struct Part {
   std::size_t object = 0;
-  const PointShell* shell = nullptr;  // points of one side of the tool
+  // Points of one of the tool's sides (PointShell::sides), or of the whole tool.
+  const PointShell* shell = nullptr;
   bool of_points = false;
   std::uint32_t begin = 0, end = 0;
   Vec3 center = Vec3::Zero();  // [m, tool frame] centre of the bounding ball
-  double radius = 0.0;         // [m] of the bounding ball
-  double distance = 0.0;       // [m] from the centre to the surface
+  double radius = 0.0;         // [m] radius of the bounding ball
+  double distance = 0.0;       // [m] distance from the centre to the surface
 
   double nearest() const { return distance - radius; }  // [m] lower bound of the points' distances
   bool single() const { return of_points && end - begin == 1; }
@@ -40,10 +42,11 @@ struct Part {
   }
 };
 
-/// Sums over points that meet about the same plane. The arms are in the tool frame, and the normals
-/// in the world frame.
+/// Sums over points near about the same plane. `arm` (from the tool's origin) is in the tool frame,
+/// and the normals are in the world frame.
 struct Gathered {
-  double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();  // [m]
+  // `distance` and `least`: [m].
+  double count = 0.0, distance = 0.0, least = std::numeric_limits<double>::infinity();
   double pushed = 0.0, squares = 0.0;
   Vec3 arm = Vec3::Zero(), normal = Vec3::Zero(), pressure = Vec3::Zero();
   Mat3 arms = Mat3::Zero();
@@ -64,8 +67,8 @@ struct Gathered {
   Mat3 spread() const { return arms / count - center() * center().transpose(); }
 };
 
-/// Returns the depth [m] of the centre of a part with evenly spread points. `half` is the half
-/// width of the spread of depths, and `mean` is the mean penetration.
+/// Returns the depth [m] of the centre of a part with evenly spread points. `half` [m] is half the
+/// difference between the greatest and the least depth, and `mean` [m] is the mean penetration.
 double depth_for(double mean, double half) {
   if (mean >= half) return mean;
   return 2.0 * std::sqrt(half * mean) - half;  // (depth + half)^2 / (4 half) = mean
@@ -74,7 +77,7 @@ double depth_for(double mean, double half) {
 class Cut {
  public:
   const Mat3& turned() const { return turned_; }
-  /// Uses all objects except those of `known`, and at most `most` parts.
+  /// Uses all objects except those of `known`. Splits the shell into at most `most` parts.
   Cut(const PointShell& shell, const std::vector<Object>& objects, const KnownSurfaces& known,
       const Pose& tool, int most)
       : most_(most),
@@ -122,8 +125,8 @@ class Cut {
   }
 
  private:
-  /// Whether a point of the shell may be within the reach of an object. This test excludes most
-  /// objects.
+  /// Returns true if a point of the shell may be within reach_ of an object. This test excludes
+  /// most objects.
   bool may_be_near(std::size_t object) const {
     const ShellNode& whole = shell_.nodes.front();
     return at(object, whole.center).distance - whole.radius < reach_;
@@ -150,8 +153,8 @@ class Cut {
     part.distance = at(part.object, part.center).distance;
   }
 
-  /// Adds a part within the reach (the distance within which the model is complete). If there are
-  /// too many parts, the farthest part is dropped and limits the reach.
+  /// Adds a part if it is within reach_, the distance within which the model is complete. If there
+  /// are too many parts, the farthest part is dropped and limits this distance.
   void offer(Part part) {
     measure(part);
     if (!(part.nearest() < reach_)) return;
@@ -171,7 +174,7 @@ class Cut {
     parts_[static_cast<std::size_t>(count_++)] = part;
   }
 
-  /// Splits a part in two. Returns false if that is impossible.
+  /// Splits a part into two parts. Returns false if that is impossible.
   bool halves(const Part& part, Part& low, Part& high) const {
     Part whole = part;
     while (!whole.of_points && whole.end - whole.begin == 1) {
@@ -188,7 +191,7 @@ class Cut {
 
   /// Splits the coarsest part in two. Returns false if no part may be split.
   bool refine() {
-    constexpr double kFine = 1e-5;  // [m]
+    constexpr double kFine = 1e-5;  // [m] A part with a smaller coarseness is not split.
     const auto begin = parts_.begin(), end = begin + count_;
     const auto coarsest = std::max_element(
         begin, end, [](const Part& a, const Part& b) { return a.coarseness() < b.coarseness(); });
@@ -223,10 +226,11 @@ struct Builder {
   const Cut& cut;
   BodyModel& model;
   int most = kMaxBodyPoints;
-  const World* world = nullptr;  // null: no object moves
+  const World* world = nullptr;  // null if no object moves
   std::array<std::uint8_t, kMaxBodyPatches> sides{};
 
-  /// Returns the number of the object's side: the axis of the object frame nearest to the normal.
+  /// Returns the index of the object's side with this normal: the signed axis of the object frame
+  /// nearest to the normal.
   std::uint8_t side_of(std::size_t object, const Vec3& normal) const {
     const Vec3 n = objects[object].pose.orientation.conjugate() * normal;
     Eigen::Index axis;
@@ -234,11 +238,11 @@ struct Builder {
     return static_cast<std::uint8_t>(2 * axis + (n[axis] < 0.0 ? 1 : 0));
   }
 
-  /// Returns the share of an object's force that is applied.
+  /// Returns the factor that scales the force of an object.
   double trust(std::size_t object) const { return world != nullptr ? world->trust(object) : 1.0; }
 
-  /// Returns the patch for this normal at `arm` [m, tool frame]. If no patch is free, returns the
-  /// patch of another side of the object, or the last patch.
+  /// Returns the index of the patch for this normal at `arm` [m, tool frame]. If no patch is free,
+  /// returns the patch of another side of the object, or the last patch.
   std::uint8_t patch_of(std::size_t object, const Vec3& normal, const Vec3& arm) {
     const std::uint8_t side = side_of(object, normal);
     std::uint8_t other = kMaxBodyPatches - 1;
@@ -280,7 +284,7 @@ struct Builder {
     const Mat3 turned = cut.turned();
     const Vec3 n = turned.transpose() * normal;
     const double half = std::sqrt(3.0 * std::max(0.0, n.dot(point.spread * n)));
-    // Give the point the contact force of the scene, at the scene's centre of pressure.
+    // Give the point the contact force and the centre of pressure that the scene computes.
     if (points.pushed > 0.0) {
       point.distance = -depth_for(points.pushed / points.squares, half);
       const PressedPart in = pressed_part(-point.distance, half);
@@ -296,8 +300,9 @@ struct Builder {
     return true;
   }
 
-  /// Points of a part. Group 0 has the points about one plane: the plane that pushes most, or else
-  /// the nearest plane. Each other group has the points that meet one side of the object.
+  /// A group of points of one part. Group 0 has the points about one plane: the plane that pushes
+  /// most or, if no plane pushes, the nearest plane. Each other group has the points that meet one
+  /// side of the object.
   struct Group {
     Gathered points;
     std::size_t object = 0;
@@ -305,7 +310,8 @@ struct Builder {
   static constexpr std::size_t kSides = 7;
 
   void gather(const Part& part, std::span<Group> groups) const {
-    constexpr double kOneSide = 0.9;  // cosine
+    // Least cosine of the angle between a normal and the plane's normal.
+    constexpr double kOneSide = 0.9;
     const auto [begin, end] = cut.points_of(part);
     Vec3 pushed = Vec3::Zero(), nearest = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity();
@@ -367,8 +373,8 @@ struct Builder {
   }
 };
 
-/// Builds the model. `objects` are the view's objects at their current poses. `world` gives their
-/// velocities and may be null.
+/// Builds the model of a tool with a body. `objects` are the view's objects at their current poses.
+/// `world` gives their velocities and may be null.
 BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, const Pose& device,
                    const BodyMemory& memory, std::uint32_t version, const KnownSurfaces& known,
                    int most, const World* world = nullptr) noexcept {
@@ -386,7 +392,8 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   model.radius = tool.shell().radius;
   model.slipping = memory.slipping;
   model.reach = cut.reach();
-  for (const Guide& guide : view.guides())  // A model cannot describe guides.
+  // Guides limit the reach, because a model cannot describe them.
+  for (const Guide& guide : view.guides())
     model.reach = std::min(model.reach, begins(guide, device.position));
   Builder{tool, objects, cut, model, most, world}.build();
   model.reach = std::max(0.0, model.reach);

@@ -10,12 +10,12 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastTrust = 1e-6;  // A smaller share of a stiffness cannot be felt.
+constexpr double kLeastTrust = 1e-6;  // least share of a stiffness; a smaller share cannot be felt
 constexpr std::size_t kMostObjects = std::numeric_limits<std::uint16_t>::max();
 
-/// A part of an object of the scene.
+/// A part of an object's surface near the tool.
 struct NearbySurface {
-  double distance = 0.0;  // [m]
+  double distance = 0.0;  // [m] distance from the tool
   std::size_t object = 0;
   std::uint32_t feature = 0;
 };
@@ -25,7 +25,7 @@ struct NearbySurface {
 class NearestSurfaces {
  public:
   explicit NearestSurfaces(double reach) : reach_(reach) {}
-  /// Inserts a part. A part that does not fit or cannot be modelled limits the reach: the distance
+  /// Inserts a part. A part that does not fit or cannot be modelled limits reach_, the distance
   /// within which the model is complete.
   void offer(const NearbySurface& part, bool shown) noexcept {
     if (part.distance >= reach_) return;
@@ -89,12 +89,12 @@ class Fitted {
     bool used = false;
   };
   const KnownSurfaces& known_;
-  double ball_;  // [m]
+  double ball_;  // [m] radius of the tool's ball
   std::array<Slot, kMaxPatches> slots_{};
   std::size_t next_ = 0;
 };
 
-/// Returns the chosen patch of a mesh or a grid, with its radius.
+/// Returns the chosen patch of a mesh or a grid. Sets the radius within which the patch is valid.
 SurfacePatch fitted_patch(const Object& object, const FittedPatches& fitted,
                           const NearbySurface& chosen, std::span<const NearbySurface> all,
                           const ContactMemory& memory, double ball) {
@@ -125,7 +125,7 @@ double radius_of(const Object& object, const SurfacePatch& patch, std::size_t in
   return radius;
 }
 
-/// Marks the face that touches the ball. On an edge of a solid, the centre of the ball belongs to
+/// Marks the face on which the ball lies. On an edge of a solid, the centre of the ball belongs to
 /// no face. In this case, the marked face is the face with the normal nearest to the contact
 /// normal.
 void set_standing(LocalModel& model, const std::vector<Object>& objects,
@@ -143,7 +143,7 @@ void set_standing(LocalModel& model, const std::vector<Object>& objects,
   }
 }
 
-/// Builds the model. `objects` are the view's objects at their current poses.
+/// Builds the model of a point or a ball. `objects` are the view's objects at their current poses.
 LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, const Vec3& position,
                     const TouchMemory& memory, const KnownSurfaces& known) noexcept {
   LocalModel model;
@@ -154,8 +154,8 @@ LocalModel model_of(const ToolView& view, const std::vector<Object>& objects, co
   model.center = position;
 
   double reach = kModelReach;
-  for (const Guide& guide : view.guides())  // A model cannot describe guides.
-    reach = std::min(reach, begins(guide, position));
+  // Guides limit the reach, because a model cannot describe them.
+  for (const Guide& guide : view.guides()) reach = std::min(reach, begins(guide, position));
   NearestSurfaces nearest(reach);
   Fitted fits(known, ball);
   for (std::size_t i = 0; i < objects.size(); ++i) {

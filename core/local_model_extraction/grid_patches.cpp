@@ -1,7 +1,7 @@
 // Describes a distance grid as one patch. The patch has the curvature of the distance field. Rings
-// around the point check how far the patch is valid: each ring has twice the radius of the previous
-// ring. The rings miss a spike that is thinner than the gaps between their eight places, until the
-// tool is nearer.
+// of eight test points around the patch's point show how far the patch is valid. Each ring has
+// twice the radius of the previous ring. A spike that is thinner than the gaps between the test
+// points is found only when the tool is nearer.
 
 #include <algorithm>
 #include <array>
@@ -16,17 +16,20 @@
 namespace feltwire {
 namespace {
 
-constexpr int kNewton = 4;          // Newton steps to the surface
-constexpr int kGridPlaces = 8;      // places on a ring
-constexpr double kFirstRing = 2.0;  // radius, in grid steps
-constexpr double kGridOpen = 0.75;  // free share of a height above the patch
-constexpr double kGridDeep = 0.25;  // solid share of a ring's radius below the patch
-constexpr double kStraight = 1.1;   // largest ratio of the way to the distance
+constexpr int kNewton = 4;          // number of Newton steps to the surface
+constexpr int kGridPlaces = 8;      // number of test points on a ring
+constexpr double kFirstRing = 2.0;  // radius of the first ring, in grid steps
+// Least distance from the surface, as a share of the height above the patch.
+constexpr double kGridOpen = 0.75;
+// Depth of the test below the patch, as a share of the ring's radius.
+constexpr double kGridDeep = 0.25;
+// Largest ratio of the tool's distance from the found point to the distance in the field.
+constexpr double kStraight = 1.1;
 
 /// The surface point at the end of the descent along the gradient.
 struct GridClosest {
   Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
-  double slope = 0.0;  // |gradient|
+  double slope = 0.0;  // length of the gradient
   bool found = false;
 };
 
@@ -43,7 +46,7 @@ GridClosest closest_on(const DistanceGrid<float>& field, double sign, const Vec3
   return closest;
 }
 
-/// Returns the curvature of the surface, from differences of the normal over one resolution to each
+/// Returns the curvature of the surface, from differences of the normal over one grid step to each
 /// side.
 LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign,
                             const GridClosest& closest) {
@@ -59,8 +62,8 @@ LocalCurvature curvature_at(const DistanceGrid<float>& field, double sign,
                          along_v.dot(v));
 }
 
-/// Checks three points of a line along a normal: on the surface, inside at the depth `deep`, and
-/// outside.
+/// Returns true if the field agrees with the patch at three points along a normal: on the surface,
+/// inside at the depth `deep`, and outside at the height `radius`.
 bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, const Vec3& normal,
                  double radius, double deep) {
   const double may = kPatchSlope * (radius + field.resolution());
@@ -71,7 +74,7 @@ bool holds_along(const DistanceGrid<float>& field, double sign, const Vec3& on, 
          sign * field.at(on + radius * normal).distance >= open;
 }
 
-/// Whether the patch is valid within `radius` for a tool at the depth `depth` [m].
+/// Returns true if the patch is valid within `radius` [m] for a tool at the depth `depth` [m].
 bool holds(const DistanceGrid<float>& field, double sign, const SurfacePatch& patch, double radius,
            double depth) {
   const Vec3 u = patch.normal.unitOrthogonal(), v = patch.normal.cross(u);

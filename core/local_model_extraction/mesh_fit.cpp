@@ -10,15 +10,18 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostLooked = 256;  // triangles; more triangles halve the extent
+// Largest number of triangles to examine; with more triangles, the extent is halved.
+constexpr std::size_t kMostLooked = 256;
 
 /// Placement of a triangle relative to a patch.
 struct TrianglePlacement {
-  bool front = false, behind = false;  // of any corner; neither: on the patch
-  bool hidden = false;                 // The whole triangle is behind the patch.
+  // True if any corner is in front of or behind the patch; both are false on the patch.
+  bool front = false, behind = false;
+  bool hidden = false;  // true if the whole triangle is behind the patch
 };
 
-/// Tests the corners of a triangle. Tests its middle too, because a patch may be curved.
+/// Returns the placement of a triangle. Tests the corners and, because a patch may be curved, the
+/// middle.
 TrianglePlacement placement_of(const MeshFit& fit, const std::array<Vec3, 3>& corners,
                                double skin) {
   TrianglePlacement placement{.front = false, .behind = false, .hidden = true};
@@ -109,7 +112,7 @@ MeshFits::Other MeshFits::beginning(std::uint32_t t, const Vec3& place) const {
   return {.distance = (nearest_on_triangle(c, place).point - place).norm(), .triangle = t};
 }
 
-/// Returns the distance to the nearest edge without a neighbour triangle.
+/// Returns the distance [m] from `place` to the nearest edge without a neighbour triangle.
 double MeshFits::border(std::uint32_t t, const std::array<Vec3, 3>& c, const Vec3& place) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k)

@@ -17,7 +17,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFittedSides = 3.0;  // search radius, in sides of the first triangle
+// Search radius, as a multiple of the first triangle's side length.
+constexpr double kFittedSides = 3.0;
 // Facets that turn by at most this angle [rad] count as parts of a smooth surface. The middle of an
 // equilateral facet is kSagitta * angle * side away from the ball through its corners. The middle
 // of any other facet is farther away.
@@ -28,9 +29,9 @@ constexpr std::uint32_t kNone = TriangleMesh::kNone;
 struct NearestSurface {
   Vec3 point = Vec3::Zero();
   std::uint32_t triangle = kNone;
-  double side = 0.0;      // side of the surface: 1 or -1; 0: none
-  double distance = 0.0;  // [m] to the surface; 0 in contact
-  double height = 0.0;    // [m] from the point to the tool
+  double side = 0.0;      // side of the surface that faces the tool: 1 or -1; 0 if there is none
+  double distance = 0.0;  // [m] distance from the tool to the surface; 0 in contact
+  double height = 0.0;    // [m] distance from the point to the tool
 };
 
 NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const Vec3& goal,
@@ -57,7 +58,7 @@ NearestSurface nearest_surface(const MeshSurface& surface, Side felt_from, const
              reverse != kNone) {
     nearest.triangle = reverse;
     nearest.side = side;
-  }  // Otherwise the tool is behind, without contact.
+  }  // Otherwise the tool is behind the surface, without contact.
   return nearest;
 }
 
@@ -104,19 +105,19 @@ MeshFit curved(const MeshSurface& surface, const NearestSurface& nearest) {
   return fit;
 }
 
-/// Returns the number of the fit's flat face, or one common number for all curved fits. Faces never
-/// share a number.
+/// Returns the number of the fit's flat face, or one common number for all curved fits. Different
+/// faces have different numbers.
 std::uint32_t feature_of(const MeshSurface& surface, const MeshFit& fit) {
   constexpr std::uint32_t kRound = 1, kFirstFace = 2;
   return fit.curvature != 0.0 ? kRound : kFirstFace + surface.face(fit.triangle);
 }
 
-/// Checks one patch beyond the triangles that were examined. At eight places of each ring, the
-/// patch must lie on the surface, and the space above must be free. Each ring has twice the radius
-/// of the previous ring.
+/// Returns true if a patch is valid at the distance `radius`, beyond the triangles that were
+/// examined. At eight points of this ring, the patch must lie on the surface, and the space above
+/// must be free.
 bool holds_at(const MeshSurface& surface, const MeshFit& fit, double side, double radius) {
   constexpr int kPlaces = 8;
-  constexpr double kOpen = 0.75;  // free share of a radius above the patch
+  constexpr double kOpen = 0.75;  // radius of the free ball above the patch, as a share of `radius`
   SurfacePatch patch;
   patch.point = fit.point;
   patch.normal = fit.normal;
@@ -148,8 +149,8 @@ double offset_of(const MeshOptions& options, double ball) {
   return offset;
 }
 
-/// Converts fits to patches. `end` [m] is the distance from the position to the first triangle that
-/// no patch describes. A ball meets this triangle one radius earlier.
+/// Converts fits to patches. `end` [m] is the distance from the tool position to the first triangle
+/// that no patch describes. A ball meets this triangle one radius earlier.
 FittedPatches found(const MeshSurface& surface, double ball, const MeshFits& fits, double end,
                     double extent) {
   const MeshOptions& options = surface.options();
@@ -184,11 +185,12 @@ double extent_of(const MeshSurface& surface, std::uint32_t t) {
   return std::min(kMostFitted, kFittedSides * side_of(surface.mesh().corners(t)));
 }
 
-/// Extends the valid radius of a single patch that has no other triangle and no border nearby.
+/// Converts fits to patches. Extends the valid radius of a single patch that has no other triangle
+/// and no border nearby.
 FittedPatches reaching(const MeshSurface& surface, double ball, const MeshFits& fits,
                        const NearestSurface& nearest, const MeshFits::Other& other) {
   FittedPatches all = found(surface, ball, fits, other.distance, other.looked);
-  constexpr double kLow = 0.75;  // share of the radius that the rings check
+  constexpr double kLow = 0.75;  // largest height of the tool, as a share of the radius
   if (other.triangle != kNone || other.border || !(other.looked > 0.0)) return all;
   double radius = other.looked;
   while (2.0 * radius <= kMostFitted && holds_at(surface, fits[0], nearest.side, 2.0 * radius))
@@ -285,7 +287,7 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     return fitted.patches[static_cast<std::size_t>(i)];
   };
   const double ball = surface.options().radius + tool;
-  // The rings have sampled the surface up to this extent.
+  // holds_at() has tested the surface up to this extent.
   if (fitted.alone && count == 1) return std::max(0.0, fitted.extent - ball);
   // The normal of the patch identifies the side that faces the tool.
   const Vec3 closest = at(index).point - surface.mesh().origin();
@@ -304,7 +306,7 @@ double mesh_patch_radius(const MeshSurface& surface, const FittedPatches& fitted
     fit.slack = at(i).slack;
     fits.add(fit);
   }
-  // Return the radius for a ball that touches at this point.
+  // Return the radius for a ball that touches the surface at `closest`.
   return std::max(
       0.0, fits.first_other(closest + ball * at(index).normal, ball, looked).distance - ball);
 }

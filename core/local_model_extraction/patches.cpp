@@ -34,7 +34,7 @@ SurfaceParts parts_of(const Grown<Solid>& grown, Side side, const Vec3& p, std::
 
 struct GrownPatch {
   PatchGeometry patch;
-  double offset = 0.0;  // [m]
+  double offset = 0.0;  // [m] distance from the patch to the contact surface
 };
 
 template <Primitive Solid>
