@@ -6,8 +6,9 @@
 
 namespace feltwire {
 
-// Spring and surface have the same stiffness. So the friction cone |F_t| <= mu F_n is also a limit
-// of lengths, without the stiffness: |stretch| <= mu * depth.
+// Returns the stretch of the friction spring. This spring and the surface have the same stiffness.
+// So the friction cone |F_t| <= mu F_n also limits the length, without the stiffness: |stretch| <=
+// mu * depth.
 Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
                    ContactMemory& memory) noexcept {
   if (!memory.touching) {
@@ -15,8 +16,8 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
     memory.slipping = false;
     return Vec3::Zero();
   }
-  // On a curved surface, only the part of the anchor's pull in the proxy's tangent plane is
-  // friction. The contact force contains the rest.
+  // On a curved surface, only the part of the stretch in the tangent plane at the proxy is
+  // friction. The contact force already contains the rest.
   const Vec3 chord = memory.anchor - surface.point;
   Vec3 stretch = chord - along(chord, surface.normal);
   const double stretched = length(stretch);
@@ -35,7 +36,7 @@ Vec3 stick_stretch(const Material& material, const SurfacePoint& surface,
 Vec3 carried(const Vec3& anchor, const Vec3& about, const Vec3& from, const Vec3& to) noexcept {
   const double cosine = from.dot(to);
   const Vec3 axis = from.cross(to), v = anchor - about;
-  if (!(cosine > -0.5)) return anchor;  // After such a turn, the anchor is elsewhere.
+  if (!(cosine > -0.5)) return anchor;  // After a turn of more than 120 degrees, the anchor stays.
   return about + cosine * v + axis.cross(v) + axis.dot(v) / (1.0 + cosine) * axis;
 }
 
