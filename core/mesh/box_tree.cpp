@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t kMostInLeaf = 4;
 constexpr std::size_t kBins = 16;
-/// From this level on, each split halves the items regardless of its cost. This limits the depth of
-/// the tree.
+/// From this level of the tree on, each split halves the items regardless of its cost. This limits
+/// the depth of the tree.
 constexpr int kMaxUneven = 24;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -39,7 +39,7 @@ struct Hull {
     }
   }
   void add(const Hull& other) { add(other.least, other.most); }
-  /// Half the surface area [m^2]; 0 if the box is empty.
+  /// Returns half the surface area [m^2], or 0 if the box is empty.
   double area() const {
     const auto side = [&](std::size_t axis) {
       return std::max(0.0, static_cast<double>(most[axis]) - static_cast<double>(least[axis]));
@@ -62,7 +62,7 @@ struct Part {
   std::size_t size() const { return end - begin; }
 };
 
-/// Bins of the items' middles along an axis. A cut lies between two bins.
+/// Bins of items along an axis, by the middles of their boxes. A cut lies between two bins.
 struct Bins {
   float first = kInfinity, per_bin = 0.0f;
   std::array<Hull, kBins> boxes{};
@@ -76,7 +76,7 @@ struct Bins {
 
 struct Cut {
   std::size_t axis = 0;
-  std::size_t bin = 0;  // first bin of the second part; 0: no cut
+  std::size_t bin = 0;  // index of the first bin of the second part; 0 if there is no cut
   double cost = std::numeric_limits<double>::infinity();
 };
 
@@ -137,7 +137,7 @@ Cut best_cut(const Bins& bins, std::size_t axis, std::size_t size) {
   return cut;
 }
 
-/// Splits a range and partitions its items.
+/// Splits a range into two parts and moves the items of each part together.
 std::array<Part, 2> halves(std::vector<Item>& items, const Part& part, int level) {
   const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
   std::array<Bins, 3> bins;
@@ -184,8 +184,8 @@ class BoxTree::Building {
   }
 
  private:
-  /// Splits `whole` into up to four parts, the costliest part first. A range that fits a leaf stays
-  /// whole.
+  /// Splits `whole` into up to four parts. Each step splits the part with the highest cost. A range
+  /// that fits a leaf stays whole.
   std::size_t cut_up(const Part& whole, int level, std::array<Part, kWidth>& parts) {
     parts[0] = whole;
     std::size_t count = 1;
@@ -208,7 +208,8 @@ class BoxTree::Building {
     return count;
   }
 
-  /// Stores a node before its children. The items of a subtree are contiguous.
+  /// Stores a node before its children, and returns its index. The items of a subtree are
+  /// contiguous.
   std::uint32_t node(const Part& whole, int level) {
     const auto at = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.emplace_back();

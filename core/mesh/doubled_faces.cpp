@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// A face: three corners in ascending order, and the first triangle on each side. A triangle on the
-/// forward side lists the corners in this cyclic order.
+/// A face: three corners in ascending order, and the first triangle in each direction. A forward
+/// triangle lists the corners in this cyclic order, and a backward triangle in the opposite order.
 struct Face {
   Triangle corners;
   std::uint32_t first = kNone;                      // first triangle of the face
@@ -63,15 +63,15 @@ std::vector<Face> faces_of(std::span<const Triangle> triangles, std::span<const 
   return faces;
 }
 
-/// An edge of a face. `way` is 1 if the forward side runs from the lower to the higher vertex of
-/// the edge, else -1.
+/// An edge of a face. `way` is 1 if a forward triangle of the face runs from the lower to the
+/// higher vertex of the edge, else -1.
 struct EdgeOfFace {
   std::uint32_t low, high, face;
   int way;
 };
 
-/// Collects the edges between corners of faces with two sides. Lists all faces of each edge, sorted
-/// by edge.
+/// Returns the edges between corners of faces that have triangles in both directions. Lists all
+/// faces of each edge, sorted by edge.
 std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::size_t vertices) {
   std::vector<bool> asked(vertices);
   for (const Face& face : faces)
@@ -90,8 +90,8 @@ std::vector<EdgeOfFace> edges_in_question(const std::vector<Face>& faces, std::s
   return edges;
 }
 
-/// Groups of faces with dependent choices (union-find with signs). A face has the choice of its
-/// group, or the opposite choice.
+/// Groups of faces whose choices depend on each other (union-find with signs). The choice of a face
+/// is the direction to keep. It equals the choice of the group, or is opposite.
 class Groups {
  public:
   explicit Groups(std::size_t faces)
@@ -101,7 +101,7 @@ class Groups {
 
   struct Place {
     std::uint32_t group;
-    int sign;  // product of the face's and the group's choice
+    int sign;  // product of the choices of the face and of its group
   };
   Place find(std::uint32_t face) {
     std::uint32_t root = face;
@@ -137,13 +137,13 @@ class Groups {
     ++links_[one.group];
   }
 
-  /// Whether the links of the group contradict each other, as on a Moebius strip.
+  /// Returns true if the links of the group contradict each other, as on a Moebius strip.
   bool is_torn(std::uint32_t group) const { return torn_[group]; }
   std::size_t links(std::uint32_t group) const { return links_[group]; }
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<int> sign_;  // product with the parent's choice
+  std::vector<int> sign_;  // product of the face's and its parent's choice
   std::vector<bool> torn_;
   std::vector<std::size_t> links_;
 };
@@ -157,7 +157,8 @@ class Choice {
       chosen_.push_back(face.has_both() ? 0 : face.side[0] != kNone ? 1 : -1);
   }
 
-  /// Works in rounds, because each decision may decide further faces at a shared edge.
+  /// Decides the faces that have decided neighbours. Works in rounds, because each decision may
+  /// decide further faces at a shared edge.
   void ask_neighbours() {
     constexpr int kMostRounds = 16;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -199,16 +200,16 @@ class Choice {
     }
   }
 
-  /// Returns the chosen side of the face: 1 forward, -1 backward, 0 both.
+  /// Returns the chosen direction of the face: 1 forward, -1 backward, 0 both.
   int of(std::size_t face) const { return chosen_[face]; }
 
  private:
   /// Links the undecided faces. Counts the votes of the decided neighbours for each group.
   std::vector<long> count_votes(Groups& groups) const {
-    std::vector<std::pair<std::uint32_t, long>> own;  // face and vote
+    std::vector<std::pair<std::uint32_t, long>> own;  // undecided faces and their votes
     for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       int open = 0,
-          up = 0;  // open: undecided faces; up: sum of the votes
+          up = 0;  // open: number of undecided faces; up: sum of the decided directions
       for (; end < edges_.size() && edges_[end].low == edges_[begin].low &&
              edges_[end].high == edges_[begin].high;
            ++end) {
@@ -246,7 +247,7 @@ KeptFaces keep_one_of_each(std::span<const Vec3> vertices, std::span<const Trian
   std::vector<Corners> all = sorted_corners(triangles, vertices.size());
   if (std::ranges::adjacent_find(all) == all.end()) return kept;
   const std::vector<Face> faces = faces_of(triangles, all);
-  std::vector<Corners>().swap(all);  // This frees memory for a large surface.
+  std::vector<Corners>().swap(all);  // Free memory, because the surface may be large.
   Choice choice(vertices, faces);
   choice.ask_neighbours();
   if (solid) choice.turn_shells_outwards();

@@ -14,16 +14,17 @@ namespace feltwire::edge_splits {
 namespace {
 
 constexpr std::uint32_t kSides = 3;
-constexpr double kPart = 0.25;  // largest offset, as a share of a part's size
+// Largest distance of a vertex from its edge, as a share of a part's size.
+constexpr double kPart = 0.25;
 /// Least relative height of a part of a triangle, well above rounding errors.
 constexpr double kLeastHeight = 1e-12;
-// Candidates; testing them takes some seconds.
+// Largest number of candidates to test. Testing them takes some seconds.
 constexpr std::size_t kMostLooked = std::size_t{1} << 27;
 
 /// A vertex that lies on an open edge.
 struct OnEdge {
   std::uint32_t place;  // index of the edge in open_
-  double along;         // position, 0 to 1
+  double along;         // position along the edge, 0 to 1
   std::uint32_t vertex;
   double off;  // [m] distance from the edge
 };
@@ -34,8 +35,8 @@ class Search {
          std::span<const std::uint32_t> open, double weld)
       : vertices_(vertices), triangles_(triangles), open_(open), weld_(weld) {}
 
-  /// Returns the corners on open edges, sorted by edge and by place along the edge. Sets `all` to
-  /// false if the search stopped early.
+  /// Returns the vertices that lie on open edges, sorted by edge and by position along the edge.
+  /// Sets `all` to false if the search stopped early.
   std::vector<OnEdge> run(bool& all) {
     const BoxTree tree(boxes());
     std::vector<std::uint32_t> ends;
@@ -75,7 +76,7 @@ class Search {
   }
 
  private:
-  /// Makes boxes around pieces of the edges, so that a long diagonal edge does not overlap
+  /// Returns boxes around pieces of the edges. A box around a long diagonal edge would overlap
   /// everything. There are at most twice as many boxes as edges.
   std::vector<Bounds> boxes() {
     double whole = 0.0;
@@ -124,10 +125,10 @@ class Search {
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> open_;
   double weld_;
-  std::vector<std::uint32_t> pieces_;  // index of the edge in open_, by box
+  std::vector<std::uint32_t> pieces_;  // index of an edge in open_, for each box
 };
 
-/// Returns the corners of one edge, without corners that are too close to the previous corner.
+/// Returns the vertices on one edge, without vertices that are too close to the previous vertex.
 std::vector<OnEdge> apart(std::span<const OnEdge> corners, double length) {
   std::vector<OnEdge> kept;
   for (const OnEdge& corner : corners) {

@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostPixels = 8192;  // per side
-constexpr int kMostGrey = 65535;   // 16 bits
+constexpr int kMostPixels = 8192;  // largest width and height
+constexpr int kMostGrey = 65535;   // largest grey value of 16 bits
 constexpr int kMostOfOneByte = 255;
 
 class Pgm {
@@ -71,8 +71,8 @@ class Pgm {
     return value;
   }
 
-  /// Reads a pixel of a binary file. A single blank separates the header from the pixels. A
-  /// two-byte value has its high byte first.
+  /// Reads the value of a pixel of a binary file. A single blank separates the header from the
+  /// pixels. A two-byte value has its high byte first.
   int binary(int white) {
     if (!begun_) ++at_;
     begun_ = true;
@@ -94,8 +94,8 @@ class Pgm {
   bool begun_ = false;
 };
 
-/// Weights of a pixel and its two neighbours (quadratic B-spline), and their derivatives. `t` in
-/// [-1/2, 1/2] is the distance from the pixel's middle.
+/// Weights of a pixel and its two neighbours (quadratic B-spline), and the derivatives of these
+/// weights. `t` in [-1/2, 1/2] is the distance from the pixel's middle, in pixels.
 struct Spline {
   explicit Spline(double t)
       : weights{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)},
@@ -104,12 +104,12 @@ struct Spline {
 };
 
 struct Pixel {
-  int index;    // 0 to count - 1
+  int index;    // index of the nearest pixel, 0 to count - 1
   double from;  // [pixels] distance from the pixel's middle
 };
 Pixel pixel_at(double x, int count) {
   double within = x - count * std::floor(x / count);
-  if (!(within >= 0.0 && within <= count)) within = 0.0;  // x is not finite, or too large.
+  if (!(within >= 0.0 && within <= count)) within = 0.0;  // x is not finite, or is too large.
   const double nearest = std::floor(within + 0.5);
   return {static_cast<int>(nearest) % count, within - nearest};
 }

@@ -1,6 +1,6 @@
 // The proxy of a ball on a mesh. The centre of the ball moves towards the goal and stays at least
 // one radius away from all triangles. Each step is shorter than half a radius and ends only at a
-// place with this clearance. So the centre never passes through a surface. Within a step,
+// point with this clearance. So the centre never passes through a surface. Within a step,
 // sequential quadratic programming linearises the distances to the triangles in contact.
 
 #include <algorithm>
@@ -14,16 +14,17 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostSteps = 256;         // steps per sample
-constexpr int kMostCorrections = 16;    // iterations per step
-constexpr std::size_t kMostNear = 512;  // triangles near a step
+constexpr int kMostSteps = 256;         // largest number of steps per sample
+constexpr int kMostCorrections = 16;    // largest number of iterations per step
+constexpr std::size_t kMostNear = 512;  // largest number of triangles near a step
 constexpr std::size_t kMostHeld = 16;
-constexpr double kExact = 1e-7;                          // accuracy, as a share of the radius
-constexpr double kFirstReach = 0.125, kMostReach = 0.5;  // step length, as a share of the radius
+constexpr double kExact = 1e-7;  // accuracy of positions, as a share of the radius
+// First and largest step length, as a share of the radius.
+constexpr double kFirstReach = 0.125, kMostReach = 0.5;
 constexpr double kLeastReach = 0x1p-16;
 constexpr double kFarther = 1.25;           // search range, in step lengths
-constexpr double kTolerance = 0.1;          // of the planes, as a share of exact_
-constexpr std::size_t kTangentsInUnit = 8;  // tangents per unit of work
+constexpr double kTolerance = 0.1;          // tolerance of the planes, as a share of exact_
+constexpr std::size_t kTangentsInUnit = 8;  // number of tangents per unit of work
 
 class Ball {
  public:
@@ -59,7 +60,7 @@ class Ball {
  private:
   void arrive() { stand_ = {.point = goal_, .triangle = 0, .side = 0, .on_face = false}; }
 
-  /// Whether no triangle is within one radius of the bounding box of the movement.
+  /// Returns true if no triangle is within one radius of the bounding box of the movement.
   bool is_open() const {
     Bounds way;
     way.add(stand_.point);
@@ -124,9 +125,9 @@ class Ball {
     return count;
   }
 
-  /// Returns the distance to the nearest triangle. The distance to a triangle is a convex function,
-  /// so its tangent at the start of the step is a lower bound. The triangle with the lowest bound
-  /// is queried first. Most other triangles then need no query.
+  /// Returns the distance [m] from x to the nearest triangle. The distance to a triangle is a
+  /// convex function, so its tangent at the start of the step is a lower bound. The triangle with
+  /// the lowest bound is queried first. Most other triangles then need no query.
   double least_distance(const Vec3& x, std::uint32_t& nearest) const {
     double least = std::numeric_limits<double>::infinity();
     if (near_count_ == 0 || !may_go_on(work_, 1 + near_count_ / kTangentsInUnit)) return least;
@@ -188,7 +189,8 @@ class Ball {
     return cut && settled;
   }
 
-  /// Halves the movement until its end is far enough from all triangles.
+  /// Returns the end of the movement from `from` to `x`. Halves the movement until its end is far
+  /// enough from all triangles.
   Vec3 last_clear(const Vec3& from, const Vec3& x, double most) const {
     constexpr int kMostHalvings = 12;
     std::uint32_t nearest = 0;
@@ -213,20 +215,20 @@ class Ball {
 
   const MeshSurface& surface_;
   const TriangleMesh& mesh_;
-  const double radius_, exact_;  // [m]
+  const double radius_, exact_;  // [m] radius of the ball, accuracy of positions
   const std::int8_t sides_;
   const Vec3& goal_;
   ProxyState& stand_;
   WorkLimit* work_;
   struct NearbyTriangle {
     std::uint32_t triangle;
-    double distance;  // [m] at the start of the step
+    double distance;  // [m] distance to the triangle at the start of the step
     Vec3 away;        // unit vector from the triangle to the start
   };
   std::array<NearbyTriangle, kMostNear> near_;
   std::array<std::uint32_t, kMostHeld> held_;
   std::size_t near_count_ = 0, held_count_ = 0;
-  double least_ = 0.0;  // [m] clearance at the start, up to the radius
+  double least_ = 0.0;  // [m] clearance at the start of the step, at most the radius
 };
 
 }  // namespace

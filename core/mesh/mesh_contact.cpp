@@ -65,8 +65,8 @@ Vec3 smooth_normal(const MeshSurface& surface, const ProxyState& proxy) {
 
 constexpr std::size_t kWaves = 8;
 
-/// Directions spread evenly over a half ball (a Fibonacci lattice). The phases are spread too, so
-/// that the grain does not repeat.
+/// Returns a direction of a wave. The directions are spread evenly over a half ball (a Fibonacci
+/// lattice).
 Vec3 wave_direction(std::size_t i) {
   constexpr double kGoldenAngle = 2.399963229728653;  // [rad]
   const double z = (static_cast<double>(i) + 0.5) / kWaves, r = std::sqrt(1.0 - z * z);
@@ -79,12 +79,13 @@ const std::array<Vec3, kWaves> kWaveDirections = [] {
   return all;
 }();
 
-/// Returns a sum of waves. The cut is between 0 and 2 amplitudes deep.
+/// Returns a sum of waves. Their phases differ, so that the grain does not repeat. The cut is
+/// between 0 and 2 amplitudes deep.
 Relief relief_of(const Grain& grain, const Vec3& point) {
-  const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m]
+  const double k = 2.0 * std::numbers::pi / grain.wavelength;  // [1/m] wave number
   Relief relief{.cut = grain.amplitude, .slope = Vec3::Zero()};
   for (std::size_t i = 0; i < kWaves; ++i) {
-    constexpr double kPhase = 1.9;  // [rad] between waves
+    constexpr double kPhase = 1.9;  // [rad] phase between two waves
     const double at = k * kWaveDirections[i].dot(point) + kPhase * static_cast<double>(i);
     relief.cut -= grain.amplitude / kWaves * std::sin(at);
     relief.slope -= grain.amplitude / kWaves * k * std::cos(at) * kWaveDirections[i];
@@ -92,8 +93,9 @@ Relief relief_of(const Grain& grain, const Vec3& point) {
   return relief;
 }
 
-/// The spring's energy is 1/2 k (depth - cut)^2. So the force has a component along the slope
-/// (Minsky's lateral force), and a closed path neither takes nor gives energy.
+/// Returns the contact with a surface that is lowered by the relief. The spring's energy is 1/2 k
+/// (depth - cut)^2. So the force has a component along the slope (Minsky's lateral force), and a
+/// closed path neither takes nor gives energy.
 SurfacePoint lowered(const SurfacePoint& surface, const Relief& relief) {
   if (relief.cut == 0.0 && relief.slope.isZero(0.0)) return surface;
   const Vec3 slope = relief.slope - along(relief.slope, surface.normal);

@@ -19,8 +19,8 @@ using mesh_text::TokenReader;
 
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// Whether this word of an OBJ file describes no surface: appearance, grouping, or free-form
-/// curves.
+/// Returns true if a line of an OBJ file with this first word describes no surface: appearance,
+/// grouping, or free-form curves.
 bool is_no_surface(std::string_view word) {
   for (const std::string_view known :
        {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
@@ -84,8 +84,8 @@ std::string_view first_word(std::string_view text) {
 }
 
 bool is_text_stl(std::string_view bytes) {
-  // A binary file may also begin with "solid", so compare its length with its count first. If the
-  // file was cut short, look for bytes that never occur in text.
+  // A binary file may also begin with "solid", so first compare its length with its number of
+  // triangles. If the file was cut short, look for bytes that never occur in text.
   if (bytes.size() >= kStlHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kStlCountAt, sizeof count);
@@ -184,7 +184,7 @@ TriangleSoup parse_text_stl(std::string_view bytes, const std::string& name, dou
   return soup;
 }
 
-/// Refuses a file whose first word belongs to another format.
+/// Refuses a file whose first word belongs to another format than its name.
 void check_ending(std::string_view bytes, const std::string& name, std::string_view format) {
   const std::string_view text = without_first_lines(bytes);
   const auto refuse = [&](const char* what, const char* end) {

@@ -14,12 +14,12 @@
 namespace feltwire {
 namespace {
 
-constexpr int kMostPieces = 32;  // pieces of a path per collision check
-constexpr int kMostLegs = 64;    // groups of pieces per sample
-constexpr int kMostStill = 16;   // steps that gain only rounding errors
-constexpr int kMostRounds = 48;  // ray casts per sample
-// Units of work. The tree counts its own work.
-constexpr std::uint64_t kTriangleWork = 4;  // per crossed or tested triangle
+constexpr int kMostPieces = 32;  // largest number of pieces of a path per collision check
+constexpr int kMostLegs = 64;    // largest number of collision checks per sample
+constexpr int kMostStill = 16;   // largest number of successive steps without a movement
+constexpr int kMostRounds = 48;  // largest number of ray casts per sample
+// Units of work. The box tree counts its own work.
+constexpr std::uint64_t kTriangleWork = 4;  // units per crossed or tested triangle
 constexpr std::uint64_t kRoundWork = 8;
 
 std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
@@ -39,7 +39,7 @@ struct Face {
 
   std::array<Vec3, 3> corners;
   Vec3 outward;  // normal of the triangle itself, not normalised
-  Vec3 normal;   // unit
+  Vec3 normal;   // unit normal on the proxy's side
 };
 
 enum class Outcome {
@@ -80,8 +80,8 @@ class Walk {
     at_.point = p;
   }
 
-  /// Goes straight across the triangle, to the projection of the goal or to an edge. Returns empty
-  /// if the walk continues.
+  /// Goes straight across the triangle, to the projection of the goal or to an edge. Returns
+  /// nothing if the walk continues.
   std::optional<Outcome> cross_triangle() {
     const Face face(surface_, at_.triangle, at_.side);
     const double height = face.height(goal_);
@@ -130,7 +130,8 @@ class Walk {
     return Outcome::leaving;
   }
 
-  /// Whether a step into the triangle beyond edge k of `face` reduces the distance to the goal.
+  /// Returns true if a step into the triangle beyond edge k of `face` reduces the distance to the
+  /// goal.
   bool leads_into(const Face& face, std::size_t k, const Face& beyond) const {
     const Vec3 edge = face.corners[next(k)] - face.corners[k];
     // The neighbour lists the edge in the other direction, so this vector points into the
@@ -169,7 +170,7 @@ class Walk {
     return mesh_.vertices()[mine[0]];
   }
 
-  /// Enters the triangle around this corner in which the distance falls fastest.
+  /// Enters the triangle around this corner in which the distance to the goal falls fastest.
   std::optional<Outcome> cross_corner(std::uint32_t vertex) {
     const Vec3 d = goal_ - at_.point;
     double steepest = 0.0;
@@ -219,8 +220,8 @@ bool have_common_corner(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-/// Whether the path crosses another part of the mesh: a triangle that is no neighbour of the path's
-/// triangles.
+/// Returns true if the path crosses another part of the mesh: a triangle that is no neighbour of
+/// the path's triangles.
 bool is_barred(const MeshSurface& surface, std::int8_t sides, std::span<const Piece> pieces,
                WorkLimit* work) {
   Bounds box;
@@ -250,8 +251,8 @@ struct HoldingPlane {
   std::int8_t side;
 };
 
-/// Whether p is over the triangle. At an edge without a neighbour, the triangle extends by one
-/// skin.
+/// Returns true if the projection of p lies in the triangle. At an edge without a neighbour, the
+/// triangle is extended by one skin.
 bool is_over(const MeshSurface& surface, const HoldingPlane& held, const Vec3& p) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 out = held.face.out_of(k);
@@ -278,7 +279,7 @@ Vec3 lifted(const MeshSurface& surface, const ProxyState& proxy) {
   return proxy.point + surface.skin() * direction(up);
 }
 
-/// Moves from a point in free space by ray casts and planes (Zilles & Salisbury).
+/// Moves the proxy from a point in free space by ray casts and planes (Zilles & Salisbury).
 void move_by_rays(const MeshSurface& surface, std::int8_t sides, const Vec3& goal,
                   ProxyState& proxy, WorkLimit* work) {
   const double skin = surface.skin();

@@ -32,7 +32,8 @@ std::string open_text(const MeshReport& report) {
 }
 
 std::string mend_text(const MeshReport& report) {
-  constexpr double kNarrow = 1e-3;  // share of the longest side
+  // Largest width of a narrow hole, as a share of the longest side.
+  constexpr double kNarrow = 1e-3;
   if (report.holes == 0 || report.widest_hole > kNarrow * report.size) return "mend it";
   std::array<char, 32> weld{};
   std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.widest_hole);

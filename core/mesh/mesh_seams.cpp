@@ -13,8 +13,8 @@ namespace feltwire::mesh_seams {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Share of a triangle's longest side. A shorter side is a rounding error, for example at a pole
-/// with the computed radius sin(pi).
+/// Least length of a side, as a share of the triangle's longest side. A shorter side is a rounding
+/// error, for example at a pole with the computed radius sin(pi).
 constexpr double kNoSide = 0x1p-40;
 constexpr double kPartOfSide = 0.25;
 
@@ -23,7 +23,7 @@ struct End {
   double reach;  // [m] largest movement of the vertex
 };
 
-/// Returns the ends of all open edges, sorted by ascending reach.
+/// Returns the vertices at the ends of open edges, sorted by ascending reach.
 std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                          std::span<const Edge> open, double weld) {
   std::vector<double> reach(vertices.size(), -1.0);
@@ -49,9 +49,9 @@ std::vector<End> ends_of(std::span<const Vec3> vertices, std::span<const Triangl
   return ends;
 }
 
-/// A hash grid of the vertices that stay. The size of a cell is the reach of its vertices, rounded
-/// up to a power of two. The vertices of a cell are at least half a cell apart, so a cell holds few
-/// vertices.
+/// A hash grid of the vertices that are not merged into others. The size of a cell is the reach of
+/// its vertices, rounded up to a power of two. The vertices of a cell are at least half a cell
+/// apart, so a cell holds few vertices.
 class RemainingVertices {
  public:
   explicit RemainingVertices(std::span<const Vec3> vertices) : vertices_(vertices) {}
@@ -63,8 +63,8 @@ class RemainingVertices {
     cells_[cell_hash(level, cell_of(level, vertices_[end.vertex]))].push_back(end);
   }
 
-  /// Returns the nearest vertex within the reach of both vertices, or else the vertex itself.
-  /// `distance` is in [m].
+  /// Returns the nearest vertex that is within its own reach and within that of end.vertex. Returns
+  /// end.vertex if there is none. `distance` is in [m].
   std::uint32_t nearest(const End& end, double& distance) const {
     std::uint32_t best = end.vertex;
     distance = kInfinity;
@@ -104,8 +104,8 @@ class RemainingVertices {
   std::unordered_map<std::uint64_t, std::vector<End>> cells_;
 };
 
-/// A closed ring or an open chain of open edges, as its vertices in order. The first vertex is not
-/// repeated.
+/// A closed ring or a chain of open edges (edges with one triangle), as its vertices in order. The
+/// first vertex is not repeated.
 struct Ring {
   std::vector<std::uint32_t> vertices;
   bool closed = false;
@@ -149,11 +149,11 @@ std::vector<Ring> rings_of(std::size_t vertices, std::span<const Edge> open) {
 struct Rim {
   std::vector<Vec3> places;
   std::vector<double> along;  // A closed rim has places.size() + 1 numbers.
-  double whole = 0.0;         // [m]
+  double whole = 0.0;         // [m] length of the rim
   bool closed = false;
 };
 
-/// Divides the ring into sides of at most 1 / `parts` of its length.
+/// Divides the ring into sides of at most 1 / `parts` of its length, and returns its points.
 Rim rim_of(std::span<const Vec3> vertices, const Ring& ring, double parts) {
   Rim rim{.places = {}, .along = {0.0}, .whole = 0.0, .closed = ring.closed};
   const std::size_t count = ring.vertices.size(), sides = ring.closed ? count : count - 1;
@@ -192,7 +192,8 @@ double across(const Rim& rim, const Vec3& p, double at) {
   return least;
 }
 
-/// Returns the upper quartile [m] of the distances from the rim to the opposite side.
+/// Returns the width [m] of a ring: the upper quartile of the distances from the rim to the
+/// opposite side.
 double width(std::span<const Vec3> vertices, const Ring& ring) {
   constexpr std::size_t kLeast = 16, kMost = 64, kOfSide = 4;
   const std::size_t samples = std::clamp(kOfSide * ring.vertices.size(), kLeast, kMost);

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// The skin (collision margin) as a share of the surface's size. The value lies between the
+/// The skin (collision margin), as a share of the surface's size. The value lies between the
 /// precision of single-precision coordinates in a file (24 bits) and the smallest distance that a
 /// hand can feel.
 constexpr double kSkin = 0x1p-22;
@@ -28,9 +28,10 @@ std::vector<Bounds> boxes_of(const TriangleMesh& mesh, double skin) {
   return boxes;
 }
 
-/// Returns, for each triangle, the first triangle of its flat face.
+/// Returns, for each triangle, the index of the first triangle of its flat face.
 std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
-  constexpr double kFlat = 1e-3;  // [rad] above single-precision errors
+  // [rad] largest angle within a flat face; above single-precision errors.
+  constexpr double kFlat = 1e-3;
   constexpr std::uint32_t kNone = TriangleMesh::kNone;
   std::vector<std::uint32_t> faces(mesh.triangles().size(), kNone), open;
   for (std::uint32_t first = 0; first < faces.size(); ++first) {
@@ -56,7 +57,8 @@ std::vector<std::uint32_t> faces_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-// Ericson, Real-Time Collision Detection (2005), 5.1.5: finds the Voronoi region of the point.
+// Returns the point of the triangle that is closest to p. Finds the Voronoi region of p (Ericson,
+// Real-Time Collision Detection, 2005, 5.1.5).
 NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& p) noexcept {
   const auto& [a, b, c] = corners;
   const Vec3 ab = b - a, ac = c - a, ap = p - a;

@@ -37,7 +37,7 @@ std::optional<Scalar> scalar_named(std::string_view name) {
 struct Property {
   std::string name;
   Scalar type = Scalar::f32;
-  std::optional<Scalar> list;  // type of the list's length; empty: no list
+  std::optional<Scalar> list;  // type of the list's length; no value if the property is no list
 };
 struct Element {
   std::string name;
@@ -185,7 +185,7 @@ class BinaryValues {
 
 template <class Values>
 void read_body(Values& values, const Header& header, double scale, TriangleSoup& soup) {
-  std::vector<double> row;   // the scalars of an element
+  std::vector<double> row;   // scalars of an element
   std::vector<double> list;  // values of the index list
   std::vector<std::uint32_t> corners;
   std::size_t vertices = 0;  // Faces may come before vertices.

@@ -8,8 +8,8 @@
 namespace feltwire {
 namespace {
 
-/// Returns the vertex at the middle of an edge, on the unit sphere. Makes this vertex only once for
-/// each edge.
+/// Returns the index of the vertex at the middle of an edge, on the unit sphere. Makes this vertex
+/// only once for each edge.
 std::uint32_t middle(std::uint32_t a, std::uint32_t b, std::vector<Vec3>& vertices,
                      std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>& known) {
   const auto [place, is_new] =

@@ -18,18 +18,21 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostTriangles = std::size_t{1} << 30;  // The index of a side fits 32 bits.
+// With this limit, the index of a side fits 32 bits.
+constexpr std::size_t kMostTriangles = std::size_t{1} << 30;
 constexpr std::uint32_t kSides = 3;
 
 /// Below this relative height, rounding errors dominate the triangle's normal. The corners are
 /// exact. Their differences have an error of half a unit in the last place.
 constexpr double kFlat = 8.0 * std::numeric_limits<double>::epsilon();
 
-/// Whether the triangle has no area. If so, raises `height` [m] to the height of the triangle.
+/// Returns true if the triangle has no area. If its height is then above `height` [m], sets
+/// `height` to it.
 bool degenerate(const std::array<Vec3, 3>& c, double& height) {
   const Vec3 a = c[1] - c[0], b = c[2] - c[0], o = c[2] - c[1];
+  // [m] largest component of a side
   const double longest =
-      std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), o.cwiseAbs().maxCoeff()});  // [m]
+      std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), o.cwiseAbs().maxCoeff()});
   if (!(longest > 0.0)) return true;
   const double relative = (a / longest).cross(b / longest).norm();
   if (relative > kFlat) return false;
@@ -39,7 +42,7 @@ bool degenerate(const std::array<Vec3, 3>& c, double& height) {
 
 std::uint64_t place_hash(const Vec3& v) {
   std::uint64_t h = 0;
-  // X + 0.0 is never -0.
+  // The sum x + 0.0 is never -0.0.
   for (const double x : v) h = splitmix::mix(h ^ std::bit_cast<std::uint64_t>(x + 0.0));
   return h;
 }
@@ -122,8 +125,8 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld,
   report_.volume = volume();
 }
 
-/// Returns the edges that are still open. A triangle that loses its area can open further edges.
-/// The next round joins these edges.
+/// Joins vertices at open edges. Returns the edges that are still open. A triangle that loses its
+/// area can open further edges. The next round joins these edges.
 TriangleMesh::OpenEdges TriangleMesh::join_open_edges(OpenEdges open) {
   constexpr int kMostJoinRounds = 8;
   for (int round = 0; round < kMostJoinRounds && !open.edges.empty(); ++round) {
@@ -285,7 +288,7 @@ void TriangleMesh::drop_duplicates() {
 TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
   struct EdgeSide {
     std::uint32_t low, high;  // ends of the edge
-    std::uint32_t side;       // kSides * triangle + edge
+    std::uint32_t side;       // index of the side: kSides * triangle + edge
   };
   const auto ends = [&](std::size_t side) {
     const Triangle& t = triangles_[side / kSides];
@@ -312,7 +315,8 @@ TriangleMesh::OpenEdges TriangleMesh::find_neighbours() {
     if (end - first == 1 || (end - first == 2 && report_.both_sides > 0 &&
                              same_corners(one / kSides, other / kSides))) {
       is_open[one] = is_open[other] = true;
-      if (one != other) is_second[other] = true;  // A face with two sides has this edge twice.
+      // Two opposite triangles with the same corners have this edge twice.
+      if (one != other) is_second[other] = true;
     } else if (end - first > 2) {
       ++report_.non_manifold_edges;
     } else if (ends(one)[0] == ends(other)[0]) {
