@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// Steps of the two-dimensional additive recurrence with the smallest known gaps (Roberts 2018): 1
-/// / the plastic number, and the square of this value.
+/// Steps of the two-dimensional additive recurrence with the smallest known gaps (Roberts 2018).
+/// The first step is 1 / the plastic number, and the second step is its square.
 constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;
 
 double part_of(double x) { return x - std::floor(x); }
@@ -25,7 +25,7 @@ double area_of(const TriangleSoup& surface, const Triangle& t) {
 }
 
 constexpr std::size_t kSides = 6;
-/// Returns the axis that is nearest to the triangle's normal, with its sign.
+/// Returns the index of the signed axis that is nearest to the triangle's normal.
 std::size_t side_of(const TriangleSoup& surface, const Triangle& t) {
   const Vec3 a = surface.vertices[t[1]] - surface.vertices[t[0]];
   const Vec3 normal = a.cross(surface.vertices[t[2]] - surface.vertices[t[0]]);
@@ -52,7 +52,7 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
       here = area_of(surface, surface.triangles[++triangle]);
     }
     double u = part_of(n * kFirstStep), v = part_of(n * kSecondStep);
-    if (u + v > 1.0) {  // This mirrors a point of the parallelogram's other half.
+    if (u + v > 1.0) {  // Mirror a point of the parallelogram's other half.
       u = 1.0 - u;
       v = 1.0 - v;
     }
@@ -65,8 +65,8 @@ std::vector<Vec3> spread(const TriangleSoup& surface, double area, std::size_t c
   return points;
 }
 
-/// Divides the shell into parts of eight. So the children of a node, or the points of a leaf, fill
-/// a vector.
+/// Divides the shell into up to eight parts, and each part again. So the children of a node, or the
+/// points of a leaf, fill a vector.
 struct TreeBuilder {
   PointShell& shell;
   static constexpr std::uint32_t kParts = ShellNode::kParts;
@@ -86,8 +86,8 @@ struct TreeBuilder {
     return node;
   }
 
-  /// Splits a range in two along its longest side, so that full leaves stay full. Returns the index
-  /// of the split.
+  /// Splits a range in two along the longest side of its bounding box. The first part has only full
+  /// leaves. Returns the index of the split.
   std::uint32_t halve(std::uint32_t begin, std::uint32_t end) {
     const auto first = shell.points.begin() + static_cast<std::ptrdiff_t>(begin),
                last = shell.points.begin() + static_cast<std::ptrdiff_t>(end);

@@ -11,8 +11,8 @@
 namespace feltwire {
 namespace {
 
-/// A ball of points is skipped if its distance from the surface is above this share of its radius.
-/// A smaller share would give a weaker bound of the clearance.
+/// The search skips a ball of points if its distance from the surface, as a share of its radius, is
+/// above this value. A smaller value would give a weaker bound of the clearance.
 constexpr double kFarEnough = 0.5;
 
 constexpr std::uint64_t kGroupWork = 4;  // units of work per eight queries
@@ -22,13 +22,13 @@ double far_of(const ShellNode& node) { return (1.0 + kFarEnough) * node.radius; 
 using Lanes = FieldGroup::Lanes;
 static_assert(ShellNode::kParts == FieldGroup::kSize);
 
-/// Sums in the object frame. The arms start at the tool's origin.
+/// Sums of a contact in the object frame. The arms start at the tool's origin.
 struct Sums {
   double squares = 0.0;  // [m^2] sum of squared distances
   Vec6 wrench = Vec6::Zero();
   Mat6 stiffness = Mat6::Zero();  // lower triangle
 
-  /// Adds the places with a negative distance. All other places have zero distance and gradient.
+  /// Adds the points with a negative distance. All other points have zero distance and gradient.
   void add(const FieldGroup& group, const std::array<Lanes, 3>& arm) {
     const std::array<Lanes, 6> way = {group.gradient_x,
                                       group.gradient_y,
@@ -76,14 +76,15 @@ struct ShellQuery {
   const PointShell& shell;
   const Object& object;
   Mat3 turned;  // rotation from the tool frame to the object frame
-  Vec3 origin;  // [m] the tool's origin
+  Vec3 origin;  // [m] position of the tool's origin
   ShellContact& sum;
-  bool slides;  // whether the slip sums are computed
+  bool slides;  // true if the slip sums are computed
   WorkLimit* work;
   Sums sums = {};
   std::array<FrictionPatchSums, kPatchSides> patches = {};
 
-  /// Whether the ball may be near the surface. If not, the ball's distance limits the clearance.
+  /// Returns true if the node's ball may be near the surface. Otherwise, limits the clearance by
+  /// the ball's distance.
   bool near(const ShellNode& node, double distance) {
     if (!(distance > far_of(node))) return true;
     sum.clearance = std::min(sum.clearance, distance - node.radius);
@@ -178,7 +179,7 @@ struct ShellQuery {
   }
 
   void all() {
-    // The stack has the children of a node only while the node is processed.
+    // The stack contains the children of a node only while the node is processed.
     std::array<std::uint32_t, kMaxShellDepth * ShellNode::kParts> waiting;
     std::size_t count = 0;
     if (root_is_near()) waiting[count++] = 0;
