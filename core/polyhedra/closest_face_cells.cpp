@@ -6,8 +6,8 @@
 
 namespace feltwire {
 
-/// Computes the heights of corners above a function, and returns the largest height. `count` is a
-/// multiple of four. The arrays x, y, z, t are aligned to 32 bytes.
+/// Computes the heights of corners above a linear function, and returns the largest height. `count`
+/// is a multiple of four. The arrays x, y, z, t are aligned to 32 bytes.
 FELTWIRE_ALSO_AVX2 static double heights_above(const std::array<const double*, 4>& corners,
                                                std::size_t count, const LinearFunction& function,
                                                double* height) {
@@ -42,8 +42,7 @@ ClosestFaceCells::ClosestFaceCells(const ClippedPolyhedron& whole, const Vec3& n
     const auto& face = whole.tags(i);
     Links& links = links_[i];
     links.face = {face[0], face[1], face[2], tag};
-    // An edge lies on the face with its own number and on the previous face. It leaves the third
-    // face.
+    // Edge s lies on face s and on the previous face. It leaves the third face.
     for (std::size_t s = 0; s < 3; ++s) {
       const ClippedPolyhedron::Neighbour near = whole.neighbour(i, s);
       links.next[(s + 1) % 3] = end_of(near.corner, (near.slot + 1) % 3);

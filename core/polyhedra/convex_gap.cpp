@@ -20,7 +20,7 @@ const Vec3& support(const Polyhedron& solid, const Vec3& direction) {
   return solid.vertices[at];
 }
 
-/// Up to four points of the Minkowski difference.
+/// Up to four points of the Minkowski difference of the solids a and b.
 struct Simplex {
   std::array<Vec3, 4> points;
   std::array<Vec3, 4> on_b;  // point of b in each difference
@@ -51,7 +51,7 @@ struct Simplex {
     return nearest;
   }
 
-  /// Returns the point of b where the difference is zero. Precondition: the origin is inside the
+  /// Returns the point of b that is also a point of a. Precondition: the origin is inside the
   /// tetrahedron of the four points.
   Vec3 shared() const {
     Mat3 edges;

@@ -17,7 +17,8 @@ struct Spoke {
 /// Returns the neighbours of each vertex, clockwise as seen from outside.
 std::vector<std::vector<Spoke>> rings(std::size_t vertices, std::span<const std::uint32_t> first,
                                       std::span<const std::uint32_t> loop) {
-  std::map<Ends, Spoke> after;  // For each face with u, v, w in order: (v, u) -> w, face
+  // For consecutive vertices u, v, w of a face, maps (v, u) to w and the face.
+  std::map<Ends, Spoke> after;
   for (std::size_t f = 0; f + 1 < first.size(); ++f) {
     const std::size_t begin = first[f], count = first[f + 1] - begin;
     for (std::size_t k = 0; k < count; ++k)

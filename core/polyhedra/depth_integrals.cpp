@@ -42,14 +42,15 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     return inside.cut(planes[i].normal, planes[i].offset, static_cast<Tag>(i));
   };
   if (!cut(planes.facing())) return;
-  std::array<double, kMostDepthPlanes> least;  // [m] least depth, or a lower bound of it
+  // [m] least depth below each face, or a lower bound of it.
+  std::array<double, kMostDepthPlanes> least;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const ClippedPolyhedron::Extent above = inside.extent(planes[i].normal, planes[i].offset);
     least[i] = -above.most;
     if (above.most > 0.0 && !cut(i)) return;
   }
-  // A face can be the nearest somewhere only if its least depth is below the largest depth of every
-  // other face. In most cases, the face towards the tool gives this bound.
+  // A face can be the nearest face of a point only if its least depth is below the largest depth of
+  // every other face. In most cases, the face towards the tool gives this bound.
   double bound = std::numeric_limits<double>::infinity();
   const DepthPlane& facing = planes[planes.facing()];
   if (!facing.inner) bound = -inside.extent(facing.normal, facing.offset).least;
@@ -59,8 +60,8 @@ void add_depth(const PlacedPart& tool, const SolidPart& solid, bool hollow, cons
     least[i] = -above.most;
     bound = std::min(bound, -above.least);
   }
-  // Begin with the faces that are nearest at the middle, because they have the largest cells.
-  // Little then remains to cut for the other faces.
+  // Begin with the faces that are nearest to the middle of the contact, because they have the
+  // largest cells. Little then remains to cut for the other faces.
   std::array<std::pair<double, std::size_t>, kMostDepthPlanes> by_depth;
   std::size_t count = 0;
   const Vec3 middle = inside.middle();

@@ -3,8 +3,8 @@
 namespace feltwire {
 namespace {
 
-/// A face is a side of the thickened solid if the cosine between its normal and `away` is within
-/// this tolerance.
+/// A face counts as parallel to `away` if the cosine of the angle between its normal and `away`
+/// differs from zero by at most this tolerance.
 constexpr double kSide = 1e-6;
 
 bool is_left_out(const SolidPart& part, std::size_t face, const Vec3& away) {
@@ -46,8 +46,8 @@ void DepthPlanes::add_outline(const SolidPart& part, const Vec3& away) noexcept 
     const bool left = is_left_out(part, edge.left, away);
     if (left == is_left_out(part, edge.right, away)) continue;
     const std::size_t kept = left ? edge.right : edge.left;
-    // Skip a side of the thickened solid, because it is the outline itself. Skip an inner face,
-    // because it bounds the part anyway.
+    // Skip a face parallel to `away`, because it is the plane of the outline itself. Skip an inner
+    // face, because it bounds the part anyway.
     if (part.inner[kept] != 0 || shape.planes[kept].normal.dot(away) <= kSide) continue;
     const Vec3& on_edge = shape.vertices[edge.from];
     HalfSpaceBelow plane;

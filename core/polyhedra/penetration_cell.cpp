@@ -13,7 +13,7 @@ using Tag = ClosestFaceCells::Tag;
 using Corner = std::uint16_t;
 
 /// The six-point quadrature rule of degree four on a triangle (Strang & Fix 1973). The weights are
-/// shares of the area, and the places are barycentric coordinates.
+/// shares of the area, and `at` has barycentric coordinates.
 struct TrianglePoint {
   double weight;
   std::array<double, 3> at;
@@ -28,7 +28,7 @@ constexpr std::array<TrianglePoint, 6> kRule = {
      {kOuterWeight, {kOuter, 1.0 - 2.0 * kOuter, kOuter}},
      {kOuterWeight, {1.0 - 2.0 * kOuter, kOuter, kOuter}}}};
 
-/// A corner of a cell, and the cell's slot among the corner's four faces.
+/// A corner of a cell, and the index of this cell among the corner's four faces.
 struct CellCorner {
   Corner corner;
   std::uint8_t slot;
@@ -79,7 +79,7 @@ struct SeenCorners {
   }
 };
 
-/// A triangle of the surface.
+/// A triangle of the surface, as indices of its corners.
 using Facet = std::array<Corner, 3>;
 
 /// Integrals over the intersection of a cell and the tool's part. By Gauss's theorem, the integral
@@ -173,7 +173,7 @@ FELTWIRE_ALSO_AVX2 static void add_ridges(const SeenCorners& seen, std::span<con
 namespace {
 
 Moments moments_of(const SurfaceSums& sums) {
-  constexpr double kPart = 1.0 / 360.0;  // per twice the area
+  constexpr double kPart = 1.0 / 360.0;  // factor per twice the area
   Moments m;
   for (std::size_t i = 0; i < m.depths.size(); ++i) m.depths[i] = kPart * sums[i] / 2.0;
   for (std::size_t i = 0; i < m.squares.size(); ++i) m.squares[i] = kPart * sums[6 + i] / 3.0;
@@ -188,7 +188,7 @@ std::size_t side_of(const Vec3& way) {
 }
 
 /// A motion (t, w) of the tool moves the point at (u, v) out of the solid by (W_0 + v W_1 + u W_2)
-/// . (t, w).
+/// . (t, w). The members are W_0, W_1 and W_2.
 struct PointMotion {
   Vec6 translation, about_across, about_along;
 
@@ -217,7 +217,7 @@ void add_slip(const PenetrationCell& cell, const Moments& m, DepthSums& sums) {
                 vv * cell.along * cell.along.transpose());
 }
 
-/// Adds the effect of one triangle of a face where the tool's part ends inside the solid.
+/// Adds to `slope` the part of one triangle of a face where the tool's part ends inside the solid.
 void add_inner(const std::array<Vec3, 3>& corners, const PenetrationCell& cell, Vec6& slope) {
   const auto& [a, b, c] = corners;
   const Vec3 area = 0.5 * (b - a).cross(c - a);
@@ -242,8 +242,9 @@ class CellSurface {
       for (const Tag tag : cells.faces(i)) seen_[tag].turn = 0;
   }
 
-  /// Takes the surface of cell k with these corners, except the plane from which the depth is
-  /// measured. Adds to `ends` the faces where the tool's part ends inside the solid.
+  /// Computes the triangles on the surface of cell k, except those on the plane from which the
+  /// depth is measured. `corners` are the cell's corners. Adds to `ends` the faces where the tool's
+  /// part ends inside the solid.
   void take(std::size_t k, std::span<const CellCorner> corners, const PenetrationCell& cell,
             Vec6& ends) {
     const std::uint16_t turn = ++turn_;
@@ -279,11 +280,11 @@ class CellSurface {
       spans_[ridge] = std::span(facets_[ridge]).first(count[ridge]);
     }
   }
-  /// Returns the triangles, except those of ridges to later cells. Triangles without area pad the
-  /// list to a multiple of four.
+  /// Returns the triangles, except those that this cell shares with a cell of a higher index.
+  /// Triangles without area pad the list to a multiple of four.
   std::span<const Facet> facets() const { return spans_[0]; }
-  /// Returns the triangles of these ridges, padded too. beyond() returns the cells beyond them,
-  /// without padding.
+  /// Returns the triangles that this cell shares with cells of a higher index, padded too. beyond()
+  /// returns the indices of these cells, without padding.
   std::span<const Facet> ridge_facets() const { return spans_[1]; }
   std::span<const Corner> beyond() const { return std::span(beyond_).first(ridge_count_); }
 
@@ -294,7 +295,7 @@ class CellSurface {
   };
   const ClosestFaceCells& cells_;
   const DepthPlanes& planes_;
-  std::uint16_t turn_ = 0;  // number of the current cell
+  std::uint16_t turn_ = 0;  // number of calls of take()
   std::array<CornerTurn, ClippedPolyhedron::kOwn + 3 * kMostPolyhedronVertices> seen_;
   std::array<Corner, ClosestFaceCells::kCorners> place_;
   // Three edges meet at each corner, so there are fewer than two triangles per corner.
@@ -305,11 +306,12 @@ class CellSurface {
   std::size_t ridge_count_ = 0;
 };
 
-/// Adds the amount by which a ridge reduces the curvature. `s` has the integrals of d^2 f g over
-/// the ridge, for f and g from (1, u, v, d), projected on the face of an adjacent cell.
+/// Adds to `ridges` the amount by which a ridge (the border of two cells) reduces the curvature.
+/// `s` has the integrals of d^2 f g over the ridge, for f and g from (1, u, v, d), projected on the
+/// face of an adjacent cell.
 void add_ridge(const PenetrationCell& cell, const PenetrationCell& beyond, const SurfaceSums& s,
                Mat6& ridges) {
-  constexpr double kPart = 6.0 / 360.0;  // per twice the area
+  constexpr double kPart = 6.0 / 360.0;  // factor per twice the area
   const Vec3 across = (cell.inwards - beyond.inwards).normalized();
   const double depth = cell.constant + cell.inwards.dot(cell.origin);  // depth of the tool's origin
   Eigen::Matrix4d sums;
@@ -352,7 +354,7 @@ void add_cells(const ClosestFaceCells& cells, std::span<const PenetrationCell> o
                const DepthPlanes& planes, bool slides, DepthSums& sums) noexcept {
   const CornersByCell by_cell(cells, of.size());
   CellSurface surface(cells, planes);
-  // Ridge integrals of the current cell, indexed by the cell beyond the ridge.
+  // Integrals over the ridges of the current cell, indexed by the cell beyond the ridge.
   std::array<SurfaceSums, ClosestFaceCells::kMostCells> beyond;
   std::fill_n(beyond.begin(), of.size(), SurfaceSums{});
   for (std::size_t k = 0; k < of.size(); ++k) {

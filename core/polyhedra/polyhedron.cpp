@@ -25,7 +25,7 @@ Bound bound(const std::vector<Vec3>& points) {
   return b;
 }
 
-/// Removes duplicate planes.
+/// Returns the planes without duplicates.
 std::vector<HalfSpaceBelow> distinct(const std::vector<HalfSpaceBelow>& planes, double size) {
   constexpr double kSameNormal = 1e-7;
   std::vector<HalfSpaceBelow> kept;
@@ -192,7 +192,7 @@ std::vector<Vec3> fewer_corners(const std::vector<Vec3>& corners, double error) 
 
 namespace {
 
-/// Builds the solid from these faces. Returns false if the faces do not close.
+/// Builds the solid from these faces. Returns false if the faces do not form a closed surface.
 bool take_faces(const std::vector<Face>& faces, Polyhedron& solid) {
   solid.planes.clear();
   solid.first = {0};
@@ -228,7 +228,7 @@ Polyhedron polyhedron(std::span<const Vec3> points) {
   solid.least = box.least;
   solid.most = box.most;
   const double size = (box.most - box.least).maxCoeff();
-  // Qhull merges nearly coplanar faces, so a corner may be this far off its face.
+  // Qhull merges nearly coplanar faces, so a corner may be `on` [m] off its face.
   for (const double on : {kCoplanar * size, 1e2 * kCoplanar * size, 1e4 * kCoplanar * size})
     if (take_faces(faces(solid.vertices, distinct(hull->planes, size), on), solid)) return solid;
   if (take_faces(joined_faces(hull_triangles(points)), solid)) return solid;

@@ -28,8 +28,8 @@ bool holds(const Polyhedron& solid, const Vec3& p) {
   });
 }
 
-/// Whether a face lies within the other parts. Tests the middle of the face and the points halfway
-/// to its corners, all moved slightly outwards.
+/// Returns true if a face lies within the other parts. Tests the middle of the face and the points
+/// halfway to its corners, all moved slightly outwards.
 bool is_inner(const std::vector<SolidPart>& parts, std::size_t own, std::size_t face, double out) {
   const Polyhedron& shape = parts[own].shape;
   const auto loop = shape.face(face);
@@ -50,7 +50,7 @@ bool is_inner(const std::vector<SolidPart>& parts, std::size_t own, std::size_t 
   });
 }
 
-/// Removes each plane that is nowhere the nearest surface within the part.
+/// Removes from part.beyond each plane that is the nearest surface for no point of the part.
 void keep_nearest(SolidPart& part) {
   const auto depth = [&](const HalfSpaceBelow& plane) {
     return plane.offset - plane.normal.dot(part.shape.centre);
@@ -72,7 +72,7 @@ void keep_nearest(SolidPart& part) {
   });
 }
 
-/// Adds each plane of the neighbours' surfaces that has the part behind it.
+/// Adds to part.beyond each plane of the neighbours' surfaces that has the part behind it.
 void look_beyond(std::vector<SolidPart>& parts, std::size_t own, double slack) {
   SolidPart& part = parts[own];
   if (std::ranges::count(part.inner, 1) == 0) return;
@@ -148,14 +148,14 @@ SolidParts solid_parts(const std::vector<std::vector<Vec3>>& corners) {
   for (const SolidPart& part : solid.parts)
     for (const Vec3& v : part.shape.vertices)
       solid.radius = std::max(solid.radius, (v - solid.centre).norm());
-  constexpr double kOut = 1e-7, kSlack = 1e-6;  // shares of the size
+  constexpr double kOut = 1e-7, kSlack = 1e-6;  // shares of the solid's size
   const double size = (most - least).maxCoeff();
   for (std::size_t i = 0; i < solid.parts.size(); ++i) {
     SolidPart& part = solid.parts[i];
     part.inner.assign(part.shape.planes.size(), 0);
     for (std::size_t f = 0; f < part.inner.size(); ++f)
       part.inner[f] = is_inner(solid.parts, i, f, kOut * size) ? 1 : 0;
-    // If the part is wholly within the others, measure the depth below its own faces.
+    // If the part is wholly within the other parts, measure the depth below its own faces.
     if (std::ranges::count(part.inner, 0) == 0) std::ranges::fill(part.inner, 0);
   }
   for (std::size_t i = 0; i < solid.parts.size(); ++i) look_beyond(solid.parts, i, kSlack * size);
