@@ -11,9 +11,10 @@ namespace {
 
 using Visit = std::function<bool(const TrialTick&)>;
 
-constexpr double kStep = 0.25e-3;  // [m] per tick of a fast hand
+constexpr double kStep = 0.25e-3;  // [m] movement per tick of a fast hand
 
-/// Calls go(place) at steps after `from`, up to `to`. Returns false if go() returns false.
+/// Calls go(position) after each step on the way from `from` to `to`. Returns false if go() returns
+/// false.
 template <class Go>
 bool each_step(const Vec3& from, const Vec3& to, int most, Go go) {
   const double way = length(Vec3(to - from));
@@ -23,8 +24,8 @@ bool each_step(const Vec3& from, const Vec3& to, int most, Go go) {
   return true;
 }
 
-/// Tries a point on a mesh. The first tick takes its memory from a model, as after an interrupted
-/// tick.
+/// Tries a point on a mesh. The first tick takes its contact memory from a local model, as after an
+/// interrupted tick.
 bool try_way(const PrefetchedSurfaces& surfaces, const TrialWay& way, const Visit& visit) {
   constexpr int kMostSteps = 32;
   const Material material{.stiffness = 1000.0, .static_friction = 0.5, .dynamic_friction = 0.4};
@@ -59,10 +60,10 @@ struct Approach {
   Pose pose;
   bool meets = false;
 
-  /// Returns false if visit() returns false.
+  /// Moves the tool. Returns false if visit() returns false.
   bool run() {
     constexpr int kMostSteps = 64;
-    constexpr double kTouching = 1e-4;  // [m]
+    constexpr double kTouching = 1e-4;  // [m] A tool with a smaller clearance is in contact.
     pose.position = way.from;
     const Vec3 ahead = direction(Vec3(way.into - way.from));
     for (int n = 0; n < kMostSteps; ++n) {

@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-/// Surroundings that own their shell and their objects.
+/// The surroundings of a tool. They own the tool's shell and their objects.
 class OwnSurroundings final : public ToolSurroundings {
  public:
   OwnSurroundings(PointShell shell, double contact_area, std::vector<Object> objects)
@@ -34,7 +34,7 @@ class OwnSurroundings final : public ToolSurroundings {
   ShellSurroundings surroundings_;
 };
 
-/// These comparisons are false for NaN.
+/// Returns false for a negative number, infinity or NaN.
 bool not_below_zero(double x) { return x >= 0.0 && std::isfinite(x); }
 
 bool possible(const Material& m) {

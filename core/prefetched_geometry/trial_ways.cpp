@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// A place on a mesh [m, from the mesh's origin], and the work of a query at this place.
+/// A point on a mesh [m, from the mesh's origin], and the units of work of a query at this point.
 struct Place {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
@@ -30,7 +30,8 @@ Place on_triangle(const MeshSurface& surface, std::uint32_t t, const Vec3& p) {
   return {p, triangle_normal(surface.mesh().corners(t)), crowd_at(surface, p)};
 }
 
-/// Returns the corner with the most triangles. A walk around it visits all these triangles.
+/// Returns the corner with the most triangles around it. A walk around this corner visits all of
+/// them.
 Place at_fullest_corner(const MeshSurface& surface) {
   const TriangleMesh& mesh = surface.mesh();
   std::uint32_t fullest = 0;
@@ -83,10 +84,11 @@ double reach_of(const SolidData& solid) {
 }  // namespace
 
 std::vector<TrialWay> mesh_ways(const Object& object, std::uint16_t index) {
-  constexpr double kAbove = 2e-3, kBelow = 4e-3, kAlong = 8e-3;  // [m]
+  // [m] height of the start, depth of the end, movement along the surface
+  constexpr double kAbove = 2e-3, kBelow = 4e-3, kAlong = 8e-3;
   const MeshSurface& surface = *std::get<Mesh>(object.shape).surface;
   std::vector<Place> places = places_of(surface);
-  // Take the most crowded places, and as many other places, evenly spread.
+  // Take the points with the most work, and as many other points, evenly spread.
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::crowd);
   const std::size_t crowded = std::min(places.size(), kMostMeshWays / 2);
   std::vector<Place> chosen(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(crowded));
@@ -111,7 +113,8 @@ std::vector<TrialWay> mesh_ways(const Object& object, std::uint16_t index) {
 }
 
 std::vector<TrialWay> body_ways(const std::vector<SolidData>& solids, double radius) {
-  constexpr double kApart = 0.01, kAlong = 8e-3;  // [m]
+  // [m] distance from the start to the solid, movement perpendicular to the axis
+  constexpr double kApart = 0.01, kAlong = 8e-3;
   constexpr std::size_t kAxes = 3, kMostSolids = kMostBodyWays / kAxes - 1;
   std::vector<TrialWay> ways;
   if (solids.empty()) return ways;
