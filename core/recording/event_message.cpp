@@ -47,7 +47,7 @@ std::optional<RecordedEvent> read_event(std::string_view bytes) {
       case 7:
         event.payload = field->bytes;
         break;
-      default:  // The field is from a newer version.
+      default:  // Skip a field from a newer version.
         break;
     }
   }

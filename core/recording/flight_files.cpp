@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMillisecond = 1'000'000;  // [ns]
 constexpr std::string_view kBegin = "flight-", kStampLike = "20261123T070259.123Z";
 
-/// Returns a time as text, so that file names sort by time.
+/// Returns a time as text. If file names begin with this text, they sort by time.
 std::string stamp(std::uint64_t time) {
   constexpr std::uint64_t kInSecond = 1000;
   const std::uint64_t milliseconds = time / kMillisecond;
@@ -73,7 +73,7 @@ fs::path next_flight_file(const fs::path& folder, const std::string& name, std::
     fs::remove(files[i].first, gone);
   }
   const auto named = [&] { return folder / (std::string(kBegin) + stamp(time) + end); };
-  while (fs::exists(named())) time += kMillisecond;  // This keeps an earlier file.
+  while (fs::exists(named())) time += kMillisecond;  // Do not overwrite an earlier file.
   return named();
 }
 

@@ -47,7 +47,7 @@ void append_triangles(std::string& out, std::uint64_t time, std::string_view id,
           protobuf::put_pose(list, 1, pose);
           for (const Vec3& vertex : soup.vertices) protobuf::put_vector(list, 2, vertex);
           protobuf::put_color(list, 3, 0.6, 0.6, 0.65);
-          std::string corners;  // fixed32, packed
+          std::string corners;  // packed list of fixed32 numbers
           corners.reserve(soup.triangles.size() * 3 * sizeof(std::uint32_t));
           for (const Triangle& triangle : soup.triangles)
             for (const std::uint32_t corner : triangle) mcap::put(corners, corner);

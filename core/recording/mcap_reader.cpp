@@ -140,7 +140,7 @@ void Reader::take_schema(Cursor content) {
   Schema schema{std::string(content.text()), std::string(content.text()),
                 std::string(content.text())};
   require(content.ok(), "a schema ends within a field");
-  if (id == 0) return;  // The specification requires this.
+  if (id == 0) return;  // By the specification, a schema with the number 0 is ignored.
   const auto known = schemas_.try_emplace(id, std::move(schema));
   require(known.second || known.first->second == schema, "two schemas have the same number");
 }
@@ -217,7 +217,7 @@ void Reader::take_statistics(Cursor content) {
 }
 
 void Reader::open_chunk(Cursor content) {
-  content.number<std::uint64_t>();  // This skips the times of the first and last message.
+  content.number<std::uint64_t>();  // Skip the times of the first and last message.
   content.number<std::uint64_t>();
   const auto size = content.number<std::uint64_t>();
   const auto crc = content.number<std::uint32_t>();
@@ -253,7 +253,7 @@ void Reader::take_data_end(Cursor content) {
 
 void Reader::take_footer(std::string_view bytes) {
   Cursor content(bytes);
-  constexpr std::size_t kStarts = 16;  // [bytes] of the footer before its CRC
+  constexpr std::size_t kStarts = 16;  // [bytes] size of the footer before its CRC
   content.bytes(kStarts);
   const auto crc = content.number<std::uint32_t>();
   require(content.ok() && content.empty(), "the footer has a wrong length");

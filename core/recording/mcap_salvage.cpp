@@ -23,7 +23,7 @@ struct Range {
 
 struct Head {
   Opcode opcode;
-  std::uint64_t end;  // end of the record
+  std::uint64_t end;  // byte position of the record's end
 };
 
 bool is_known(std::uint8_t opcode) {
@@ -32,8 +32,8 @@ bool is_known(std::uint8_t opcode) {
          opcode >= 0x80;  // opcodes of other programs
 }
 
-/// Whether a chunk must not contain such a record. After damage, the search stops only at these
-/// records. So the search never takes a record out of a damaged chunk.
+/// Returns true if a chunk must not contain a record of this type. After damage, the search stops
+/// only at such a record. So the search never takes a record out of a damaged chunk.
 bool is_outside_of_chunks(Opcode opcode) {
   return opcode == Opcode::chunk || opcode == Opcode::message_index ||
          opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;
@@ -45,7 +45,8 @@ bool has_known_fields(Opcode opcode) {
          opcode == Opcode::attachment || opcode == Opcode::chunk;
 }
 
-/// Whether the fields fill the record. A record that is too long would hide the records after it.
+/// Returns true if the fields fill the record. A record that is too long would hide the records
+/// after it.
 bool is_filled(Opcode opcode, Cursor content) {
   constexpr std::size_t kNumber = sizeof(std::uint64_t), kId = sizeof(std::uint16_t);
   constexpr std::size_t kCrc = sizeof(std::uint32_t);
@@ -94,7 +95,7 @@ std::string record_of(Opcode opcode, std::string_view content) {
   return out;
 }
 
-/// Returns the error of a Reader, without the place and the remedy.
+/// Returns the message of a Reader's error, without the byte position and the advice.
 std::string reason_of(const FileError& error) {
   std::string_view words = error.what();
   constexpr std::string_view kByte = ": byte ";
@@ -106,7 +107,7 @@ std::string reason_of(const FileError& error) {
 
 }  // namespace
 
-/// A stream of the head and some ranges of the file.
+/// A stream of the bytes `head` and then of some ranges of the file.
 class SalvagedFile::Parts final : public std::streambuf {
  public:
   explicit Parts(std::istream& file) : file_(file) {}
@@ -150,7 +151,7 @@ class SalvagedFile::Parts final : public std::streambuf {
   std::uint64_t at_ = kBefore;
 };
 
-/// A pass over a file.
+/// A pass over a file that finds its intact and its missing parts.
 struct SalvagedFile::Scan {
   Scan(std::istream& in, ReaderLimits given) : file(in), limits(given) {
     file.clear();
@@ -185,8 +186,8 @@ struct SalvagedFile::Scan {
     return Head{static_cast<Opcode>(opcode), at + kRecordHead + length};
   }
 
-  /// Whether a record begins here. Either its fields fill it, or another record follows. The other
-  /// record may be incomplete.
+  /// Returns true if a record begins at `at`. Either its fields fill it, or another record follows.
+  /// The other record may be incomplete.
   bool is_record_at(std::uint64_t at) {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (at == size) return true;
@@ -203,7 +204,7 @@ struct SalvagedFile::Scan {
     return is_known(next.number<std::uint8_t>()) && next.number<std::uint64_t>() <= limits.record;
   }
 
-  /// Returns the place of the next record from `at` on that cannot be in a chunk.
+  /// Returns the position of the next record, at `at` or later, that cannot be in a chunk.
   std::uint64_t next_after(std::uint64_t at) {
     constexpr std::uint64_t kBlock = 1 << 20;
     for (std::uint64_t block = at; block < size; block += kBlock) {
@@ -329,8 +330,8 @@ struct SalvagedFile::Scan {
     parts.head = definitions;
   }
 
-  /// Whether the data section may contain a record with this head. Refuses an index of the summary,
-  /// because it may be a chunk with a damaged opcode.
+  /// Returns true if the data section may contain a record with this head. Refuses an index of the
+  /// summary, because it may be a chunk with a damaged opcode.
   bool is_possible(std::uint64_t at, const Head& head) const {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (head.end > summary_at.value_or(size)) return false;
@@ -367,7 +368,7 @@ struct SalvagedFile::Scan {
            "the CRC of the data is wrong, but every chunk is whole", {});
   }
 
-  /// Takes a record. Returns the place at which to continue.
+  /// Takes over a record if it is intact. Returns the position at which to continue.
   std::uint64_t take(Parts& parts, std::uint64_t at, const Head& head) {
     const std::string record = bytes(at, head.end);
     if (!is_filled(head.opcode, Cursor(std::string_view(record).substr(kRecordHead))))
@@ -400,8 +401,8 @@ struct SalvagedFile::Scan {
     return head.end;
   }
 
-  /// Reports a damaged record. Continues after it if its length is correct, or else at the next
-  /// record.
+  /// Reports a damaged record. Returns the position at which to continue: the end of the record if
+  /// its length is correct, or else the next record.
   std::uint64_t lost(std::uint64_t at, const std::string& record, const std::string& what) {
     const std::uint64_t behind = at + record.size();
     const std::uint64_t end = summary_at.value_or(size);
@@ -415,7 +416,7 @@ struct SalvagedFile::Scan {
   ReaderLimits limits;
   std::uint64_t size = 0;
   std::string definitions;
-  // Times of the chunks, by their place in the file.
+  // Times of the first and last message of the chunks, by the chunk's position in the file.
   std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;
   std::optional<std::uint64_t> summary_at, messages;
   std::uint64_t found = 0;  // number of intact messages

@@ -70,7 +70,7 @@ Writer::Writer(WriterOptions options) : options_(std::move(options)) {
   put_record(Opcode::header, content);
 }
 
-/// Writes a record. Returns its start in the file.
+/// Writes a record. Returns its position in the file.
 std::uint64_t Writer::put_record(Opcode opcode, std::string_view content) {
   const std::uint64_t start = size_;
   const std::size_t before = out_.size();
@@ -126,7 +126,7 @@ void Writer::attach(const Attachment& attachment) {
 }
 
 void Writer::write(std::uint16_t channel, std::uint64_t time, std::string_view data) {
-  constexpr std::size_t kBeforeData = 22;  // [bytes] of a message before its data
+  constexpr std::size_t kBeforeData = 22;  // [bytes] size of a message before its data
   const std::size_t size = kRecordHead + kBeforeData + data.size();
   const bool too_long =
       std::max(time, chunk_end_) - std::min(time, chunk_start_) > options_.chunk_time;

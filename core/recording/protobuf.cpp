@@ -87,7 +87,7 @@ std::optional<Field> Fields::next() {
       field.is_bytes = true;
       break;
     }
-    default:  // Groups are obsolete.
+    default:  // Refuse groups, because they are obsolete.
       ok_ = false;
   }
   ok_ = ok_ && rest.ok();

@@ -72,7 +72,7 @@ std::optional<RecordedSample> read_sample(std::string_view bytes) {
       case 8:
         sample.age = field->real();
         break;
-      default:  // The field is from a newer version.
+      default:  // Skip a field from a newer version.
         break;
     }
   }
@@ -111,7 +111,8 @@ void append_pose(std::string& out, std::uint64_t time, const Pose& pose) {
 
 void append_hand(std::string& out, std::uint64_t time, std::string_view id, const Pose& pose,
                  const Vec3& force) {
-  constexpr double kHand = 0.008, kThick = 0.003;  // [m]
+  // [m] diameter of the sphere; thickness of the arrow.
+  constexpr double kHand = 0.008, kThick = 0.003;
   constexpr double kHead = 0.3;
   put_entity(out, time, id, [&](std::string& entity) {
     const double length = kArrowPerNewton * force.norm();
@@ -133,7 +134,7 @@ void append_hand(std::string& out, std::uint64_t time, std::string_view id, cons
 }
 
 void append_body(std::string& out, std::uint64_t time, std::string_view id, const Pose& pose) {
-  constexpr double kBody = 0.02;  // [m]
+  constexpr double kBody = 0.02;  // [m] side length of the cube
   put_entity(out, time, id, [&](std::string& entity) {
     put_message(entity, 8, [&](std::string& cube) {
       put_pose(cube, 1, pose);
