@@ -11,10 +11,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestRamp = 10.0;  // [s] A longer ramp means a wrong unit.
-// [Hz] Cutoff of the speed filter. At 1 kHz, a quantum of 55 um then counts as 15 mm/s for a
-// moment, and not as 55 mm/s. An acceleration of 10 m/s^2 is detected 3 ms late, when the device is
-// 30 mm/s faster.
+constexpr double kLongestRamp = 10.0;  // [s] A longer ramp has a wrong unit.
+// [Hz] Cutoff frequency of the speed filter. At 1 kHz, a quantum of 55 um then counts as 15 mm/s
+// for a moment, and not as 55 mm/s. An acceleration of 10 m/s^2 is detected 3 ms late, when the
+// device is 30 mm/s faster.
 constexpr double kSpeedCutoff = 50.0;
 
 void require(bool good, const char* channel, const char* name, double value, const char* must) {
@@ -32,24 +32,26 @@ void check(const ChannelLimits& c, const char* channel) {
   require(c.small >= 0.0, channel, "small", c.small, "zero or more; infinity switches it off");
 }
 
-/// Whether the command and the sum of its two forces are finite.
+/// Returns true if the command and the sum of its two forces are finite.
 bool usable(const Command& c) { return c.finite() && c.force().allFinite(); }
 
-/// Whether a movement and its velocity are finite.
+/// Returns true if a movement and its velocity are finite.
 bool usable(const Vec3& movement, double time) {
   return movement.allFinite() && (!(time > 0.0) || (movement / time).allFinite());
 }
 
-/// Returns 1 up to the limit, and 0 from twice the limit on.
+/// Returns the share of the command for this speed: 1 up to the limit, and 0 from twice the limit
+/// on.
 double share_at(double speed, double limit) {
   return std::isfinite(limit) ? std::clamp(2.0 - speed / limit, 0.0, 1.0) : 1.0;
 }
 
-/// Reduces a magnitude to the smallest limit. Sets the flag in `who` for each exceeded limit.
+/// Reduces a command to the smallest limit. Sets the flag in `who` for each limit that the command
+/// exceeds.
 struct Reduction {
   const ChannelLimits& limits;
-  double commanded, held;  // magnitudes [N] or [N m]
-  double floor;            // withheld part of the command
+  double commanded, held;  // magnitudes of the command and of the last force [N] or [N m]
+  double floor;            // magnitude [N] or [N m] that is withheld from the command
   double ramp, speed;      // share that the ramp allows; speed of the device
   double time;             // [s] since the last sample
 
@@ -86,8 +88,8 @@ SafetyStage::SafetyStage(const SafetyLimits& limits, bool reduces)
   begin_wait();
 }
 
-/// The floor is the withheld part of a command. It is zero for a channel without a wait, and
-/// otherwise still unknown.
+/// Starts the wait, in which a part of the command (the floor) is withheld. The floor is zero for a
+/// channel (force or torque) without a wait, and otherwise still unknown.
 void SafetyStage::begin_wait() noexcept {
   constexpr double kUnknown = ChannelLimits::kOff;
   const auto floor_of = [](double small) { return std::isfinite(small) ? kUnknown : 0.0; };
@@ -96,8 +98,8 @@ void SafetyStage::begin_wait() noexcept {
   waiting_ = force_floor_ > 0.0 || torque_floor_ > 0.0;
 }
 
-/// Lowers each floor by `sinks` times the small limit. The wait depends on the environment's
-/// command instead of the reduced command.
+/// Lowers the floor of each channel by `sinks` times the small limit. The end of the wait depends
+/// on the environment's command, not on the reduced command.
 void SafetyStage::wait(const SafetyStep& step, double force, double torque, double sinks) noexcept {
   const auto follow = [&](double& floor, double magnitude, double small) {
     if (!(floor > 0.0)) return true;
@@ -115,7 +117,7 @@ void SafetyStage::wait(const SafetyStep& step, double force, double torque, doub
   force_floor_ = torque_floor_ = 0.0;
 }
 
-/// Counts the time since the first touch. The ramp's limits rise with this time.
+/// Counts the time since the first touch. The limits of the ramp rise with this time.
 void SafetyStage::follow_ramp(double force, double torque, double time) noexcept {
   if (touched_)
     since_touch_ += time;
