@@ -154,7 +154,7 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, boo
     known_.emplace(key, made);
     return made;
   } catch (const FileError& error) {
-    // An error of the mesh file already has the file's name and line.
+    // An error about the mesh file already names the file and the line.
     if (std::string(error.what()).starts_with((folder_ / name).string()))
       document_.fail(path + ".file", error.what());
     throw;

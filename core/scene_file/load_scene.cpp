@@ -53,7 +53,7 @@ const Material& find_material(const JsonDocument& document, const std::string& p
                     (known.empty() ? "add it to materials" : "those of this scene are: " + known));
 }
 
-/// Whether a tool of the scene has a body. A tool with a body treats every mesh as a solid.
+/// Returns true if a tool of the scene has a body. A tool with a body treats every mesh as a solid.
 bool has_body_tool(const scene_file::Scene& scene) {
   if (scene.tool() != nullptr && scene.tool()->body() != nullptr) return true;
   if (scene.tools() == nullptr) return false;
@@ -251,7 +251,7 @@ Scene load_scene(const std::filesystem::path& file) {
     return parse_scene(text, file.string());
   } catch (const FileError& error) {
     throw FileError(shown_error(error.what(), file, file.parent_path()));
-  } catch (const std::runtime_error& error) {  // There is not enough memory for a tree.
+  } catch (const std::runtime_error& error) {  // The memory is not enough for a box tree.
     throw FileError(file.string() + ": " + error.what());
   } catch (const std::bad_alloc&) {
     throw FileError(file.string() +

@@ -27,8 +27,8 @@ fs::path beside(const NamedMesh& mesh) {
   return (mesh.folder / mesh.name).string() + "." + mesh.use + kEnding;
 }
 
-/// Follows the XDG Base Directory Specification. Returns nothing if the environment gives no home
-/// folder.
+/// Returns the cache folder by the XDG Base Directory Specification. Returns nothing if the
+/// environment gives no home folder.
 std::optional<fs::path> cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
     return fs::path(cache) / "feltwire";
@@ -37,8 +37,8 @@ std::optional<fs::path> cache_folder() {
   return std::nullopt;
 }
 
-/// Whether a file is trustworthy. In a folder that other users may write to, another user may have
-/// left the file. A file of the mesh's owner is as trustworthy as the mesh.
+/// Returns true if a file is trustworthy. In a folder that other users may write to, another user
+/// may have left the file. A file of the mesh's owner is as trustworthy as the mesh.
 bool is_ours(const struct stat& file, const fs::path& mesh) {
   if (file.st_uid == ::geteuid() || file.st_uid == 0) return true;
   struct stat its {};
@@ -131,7 +131,7 @@ class Search {
     for (const fs::path& place : places) {
       const bool is_beside = place == beside(named_);
       try {
-        // If this fails, the write below reports the error.
+        // If this fails, replace_file() reports the error.
         if (!is_beside) make_private_folder(place.parent_path());
         replace_file(place, bytes_, is_beside ? kByUmask : std::optional(kPrivate));
         found_.place = place.string();

@@ -48,7 +48,7 @@ ReadBodies read_list(const JsonDocument& document, const scene_file::Scene& scen
     Body body = read_body(*given);
     bodies.names.add(body.name);
     bodies.fixed.push_back(given->joint() == scene_file::Joint::fixed);
-    // A fixed body needs no mass, so any valid mass will do.
+    // A fixed body needs no mass, so give it any valid mass.
     if (bodies.fixed.back() && !body.mass && !body.density) body.mass = 1.0;
     require(document, path, check(body));
     make_unit(body.pose.orientation);
@@ -68,7 +68,8 @@ std::vector<int> numbered(ReadBodies& bodies, std::vector<Body>& moving) {
   return number;
 }
 
-/// Removes the prefix from an error of compile(), because the new error already has the field.
+/// Removes the prefix from an error of compile(), because the caller's error already names the
+/// field.
 std::string without_prefix(const std::string& words) {
   for (const char* prefix : {"bodies: ", "scene: bodies: "})
     if (words.starts_with(prefix)) return words.substr(std::string_view(prefix).size());

@@ -19,13 +19,13 @@ namespace {
 
 std::string solids() { return names_of_primitives(true) + ", file"; }
 
-constexpr int kSegments = 128;  // segments of a round body
+constexpr int kSegments = 128;  // number of segments around a round body
 
 /// A shape, or a surface from a file.
 struct ShapeOrSurface {
   std::optional<Shape> shape;
   TriangleSoup surface;
-  std::optional<std::string> warning = {};  // warning about the file
+  std::optional<std::string> warning = {};  // warning about the file of the surface
 };
 
 double size_of(const TriangleSoup& surface) {
@@ -35,7 +35,7 @@ double size_of(const TriangleSoup& surface) {
   return (box.most - box.least).maxCoeff();
 }
 
-/// Reads the single solid of a table that could have several.
+/// Reads the solid of a table. Reports an error if the table has more than one.
 template <class Table>
 ShapeOrSurface read_solid(const JsonDocument& document, const std::string& path, const Table& table,
                           const std::filesystem::path& folder) {
@@ -163,7 +163,7 @@ void read_tools(const JsonDocument& document, const scene_file::Scene& file,
       }
       scene.set_tools(std::move(tools));
     }
-  } catch (const std::invalid_argument& error) {  // A mesh may have no distance grid.
+  } catch (const std::invalid_argument& error) {  // For example, a mesh has no distance grid.
     document.fail(file.tool() ? "tool" : "tools", error.what());
   }
   scene.warn(std::move(warnings));

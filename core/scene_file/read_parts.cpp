@@ -27,7 +27,7 @@ std::string counted(std::size_t parts) {
   return std::to_string(parts) + (parts == 1 ? " convex part" : " convex parts");
 }
 
-/// Computes the parts of each mesh only once.
+/// Computes the convex parts of each mesh only once.
 class Parts {
  public:
   Parts(const JsonDocument& document, std::filesystem::path folder)
@@ -125,7 +125,7 @@ std::vector<std::vector<Vec3>> read_tool_parts(const JsonDocument& document,
                                                const std::filesystem::path& folder,
                                                const ToolMesh& mesh, const MeshSurface& surface,
                                                const DecompositionOptions& options) {
-  // The corners need not be finer than the tolerance of the parts.
+  // largest error of a part with fewer corners, as a share of the parts' tolerance
   constexpr double kLeftOut = 0.25;
   begin_stage(mesh.path + ".convex_parts");
   std::vector<std::vector<Vec3>> parts;

@@ -46,7 +46,7 @@ SolidParts parts_of_object(const JsonDocument& document, const Object& object,
   flatbuffers::uoffset_t i = 0;
   const flatbuffers::uoffset_t count = file.objects() != nullptr ? file.objects()->size() : 0;
   while (i < count && file.objects()->Get(i)->name()->str() != object.name) ++i;
-  if (i == count)  // The object comes from an MJCF file.
+  if (i == count)  // The scene file does not list the object, so it comes from an MJCF file.
     return solid_parts(object.shape, object.felt_from);
   const std::string path = element("objects", i) + ".mesh";
   const scene_file::Mesh& mesh = *file.objects()->Get(i)->mesh();

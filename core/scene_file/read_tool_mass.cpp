@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastMass = 1e-6, kLargestMass = 1e3;        // [kg] for a hand-held tool
+constexpr double kLeastMass = 1e-6, kLargestMass = 1e3;        // [kg] limits for a hand-held tool
 constexpr double kLeastDensity = 1e-3, kLargestDensity = 1e6;  // [kg/m^3]
 
 void require_within(const JsonDocument& document, const std::string& field, double value,
@@ -20,7 +20,7 @@ void require_within(const JsonDocument& document, const std::string& field, doub
                            "; give it in SI units, or leave it out for a tool without mass");
 }
 
-/// Reads the damping of the coupling [N s/m], [N m s/rad].
+/// Reads the damping [N s/m] and the rotational damping [N m s/rad] of the coupling.
 void read_damping(const JsonDocument& document, const std::string& path,
                   const scene_file::ToolCoupling& coupling, ToolInertia& inertia) {
   require(document, path,

@@ -26,8 +26,8 @@ constexpr const char* kNotShown =
     ": cannot be used; what stands there is not shown, because the file lies outside of the "
     "scene's folder; copy it there to be told more";
 
-/// Returns all values of an attribute in a text. A value with a character reference could be any
-/// path, so it is returned as an absolute path.
+/// Returns all values of an attribute in an XML text. A value with a character reference could be
+/// any path, so it is returned as an absolute path.
 std::vector<std::string> values_of(std::string_view xml, std::string_view attribute) {
   std::vector<std::string> values;
   const auto skip_blanks = [&](std::size_t at) {
@@ -53,7 +53,7 @@ class NamedFiles {
  public:
   explicit NamedFiles(const fs::path& file) : main_(file.parent_path()) { read(file); }
 
-  /// Returns the first file that lies outside a folder. Searches beside the model and in the
+  /// Returns the first named file that lies outside a folder. Searches beside the model and in the
   /// folders that the model names.
   std::optional<fs::path> outside(const fs::path& folder) const {
     if (too_many_) return main_;
@@ -65,7 +65,7 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// Whether the model itself, or an included text, lies outside a folder.
+  /// Returns true if the model itself, or an included text, lies outside a folder.
   bool has_text_outside(const fs::path& folder) const {
     return too_many_ || std::ranges::any_of(texts_, [&](const fs::path& text) {
              return lies_outside(text, folder);
@@ -82,7 +82,7 @@ class NamedFiles {
     return std::nullopt;
   }
 
-  /// Returns the first file name that can be found only together with its folder.
+  /// Returns the first file name that MuJoCo finds only with its folder.
   std::optional<fs::path> needs_folder() const {
     for (const auto& [name, is_plain] : names_)
       if (is_plain && name.has_parent_path() && is_at(places_of(name)) &&
@@ -130,7 +130,7 @@ class NamedFiles {
     try {
       xml = read_text(file);
     } catch (const FileError&) {
-      return;  // Without its text, nothing can be quoted.
+      return;  // An error message cannot quote a text that was not read.
     }
     const std::size_t begin = xml.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     if (begin == std::string::npos || xml[begin] == '<' || texts_.empty()) texts_.push_back(file);
@@ -149,14 +149,15 @@ class NamedFiles {
         too_many_ =
             too_many_ || (names_.size() + uris_.size()) * (1 + folders_.size()) > kMostNames;
         if (too_many_) return;
-        std::error_code error;  // Any file may be an include with further names.
+        // Read every file, because any file may be an include with further names.
+        std::error_code error;
         if (fs::is_regular_file(main_ / value, error)) read(main_ / value);
       }
   }
 
   fs::path main_;
-  std::map<fs::path, bool> names_;  // true: the path is exactly as written
-  std::set<std::string> uris_;      // package:// and file://
+  std::map<fs::path, bool> names_;  // true if MuJoCo takes the path exactly as written
+  std::set<std::string> uris_;      // names that begin with package:// or file://
   std::set<fs::path> folders_;
   std::vector<fs::path> texts_;
   bool too_many_ = false;
@@ -165,7 +166,7 @@ class NamedFiles {
 }  // namespace
 
 bool lies_outside(const fs::path& file, const fs::path& folder) {
-  // A recorded text was not read from this disk, so an error reveals nothing about the disk.
+  // A recorded file was not read from this disk, so an error reveals nothing about the disk.
   if (file_reading_of_this_thread.given != nullptr) return false;
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(fs::absolute(file, error), error);
