@@ -11,19 +11,20 @@ namespace {
 
 constexpr double kSoftest = 50.0, kStiffest = 1e6;  // [N/m] plausible range of stiffness
 constexpr double kMostFriction = 1.0;               // largest plausible friction coefficient
-constexpr double kLeastSlide = 2e-3;                // [m/s] A slower tool counts as resting.
-constexpr double kResting = 5e-6;                   // [m] A smaller movement counts as none.
-// [s] time in contact for learning the stiffness.
+constexpr double kLeastSlide = 2e-3;                // [m/s] least speed of sliding
+constexpr double kResting = 5e-6;                   // [m] smaller movements count as no movement
+// [s] contact time for learning the stiffness
 constexpr double kLearns = 0.5;
-constexpr double kOther = 0.5;      // cosine of 60 degrees
-constexpr double kModelled = 0.02;  // [N s] impulse that outweighs a model
+constexpr double kOther = 0.5;  // cosine of the largest angle between force and normal: 60 degrees
+// [N s] impulse after which the measured normal outweighs the model's.
+constexpr double kModelled = 0.02;
 
 bool says(const SurfacePrior& prior) noexcept {
   return prior.key != 0 && prior.point.allFinite() && prior.normal.allFinite() &&
          prior.velocity.allFinite();
 }
 
-/// Whether the tool moves along the surface, and not mainly into it or out of it.
+/// Returns true if the tool moves along the surface, and not mainly into it or out of it.
 bool slides(const Vec3& velocity, const Vec3& normal) noexcept {
   constexpr double kSteep = 0.5;  // largest slope of a path along the surface
   const Vec3 off = along(velocity, normal);
@@ -55,7 +56,8 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
   watch(s, force);
   if (!pressed) {
     apart_ += s.elapsed;
-    // A sliding tool leaves the surface for some samples. These samples belong to the same contact.
+    // While the tool slides, it leaves the surface for some samples. These samples belong to the
+    // same contact.
     if (contact_.touching && apart_ < kApart) return;
     contact_.touching = false;
     if (!expect(s)) recede(s);
@@ -63,8 +65,8 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
     return;
   }
   // A force outside the friction cone belongs to another surface. A carried load is an exception,
-  // because the pushing force adds to its weight. A load never gives a stiffness. So without a
-  // learnt stiffness, the rule holds only after a gap.
+  // because the pushing force adds to its weight. However, a load never makes a stiffness known. So
+  // before the stiffness is learnt, this rule holds only after a gap without force.
   const bool other = (apart_ > 0.0 || learnt_) && s.force.dot(contact_.normal) < kOther * force;
   if (!contact_.touching || other) begin(s);
   apart_ = 0.0;
@@ -78,9 +80,9 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
     shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
 }
 
-/// Measures how long the force has been missing where the touched surface should press.
+/// Measures for how long there has been no force although the tool is behind the touched surface.
 void ContactEstimator::watch(const Sample& s, double force) noexcept {
-  constexpr double kLeans = 0.5;  // largest slope error of the estimated plane
+  constexpr double kLeans = 0.5;  // largest error of the estimated plane's slope
   const Vec3 way = s.position - felt_;
   const Vec3 off = along(way, contact_.normal);
   const double deeper = -way.dot(contact_.normal) - kLeans * length(Vec3(way - off));
@@ -89,7 +91,7 @@ void ContactEstimator::watch(const Sample& s, double force) noexcept {
   if (force > config_.on) felt_ = s.position;
 }
 
-/// Without a force, the tip cannot be inside the surface. Moves the surface back to the tip.
+/// Moves the surface back to the tip. Without a force, the tip cannot be inside the surface.
 void ContactEstimator::recede(const Sample& s) noexcept {
   contact_.velocity.setZero();
   const double inside = (contact_.point - s.position).dot(contact_.normal);
@@ -99,8 +101,8 @@ void ContactEstimator::recede(const Sample& s) noexcept {
   if (receded_ > kSame) contact_.surface = 0;
 }
 
-/// Without a force, places the surface according to the model and the last contact, but not in
-/// front of the tip. Returns false if the model has no valid surface here.
+/// Places the surface according to the local model and the last contact, but not in front of the
+/// tip. Called without a force. Returns false if the model has no valid surface here.
 bool ContactEstimator::expect(const Sample& s) noexcept {
   const SurfacePrior& prior = s.prior;
   if (!says(prior)) return false;
@@ -134,14 +136,15 @@ bool ContactEstimator::expect(const Sample& s) noexcept {
   return true;
 }
 
-/// Handles the first sample of a contact with the last surface or another surface.
+/// Begins a contact with the last surface or with another surface.
 void ContactEstimator::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
   const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
   const bool last = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
   const bool same = last || change(s, normal);
-  // A bouncing contact is one contact. Keep its samples until the stiffness is known.
+  // If the tool bounces, this is still the same contact. Keep its samples until the stiffness is
+  // known.
   if (!same || known_ || touched_ == 0.0) {
     fit_.clear();
     touched_ = 0.0;
@@ -152,7 +155,8 @@ void ContactEstimator::begin(const Sample& s) noexcept {
   known_ = known_ || (moves_ && learnt_);
   left_ = false;
   receded_ = absent_ = 0.0;
-  last_height_ = s.position.dot(contact_.normal) + 1.0;  // The first sample is always used.
+  // With this height, the first sample is always used.
+  last_height_ = s.position.dot(contact_.normal) + 1.0;
   const double force = length(s.force);
   within_ = same ? way_within(s, force) : Vec3::Zero();
   if (same) contact_.normal = direction(contact_.normal - along(contact_.normal, within_));
@@ -160,10 +164,10 @@ void ContactEstimator::begin(const Sample& s) noexcept {
   place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
 }
 
-/// Returns the direction from the last contact point to this contact point. This direction is in
+/// Returns the direction from the last contact point to this contact point. The direction lies in
 /// the surface, so a force along it is friction.
 Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
-  constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m]
+  constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m] least and largest usable distance
   constexpr double kSteep = 0.35;  // largest error of the normal: sine of 20 degrees
   const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
   const Polar<double> way = polar(Vec3(here - last_));
@@ -172,7 +176,7 @@ Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept 
   return usable ? way.direction : Vec3::Zero();
 }
 
-/// Handles a contact with another surface than before. Returns whether the memory has this surface.
+/// Begins a contact with another surface than before. Returns true if the memory has this surface.
 bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
   const bool found = contact_.surface != 0 && contact_.surface != expected_;
   if (found && !left_)
@@ -203,8 +207,8 @@ bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
 
 void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   constexpr double kCone = 0.7;                   // cosine of the friction cone at kMostFriction
-  constexpr double kSlow = 3.0;                   // [Hz]
-  constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] time in this contact
+  constexpr double kSlow = 3.0;                   // [Hz] cutoff frequency of the slow filter
+  constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] limits of the time in this contact
   const double speed = length(s.velocity);
   Vec3 pressing = s.force - along(s.force, within_);
   if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
@@ -220,8 +224,8 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   if (sliding && against >= 0.0) {
     const Vec3 across = pressing - along(pressing, way);
     const double normal_force = length(across);
-    // A larger ratio than kMostFriction is no friction. Then the tool carries a weight, or the
-    // normal is wrong.
+    // If the ratio is larger than kMostFriction, it is no friction. Then the tool carries a weight,
+    // or the normal is wrong.
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
       pushes = across;
@@ -238,21 +242,22 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
   const bool springs = sliding && against < 0.0;
   if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
-  // A new contact uses the direction of its total impulse. The force of a sticking and springing
-  // tool tilts to both sides, and the normal must not follow this oscillation.
+  // For a new contact, use the direction of its total impulse. The force of a sticking and
+  // springing tool tilts to both sides, and the normal must not follow this oscillation.
   const double pushed = force * s.elapsed;
   impulse_ += young ? pushed : 0.0;
   const double slow = low_pass_share(kSlow, s.elapsed);
   const double share = young ? std::max(slow, pushed / impulse_) : slow;
   const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
   if (turned.isZero(0.0)) return;
-  // The place of the surface is a height along the normal. Adapt this height when the normal turns.
+  // place_ stores the position of the surface as a height along the normal. Adapt this height when
+  // the normal turns.
   place_.carry((turned - contact_.normal).dot(contact_.point));
   contact_.normal = turned;
 }
 
 void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcept {
-  constexpr double kExcited = 0.1e-3;  // [m]
+  constexpr double kExcited = 0.1e-3;  // [m] least movement along the normal for a fit
   constexpr double kExplained = 0.98;
   if (known_ && (touched_ > kLearns || moves_)) return;
   const double height = s.position.dot(contact_.normal);
@@ -262,9 +267,9 @@ void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcep
   if (fit_.excitation(contact_.normal) < kExcited) return;
   const LineFit::Line line = fit_.line(contact_.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
-  // On a stiffer surface, the old place would imply a larger force, so the place changes in the
-  // same sample. On a softer surface, the new place may be far away, and the first fit may be
-  // wrong. So the place moves there slowly.
+  // On a stiffer surface, the old position would imply a larger force, so the position changes in
+  // the same sample. On a softer surface, the new position may be far away, and the first fit may
+  // be wrong. So the position moves there slowly.
   const bool stiffer = line.slope > contact_.stiffness;
   contact_.stiffness = line.slope;
   const double place = height_of(s, force);
@@ -275,7 +280,7 @@ void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcep
   known_ = learnt_ = true;
 }
 
-/// Returns the height [m] along the normal at which a surface would give this force.
+/// Returns the height [m] along the normal at which the surface would give this force.
 double ContactEstimator::height_of(const Sample& s, double force) const noexcept {
   return s.position.dot(contact_.normal) + force / contact_.stiffness;
 }

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSpeedPrior = 1e-6;  // [m^2/s^2]
+constexpr double kSpeedPrior = 1e-6;  // [m^2/s^2] prior weight of the speed terms
 
 double square(const Mat3& sums, const Vec3& direction) noexcept {
   return direction.dot(sums * direction);
@@ -45,7 +45,7 @@ LineFit::Line LineFit::line(const Vec3& direction) const noexcept {
   const Vec3 right(square(xf_, direction), square(vf_, direction), f);
   Mat3 normal;
   normal << square(xx_, direction), xv, x, xv, square(vv_, direction), v, x, v, count_;
-  // The speed terms may be very small. A prior weight keeps the smallest pivot above noise.
+  // The speed terms may be very small. A prior weight keeps the smallest pivot above the noise.
   Mat3 damped = normal;
   damped(1, 1) += kSpeedPrior * count_;
   const Vec3 solution = damped.ldlt().solve(right);

@@ -15,7 +15,7 @@ double away(const KnownSurface& surface, const Vec3& tip) noexcept {
   return length(Vec3(tip - surface.contact.point));
 }
 
-/// Whether the tool is where the surface should press, but the measured force is too small.
+/// Returns true if the tool is behind the surface, but the measured force is too small.
 bool missing(const RemoteContact& surface, const Vec3& tip, const Vec3& force) noexcept {
   constexpr double kHalf = 0.5;
   const double expected = -surface.stiffness * height(surface, tip);
@@ -36,7 +36,7 @@ void SurfaceMemory::keep(const KnownSurface& surface, const Vec3& tip) noexcept 
   kept.contact.touching = false;
   kept.contact.velocity.setZero();
   kept.absent = 0.0;
-  kept.told = true;  // Earlier reports had this surface as the contact.
+  kept.told = true;  // Earlier reports have already given this surface as the contact.
 }
 
 std::optional<KnownSurface> SurfaceMemory::take(const Vec3& tip, const Vec3& direction,
@@ -63,7 +63,7 @@ void SurfaceMemory::step(const Vec3& tip, const Vec3& force, double elapsed,
     surface.absent = missing(surface.contact, tip, force) ? surface.absent + elapsed : 0.0;
     if (surface.absent >= kAbsent || !(away(surface, tip) < kNear)) forget(i);
   }
-  // Insert into a short list, sorted by ascending height.
+  // Sort the surfaces by ascending height into a short list of the nearest surfaces.
   std::array<std::size_t, OtherSurfaces::kMost> nearest{};
   std::size_t told = 0;
   for (std::size_t i = 0; i < count_; ++i) {

@@ -27,7 +27,8 @@ TargetLimiter::TargetLimiter(const TargetLimits& limits) : limits_(limits) {
   check(limits.unfelt, "unfelt", true);
 }
 
-/// Counts the energy from the hand in this contact, minus the energy into the environment.
+/// Counts the energy that the hand gives during this contact, minus the energy that the environment
+/// receives.
 void TargetLimiter::account(const Sample& s) noexcept {
   double paid = 0.0;
   if (std::isfinite(s.hand_work)) {
@@ -38,9 +39,9 @@ void TargetLimiter::account(const Sample& s) noexcept {
   const Vec3 way = s.robot - robot_;
   robot_ = s.robot;
   if (s.surface == 0 || !touched_) {
-    paid_ = 0.0;  // This drops the rest of the previous contact.
+    paid_ = 0.0;  // Drop the remaining energy of the previous contact.
   } else {
-    // Only the part of a force above `unfelt` counts, for energy in both directions.
+    // Only the part of a force above limits_.unfelt counts, for energy in both directions.
     const double given = s.force.allFinite() ? s.force.dot(way) : 0.0;
     const double free = limits_.unfelt * length(way);
     paid_ += paid + std::copysign(std::max(0.0, std::abs(given) - free), given);
@@ -58,11 +59,11 @@ const Vec3& TargetLimiter::step(const Sample& s) noexcept {
     begun_ = true;
   }
   const double k = limits_.stiffness;
-  const Vec3 before = target_ - s.robot;  // e' (e of the previous sample)
+  const Vec3 before = target_ - s.robot;  // offset e' of the previous target from the robot
   account(s);
   Vec3 way = s.wanted.allFinite() ? Vec3(s.wanted - target_) : Vec3::Zero();
   way *= std::min(1.0, limits_.speed * std::max(0.0, s.elapsed) / std::max(length(way), 1e-12));
-  Vec3 after = before + way;  // e of this sample
+  Vec3 after = before + way;  // offset e of the new target from the robot
   double most = limits_.leash / k;
   if (s.surface != 0) {
     if (s.known < s.surface) most = std::min(most, limits_.first_touch / k);

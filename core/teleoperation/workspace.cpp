@@ -31,8 +31,8 @@ Workspace joined(const Workspace& one, const Workspace& other) noexcept {
 
 bool has_room(const Workspace& workspace, double inside) noexcept {
   constexpr int kTries = 200;
-  constexpr int kCuts = 12;       // search points along each axis
-  constexpr double kLeft = 1e-6;  // [m]
+  constexpr int kCuts = 12;       // number of search points along each axis
+  constexpr double kLeft = 1e-6;  // [m] accepted violation of a wall
   Workspace narrow = workspace;
   for (std::size_t i = 0; i < narrow.count; ++i) narrow.walls[i].distance += inside;
   const auto nearest = [&](Vec3 place) {
@@ -70,7 +70,7 @@ bool has_room(const Workspace& workspace, double inside) noexcept {
 
 Vec3 nearest_in_front(const Vec3& point, std::span<const WorkspaceWall> walls) noexcept {
   constexpr int kSweeps = 50;
-  // Correction [m] along each normal.
+  // [m] correction along each normal
   std::array<double, Workspace::kMostWalls + Workspace::kMostBodies> moved{};
   Vec3 place = point;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -99,8 +99,8 @@ RemoteContact WorkspaceLimit::free_part(const RemoteContact& contact) const noex
   const Polar<double> normal = polar(free_part(contact.normal));
   if (contact.normal == free_part(contact.normal)) return contact;
   if (!(normal.length >= kHardlyFree)) return {};
-  // The robot's locked axes do not move. Along the free axes, a height becomes h' = h / l, with the
-  // length l of the normal's free part.
+  // The robot's locked axes do not move. Along the free axes, a height h becomes h / l, where l is
+  // the length of the normal's free part.
   const Vec3 held = begun_.position - free_part(begun_.position);
   const double height = (free_part(contact.point) + held - contact.point).dot(contact.normal);
   RemoteContact seen = contact;
@@ -117,7 +117,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   const Vec3 held = here.position - free_part(here.position);
   for (const WorkspaceWall& wall : workspace_.view()) {
     const Polar<double> normal = polar(free_part(wall.normal));
-    // The free axes do not change this wall's clearance.
+    // A movement along the free axes does not change the clearance of this wall.
     if (!(normal.length >= kHardlyFree)) continue;
     const double meant = (wall.distance - wall.normal.dot(held)) / normal.length;
     meant_[count_] = meant;
@@ -128,7 +128,7 @@ void WorkspaceLimit::begin(const Pose& here) noexcept {
   face_bodies(here.position);
 }
 
-/// Returns the place with each locked axis at its kept value.
+/// Returns the position, with each locked axis at its value from the start.
 Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   Vec3 kept = place;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -136,9 +136,9 @@ Vec3 WorkspaceLimit::unlocked(const Vec3& place) const noexcept {
   return kept;
 }
 
-/// Computes the walls that replace the bodies at an allowed place.
+/// Computes the walls that replace the bodies, as seen from the permitted position `place`.
 void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
-  constexpr double kAcross = 1e-9;  // length of a normal without a free part
+  constexpr double kAcross = 1e-9;  // least length of the free part of a normal
   const Vec3 held = begun_.position - free_part(begun_.position);
   for (std::size_t i = 0; i < workspace_.body_count; ++i) {
     const WorkspaceWall full = workspace_.bodies[i].wall_at(place);
@@ -151,12 +151,13 @@ void WorkspaceLimit::face_bodies(const Vec3& place) noexcept {
   }
 }
 
-/// Returns the place nearest to `wanted` in front of all walls, on a straight path from an allowed
-/// place. Returns `from` if unfinished iterations would lead away from `wanted`.
+/// Returns the position nearest to `wanted` in front of all walls, on a straight path from a
+/// permitted position `from`. Returns `from` if unfinished iterations would lead away from
+/// `wanted`.
 Vec3 WorkspaceLimit::slide(const Vec3& from, const Vec3& wanted) const noexcept {
   const Vec3 place = nearest_in_front(wanted, walls());
-  // The walls bound a convex room. If `place` is outside, stop at the last point of the path in the
-  // room.
+  // The walls bound a convex space. If `place` is outside this space, stop at the last point of the
+  // path inside.
   double share = 1.0;
   for (const WorkspaceWall& wall : walls()) {
     const double clearance = wall.clearance(place);
@@ -175,7 +176,7 @@ Pose WorkspaceLimit::aim(const Pose& wanted) const noexcept {
 }
 
 const Pose& WorkspaceLimit::keep(const Pose& wanted) noexcept {
-  constexpr int kSlides = 16;  // slides along the bodies per sample
+  constexpr int kSlides = 16;  // largest number of slides along the bodies per sample
   if (!wanted.position.allFinite() || !wanted.orientation.coeffs().allFinite()) return last_;
   const Vec3 aim = unlocked(wanted.position);
   Vec3 place = slide(last_.position, aim);
