@@ -11,14 +11,14 @@
 namespace feltwire {
 namespace {
 
-/// The scene's objects around a tool of polygons. Only the pairs in `near` are considered.
+/// The scene's objects around a tool of polygons. Only the part pairs in `near` are evaluated.
 class PolygonSolids final : public ToolSurroundings {
  public:
   PolygonSolids(const BodyTool& tool, std::span<const Object> objects,
                 std::span<const ObjectMotion> motions, PartPairs& near)
       : tool_(tool), objects_(objects), motions_(motions), near_(near) {}
 
-  /// Only a server calls this function, so the work has no limit.
+  /// Computes the contact. Only a server calls this function, so the work has no limit.
   ShellContact contact(const Pose& pose, WorkLimit*) const noexcept override {
     return polygon_contact(*tool_.polygons(), objects_, tool_.contact_area(), near_, pose, motions_,
                            &near_.push);
@@ -69,7 +69,7 @@ BodyStep step_body(const BodyTool& tool, std::span<const Object> objects, const 
     Pose start = memory.placed ? memory.pose : device;
     start.orientation.normalize();
     update_part_pairs(*polygons, objects, start, !memory.known || !motions.empty(), memory.near);
-    // The contact at this pose is known, but its clearance is from the previous step.
+    // The contact at this pose is known, but the stored clearance is from the previous step.
     if (memory.known) memory.contact.clearance = clearance(memory.near);
     return step_coupled_tool(coupled, PolygonSolids(tool, objects, motions, memory.near), device,
                              elapsed, memory);

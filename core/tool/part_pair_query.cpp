@@ -24,7 +24,7 @@ double distance_of(const Vec3& centre, double radius, const Polyhedron& box) {
   return out.norm() - radius;
 }
 
-/// Visits all pairs once.
+/// Visits all pairs of a tool's part and a solid's part once.
 struct PartPairQuery {
   const PolygonBody& body;
   std::span<const Object> objects;
@@ -95,8 +95,8 @@ struct PartPairQuery {
     return at == end || at->object != index || at->tool_part != t;
   }
 
-  /// Sets the gap of a pair. Sets the direction of a separated pair to the line between the nearest
-  /// points.
+  /// Sets the gap [m] of a pair. If the parts are separated, also sets the pair's direction to that
+  /// of the line between their nearest points.
   void turn_away(const PlacedTool& placed, const SolidParts& solid, PartPair& pair,
                  const Vec3& centre) const {
     const Polyhedron &part = body.parts[pair.tool_part],
@@ -117,8 +117,8 @@ struct PartPairQuery {
     if (pair.overlaps) pair.shared = *found.shared;
     if (!(found.distance > 0.0)) return;
     if (pair.thickened && !(known_gap > 0.0)) {
-      // The two parts are separated. The tool's part may still overlap the solid that is thickened
-      // along the direction.
+      // The two parts are separated. However, the tool's part may still overlap the solid that is
+      // thickened along the pair's direction.
       DepthSums sums;
       placed.add(body, solid, pair, false, sums);
       if (sums.cells > 0) {
@@ -143,7 +143,8 @@ struct PartPairQuery {
   }
 };
 
-/// Returns the push of a pair. Reuses the last contact if its pair and pose are the same.
+/// Returns the push (contact integrals) of a pair. Reuses the last push if the pair and the pose
+/// are the same.
 PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
                  const Pose& tool, const PartPair& pair, const PairPush& last) {
   constexpr double kRounding = 1e-15;  // rounding error of a repeated normalization
@@ -158,10 +159,11 @@ PairPush push_of(const PolygonBody& body, const SolidParts& solid, const PlacedT
   return {true, pair, tool, sums.cubes, sums.slope.head<3>()};
 }
 
-/// Aligns the direction of a touching pair with the force, if nothing else changes.
+/// Aligns the direction of a touching pair with its force, if the depth of the contact stays almost
+/// equal.
 void follow(const PolygonBody& body, const SolidParts& solid, const PlacedTool& placed,
             const Pose& tool, const PairPush& last, PartPair& pair) {
-  constexpr double kAligned = 0.9998;  // one degree
+  constexpr double kAligned = 0.9998;  // cosine of one degree
   if (PlacedTool::is_simple(solid) || placed.gap(body, solid, pair) > 0.0) return;
   const PairPush old = push_of(body, solid, placed, tool, pair, last);
   const double length = old.slope.norm();

@@ -10,7 +10,8 @@
 namespace feltwire {
 namespace {
 
-/// Adds friction. `load` [N] is the force per unit of the sides' weight.
+/// Adds the friction patches of an object to `sum`. `load` [N] is the force per unit of the sides'
+/// weight.
 void add_friction(const Material& material, const Mat3& to_world, const DepthSums& sums,
                   double load, const ObjectInStep& in, ShellContact& sum) {
   double whole = 0.0;
@@ -37,14 +38,15 @@ bool slides(const Material& material) {
   return material.static_friction > 0.0 || material.viscous_friction > 0.0;
 }
 
-/// Adds the sums of an object as energy, force and stiffness.
+/// Computes the energy, force and stiffness from the depth sums of an object, and adds them to
+/// `sum`.
 void add_object(const Object& object, const DepthSums& sums, double contact_area,
                 const ObjectInStep& in, ShellContact& sum) {
   const double root = std::sqrt(sums.cubes);
   if (!(root > 0.0)) return;
   const Material& material = object.material;
   const Mat3 to_world = object.pose.orientation.toRotationMatrix();
-  // Compute C of the contact law, and C / (2 sqrt V).
+  // Compute the constant C of the contact law, and C / (2 sqrt V).
   const double constant = in.share * material.stiffness / std::sqrt(contact_area);
   const double scale = 0.5 * constant / root;
   sum.energy += constant * root;
