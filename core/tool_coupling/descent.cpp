@@ -9,11 +9,12 @@
 namespace feltwire::tool_coupling {
 namespace {
 
-/// A spring with the largest force `most`.
+/// A spring whose force is at most `most`.
 struct Spring {
   double stiffness, most;
 
-  /// Returns the energy [J]. It is quadratic until the spring saturates, and linear beyond.
+  /// Returns the energy [J] at a stretch. It is quadratic until the spring saturates, and linear
+  /// beyond.
   double energy(double stretch) const {
     const double linear_from = most / stiffness;
     return stretch <= linear_from ? 0.5 * stiffness * stretch * stretch
@@ -26,8 +27,8 @@ struct Spring {
   }
 };
 
-/// Returns the stiffness minus a share of the softening. The share is 1, 1/2, 1/4 or 0, so that a
-/// tenth of the stiffness remains in every direction.
+/// Returns the stiffness minus a share of the softening. The share is 1, 1/2, 1/4 or 0, so that at
+/// least a tenth of the stiffness remains in every direction.
 Mat6 softened(const Mat6& stiffness, const Mat6& softening) {
   constexpr double kLeft = 0.1;
   if (softening.isZero(0.0)) return stiffness;
@@ -101,11 +102,11 @@ void Step::damp(const State& state, bool slipping) {
 }
 
 FrictionSolution descend(Step& step, State& state, bool& slipping) {
-  // Shares of the radius. The search ends if the first movement is below kClose, or if a later
-  // movement is below kCloseEnough.
+  // Least movements, as shares of the tool's radius. The search ends if the first movement is below
+  // kClose, or if a later movement is below kCloseEnough.
   constexpr double kClose = 1e-5, kCloseEnough = 1e-4;
-  // With mass, the limit is much smaller, because the velocity is the movement over the time. A
-  // tool that friction holds counts as at rest.
+  // For a tool with mass, the limit is much smaller, because the velocity is the movement divided
+  // by the time. A tool that friction holds counts as at rest.
   constexpr double kCloseWithMass = 1e-12, kRounding = 1e-7;
   const bool has_mass = step.inertial != nullptr;
   const double radius = step.tool.radius;
@@ -119,7 +120,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     return next;
   };
   FrictionSolution next = next_slide();
-  bool slips = next.slips;  // in any iteration of this step
+  bool slips = next.slips;  // true if the tool slips in any iteration of this step
   Vec6 way = step.allowed(state, next.motion);
   // If objects move, follow even a slow movement.
   const double least = step.tool.surroundings_move ? 0.0 : kClose * radius;
@@ -128,7 +129,7 @@ FrictionSolution descend(Step& step, State& state, bool& slipping) {
     return std::max(step.gripping(state).empty() ? 0.0 : 2.0 * kHeld, kCloseWithMass * radius);
   };
   const auto done = [&] { return step.tool.work != nullptr ? step.tool.work->done() : 0; };
-  std::uint64_t look = done();  // estimated work of a query
+  std::uint64_t look = done();  // estimated units of work of a query
   while (step.result.evaluations < step.budget && !is_cut(step.tool.work)) {
     const bool first = step.result.evaluations == before;
     if (!(step.length_of(way) > (first && !has_mass ? least : enough()))) break;

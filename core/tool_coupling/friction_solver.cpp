@@ -7,8 +7,8 @@
 namespace feltwire {
 namespace {
 
-constexpr int kSweeps = 4;      // sweeps over the patches
-constexpr int kRootSteps = 12;  // root-finding steps per patch
+constexpr int kSweeps = 4;      // number of sweeps over the patches
+constexpr int kRootSteps = 12;  // largest number of root-finding steps per patch
 constexpr double kCloseToCone = 1e-3;
 constexpr std::uint64_t kSolveWork = 16;  // units of work per system of six equations
 
@@ -22,13 +22,13 @@ double slip_of(const FrictionPatch& patch, const Vec6& motion) {
 }
 
 /// Treats each patch as a spring with the stiffness (friction limit) / slip. At the minimum of the
-/// sum, the spring forces equal the friction forces.
+/// total energy, the spring forces equal the friction forces.
 struct Springs {
   const Mat6& stiffness;
   const Vec6& wrench;
   std::span<const FrictionPatch> patches;
   WorkLimit* work;
-  std::array<double, ShellContact::kFrictionPatches> of{};  // [N/m]
+  std::array<double, ShellContact::kFrictionPatches> of{};  // [N/m] spring stiffness of each patch
   Vec6 motion = Vec6::Zero();
 
   void solve() {
@@ -43,15 +43,15 @@ struct Springs {
     motion = all.ldlt().solve(pull);
   }
 
-  /// Returns limit / slip - spring of a patch. Near its root, this function of the spring is almost
-  /// linear.
+  /// Returns limit / slip - `spring` for a patch with the stiffness `spring`. Near its root, this
+  /// function of the stiffness is almost linear.
   double excess(std::size_t i, double limit, double spring) {
     of[i] = spring;
     solve();
     return limit / std::max(slip_of(patches[i], motion), kHeld * kHeld) - spring;
   }
 
-  /// Finds the spring of one patch and leaves the others unchanged.
+  /// Finds the spring stiffness of one patch and leaves the others unchanged.
   void find(std::size_t i, double limit) {
     double high = limit / kHeld, above = excess(i, limit, high);
     if (above >= 0.0 || limit == 0.0) return;  // The patch does not slip.

@@ -18,8 +18,8 @@ using tool_coupling::resistance;
 using tool_coupling::State;
 using tool_coupling::Step;
 
-/// Returns the damper. Its resistance is reduced if spring and damper together would exceed the
-/// largest pull.
+/// Returns the damper of the coupling. Its resistance is reduced if spring and damper together
+/// would exceed the largest force of the coupling.
 Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before,
                    const Pose& device, double elapsed, const BodyMemory& memory) {
   const ToolInertia& body = *tool.inertia;
@@ -43,15 +43,15 @@ Dashpot dashpot_of(const CoupledTool& tool, const Pull& pull, const Pose& before
   return dashpot;
 }
 
-/// The result of a time step. It is filled in place because a state takes about 5 kB.
+/// The result of a time step. It is filled in place, because a state takes about 5 kB.
 struct End {
   State state;
   ToolVelocity velocity = {};
-  Vec6 damper = Vec6::Zero();        // [N], [N m] of the damper on the tool
-  double work = 0.0;                 // [J] done by the hand
-  std::optional<State> middle = {};  // midpoint, where contact forces act
+  Vec6 damper = Vec6::Zero();        // [N], [N m] force of the damper on the tool
+  double work = 0.0;                 // [J] work of the hand on the coupling
+  std::optional<State> middle = {};  // state at the midpoint, where contact forces act
   FrictionSolution last = {};
-  Vec6 resisted = Vec6::Zero();  // [N], [N m] of friction and contact dampers
+  Vec6 resisted = Vec6::Zero();  // [N], [N m] force of friction and contact dampers
   bool slipping = false;
 };
 
@@ -72,8 +72,8 @@ struct TimeStep {
     return kinetic_energy(*tool.inertia, memory.pose.orientation, memory.velocity);
   }
 
-  /// Slows the tool down until its energy is `left`. Returns false if `left` is negative, because
-  /// the tool cannot have such a pose.
+  /// Slows the tool down until its kinetic energy is at most `left`. Returns false if `left` is
+  /// negative, because the tool cannot have such a pose.
   bool settle(End& end, double left) const {
     if (!(left >= 0.0)) return false;
     const double has = kinetic_energy(*tool.inertia, end.state.pose.orientation, end.velocity);
@@ -85,7 +85,8 @@ struct TimeStep {
     return true;
   }
 
-  /// Computes the damper's force at the end of the step. Returns its work on the tool [J].
+  /// Computes the force of the damper at the end of the step. Returns the work [J] of the damper on
+  /// the tool.
   double take_damper(const Dashpot& dashpot, End& end) const {
     Vec6 way;
     way << end.state.pose.position - memory.pose.position,
@@ -102,7 +103,7 @@ struct TimeStep {
     return end.damper.dot(way);
   }
 
-  /// Leaves the tool at its start, because no other place is possible or no time passes.
+  /// Leaves the tool at its start, because no other pose is possible or no time passes.
   void stay(End& end, const ToolVelocity& velocity) const {
     end = {start(device), velocity};
     end.work = end.state.pull.energy - pull_at(before).energy;
@@ -131,7 +132,7 @@ struct TimeStep {
     return settle(end, had - has - step.paid + damped);
   }
 
-  /// Makes a step with the midpoint rule. During the search, the device is at its midpoint too.
+  /// Makes a step by the midpoint rule. During the search, the device is also at its midpoint.
   bool midpoint(End& end) const {
     const InertialStep inertial(*tool.inertia, memory.pose, memory.velocity, elapsed, 0.5);
     const Vec3 by = device.position - before.position;
@@ -139,7 +140,7 @@ struct TimeStep {
     Step step{tool, surroundings, moved(before, 0.5 * by, 0.5 * turn), elapsed, result};
     step.inertial = &inertial;
     step.frictionless = true;
-    // Reserve work, because the implicit step may have to replace this step.
+    // Reserve work for the implicit step, because it may have to replace this step.
     if (tool.work != nullptr) step.reserve = tool.work->left() / 2;
     const Pull begins = pull_at(before);
     State& state = end.middle.emplace(start(step.device));
@@ -149,7 +150,8 @@ struct TimeStep {
     end.slipping = false;
     end.last = descend(step, state, end.slipping);
     end.velocity = inertial.velocity(state.pose);
-    // The second half of the path is not searched, so its length must be within the clearance.
+    // The second half of the path is not searched for contacts, so its length must be within the
+    // clearance.
     const Pose whole = inertial.whole(state.pose);
     Vec6 beyond;
     beyond << whole.position - state.pose.position,
@@ -167,8 +169,8 @@ struct TimeStep {
     return settle(end, had - has + damped);
   }
 
-  /// Whether enough work is left for both steps, because an implicit step follows a failed midpoint
-  /// step.
+  /// Returns true if enough work is left for two steps, because an implicit step follows a failed
+  /// midpoint step.
   bool has_room_for_midpoint() const {
     constexpr std::uint64_t kTimes = 4;  // multiple of the work so far
     return tool.work == nullptr || tool.work->left() >= kTimes * tool.work->done();
@@ -188,8 +190,9 @@ struct TimeStep {
   }
 };
 
-/// Splits the force on the hand. Inertia, weight and damper belong to no surface, and may take a
-/// part of the contact force. So the elastic part is limited to the force on the hand.
+/// Splits the force on the hand into an elastic part and the rest. Inertia, weight and damper
+/// belong to no surface, and may take a part of the contact force. So the elastic part is limited
+/// to the force on the hand.
 Command command_of(const Vec6& on_tool, const ShellContact& contact) {
   Command command;
   const Vec3 force = -on_tool.head<3>();

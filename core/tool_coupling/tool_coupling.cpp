@@ -32,7 +32,7 @@ BodyStep step_coupled_tool(const CoupledTool& tool, const ToolSurroundings& surr
   step.damp(state, slipping);
   const FrictionSolution last = descend(step, state, slipping);
   if (is_cut(tool.work) || !tool_coupling::usable(state)) [[unlikely]]
-    return result;  // Products of the poses overflow.
+    return result;  // A product of the poses has overflowed.
   memory.pose = state.pose;
   memory.contact = state.contact;
   memory.known = true;

@@ -22,7 +22,7 @@ Mat3 turned_by(const Quaternion& orientation, const Mat3& own) {
 
 /// Returns the inverse of the left Jacobian of the exponential map (Chirikjian 2012, Stochastic
 /// Models, Information Theory, and Lie Groups 2, 10.86). It maps a further small rotation in the
-/// world frame to the change of the rotation vector. Precondition: |turn| <= pi.
+/// world frame to the change of the rotation vector `turn`. Precondition: |turn| <= pi.
 Mat3 inverse_left_jacobian(const Vec3& turn) {
   constexpr double kSmall = 1e-4;  // Below this squared angle, the series is exact.
   const double squared = turn.squaredNorm();
@@ -55,7 +55,7 @@ Vec3 center_of_mass(const ToolInertia& tool, const Pose& pose) noexcept {
 
 Vec3 free_turn(const Mat3& inertia, const Vec3& angular, double elapsed) noexcept {
   constexpr int kMost = 16;
-  constexpr double kClose = 1e-30;  // share of the squared velocity
+  constexpr double kClose = 1e-30;  // tolerance, as a share of the squared velocity
   if (angular.isZero(0.0)) return angular;
   const Vec3 momentum = inertia * angular;
   const Eigen::LLT<Mat3> factors(inertia);
@@ -67,7 +67,8 @@ Vec3 free_turn(const Mat3& inertia, const Vec3& angular, double elapsed) noexcep
     if (!(change > kClose * angular.squaredNorm())) break;
   }
   const double had = angular.dot(momentum), has = mean.dot(inertia * mean);
-  // The iteration has rounding errors, or did not converge.
+  // Rounding errors or a missing convergence have increased the energy. Reduce it to its start
+  // value.
   if (has > had) mean *= std::sqrt(had / has);
   return mean;
 }
