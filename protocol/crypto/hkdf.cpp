@@ -9,7 +9,8 @@ namespace feltwire {
 
 void hkdf_expand(std::span<const std::uint8_t> key, std::string_view info,
                  std::span<std::uint8_t> out) noexcept {
-  std::array<std::uint8_t, crypto_auth_hmacsha256_BYTES> block{};  // T(i) = HMAC(T(i - 1) info i)
+  // RFC 5869: T(i) = HMAC(T(i - 1) info i).
+  std::array<std::uint8_t, crypto_auth_hmacsha256_BYTES> block{};
   crypto_auth_hmacsha256_state state;
   std::uint8_t counter = 0;
   for (std::size_t done = 0; done < out.size();) {
