@@ -27,7 +27,8 @@ const FollowerOptions& checked(const FollowerOptions& options) {
   return options;
 }
 
-/// Thresholds above the sensor's noise, and never below the defaults of the estimate.
+/// Returns the contact thresholds. They are above the sensor's noise, and never below their
+/// defaults.
 ContactEstimatorConfig estimate_of(const FollowerSpec& spec) {
   ContactEstimatorConfig config{.first_stiffness = spec.stiffness};
   config.on = std::max(config.on, 4.0 * spec.wrench_noise);
@@ -123,7 +124,7 @@ void FollowerServo::lose(const Vec3& tip, Nanoseconds now) noexcept {
   limit_.begin(wanted_.pose);
 }
 
-/// Estimates the contact of the tool and the energy at the tool.
+/// Estimates the contact of the tool and the energy that it exchanges.
 void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexcept {
   const Vec3& tip = reading.pose.position;
   state_.pose = {tip, reading.pose.orientation.normalized()};
@@ -145,7 +146,7 @@ void FollowerServo::sense(const FollowerReading& reading, double elapsed) noexce
     state_.others = estimate_.others();
     energy_.moved(force, tip - tip_, elapsed);
   } else {
-    state_.contact = {};  // no force sensor: the contact is unknown, not zero
+    state_.contact = {};  // Without a force sensor, the contact is unknown, not zero.
     state_.others = {};
   }
   tip_ = tip;
@@ -162,7 +163,7 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
   const bool touching = state_.contact.touching;
   if (follow != following_) {
     // In contact, the motion starts at rest from the held target, because the contact limits may
-    // have moved that target away from the motion. In free flight the motion continues, and brakes.
+    // have moved this target away from the motion. In free flight, the motion continues and brakes.
     if (touching) motion_.begin(wanted_.pose);
     if (follow) {
       gripper_.engage();
@@ -172,19 +173,19 @@ void FollowerServo::steer(bool follow, double elapsed) noexcept {
     following_ = follow;
   }
   if (follow) {
-    // Keep the known surface in contact: if a hand engages again there, the small first-touch limit
-    // would shake the robot.
-    // A number that this robot has not given yet comes from another robot.
+    // In contact, keep the number of the known surface. If a hand engages there again, the small
+    // first-touch limit would otherwise shake the robot. Ignore a number that this robot has not
+    // given yet, because it comes from another robot.
     const bool own = target_.known_surface <= estimate_.newest();
     if (target_.known_surface != 0 || !touching) known_ = own ? target_.known_surface : 0;
     hand_work_ = target_.hand_work;
     wanted_.gripper = gripper_.step(target_.gripper, elapsed);
   }
-  // A moving robot needs a way to brake, so the walls also hold behind the limits of motion.
+  // A moving robot needs a distance to brake, so apply the walls also after the limits of motion.
   const Pose& moved =
       follow ? motion_.follow(limit_.aim(target_.pose), elapsed) : motion_.stop(elapsed);
   const Pose& pose = limit_.keep(moved);
-  // A motion that continued inside a body would leave it at another place.
+  // Otherwise the motion would continue inside the body and leave it at another place.
   if (limit_.workspace().body_count > 0) motion_.held_at(pose.position, elapsed);
   wanted_.pose.position = limiter_.step({.wanted = pose.position,
                                          .robot = tip_,
