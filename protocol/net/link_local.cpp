@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-/// Returns the interfaces of this machine without the loopback, for example "eth0, wlan0".
+/// Returns the names of this machine's interfaces without the loopback, for example "eth0, wlan0".
 std::string interfaces() {
   std::string names;
   auto* const all = ::if_nameindex();

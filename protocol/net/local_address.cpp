@@ -12,7 +12,7 @@ int family_of(int descriptor) noexcept {
   return value;
 }
 
-/// Writes the single entry of the message's control data.
+/// Makes the control data of a message, with a single entry.
 template <class Info>
 void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Info& info) noexcept {
   room.bytes = {};
@@ -29,7 +29,7 @@ void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Inf
 
 bool report_local_address(int descriptor) noexcept {
   const int on = 1;
-  // An IPv6 socket that also takes IPv4 reports both addresses through this one option.
+  // An IPv6 socket that also takes IPv4 reports both kinds of addresses through this one option.
   return family_of(descriptor) == AF_INET6
              ? ::setsockopt(descriptor, IPPROTO_IPV6, IPV6_RECVPKTINFO, &on, sizeof on) == 0
              : ::setsockopt(descriptor, IPPROTO_IP, IP_PKTINFO, &on, sizeof on) == 0;
@@ -43,7 +43,8 @@ void make_room(msghdr& message, LocalAddressRoom& room) noexcept {
 LocalAddress local_address(const msghdr& message) noexcept {
   LocalAddress local;
   if (message.msg_controllen == 0) return local;
-  auto* own = const_cast<msghdr*>(&message);  // CMSG_NXTHDR only reads the message.
+  // The cast is safe, because CMSG_NXTHDR only reads the message.
+  auto* own = const_cast<msghdr*>(&message);
   for (cmsghdr* entry = CMSG_FIRSTHDR(own); entry != nullptr; entry = CMSG_NXTHDR(own, entry)) {
     if (entry->cmsg_level == IPPROTO_IP && entry->cmsg_type == IP_PKTINFO) {
       in_pktinfo info{};

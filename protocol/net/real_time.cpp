@@ -14,9 +14,9 @@ RealTime request_real_time(int priority) noexcept {
   const sched_param parameters{.sched_priority = priority};
   granted.scheduler =
       priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
-  // Do not use MCL_FUTURE: under a limit, later allocations of other threads would fail.
+  // Do not use MCL_FUTURE: under a memory limit, later allocations of other threads would fail.
   granted.memory_locked = mlockall(MCL_CURRENT) == 0;
-  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]; the default is 50 us
+  prctl(PR_SET_TIMERSLACK, 1UL);  // 1 ns; the default is 50 us
   return granted;
 }
 

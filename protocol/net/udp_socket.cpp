@@ -18,7 +18,7 @@ constexpr std::array<std::pair<std::string_view, int>, 22> kCodePoints = {{
     {"af22", 20}, {"af23", 22}, {"af31", 26}, {"af32", 28}, {"af33", 30}, {"af41", 34},
     {"af42", 36}, {"af43", 38}, {"ef", 46},   {"va", 44},
 }};
-// The code point is above the two bits of explicit congestion notification (ECN).
+// The DSCP code point is above the two bits of explicit congestion notification (ECN).
 constexpr int kEcnBits = 2;
 
 bool set(int descriptor, int level, int option, int value) noexcept {
@@ -77,7 +77,7 @@ std::optional<int> path_mtu(const sockaddr_storage& to, socklen_t size) noexcept
   if (descriptor < 0) return std::nullopt;
   int mtu = 0;
   socklen_t length = sizeof mtu;
-  // Only a connected socket has the MTU of its path.
+  // Connect the socket, because only a connected socket has the MTU of its path.
   const auto ask = [&](int level, int option) {
     return ::getsockopt(descriptor, level, option, &mtu, &length) == 0;
   };
