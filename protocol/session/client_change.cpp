@@ -16,14 +16,14 @@ std::string digits(double value) {
   return text.data();
 }
 
-/// NaN is out of range too.
+/// Returns an error text if the value is outside [0, most] or is NaN.
 std::optional<std::string> out_of_range(const char* field, double value, double most,
                                         const char* range) {
   if (value >= 0.0 && value <= most) return std::nullopt;
   return std::string(field) + " must be " + range;
 }
 
-/// Whether the method is passive for every hand and under all faults.
+/// Returns true if the method is passive for every hand and under all faults.
 bool passive_by_itself(const BoundingMethod& method) {
   return promise(method, kAllFaults) == Promise::port;
 }

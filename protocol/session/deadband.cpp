@@ -9,7 +9,7 @@ namespace {
 
 Vec3 part_extrapolated(const Vec3& part, const Vec3& rate, double time) noexcept {
   const double slope = part.dot(rate);
-  // At this time t, part . (part + rate t) = 0.
+  // At this time t, the extrapolated part is perpendicular to `part`: part . (part + rate t) = 0.
   if (slope < 0.0) time = std::min(time, -part.squaredNorm() / slope);
   return part + time * rate;
 }
@@ -42,7 +42,7 @@ void CommandTrend::add(const Command& command, double elapsed) noexcept {
   time_ += elapsed;
   const bool same_contact = count_ > 0 && acts(command) == acts(entries_[newest_].command);
   if (!same_contact) count_ = 0;
-  // At high rates, overwrite the newest entry until it is kSpacing later than the entry before it.
+  // At high rates, overwrite the newest entry until it is kSpacing later than the previous entry.
   const bool crowded = count_ > 1 && entries_[newest_].time - back(1).time < kSpacing;
   if (!crowded) {
     newest_ = (newest_ + 1) % kEntries;
@@ -53,7 +53,7 @@ void CommandTrend::add(const Command& command, double elapsed) noexcept {
 
 Command CommandTrend::rates() const noexcept {
   if (count_ < 2) return {};
-  // Use the oldest entry within the window. If only the newest entry is in the window, use the
+  // Use the oldest entry within kWindow. If only the newest entry is in the window, use the
   // previous entry.
   std::size_t steps = 1;
   while (steps + 1 < count_ && time_ - back(steps + 1).time <= kWindow) ++steps;

@@ -25,8 +25,8 @@ std::string text(const std::optional<double>& value) { return value ? text(*valu
 template <class Choice>
 requires std::is_enum_v<Choice> std::string text(Choice value) { return std::string(name(value)); }
 
-/// Finds the first rule with different values for which `breaks` returns true. Returns the field
-/// and both values, labelled with `words`.
+/// Finds the first rule for which both sets of parameters have different values and `breaks`
+/// returns true. Returns the field and both values, labelled with `words`.
 template <class Breaks>
 std::optional<std::string> first(const SessionParameters& one, const SessionParameters& other,
                                  std::array<const char*, 2> words, Breaks breaks) {

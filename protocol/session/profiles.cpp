@@ -34,7 +34,7 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
   const double between = p.packet_interval * p.servo_period;
   p.keep_alive = std::max(line.keep_alive, between);
   p.hold_time = std::max(line.hold_time, 2.0 * between);
-  // A method that runs beside the scene uses no local model.
+  // A method beside the scene uses no local model.
   p.local_model = line.local_model && !stands_beside_scene(bounding_method(p.mode));
   if (p.local_model && p.side == BoundingSide::server) p.side = BoundingSide::client;
   return p;
@@ -42,11 +42,12 @@ SessionParameters over(const NetworkProfile& line, SessionParameters p) {
 
 SessionParameters granted(const NetworkProfile& line, const SessionParameters& p) {
   if (p.packet_interval >= interval(line, p.servo_period)) return p;
-  constexpr double kSilences = 5.0;  // silent intervals that a command outlives
+  // Number of packet intervals without a packet after which a command still applies.
+  constexpr double kSilences = 5.0;
   SessionParameters whole = over(line, p);
   const double between = whole.packet_interval * whole.servo_period;
-  // By default, a client does not accept a longer hold time. So keep the hold time if the profile
-  // permits it.
+  // By default, a client does not accept a longer hold time. So keep the given hold time if the
+  // profile permits it.
   if (whole.hold_time <= p.hold_time || kSilences * between > p.hold_time) return whole;
   SessionParameters kept = whole;
   kept.hold_time = p.hold_time;

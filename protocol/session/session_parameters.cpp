@@ -12,9 +12,9 @@ namespace feltwire {
 namespace {
 
 constexpr double kLargestOperatorDamping = 100.0;  // [N s/m]
-constexpr double kLargestCutoff = 1e5;             // [Hz] at least half the highest servo rate
-constexpr double kLongestHold = 1.0;               // [s]
-constexpr double kLargestCouplingDamping = 1e6;    // [N s/m]
+constexpr double kLargestCutoff = 1e5;  // [Hz] This is at least half the highest servo rate.
+constexpr double kLongestHold = 1.0;    // [s]
+constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
 constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
 std::string short_text(double number) {
@@ -60,7 +60,7 @@ void validate_traffic(const SessionParameters& p) {
                                 " s: the force would be gone before the next datagram; lower it "
                                 "or raise hold_time");
   within("keep_alive", p.keep_alive, 0.0, kLongestHold, "s", "0.02 suits most lines");
-  // The silent times of both sides add up, so two deadbands halve the limit.
+  // The times without packets of both sides add up, so two deadbands halve the limit.
   const bool both = p.position_deadband > 0.0 && p.force_deadband > 0.0;
   if (p.position_deadband > 0.0 || p.force_deadband > 0.0)
     within("keep_alive", p.keep_alive, interval, (both ? 0.25 : 0.5) * p.hold_time, "s",
