@@ -10,9 +10,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShort = 32767.0;  // largest value of 16 bits
+constexpr double kShort = 32767.0;  // largest value of a signed integer of 16 bits
 
-/// Returns the nearest integer, or zero for NaN.
+/// Returns the nearest integer of 16 bits, or zero for NaN.
 std::int16_t wire_short(double value) {
   if (std::isnan(value)) return 0;
   return static_cast<std::int16_t>(std::lround(std::clamp(value, -kShort, kShort)));
@@ -69,7 +69,7 @@ BodyPoint part_of(const wire::BodyPoint& from, double unit) {
 
 double unit_of(double radius) { return 2.0 * radius / kShort; }
 
-// Both comparisons are false for NaN.
+// These functions return false for NaN.
 bool above_zero(double x) { return x > 0.0 && std::isfinite(x); }
 bool not_below_zero(double x) { return x >= 0.0 && std::isfinite(x); }
 

@@ -18,7 +18,7 @@ constexpr flatbuffers::uoffset_t kMaxDepth = 8;
 // Largest number of tables in a message. Several entries of a list may point at the same bytes, so
 // this also limits the memory that a hostile frame can take.
 constexpr flatbuffers::uoffset_t kMaxTables = kMaxScenes + 8;
-constexpr std::size_t kSmallestBuffer = 8;  // [bytes] a root offset and an empty table
+constexpr std::size_t kSmallestBuffer = 8;  // [bytes] size of a root offset and an empty table
 
 bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.figures = from.figures();

@@ -55,7 +55,8 @@ void read(const wire::Patch& from, const Vec3& center, SurfacePatch& to) {
   to.whole = (from.flags() & kFlagWhole) != 0;
 }
 
-/// NaN fails all these comparisons.
+/// Returns true if the numbers of a patch are in their valid ranges. NaN fails all these
+/// comparisons.
 bool plausible(const SurfacePatch& p) {
   const Material& m = p.material;
   return p.point.allFinite() && unit_length(p.normal) &&

@@ -12,8 +12,8 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
-/// Writes no numbers for an isotropic damping, 3 numbers for damping along the axes, and 6 numbers
-/// for a matrix.
+/// Writes a damping: no numbers if it is isotropic, 3 numbers for damping along the axes, and 6
+/// numbers for a matrix.
 Offset<flatbuffers::Vector<double>> tensor(FlatBufferBuilder& builder, const Damping& damping) {
   if (damping.isotropic()) return 0;
   const Mat3& m = damping.matrix();
@@ -39,7 +39,7 @@ bool read_damping(double isotropic, const flatbuffers::Vector<double>* entries, 
   return true;
 }
 
-/// An absent list means no bodies.
+/// Reads a list of bodies. An absent list means no bodies.
 bool read_bodies(const flatbuffers::Vector<const wire::KeepOutBody*>* from, Workspace& to) {
   if (from == nullptr) return true;
   if (!aligned(*from, alignof(wire::KeepOutBody)) || from->size() > Workspace::kMostBodiesGiven)
@@ -62,7 +62,7 @@ Offset<wire::DeviceSpec> build(FlatBufferBuilder& builder, const DeviceSpec& d) 
   const auto damping = tensor(builder, d.damping);
   const auto rotational_damping = tensor(builder, d.rotational_damping);
   const auto name = builder.CreateString(d.name);
-  // A peer without support for the tensor uses the smallest damping over all directions.
+  // A peer that does not support the matrix uses the smallest damping over all directions.
   return wire::CreateDeviceSpec(builder, name, static_cast<std::uint8_t>(d.translation_dof),
                                 static_cast<std::uint8_t>(d.rotation_sensed),
                                 static_cast<std::uint8_t>(d.rotation_actuated), d.damping.least(),

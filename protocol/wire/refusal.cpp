@@ -17,7 +17,7 @@ const char* name(RefusalCode code) {
 std::string shortened(const std::string& text, std::size_t most) {
   constexpr std::string_view kCut = " [...]";
   constexpr unsigned kContinues = 0x80, kContinuesMask = 0xc0;
-  constexpr std::size_t kLongest = 4;  // [bytes] of a character in UTF-8
+  constexpr std::size_t kLongest = 4;  // [bytes] longest character in UTF-8
   if (text.size() <= most) return text;
   std::size_t end = most - kCut.size();
   // Move the cut back to the first byte of the character that it would split. A text that is not

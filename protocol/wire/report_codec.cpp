@@ -8,8 +8,8 @@ namespace feltwire {
 namespace {
 
 constexpr std::uint32_t kFlagAccount = 1u << 0, kFlagChangeRefused = 1u << 1;
-constexpr unsigned kChangeShift = 2;     // first of 6 bits: number of a change
-constexpr unsigned kLateTicksShift = 8;  // first of 24 bits: count of late ticks
+constexpr unsigned kChangeShift = 2;     // first of 6 bits for the number of a change
+constexpr unsigned kLateTicksShift = 8;  // first of 24 bits for the count of late ticks
 
 }  // namespace
 

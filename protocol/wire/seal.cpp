@@ -11,7 +11,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kNumberAt = 4;  // [bytes] offset of the number in the nonce
+constexpr std::size_t kNumberAt = 4;  // [bytes] offset of the packet number in the nonce
 
 Nonce nonce_of(std::uint64_t packet_number) noexcept {
   Nonce nonce{};
@@ -84,8 +84,9 @@ Opener::Opener(CipherSuite suite, const Key& secret, std::uint64_t highest, std:
 
 Opener::~Opener() { wipe(secret_); }
 
-/// The next generation's key is derived in advance. Otherwise forged numbers would make this
-/// machine derive keys, and an attacker could measure the time (RFC 9001, 9.5).
+/// Returns the key for the generation of this packet number, or null. The key of the next
+/// generation is derived in advance. Otherwise forged numbers would make this machine derive keys,
+/// and an attacker could measure the time (RFC 9001, 9.5).
 const AeadKey* Opener::key_of(std::uint64_t packet_number) const noexcept {
   const std::uint64_t wanted = generation(packet_number);
   if (wanted == generation_) return &current_;
@@ -116,8 +117,8 @@ void Opener::advance_to(std::uint64_t packet_number) noexcept {
     next_ = ready_key(suite_, secret_);
     ++generation_;
   }
-  // Wipe the previous key when the window has no number of its generation. Then an attacker who
-  // takes the keys later cannot open the old datagrams.
+  // Wipe the previous key when the packet window contains no number of its generation. Then an
+  // attacker who obtains the keys later cannot open the old datagrams.
   constexpr std::uint64_t kWithin = (std::uint64_t{1} << kGenerationBits) - 1;
   if (previous_ && (highest() & kWithin) + 1 >= PacketWindow::kWidth) previous_.reset();
 }

@@ -13,7 +13,7 @@ bool PacketWindow::fresh(std::uint64_t number) const noexcept {
 
 void PacketWindow::mark(std::uint64_t number) noexcept {
   if (number > highest_) {
-    // Clear the places of older numbers that the window now uses again.
+    // Clear the bits of older numbers that the window now uses for newer numbers.
     const std::uint64_t moved = number - highest_;
     if (moved >= kWidth) {
       seen_.reset();

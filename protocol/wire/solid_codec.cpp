@@ -32,8 +32,8 @@ const char* name_of(const Shape& shape) {
 
 /// The result of reading a shape from its name and lengths.
 struct ReadShape {
-  bool known = false;  // This program has a shape of this name.
-  bool whole = false;  // The number of lengths is right.
+  bool known = false;  // true if this program has a shape of this name
+  bool whole = false;  // true if the number of lengths is right
   Shape shape = {};
 };
 ReadShape shape_of(std::string_view name, const flatbuffers::Vector<double>& lengths) {

@@ -12,13 +12,13 @@ static_assert(sizeof(wire::SeenHand) == SceneView::kHandSize);
 static_assert(sizeof(wire::SeenBody) == SceneView::kBodySize);
 static_assert(sizeof(wire::HandFigures) == SceneView::kFiguresSize);
 
-// kSeenRobotRoom includes 12 bytes for a table entry and padding.
+// kSeenRobotRoom includes 12 bytes for a table entry and for padding.
 static_assert(sizeof(wire::SeenRobot) <= kSeenRobotRoom - 12);
 
 constexpr std::uint32_t kSensed = 1u << 0, kWell = 1u << 1, kStopped = 1u << 2, kTouches = 1u << 3;
-constexpr int kSeat = 8, kSeats = 16;  // first bit of each field
+constexpr int kSeat = 8, kSeats = 16;  // first bits of the fields `seat` and `seats`
 constexpr std::uint32_t kAllSeats = (1u << kMostSeats) - 1;
-constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of figures
+constexpr std::uint16_t kReported = 1, kHasAccount = 2;  // flags of the figures
 
 wire::SeenHand wire_seen(const SeenHand& hand) {
   return {wire_float(hand.pose.position), wire_float(hand.pose.orientation), wire_float(hand.force),
