@@ -40,8 +40,8 @@ struct AdminWords {
   MaterialChange material;
   std::optional<std::array<double, 3>> gravity;
   BoundWords parameters;
-  std::optional<double> delay, jitter;  // [ms] of the emulated link
-  std::optional<double> loss;           // [%]
+  std::optional<double> delay, jitter;  // [ms] mean and standard deviation of the link's delay
+  std::optional<double> loss;           // [%] share of lost datagrams
   std::optional<double> lead_share;
   bool link() const { return delay || jitter || loss; }
 };
@@ -57,7 +57,8 @@ void list_sessions(const ServerAccess& server, const AdminWords& words) {
 }
 
 void reload(const ServerAccess& server, const AdminWords& words) {
-  // The server answers after the load. Large grids and meshes take long to load.
+  // Longest wait for the answer. The server answers after it has loaded the scene, and large grids
+  // and meshes load slowly.
   constexpr std::chrono::minutes kPatience{10};
   ask(server, control::ReloadScene{words.scene}, kPatience);
   print("scene " + visible(words.scene) + " is reloaded\n");
@@ -71,8 +72,8 @@ void evict(const ServerAccess& server, const AdminWords& words) {
         " (" + visible(seen.session.client) + ") is evicted\n");
 }
 
-/// Waits for the answer of the client. Throws std::runtime_error if the client refuses the change
-/// or does not answer.
+/// Waits up to 3 s until the client of the session answers the requested change. Throws
+/// std::runtime_error if the client refuses the change or does not answer.
 void await_client(const ServerAccess& server, const SeenSession& seen) {
   constexpr int kLooks = 30;
   constexpr std::chrono::milliseconds kBetween{100};
@@ -94,7 +95,7 @@ void await_client(const ServerAccess& server, const SeenSession& seen) {
       "result with admin sessions");
 }
 
-/// Changes the emulated link. A missing delay, jitter or loss becomes zero.
+/// Changes the emulated link of a session. An omitted --delay, --jitter or --loss becomes zero.
 void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
   if (words.parameters != BoundWords{})
     throw std::invalid_argument(
@@ -149,7 +150,7 @@ void set(const ServerAccess& server, const AdminWords& words) {
         visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
 }
 
-/// Writes a flight record of one scene, or of all scenes that the token gives access to.
+/// Makes the server write a flight record of one scene, or of each scene that the token opens.
 void record(const ServerAccess& server, const AdminWords& words) {
   for (const std::string& scene : scenes_named(server, words.scene))
     print(
@@ -164,7 +165,7 @@ void print_counters(const ServerAccess& server, const AdminWords& words) {
   print(words.json ? counter_json(counters) : counter_lines(counters));
 }
 
-/// Adds the options of every command: server address and credentials.
+/// Adds the options that all commands share: server address and credentials.
 void add_access(CLI::App& command, AdminWords& words, int argc, char** argv) {
   command
       .add_option("--connect", words.connect,
@@ -261,7 +262,8 @@ struct AdminCommand {
 std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int argc, char** argv) {
   const auto add_command = [&](const char* name, const char* does) {
     CLI::App* command = app.add_subcommand(name, does);
-    add_access(*command, words, argc, argv);  // only these options have environment variables
+    // Add these options first, because environment variables set only the options added so far.
+    add_access(*command, words, argc, argv);
     return command;
   };
   CLI::App* sessions = add_command("sessions", "List the sessions and their state");

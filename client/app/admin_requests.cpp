@@ -16,21 +16,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // per unit
+constexpr double kMilliseconds = 1e3, kMillijoules = 1e3;  // per second, and per joule
 
 double rate(const SessionParameters& parameters) { return 1.0 / parameters.servo_period; }
 
-/// Returns the lost share of the samples sent so far, or nothing before the first sample.
+/// Returns the share of the client's samples that were lost, or nothing before the first sample.
 std::optional<double> loss(const control::SessionDescription& session) {
   const double sent = static_cast<double>(session.samples) + static_cast<double>(session.missed);
   if (!(sent > 0.0)) return std::nullopt;
   return static_cast<double>(session.missed) / sent;
 }
 
-/// Returns a number such as "12.5", or "-" for an unknown value.
+/// Returns the value as text, such as "12.5", or "-" for a missing value.
 std::string cell(std::optional<double> value, int decimals) {
   if (!value) return "-";
-  constexpr std::size_t kLongest = 400;  // longer than any double
+  constexpr std::size_t kLongest = 400;  // characters; no double needs more
   std::string text(kLongest, '\0');
   text.resize(
       static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.*f", decimals, *value)));
@@ -47,7 +47,7 @@ Json json_of(const SeenSession& seen) {
   const auto& [scene, s] = seen;
   return {{"scene", visible(scene)},
           {"number", s.number},
-          // The number exceeds the exact range of JSON numbers, so it is text.
+          // The session id can exceed the exact range of JSON numbers, so write it as text.
           {"session", std::to_string(s.session)},
           {"client", visible(s.client)},
           {"device", visible(s.device)},
@@ -72,7 +72,7 @@ Json json_of(const SeenSession& seen) {
           {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}};
 }
 
-/// Aligns columns to their widest cells.
+/// Returns the rows as lines of text. Pads each column to the width of its widest cell.
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows)
@@ -143,7 +143,7 @@ const SeenSession& session_named(const SeenSessions& sessions, const std::string
 std::vector<SeenCounters> counters_of(const ServerAccess& server) {
   std::vector<SeenCounters> seen;
   std::vector<std::string> scenes = scene_names(server);
-  scenes.emplace_back();  // an empty name: the control port
+  scenes.emplace_back();  // an empty name requests the counters of the control port
   seen.reserve(scenes.size());
   ListRoom room(kRoomOfCounters);
   for (const std::string& scene : scenes) {
@@ -180,7 +180,8 @@ void write_session_json(const SeenSessions& sessions,
   constexpr std::string_view kOpen = "[\n", kClose = "\n]";
   std::string_view before = kOpen;
   for (const SeenSession& seen : sessions) {
-    // Write each session separately. A document of all sessions would need ten times their memory.
+    // Write each session separately. One JSON document of all sessions would need ten times the
+    // memory of `sessions`.
     const std::string one = Json::array({json_of(seen)}).dump(2);
     write(before);
     write(std::string_view(one).substr(kOpen.size(), one.size() - kOpen.size() - kClose.size()));

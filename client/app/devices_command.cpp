@@ -16,8 +16,8 @@
 namespace feltwire {
 namespace {
 
-/// Prints the search result for each maker's library or service. Returns true if a connected device
-/// lacks its library.
+/// Prints for each driver whether the maker's library or service was found. Returns true if the
+/// library of a connected device is missing.
 bool show_libraries(const std::vector<ConnectedDevice>& devices) {
   bool missed = false;
   for (const Driver& driver : drivers()) {
@@ -40,7 +40,8 @@ int rate_failed(const char* why, int status) {
   return status;
 }
 
-/// Opens the device, lets it tick without a force, and prints the quality of its ticks.
+/// Runs the device for `span` [s] without a force, and prints its measured rate and jitter. Returns
+/// the exit status.
 int show_rate(const std::string& words, const std::string& firmware, double span, double rate) {
   try {
     const DriverChoice choice = chosen_driver(words);

@@ -30,7 +30,7 @@ namespace feltwire {
 namespace {
 
 constexpr int kWrongWords = 2, kGaveUp = 1;
-// Time for a person to prepare the device.
+// Longest wait until a person has prepared the device.
 constexpr Nanoseconds kPreparing = std::chrono::minutes(2);
 
 struct IdentifyWords {
@@ -39,7 +39,7 @@ struct IdentifyWords {
   bool yes = false;
 };
 
-MeasureStatus status_of_run;  // status of the only measurement; a signal handler sets `stop`
+MeasureStatus status_of_run;  // global, so that a signal handler can set `stop`
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void stop_run(int) { status_of_run.stop.store(true); }
@@ -53,8 +53,8 @@ std::string today() {
   return text.data();
 }
 
-/// Returns the specification of the device. Its sources apply only if the device is of the usual
-/// kind.
+/// Returns the specification `spec` that the device reported. Adds the sources of the requested
+/// specification if both have the same name.
 SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const DeviceSpec& spec) {
   SourcedSpec usual = requested_spec(request.spec, driver.spec);
   if (usual.spec.name != spec.name) usual.sources.clear();
@@ -88,7 +88,7 @@ void tell_no_force(std::string_view why) {
   std::fprintf(stderr, "feltwire-client identify: no force yet: %s\n", visible(why).c_str());
 }
 
-/// Shows the progress until the end. On a terminal, the progress stays in one line.
+/// Prints the progress until the measurement ends. On a terminal, the progress stays in one line.
 void show_progress(const MeasureStatus& status) {
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   int shown = -1;
@@ -109,7 +109,7 @@ void show_progress(const MeasureStatus& status) {
   if (terminal) std::fprintf(stderr, "\r                    \r");
 }
 
-/// Prints the lag. The table of the specification shows the upper bound of the lag.
+/// Prints the measured lag of the control loop and its upper bound.
 void tell_lag(const DeviceEstimate& found) {
   if (!found.lag_bound)
     std::printf("  lag of the loop       not found: the readings do not tell it\n");
@@ -118,7 +118,7 @@ void tell_lag(const DeviceEstimate& found) {
                 1e3 * *found.lag_bound);
 }
 
-/// Measures, then releases the device in every case.
+/// Measures the device, then releases it, also after an error or a signal.
 void run(Device& device, Identification& identification) {
   MeasureStatus& status = status_of_run;
   const CrashRelease crash_release(device);
@@ -168,7 +168,8 @@ void identify(const IdentifyWords& words) {
   const SourcedSpec known = known_spec(request, *choice.driver, device.spec());
   const IdentifyLimits limits = identify_limits(known.spec, words.force);
   const double longest = std::chrono::duration<double>(device.longest_tick()).count();
-  // A device that sets the pace may tick up to 4 kHz, faster than it guarantees.
+  // A device that sets the tick rate may tick at up to 4 kHz, faster than the rate that it
+  // guarantees.
   Identification identification(known.spec, limits, longest > 0.0 ? 0.25e-3 : kMeasurePeriod);
   tell(limits, identification);
   await_consent(words.yes);

@@ -21,7 +21,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams in transit: 0.8 s at 10 kHz
+constexpr std::size_t kLinkRoom = 1 << 13;  // capacity in datagrams: 0.8 s at 10 kHz
 
 std::unique_ptr<Device> open_device(ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
@@ -34,7 +34,7 @@ std::unique_ptr<Device> open_device(ClientOptions& options) {
   return std::make_unique<MappedDevice>(std::move(device), options.mapping);
 }
 
-/// Opens a UDP port, with an emulated link on request.
+/// Opens a UDP port to the scene. Adds an emulated link if the options have one.
 std::unique_ptr<DatagramPort> open_port(const ClientOptions& options, const Address& scene) {
   auto line = open_udp_port(scene, options.dscp);
   if (!options.link) return line;
@@ -49,14 +49,14 @@ int list(const ServerAccess& server) {
   return 0;
 }
 
-/// Returns the server's first scene, the default.
+/// Returns the name of the server's first scene, which is the default scene.
 std::string first_scene(const ServerAccess& server) {
   const auto scenes = list_scenes(server, kControlTimeout);
   if (scenes.empty()) throw std::runtime_error("the server has no scene that this token opens");
   return scenes.front().name;
 }
 
-/// Runs a session and judges it. The exit code is 0 if no check fails.
+/// Runs a session and checks its measured values (option --check). Returns 0 if no check fails.
 int check(ClientOptions& options) {
   if (options.scene.empty()) options.scene = first_scene(options.server);
   std::vector<CheckResult> results;

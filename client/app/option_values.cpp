@@ -21,7 +21,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestDuration = 1e7;  // [s] about four months
+constexpr double kLongestDuration = 1e7;  // [s] longest accepted duration, about four months
 
 Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -29,7 +29,7 @@ void require(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Fills in missing safety limits. They protect the hand as far as the bounding mode allows.
+/// Sets the safety limits. By default, they protect the hand as far as the method allows.
 void choose_safety(const OptionValues& values, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
@@ -39,8 +39,8 @@ void choose_safety(const OptionValues& values, ClientOptions& options) {
   given.ramp_up = values.ramp_up.value_or(usual.ramp_up);
 }
 
-/// Returns the changes that an admin may make. A law for a person must not assume more than the law
-/// that the user chose. Throws std::invalid_argument.
+/// Returns the changes that an admin may make to this session. With a person's hand, only changes
+/// that are safe for the hand are possible. Throws std::invalid_argument.
 ChangesTaken changes(const OptionValues& values, const ClientOptions& options) {
   const auto laws = enum_from_name<LawsTaken>("--changes", values.changes, kLawsTakenNames);
   require(!values.fixed || laws == LawsTaken::none,
@@ -58,23 +58,22 @@ double period_of(const OptionValues& values) {
   return period;
 }
 
-/// Returns a role of this program. Admins and robots have their own programs.
+/// Returns the role that `word` names: operator, pointer or observer. Throws std::invalid_argument.
 Role role_of_hand(const std::string& word) {
   for (const Role one : {Role::operator_, Role::pointer, Role::observer})
     if (name(one) == word) return one;
   throw std::invalid_argument("--role must be operator, pointer or observer, is '" + word + "'");
 }
 
-/// Returns the datagram rate [Hz], or nothing for one datagram per tick. An observer uses the
-/// picture rate by default.
+/// Returns the datagram rate [Hz], or nothing for one datagram per tick.
 std::optional<double> packet_rate(const OptionValues& values, Role role) {
-  constexpr double kPictures = 100.0;
+  constexpr double kPictures = 100.0;  // [Hz] default of an observer
   const bool usual = !values.packet_rate && values.profile.empty();
   return usual && role == Role::observer ? std::min(kPictures, values.rate) : values.packet_rate;
 }
 
-/// Sets the longest time of a force without a tick, and the longest hold time that the server may
-/// grant. Throws std::invalid_argument.
+/// Sets `let_go_after`, the longest time of a force without a servo tick, and the longest hold time
+/// that the server may grant. Throws std::invalid_argument.
 void choose_holds(const OptionValues& values, ClientOptions& options) {
   constexpr double kLongest = 1.0;  // [s] longest hold time
   if (values.let_go_after) {
@@ -103,15 +102,16 @@ void choose_traffic(const OptionValues& values, std::optional<double> rate,
   if (!rate) return;
   require(*rate > 0.0 && *rate <= values.rate,
           "--packet-rate must be above 0 Hz and at most --rate");
-  // Round the interval up, so the rate is never too high. Rounded rates count: 1000 / 333.4 is 3.
+  // Round the interval up, so that the datagram rate is at most `rate`. Allow for a rounded `rate`:
+  // 1000 Hz / 333.3 Hz counts as 3 ticks.
   constexpr double kRounded = 1e-3;
   const double ticks = std::ceil(values.rate / *rate - kRounded);
   require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
   parameters.packet_interval = std::max(1, static_cast<int>(ticks));
 }
 
-/// Chooses the method, its place and the local model. Given options determine the others: a shaping
-/// method runs at the client and uses the local model. Throws std::invalid_argument.
+/// Sets the bounding method, its side (client or server) and the local model. The values of omitted
+/// options follow from the given options. Throws std::invalid_argument.
 void choose_bound(const OptionValues& values, SessionParameters& parameters) {
   if (!values.side.empty()) parameters.side = bounding_side(values.side);
   const bool here = parameters.side == BoundingSide::client;
@@ -126,7 +126,7 @@ void choose_bound(const OptionValues& values, SessionParameters& parameters) {
   parameters.local_model = values.local_model.value_or(by_profile || method.shapes);
 }
 
-/// Removes files without a path.
+/// Returns the files that have a path.
 std::vector<NamedFile> named(std::vector<NamedFile> files) {
   std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
   return files;
@@ -151,7 +151,7 @@ std::vector<NamedFile> read_files(const OptionValues& values) {
                 {"--token-file", c.token_file}});
 }
 
-/// Enables the flight recorder by default, so that a failed session leaves data.
+/// Sets the flight recorder's folder. Recording is the default, so a failed session leaves data.
 void choose_flight_recorder(const std::string& folder, RunOptions& options) {
   if (folder == "off") return;
   options.flight_recorder_required = !folder.empty();
@@ -159,7 +159,7 @@ void choose_flight_recorder(const std::string& folder, RunOptions& options) {
       folder.empty() ? state_flight_folder() : std::optional<std::filesystem::path>(folder);
 }
 
-/// Checks the options of the recording. Throws std::invalid_argument.
+/// Sets and checks the size limits of the recording. Throws std::invalid_argument.
 void choose_recording(const OptionValues& values, ClientOptions& options) {
   const RecordingLimits& limits = values.record_limits;
   options.record_limits = limits;
@@ -177,7 +177,7 @@ Damping damping(const std::vector<double>& numbers) {
                              : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
 }
 
-/// Chooses the driver and its request. `task`: simulated movement. Throws std::invalid_argument.
+/// Sets the driver and its request. `task`: path of a simulated hand. Throws std::invalid_argument.
 void choose_device(const OptionValues& values, HandTask task, ClientOptions& options) {
   DriverChoice chosen = chosen_driver(values.device);
   task.path = options.check ? HandPath::press : hand_path(values.path);
@@ -205,7 +205,7 @@ void choose_device(const OptionValues& values, HandTask task, ClientOptions& opt
           "--press-button is a time of 0 or more [s], for --device simulated");
   validate(options.device.steering);
   if (values.damping) options.device.spec.damping = damping(*values.damping);
-  // Check the specification before opening the device. Its error must come first.
+  // Check the specification before the device opens, so that its errors are reported first.
   requested_spec(options.device.spec, chosen.driver->spec);
 }
 
@@ -223,7 +223,7 @@ double weight(const std::string& values) {
   return mass ? kGravity * number : number;
 }
 
-/// Throws std::invalid_argument unless the device has this button. Zero means no button.
+/// Throws std::invalid_argument unless the device has this button. Button 0 means no button.
 void require_button(const char* option, int button, const Driver& driver, const char* remedy) {
   if (button >= 0 && button <= driver.buttons) return;
   throw std::invalid_argument(
@@ -257,9 +257,9 @@ void choose_buttons(const OptionValues& values, int robot_button, const Driver& 
         "--deadman-button and --clutch-button, each its own, or 0 for none");
 }
 
-/// Returns the protection options of a device. Throws std::invalid_argument.
+/// Returns the tool weight, emergency button and still time. Throws std::invalid_argument.
 ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
-  constexpr double kUsualStill = 0.25;  // [s]
+  constexpr double kUsualStill = 0.25;  // [s] default of --await-still for a hand that feels force
   ProtectionOptions options;
   if (!values.tool_weight.empty()) options.tool_weight = weight(values.tool_weight);
   options.emergency_button = values.emergency_button;
@@ -286,7 +286,8 @@ WorkspaceMapping mapping(const OptionValues& values) {
   return mapping;
 }
 
-/// Throws std::invalid_argument for a long name. The server would not say which name is too long.
+/// Throws std::invalid_argument if the name is too long for the protocol. The server's error would
+/// not say which name is too long.
 void check_name(const char* option, const std::string& name) {
   if (name.size() <= control::kMaxName) return;
   throw std::invalid_argument(std::string(option) + ": the name has " +
@@ -294,9 +295,9 @@ void check_name(const char* option, const std::string& name) {
                               std::to_string(control::kMaxName) + " can be sent");
 }
 
-/// Returns the robot energy that the client accepts. The user sets the limits.
+/// Returns the energy and power that the client accepts from a robot (--trust-robot).
 RemoteTrust trust(const OptionValues& values) {
-  // [J], [W] Limits for the safety of the hand.
+  // [J], [W] largest values of --trust-robot that are safe for the hand.
   constexpr double kMostPerContact = 1.0, kMostPower = 50.0;
   if (!values.trust) return {.per_contact = 0.0, .power = 0.0};
   const auto [per_contact, power] = *values.trust;
@@ -313,7 +314,8 @@ void choose_lead(const OptionValues& values, ClientOptions& options) {
           "--robot-button is for a hand with --lead; add --lead");
   if (!values.lead) return;
   check_name("--robot", options.robot);
-  constexpr double kShownReleased = 0.2;  // [s] the server must first see a released switch
+  // [s] The server must first see the switch released for this time.
+  constexpr double kShownReleased = 0.2;
   require(*values.lead >= kShownReleased && *values.lead <= kLongestDuration,
           "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
   require(options.role != Role::observer, "--lead is not for observers; leave out --role");
@@ -368,7 +370,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   validate(options.servo, options.parameters);
 
   if (options.check) {
-    constexpr double kUsual = 10.0;  // [s]
+    constexpr double kUsual = 10.0;  // [s] default duration of a check
     require(values.device == "simulated", "--check uses the simulated hand; leave out --device");
     if (options.duration == 0.0) options.duration = kUsual;
     task.depth = -task.clearance;  // keeps the hand above the surface
@@ -389,7 +391,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.rehearses = values.rehearses;
   if (!values.link.empty()) options.link = parse_link(values.link);
   options.takes = changes(values, options);
-  // A short stall of the thread is harmless without a person, so it must not end the session.
+  // Without a person, a short stall of the servo thread is harmless and must not end the session.
   if (!values.let_go_after && !options.driver->held_by_person)
     options.let_go_after = options.parameters.hold_time;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using Value = std::string_view;
 
-/// True for a flag value that CLI11 reads as false.
+/// Returns whether CLI11 reads this value of a flag as false.
 bool says_no(Value value) {
   constexpr std::array<Value, 5> kNo = {"false", "off", "no", "disable", "0"};
   return std::find(kNo.begin(), kNo.end(), value) != kNo.end();
@@ -31,7 +31,8 @@ auto is_not(const char* wanted) {
   return [wanted](Value value) { return value != wanted; };
 }
 
-/// Returns null for an unknown driver. The parser of the option reports the error.
+/// Returns the driver of a --device value, or null if there is none. The option's parser reports
+/// the error.
 const Driver* driver_of(Value device) {
   const Value kind = device.substr(0, device.find(':'));
   for (const Driver& driver : drivers())
@@ -39,7 +40,8 @@ const Driver* driver_of(Value device) {
   return nullptr;
 }
 
-/// Returns null for an unknown method. The parser of the option reports the error.
+/// Returns the method of a --mode value, or null if there is none. The option's parser reports the
+/// error.
 const BoundingMethod* method_of(Value mode) {
   for (const BoundingMethod* method : bounding_methods())
     if (method->name == mode) return method;
@@ -57,7 +59,7 @@ bool for_client(Value mode) { return for_side(mode, BoundingSide::client); }
 bool for_server(Value mode) { return for_side(mode, BoundingSide::server); }
 bool for_both(Value mode) { return for_side(mode, BoundingSide::both); }
 
-/// False for "inf" and 0, because they mean no limit.
+/// Returns whether the number is a limit. "inf" and 0 mean no limit.
 bool limits(Value number) {
   const double value = std::strtod(std::string(number).c_str(), nullptr);
   return std::isfinite(value) && value > 0.0;
@@ -68,13 +70,13 @@ bool admits_limits(Value mode) {
   return method == nullptr || method->admits_reduction;
 }
 
-/// Rules for the kind of device, and for options that only some devices support.
+/// Returns the option conflicts of the device kind: some options work only with some devices.
 Rivals of_devices() {
   Rivals rivals = {
       {"device", "firmware", [](Value d) { return driver_of(d) && !driver_of(d)->takes_firmware; }},
       {"device", "press-button", [](Value d) { return driver_of(d) && d != "simulated"; }},
       {"device", "tool-weight", [](Value d) { return driver_of(d) && !driver_of(d)->gives_force; }},
-      // A check uses its own simulated hand.
+      // A check uses its own simulated hand, so these options do not apply.
       {"check", "device"},
       {"check", "firmware"},
       {"check", "tool-weight"},
@@ -84,7 +86,8 @@ Rivals of_devices() {
   return rivals;
 }
 
-/// Rules for the place and method of the bound, and for options that depend on them.
+/// Returns the option conflicts of the side (client, server or both) and the method of the force
+/// bound.
 Rivals of_bounds() {
   const auto paper = [](Value mode) { return for_client(mode) && for_server(mode); };
   Rivals rivals = {{"bounding", "mode", is("client"), for_client},
@@ -101,21 +104,21 @@ Rivals of_bounds() {
                    {"no-account", "bounding", {}, is_not("server")},
                    {"no-account", "operator-damping"},
                    {"operator-damping", "no-account", {}, says_no},
-                   // Some methods do not allow these limits after the bound.
+                   // Some methods do not admit these further limits on the bounded force.
                    {"slew", "mode", limits, admits_limits},
                    {"ramp-up", "mode", limits, admits_limits},
                    {"velocity-limit", "mode", limits, admits_limits}};
   return rivals;
 }
 
-/// Rules for roles: a hand leads a robot, an observer only watches.
+/// Returns the option conflicts of roles: only a hand leads a robot, and an observer only watches.
 Rivals of_roles() {
   Rivals rivals = {{"lead", "role"},
                    {"lead", "view"},
                    {"lead", "bounding", {}, is_not("server")},
                    {"lead", "local-model", {}, says_yes},
                    {"role", "view", is_not("observer")}};
-  // These options need a hand that leads a robot.
+  // These options need a hand that leads a robot, with the local model at the client.
   for (const char* option : {"lead", "robot", "trust-robot", "robot-button"}) {
     rivals.push_back({"role", option, is("observer")});
     rivals.push_back({"local-model", option, says_no});
@@ -125,7 +128,7 @@ Rivals of_roles() {
   return rivals;
 }
 
-/// Rules for file limits, which only MCAP recordings support.
+/// Returns the option conflicts of recordings: only MCAP recordings support file limits.
 Rivals of_recordings() {
   const auto one_file = [](Value file) { return !is_mcap(std::string(file)); };
   Rivals rivals = {{"record", "record-max-mib", one_file},
