@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr int kTrials = 50;           // number of measured answers
-constexpr double kLongerTick = 1.25;  // longest tick divided by the usual tick
+constexpr int kTrials = 50;           // number of answers to measure
+constexpr double kLongerTick = 1.25;  // ratio of the longest tick to the usual tick
 
 }  // namespace
 
@@ -53,7 +53,8 @@ void LockStepDevice::give(const Command& command) noexcept {
   const auto taken = send(command);
   lost_ |= !taken;
   next_ = taken.value_or(Command{});
-  // A command that was not sent changes nothing on the device. A failed zero is sent again.
+  // `pulls_` is true if the device may hold a force. A command that was not sent changes nothing on
+  // the device, so write() sends a failed zero command again.
   pulls_ = taken ? next_ != Command{} : pulls_ || command != Command{};
 }
 

@@ -13,14 +13,15 @@ namespace feltwire {
 namespace {
 
 constexpr double kSmallestScale = 0.01, kLargestScale = 100.0;
-constexpr double kFarthest = 100.0;  // [m]
+constexpr double kFarthest = 100.0;  // [m] largest translation along an axis
 constexpr double kRounded = 1e-14;   // rounding error of a matrix element that should be an integer
 
 void require_of_mapping(bool good, const char* message) {
   if (!good) throw std::invalid_argument(message);
 }
 
-/// Returns M B M' / s^2, as an isotropic or diagonal damping if possible.
+/// Returns the damping in the scene, M B M' / s^2, with the axes M, the device's damping B and the
+/// scale s. It is isotropic or diagonal if possible.
 Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   const double square = scale * scale;
   if (damping.isotropic()) return {damping.matrix()(0, 0) / square};
@@ -30,7 +31,8 @@ Damping mapped(const Damping& damping, const Mat3& axes, double scale) {
   return {symmetric};
 }
 
-/// Returns the factor by which a box along the device's axes widens along an axis of the scene.
+/// Returns the largest factor by which a box along the device's axes becomes wider along an axis of
+/// the scene.
 double widening(const Mat3& axes) { return axes.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 }  // namespace
@@ -98,7 +100,8 @@ void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
                  axes_.transpose() * normal);
 }
 
-/// Maps a pose. Maps `hand_` exactly to `tool_`. A rotation (w, v) maps to (w, det(M) M v).
+/// Returns the pose in the scene of a pose of the device. Maps `hand_` exactly to `tool_`. Maps the
+/// rotation quaternion (w, v) to (w, det(M) M v), with the axes M.
 Pose MappedDevice::in_scene(const Pose& pose) const noexcept {
   Pose mapped = tool_;
   mapped.position += scale_ * (axes_ * (pose.position - hand_.position));
@@ -121,8 +124,8 @@ Command MappedDevice::to_device(const Command& c) const noexcept {
           .torque = turning_ * (axes_.transpose() * c.torque)};
 }
 
-/// Updates the clutch. `holds`: the device held a force since the last reading, or a written force
-/// has not yet arrived.
+/// Updates the state of the clutch, and maps the pose of `reading`. `holds`: the device held a
+/// force since the last reading, or a written force has not yet arrived.
 void MappedDevice::clutch(DeviceReading& reading, bool holds) noexcept {
   const Pose hand = reading.pose;
   switch (state_) {
@@ -161,7 +164,7 @@ Command MappedDevice::write(const Command& on_hand) noexcept {
   const Command given = actuated(device_->spec(), asked);
   const Command held = device_->write(given);
   command_delay_.written(given, held);
-  // Return a fully held force without a rounding error.
+  // Return a fully held command itself, so that it has no rounding error.
   return held == asked && state_ == Tool::led ? on_hand : to_scene(held);
 }
 

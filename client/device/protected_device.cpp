@@ -13,21 +13,21 @@
 namespace feltwire {
 namespace {
 
-constexpr double kTakeUp = 0.5;         // [s] to take up or release the weight
-constexpr double kStillWithin = 0.003;  // [m]
+constexpr double kTakeUp = 0.5;         // [s] time to take up or release the tool's weight
+constexpr double kStillWithin = 0.003;  // [m] largest movement of a still hand
 constexpr Nanoseconds kLongPause = std::chrono::milliseconds(20);
 constexpr int kMostButtons = 32;
-constexpr double kNoForceLeft = 1e-9;  // [N] rounding error of the mean of two equal forces
-// Largest share of the continuous force that the weight of a tool may use.
+constexpr double kNoForceLeft = 1e-9;  // [N] largest rounding error of the mean of two equal forces
+// Largest share of the device's continuous force that the weight of a tool may use.
 constexpr double kMostOfForce = 0.8;
 
-/// Throws unless the number is valid. Zero means no button.
+/// Throws std::invalid_argument unless the button number is valid. Zero means no button.
 void require_number(const char* option, int button) {
   if (button < 0 || button > kMostButtons)
     throw std::invalid_argument(std::string(option) + " must be from 1 to 32");
 }
 
-/// Buttons count from 1. Zero means no button.
+/// Returns whether the button is pressed. Buttons count from 1, and 0 means no button.
 bool is_pressed(std::uint32_t buttons, int button) noexcept {
   return button > 0 && (buttons >> static_cast<unsigned>(button - 1) & 1U) != 0;
 }
@@ -66,7 +66,8 @@ ProtectedDevice::ProtectedDevice(std::unique_ptr<Device> device, const Protectio
       emergency_(std::move(emergency)),
       spec_(protected_spec(device_->spec(), options)) {}
 
-/// A pressed enabling switch counts as still, because it proves the presence of a person's hand.
+/// Returns whether the hand has been still for the required time. A pressed enabling switch also
+/// suffices, because it proves that a person holds the device.
 bool ProtectedDevice::still(const DeviceReading& reading, Nanoseconds now) noexcept {
   if (options_.still == 0.0 || reading.deadman) return true;
   if (!since_ || (reading.pose.position - still_at_).norm() > kStillWithin) {
@@ -90,19 +91,20 @@ DeviceReading ProtectedDevice::read(Nanoseconds now) noexcept {
   if (options_.clutch_button) reading.clutch = is_pressed(reading.buttons, *options_.clutch_button);
   if (reading.ok && emergency_->pressed()) {
     if (!reading.fresh) reading.pose = pose_;
-    reading.fresh = true;  // makes the tick write zero force
+    reading.fresh = true;  // so that this tick writes zero force
     reading.withheld = Withheld::emergency;
   }
   if (reading.fresh) pose_ = reading.pose;
   if (reading.held) reading.held = less_weight(*reading.held);
   if (!reading.ok || reading.withheld != Withheld::nothing) {
-    // A fault leaves the force unknown, but the hand may still hold the device.
+    // After a fault, only take up the weight again, because the hand may still hold the device.
+    // Otherwise also wait until the hand is still.
     stage_ = reading.ok || stage_ == Stage::moving ? Stage::moving : Stage::rising;
     share_ = 0.0;
     since_.reset();
   } else if (stage_ == Stage::open && options_.tool_weight > 0.0 && !lowering_ &&
              now - changed_ > kLongPause) {
-    // The device made no ticks and has released the weight.
+    // The device made no ticks for a long time and has released the weight, so take it up again.
     stage_ = Stage::rising;
     share_ = 0.0;
     reading.withheld = Withheld::starting;

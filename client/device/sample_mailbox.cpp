@@ -80,8 +80,9 @@ Command SampleMailbox::exchange(DeviceReading reading, Nanoseconds patience) noe
   return applied_;
 }
 
-/// Takes the offers since the last call. Averages the held forces of skipped readings over time. A
-/// single fault marks the result as faulty. Returns true if an offer arrived.
+/// Takes all readings that exchange() offered since the last call, and stores the newest reading in
+/// news_. Its held force is the time average over these readings, and a fault of any of them makes
+/// it faulty. Returns true if a reading arrived.
 bool SampleMailbox::take() noexcept {
   Offer offer;
   while (offers_.pop(offer)) {
@@ -120,7 +121,7 @@ Command SampleMailbox::write(const Command& on_hand) noexcept {
   std::uint64_t standing = taken_;
   const std::uint64_t answer = taken_ + 1;
   taken_ = 0;
-  command_ = on_hand;  // the reader ignores it unless the next line succeeds
+  command_ = on_hand;  // exchange() uses it only if the next line succeeds
   if (!state_.compare_exchange_strong(standing, answer, std::memory_order_acq_rel))
     return expected_;
   device_wake_.set();

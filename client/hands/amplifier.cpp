@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kUnit = 0x1p-53;  // maps the upper 53 bits of a draw to [0, 1)
+// Factor that maps the upper 53 bits of a random number to [0, 1).
+constexpr double kUnit = 0x1p-53;
 
 }  // namespace
 
@@ -21,7 +22,7 @@ void Amplifier::write(double time, const Vec3& written) noexcept {
   double arrives = time + plant_.delay;
   if (plant_.jitter > 0.0)
     arrives += plant_.jitter * kUnit * static_cast<double>(splitmix::draw(seed_, writes_++) >> 11U);
-  // A newer force replaces every older force that would arrive later.
+  // A newer force discards each waiting force that would arrive later.
   while (count_ > 0 && waiting(count_ - 1).arrives >= arrives) --count_;
   if (count_ == kRoom) {
     target_ = waiting(0).vector;
@@ -39,7 +40,8 @@ void Amplifier::take_arrived(double now) noexcept {
   }
 }
 
-/// Returns the integral of the output over `span` under one target. Sets output_ to the end value.
+/// Returns the integral of the output over `span` [s] for a constant target. Sets output_ to the
+/// output at the end of `span`.
 Vec3 Amplifier::settle(double span) noexcept {
   if (!(plant_.lag > 0.0)) {
     output_ = target_;

@@ -7,15 +7,15 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestStep = 20e-6;  // [s]
+constexpr double kLongestStep = 20e-6;  // [s] longest integration step
 
-/// Applies dry friction to a velocity, axis by axis. Friction changes a velocity by at most `most`.
+/// Applies dry friction: brings each component of a velocity closer to zero, by at most `most`.
 void rub(Vec3& velocity, double most) noexcept {
   for (double& v : velocity) v = std::abs(v) > most ? v - std::copysign(most, v) : 0.0;
 }
 
-/// A velocity step with implicit damping: (1 + h/m B)^-1. `scale` is a number for isotropic
-/// damping, `solve` a matrix for all others.
+/// Implicit damping in a time step h: multiplies a velocity by (1 + h/m B)^-1, with the mass m and
+/// the damping matrix B. The factor is `scale` for isotropic damping, else `solve`.
 struct ImplicitDamping {
   ImplicitDamping(Damping device, double hand, double step_over_mass) {
     device += hand;
@@ -31,7 +31,7 @@ struct ImplicitDamping {
   Mat3 solve;
 };
 
-/// Returns the factor that reduces the length of `v` to at most `most`.
+/// Returns the factor, at most 1, that limits the length of `v` to `most`. 0 means no limit.
 double share_within(const Vec3& v, double most) noexcept {
   const double length = v.norm();
   return most > 0.0 && length > most ? most / length : 1.0;
@@ -65,7 +65,7 @@ HandDevice::HandDevice(const DeviceSpec& spec, const Hand& given, const Plant& p
   if (plant.ideal()) return;
   plant_.emplace(plant, spec_, hand_);
   Plant::Amplifier of_torque = plant.amplifier;
-  of_torque.resolution = 0.0;  // this resolution applies to forces only
+  of_torque.resolution = 0.0;  // the resolution applies to forces only
   torque_amplifier_.emplace(of_torque, plant.seed);
 }
 
@@ -84,7 +84,8 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading;
   const double quantum = spec_.position_resolution;
   Vec3 measured = plant_ ? plant_->measured() : position_;
-  if (spec_.translation_dof == 2) measured.z() = position_.z();  // this axis has no encoder
+  // A device with two axes has no encoder along z.
+  if (spec_.translation_dof == 2) measured.z() = position_.z();
   for (int i = 0; i < 3; ++i)
     reading.pose.position[i] =
         quantum > 0.0 ? std::round(measured[i] / quantum) * quantum : measured[i];
@@ -92,7 +93,8 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
   return reading;
 }
 
-/// Rotations about two axes do not commute. Further rounds remove the error of the first round.
+/// Returns the orientation, rounded to the encoder resolution. Rotations about different axes do
+/// not commute, so several rounds of rounding are necessary.
 Quaternion HandDevice::measured_orientation() noexcept {
   const double quantum = spec_.rotational_resolution;
   if (!(quantum > 0.0)) return orientation_;
@@ -167,7 +169,7 @@ void HandDevice::move(double until, double span, int steps) noexcept {
 
   const double mass = spec_.apparent_mass + hand_.mass;
   const ImplicitDamping damped(spec_.damping, hand_.damping, h / mass);
-  // [m/s] Largest change per step.
+  // [m/s] Largest velocity change by dry friction per step.
   const double friction_impulse = spec_.coulomb_friction * h / mass;
   for (int i = 0; i < steps; ++i) {
     intended_ += h * intended_velocity;
@@ -205,7 +207,7 @@ void HandDevice::turn(double until, double span, int steps) noexcept {
 
   const double inertia = spec_.apparent_inertia + hand_.inertia;
   const ImplicitDamping damped(spec_.rotational_damping, hand_.rotational_damping, h / inertia);
-  // [rad/s] Largest change per step.
+  // [rad/s] Largest change of the angular velocity by dry friction per step.
   const double friction_impulse = spec_.rotational_friction * h / inertia;
   for (int i = 0; i < steps; ++i) {
     intended_orientation_ = turned(intended_orientation_, h * intended_velocity);

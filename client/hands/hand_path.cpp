@@ -38,7 +38,7 @@ void go_round(HandTask& task, double radius) {
 
 void set_normal(HandTask& task, const Vec3& normal) {
   task.normal = normal;
-  // Use the x axis unless the normal is parallel to it, else the y axis.
+  // Use the x axis, or the y axis if the normal is almost parallel to x.
   task.along = std::abs(normal.x()) > 0.9 * normal.norm() ? Vec3::UnitY() : Vec3::UnitX();
 }
 
@@ -63,17 +63,19 @@ IntendedMotion::IntendedMotion(const HandTask& task) : task_(task) {
     for (auto& tone : axis) tone = {8.0 + 4.0 * uniform(state), kTurn * uniform(state)};
 }
 
-/// Returns the intended position. Before the approach, the hand moves out and back once per second.
+/// Returns the intended position at the time t [s]. Until the time `air`, the hand moves away from
+/// the surface and back once per second. Then it begins its path.
 Vec3 IntendedMotion::position(double t) const noexcept {
   if (t >= task_.air) return with_tremor(on_path(t - task_.air), t);
-  constexpr double kOut = 0.06;  // [m]
+  constexpr double kOut = 0.06;  // [m] distance of the movement away from the surface
   const bool from_circle = task_.path == HandPath::orbit && task_.depth == 0.0;
   const Vec3& outward = from_circle ? task_.along : task_.normal;
   const double out = 0.5 * kOut * (1.0 - std::cos(kTurn * t));
   return with_tremor(on_path(0.0) + out * outward, t);
 }
 
-/// Adds the tremor. Three tones of amplitude a have an RMS amplitude of a sqrt(3/2).
+/// Adds the tremor along each axis: three sine waves. Three sine waves of amplitude a have together
+/// the RMS value a sqrt(3/2).
 Vec3 IntendedMotion::with_tremor(Vec3 p, double t) const noexcept {
   if (!(task_.tremor > 0.0)) return p;
   const double amplitude = task_.tremor * std::sqrt(2.0 / kTones);
@@ -115,7 +117,8 @@ Vec3 IntendedMotion::on_path(double t) const noexcept {
       break;
     }
     case HandPath::strike: {
-      const double s = std::min(1.0, t / task_.lead_in);  // integral of a smoothstep
+      // Relative time; `way` is the integral of a smoothstep speed.
+      const double s = std::min(1.0, t / task_.lead_in);
       const double way = task_.speed * (task_.lead_in * (s * s * s - 0.5 * s * s * s * s) +
                                         std::max(0.0, t - task_.lead_in));
       const double start = task_.clearance + 0.5 * task_.speed * task_.lead_in;

@@ -7,7 +7,8 @@
 namespace feltwire {
 namespace {
 
-// No device and no hand exceeds these limits. A larger number probably has the wrong unit.
+// Largest (and least) valid values. No device and no hand exceeds them, so a larger number probably
+// has the wrong unit.
 constexpr double kMostLag = 0.05;           // [s]
 constexpr double kMostPlantForce = 100.0;   // [N]
 constexpr double kMostStiffness = 1e9;      // [N/m]
@@ -17,7 +18,7 @@ constexpr double kMostWidth = 0.01;         // [m]
 constexpr double kMostVelocity = 10.0;      // [m/s]
 constexpr double kMostReflexDelay = 0.2;    // [s]
 constexpr double kLeastReflexDelay = 1e-3;  // [s]
-constexpr double kMostGrip = 10.0;          // largest grip factor
+constexpr double kMostGrip = 10.0;          // grip factor
 constexpr double kMostGripTime = 1e7;       // [s]
 
 std::string short_number(double value) {

@@ -10,17 +10,18 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPlantStep = 10e-6;           // [s]
-constexpr double kShortestPlantStep = 0.2e-6;  // [s]
-constexpr double kPhase = 0.1;                 // [rad] largest phase of the fastest spring per step
+constexpr double kPlantStep = 10e-6;           // [s] longest time step
+constexpr double kShortestPlantStep = 0.2e-6;  // [s] shortest allowed time step
+constexpr double kPhase = 0.1;     // [rad] largest phase change of the fastest spring per step
 constexpr double kDecay = 0.05;    // largest relative decay of a velocity by damping per step
 constexpr int kMostRounds = 30;    // largest number of iterations per step
 constexpr double kSolved = 1e-14;  // relative velocity change that ends the iteration
 constexpr double kStill = 1e-15;   // [m/s] absolute velocity change that ends the iteration
-constexpr std::size_t kMemoryMargin = 5;  // stored errors beyond the delay
+constexpr std::size_t kMemoryMargin = 5;  // number of stored errors beyond the reflex delay
 constexpr std::uint64_t kNoiseSeed = 0x6e6f697365;
 
-/// Returns the strain of a spring whose backlash has the given width.
+/// Returns the strain of a spring at the displacement `way`. The spring has a backlash of the given
+/// width.
 double beyond(double way, double width) noexcept {
   const double out = std::abs(way) - 0.5 * width;
   return out > 0.0 ? std::copysign(out, way) : 0.0;
@@ -33,12 +34,12 @@ double even(std::uint64_t seed, std::uint64_t i) noexcept {
 
 double largest(const Vec3& v) noexcept { return v.cwiseAbs().maxCoeff(); }
 
-/// The sums of the springs and dampers at a body.
+/// Sums of the stiffness and damping of all springs and dampers at a body, and its mass.
 struct Pull {
   double stiffness = 0.0, damping = 0.0, mass = 0.0;
 };
 
-/// Returns the longest accurate step for a body [s]. The factor 2 covers the motion of the
+/// Returns the longest accurate time step for a body [s]. The factor 2 allows for the motion of the
 /// neighbour bodies.
 double step_for(const Pull& body) {
   const double fastest = std::sqrt(2.0 * body.stiffness / body.mass);
@@ -121,8 +122,8 @@ double PlantMotion::grip(double time) const noexcept {
   return grips.back().share;
 }
 
-/// Returns the reflex force. It follows the position error of `reflex_delay` ago, interpolated
-/// between two stored errors.
+/// Returns the reflex force. It depends on the position error at the earlier time `time` -
+/// reflex_delay, interpolated between two stored errors.
 Vec3 PlantMotion::reflex(double time) noexcept {
   const double at = (time - plant_.hand.reflex_delay) / kMemoryStep;
   if (!(at >= 0.0)) return Vec3::Zero();
@@ -140,8 +141,9 @@ void PlantMotion::remember(double time, const Vec3& error, const Vec3& rate) noe
     memory_[remembered_++ % memory_.size()] = {error, rate};
 }
 
-/// Computes the transmission force. The spring force is the change of energy divided by the change
-/// of length. So a step at the edge of the backlash keeps the energy.
+/// Computes the transmission force. The spring force is the change of the spring's energy divided
+/// by the change of its length. So a time step across the edge of the backlash conserves the
+/// energy.
 void PlantMotion::strain_transmission(const Bodies& moved, double span,
                                       Forces& forces) const noexcept {
   const Plant::Transmission& t = plant_.transmission;
@@ -152,13 +154,13 @@ void PlantMotion::strain_transmission(const Bodies& moved, double span,
     const double d1 = beyond(before[axis] + change[axis], t.backlash);
     double spring = 0.5 * t.stiffness * (d0 + d1), damper = t.damping * change[axis] / span;
     if (t.backlash > 0.0) {
-      // Share of the step in which the spring is strained.
+      // Share of the movement in which the spring is strained.
       double share = d0 * d1 > 0.0 ? 1.0 : 0.0;
       if (share == 0.0 && change[axis] != 0.0)
         share = std::clamp((d1 - d0) / change[axis], 0.0, 1.0);
       spring *= share;
       damper *= share;
-      // The transmission cannot pull at the edge of the backlash.
+      // At the edge of the backlash the parts can only push, so limit the damper force.
       if (spring * (spring + damper) <= 0.0) damper = -spring;
     }
     forces.transmission_spring[axis] = spring;
@@ -181,8 +183,8 @@ PlantMotion::Forces PlantMotion::forces(const Bodies& moved, const Drive& drive)
   return forces;
 }
 
-/// Returns the velocities after the step. Sets the dry friction that stops the motor, limited to
-/// `most_dry`.
+/// Returns the velocities after the step. Sets forces.dry, the dry friction at the motor, limited
+/// to `most_dry`.
 PlantMotion::Bodies PlantMotion::accelerated(Forces& forces, const Bodies& moved,
                                              const Drive& drive,
                                              const Vec3& most_dry) const noexcept {
@@ -199,7 +201,7 @@ PlantMotion::Bodies PlantMotion::accelerated(Forces& forces, const Bodies& moved
   pull[hand_body_] += forces.arm + drive.reflex;
   Bodies velocity = velocity_;
   for (std::size_t i = 0; i < count_; ++i) velocity[i] += drive.step / mass_[i] * pull[i];
-  const double impulse = drive.step / mass_[kMotor];  // [s/kg]
+  const double impulse = drive.step / mass_[kMotor];  // [s/kg] velocity change per force
   for (int axis = 0; axis < 3; ++axis) {
     double& v = velocity[kMotor][axis];
     forces.dry[axis] = -std::clamp(v / impulse, -most_dry[axis], most_dry[axis]);
@@ -239,13 +241,13 @@ double PlantMotion::stored() const noexcept {
   return energy;
 }
 
-/// Adds the work of the forces over the displacements `moved`.
+/// Adds the work of the forces over the displacements `moved` to flow_.
 void PlantMotion::count(const Forces& forces, const Bodies& moved, const Bodies& velocity,
                         const Drive& drive) noexcept {
   const Vec3& hand = moved[hand_body_];
   flow_.given += drive.motor.dot(moved[kMotor]);
   flow_.burned += damping_.quadratic(moved[kMotor]) / drive.step - forces.dry.dot(moved[kMotor]);
-  // Without a finger pad, the contact force is the force on the hand's mass.
+  // Without a finger pad, the contact force is the force that accelerates the hand's mass.
   const Vec3 held =
       pad_ ? forces.pad
            : Vec3(arm_.mass / drive.step * (velocity[hand_body_] - velocity_[hand_body_]) -
@@ -298,7 +300,7 @@ void PlantMotion::step(double begin, double span, const Vec3& intended,
   }
   arm_error_ = drive.error + drive.intended_way - moved[hand_body_];
   share_ = drive.grip_after;
-  // The arm supplies the energy if a tighter grip stiffens strained springs.
+  // A tighter grip stiffens strained springs. The arm supplies this energy.
   if (grips)
     flow_.by_arm += spring_energy(share_, arm_error_) - loose -
                     (spring_energy(drive.grip(), arm_error_) - mean_loose);

@@ -16,12 +16,13 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLatest = 1e10;  // [s] a larger time has too few digits
+constexpr double kLatest = 1e10;  // [s] largest valid time; a larger time has too few digits
 constexpr double kNotUnit =
     0.01;  // tolerance of the quaternion norm, above the rounding of printed digits
 
-/// Finds jumps by the times of the recording. The ticks of the servo are unsuitable: a long tick
-/// would hide a jump, and a short tick would turn every row into a jump.
+/// Returns for each row whether the pose jumps to the next row. Compares the times of the
+/// recording. The servo's ticks are unsuitable: a long tick would hide a jump, and a short tick
+/// would turn every row into a jump.
 std::vector<bool> jumps_of(const Recording& recording, const DeviceSpec& spec) {
   const auto& poses = recording.poses;
   std::vector<bool> jumps(poses.size());
@@ -72,7 +73,8 @@ Recording read_recording(std::istream& in, const std::string& file) {
 }
 
 Recording read_recording(const std::filesystem::path& file, std::string_view remedy) {
-  constexpr std::size_t kLargest = std::size_t{512} << 20;  // [bytes] more than an hour at 1 kHz
+  // [bytes] More than an hour of rows at 1 kHz.
+  constexpr std::size_t kLargest = std::size_t{512} << 20;
   std::istringstream in = [&] {
     try {
       std::string text = read_regular_file(file, kLargest, remedy);
@@ -121,7 +123,7 @@ DeviceReading ReplayDevice::read(Nanoseconds now) noexcept {
   const double time = recording_.poses.front().time + passed;
   const std::size_t before = cursor_;
   const Pose pose = pose_at(recording_, time, cursor_);
-  // Include the skipped rows since the last reading.
+  // Include the jumps of all rows since the last reading.
   bool jumped = false;
   for (std::size_t row = std::min(before + 1, cursor_); row <= cursor_; ++row)
     jumped |= jumps_after_[row];

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
                            std::generic_category().message(error) + "; " + remedy);
 }
 
-/// Bits in the layout of the kernel: machine words, lowest bits first.
+/// Bits in the kernel's layout: machine words, lowest bits first.
 template <std::size_t Count>
 struct Bits {
   static constexpr std::size_t kPerWord = sizeof(unsigned long) * CHAR_BIT;
@@ -90,7 +90,7 @@ void EventNode::take() {
 std::optional<std::size_t> EventNode::read(std::span<input_event> room) const noexcept {
   const ssize_t count = ::read(descriptor_, room.data(), room.size_bytes());
   if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return 0;
-  // The kernel always returns whole events.
+  // The kernel returns only whole events, so any other size is an error.
   if (count <= 0 || count % static_cast<ssize_t>(sizeof(input_event)) != 0) return std::nullopt;
   return static_cast<std::size_t>(count) / sizeof(input_event);
 }
@@ -121,7 +121,7 @@ InputAxes EventNode::axes() const noexcept {
 }
 
 InputAxes EventNode::relative_axes() const noexcept {
-  Bits<ABS_CNT> bits;  // also holds the relative axes: REL_CNT is smaller
+  Bits<ABS_CNT> bits;  // large enough for the relative axes, because REL_CNT is smaller
   control_(descriptor_, EVIOCGBIT(EV_REL, sizeof bits.words), bits.words.data());
   return bits.set();
 }

@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Parses a line of /sys: hexadecimal words, the highest first, without leading zeros. Returns no
-/// bits for any other line.
+/// Returns the bits of a line in /sys: hexadecimal words, the highest word first, without leading
+/// zeros. Returns no bits for any other line.
 template <std::size_t Count>
 std::bitset<Count> bits_of(const std::string& line) {
   constexpr std::size_t kPerWord = sizeof(unsigned long) * CHAR_BIT;
@@ -32,7 +32,7 @@ std::bitset<Count> bits_of(const std::string& line) {
   return bits;
 }
 
-/// Returns the number of "event5", or nothing for other names.
+/// Returns the number in a name such as "event5", or nothing for other names.
 std::optional<unsigned> event_number(const fs::path& path) {
   constexpr std::string_view kEvent = "event";
   const std::string name = path.filename().string();

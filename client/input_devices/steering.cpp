@@ -13,10 +13,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kRelativeSilence = milliseconds(100);  // 3D mice report every 8 to 16 ms
+// Longest silence of a moved 3D mouse, which reports every 8 to 16 ms.
+constexpr Nanoseconds kRelativeSilence = milliseconds(100);
 constexpr Nanoseconds kSilence = milliseconds(2000);
-constexpr double kRelativeReach = 350.0;  // [counts] range of a 3Dconnexion axis
-constexpr double kGripper = 0.08;         // [m] open gripper
+constexpr double kRelativeReach = 350.0;  // [counts] largest deflection of a 3Dconnexion axis
+constexpr double kGripper = 0.08;         // [m] opening of the open gripper
 constexpr double kLargestRest = 0.9;
 
 void require_of_steering(bool good, const char* message) {
@@ -58,8 +59,8 @@ InputState::Axis InputState::absolute(const EventNode& node, unsigned code, doub
           std::clamp(info->flat / reach, dead_zone, kLargestRest)};
 }
 
-/// Assigns the axes. The kernel's axes are right, towards the person, down, and rotations about
-/// them.
+/// Assigns the device's axes to the directions of the hand. The kernel's axes x, y and z point
+/// right, towards the person and down. The other axes are rotations about x, y and z.
 void InputState::lay_out(const EventNode& node, std::string_view kind, double dead_zone) {
   const InputAxes has = node.axes();
   if (kind == "spacemouse") {
@@ -70,7 +71,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
     constexpr std::array<std::pair<unsigned, double>, kSix> kAxes = {
         {{ABS_Y, 1.0}, {ABS_X, 1.0}, {ABS_Z, -1.0}, {ABS_RY, 1.0}, {ABS_RX, 1.0}, {ABS_RZ, -1.0}}};
     for (std::size_t i = 0; i < kSix; ++i) {
-      const auto [code, sign] = kAxes[i];  // EV_REL uses the same numbers
+      const auto [code, sign] = kAxes[i];  // EV_REL uses the same axis numbers as EV_ABS
       layout_[i] = relative_ ? Axis{code, sign, 0.0, kRelativeReach, dead_zone}
                              : absolute(node, code, sign, dead_zone);
     }
@@ -79,7 +80,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   enable_ = BTN_TR;
   clutch_ = BTN_TL;
   others_ = kPadButtons;
-  const bool usual = has[ABS_RX] && has[ABS_RY];  // false for pads without a driver of their own
+  const bool usual = has[ABS_RX] && has[ABS_RY];  // false for gamepads without their own driver
   const auto put = [&](std::size_t place, unsigned code, double sign) {
     if (has[code]) layout_[place] = absolute(node, code, sign, dead_zone);
   };
@@ -92,7 +93,7 @@ void InputState::lay_out(const EventNode& node, std::string_view kind, double de
   lay_out_gripper(node, has, usual);
 }
 
-/// Finds the right trigger. Its code depends on the pad.
+/// Finds the right trigger, which moves the gripper. Its code depends on the gamepad.
 void InputState::lay_out_gripper(const EventNode& node, const InputAxes& has, bool usual) {
   if (has[ABS_HAT2X]) trigger_ = ABS_HAT2X;
   if (has[ABS_GAS]) trigger_ = ABS_GAS;
@@ -143,7 +144,7 @@ bool InputState::take(const input_event& event, Nanoseconds now, const EventNode
     coming_.axes[event.code] = event.value;
   if (event.type == EV_REL && event.code <= REL_RZ && relative_) {
     const std::size_t group = event.code < REL_RX ? 0 : 1;
-    // A packet contains all three axes, but the kernel omits zeros.
+    // A packet contains all three axes of a group, but the kernel omits zeros.
     if (!moved_[group]) std::fill_n(coming_.axes.begin() + (group == 0 ? REL_X : REL_RX), 3, 0);
     moved_[group] = true;
     coming_.axes[event.code] = event.value;
@@ -158,8 +159,8 @@ void InputState::end_packet(Nanoseconds now) noexcept {
   moved_ = {};
 }
 
-/// Returns the deflection, -1 to 1, and zero at rest. The square makes the tool slow at small
-/// deflections.
+/// Returns the deflection of an axis, from -1 to 1, and 0 near rest. The deflection is squared, so
+/// that small deflections move the tool slowly.
 double InputState::deflection(const Axis& axis, Nanoseconds now) const noexcept {
   if (axis.sign == 0.0) return 0.0;
   if (relative_ && now - moved_at_[axis.code < REL_RX ? 0 : 1] > kRelativeSilence) return 0.0;

@@ -20,7 +20,7 @@ struct Known {
   std::string_view vendor, product;  // an empty product matches any product
   std::string_view what, kind;
 };
-// Identifiers that other users have reported.
+// USB identifiers that other users have reported.
 constexpr std::array kKnown = {
     Known{"1451", "", "Force Dimension", "forcedimension"},
     Known{"0403", "cb48", "Novint Falcon", "falcon"},
@@ -39,7 +39,7 @@ std::string three_digits(const std::string& number) {
   return std::string(3 - number.size(), '0') + number;
 }
 
-/// Returns the node of the device, and the nodes of its serial ports and HID interfaces.
+/// Returns the device files (nodes) of a USB device, of its serial ports and of its HID interfaces.
 std::vector<fs::path> nodes_of(const fs::path& device) {
   std::vector<fs::path> nodes;
   const std::string bus = three_digits(line_of(device / "busnum"));
@@ -56,7 +56,8 @@ std::vector<fs::path> nodes_of(const fs::path& device) {
   return nodes;
 }
 
-/// Returns "ModemManager (process 812)" for each other process that has the node open.
+/// Returns a text such as "ModemManager (process 812)". It lists each other process that has the
+/// node open.
 std::string holders(const fs::path& root, const fs::path& node) {
   std::string list;
   for (const fs::path& process : entries(root / "proc")) {
@@ -74,7 +75,7 @@ std::string holders(const fs::path& root, const fs::path& node) {
   return list;
 }
 
-/// Adds a complaint if the node is missing, or if this program lacks the rights.
+/// Adds a complaint to `device` if the node is missing, or if this program may not open it.
 void check_node(const Machine& machine, const fs::path& node, int rights, const std::string& rule,
                 ConnectedDevice& device) {
   const fs::path file = machine.root / node.relative_path();
@@ -110,8 +111,8 @@ void examine(const Machine& machine, const Known& known, const std::string& prod
          "write a plugin (docs/devices.md#as-a-plugin-in-c---device-pluginfilesoarguments)"});
 }
 
-/// Examines an input device. Other readers are no problem, because many programs may read an event
-/// node.
+/// Returns an input device and its problems. Other readers are no problem, because many programs
+/// may read an event node.
 ConnectedDevice examined(const Machine& machine, const InputNode& node) {
   ConnectedDevice device{node.vendor + ":" + node.product,
                          (node.kind == "gamepad" ? "Gamepad" : "3D mouse") +

@@ -16,17 +16,18 @@ namespace feltwire {
 namespace drd {
 namespace {
 
-// Return values besides 0 and -1: old reading, limited force.
+// Return values of the SDK besides 0 and -1 (error): old reading, limited force.
 constexpr int kOld = 1, kSaturated = 2;
 // Indices in dhdGetStatus(). The number of valid entries depends on the SDK.
 constexpr std::size_t kConnected = 1, kForce = 5, kGravity = 10, kOffCause = 14, kStatuses = 32;
-constexpr int kByWatchdog = 3;           // the watchdog switched the force off
-constexpr int kNoDevice = 5;             // value of dhdErrorGetLast()
-constexpr unsigned char kWatchdog = 80;  // [125 us] the force ends 10 ms after the last call
-constexpr int kOldest = 3;               // oldest supported SDK version
+constexpr int kByWatchdog = 3;  // value of status[kOffCause] if the watchdog acted
+constexpr int kNoDevice = 5;    // value of dhdErrorGetLast()
+// Time of the watchdog, 80 x 125 us = 10 ms. The force ends this long after the last call.
+constexpr unsigned char kWatchdog = 80;
+constexpr int kOldest = 3;  // oldest supported SDK version
 
-/// Adds torque to the specification of a device that reports wrist motors. The inertia stays
-/// unknown.
+/// Adds torque to the specification of a device that reports wrist motors, with the values of the
+/// sigma.7. The inertia stays unknown.
 void add_torque(SourcedSpec& described) {
   const SourcedSpec sigma = sourced_spec("sigma.7");
   DeviceSpec& spec = described.spec;
@@ -39,7 +40,8 @@ void add_torque(SourcedSpec& described) {
     described.sources[field] = "assumption: as the sigma.7";
 }
 
-/// Returns the specification for the name of the model. `torque`: the wrist has motors.
+/// Returns the specification of the model `name`. `wrist`: the device senses rotation. `torque`:
+/// the wrist has motors.
 SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   constexpr std::pair<const char*, const char*> kFiles[] = {
       {"omega", "omega.7"},   {"delta", "delta.3"},
@@ -52,20 +54,20 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   SourcedSpec described = sourced_spec(file != nullptr ? file : "lambda.7");
   DeviceSpec& spec = described.spec;
   spec.name = name;
-  spec.late_ticks = 0;  // only the driver in falcon.cpp is late by a tick
+  spec.late_ticks = 0;  // only the driver in falcon.cpp applies forces one tick late
   described.sources.erase("late_ticks");
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";
   if (torque && spec.rotation_actuated == 0) add_torque(described);
   if (file != nullptr) return described;
-  constexpr double kSmallest = 5.0;  // [N]
+  constexpr double kSmallest = 5.0;  // [N] assumed largest force of an unknown model
   spec.max_force = spec.continuous_force = kSmallest;
   described.sources["max_force"] = "assumption: a model that is not known here";
   return described;
 }
 
-/// Returns the connection. A Falcon uses full-speed USB. The others use high-speed USB or a card
-/// that is at least as fast.
+/// Returns how a model is connected. A Falcon uses full-speed USB. The others use high-speed USB or
+/// a card that is at least as fast.
 const Connection& connection_of(const std::string& model) {
   const bool falcon = model.find("alcon") != std::string::npos;
   return falcon ? kFullSpeedUsbConnection : kUsbConnection;
@@ -82,7 +84,7 @@ char device_number(const std::string& name) {
   return static_cast<char>(number);
 }
 
-/// Returns the cause that switched the force off, and its remedy.
+/// Returns why the force is off, and the remedy.
 const char* force_is_off(int cause) noexcept {
   switch (cause) {
     case 1:
@@ -152,7 +154,8 @@ class ForceDimensionDevice final : public Device {
         wrist_ ? call_.frame(&x, &y, &z, axes, id_) : call_.position(&x, &y, &z, id_);
     reading.ok = answer >= 0 && !lost_;
     if (answer == kOld && reading.ok) {
-      // Write a force even now, because each write restarts the firmware's watchdog.
+      // Write a force even without a new reading, because each write restarts the firmware's
+      // watchdog.
       lost_ = give(on_hand_) < 0;
       reading.ok = !lost_;
       reading.fresh = false;
@@ -161,7 +164,7 @@ class ForceDimensionDevice final : public Device {
     reading.pose.position = {x, y, z};
     const unsigned pressed = call_.buttons != nullptr ? call_.buttons(id_) : 0;
     reading.buttons = pressed;
-    reading.clutch = (pressed & 1U) != 0;  // most models have one button
+    reading.clutch = (pressed & 1U) != 0;  // button 1, because most models have only one button
     reading.deadman = (pressed & 2U) != 0;
     if (wrist_) {
       Mat3 turn;
@@ -179,14 +182,14 @@ class ForceDimensionDevice final : public Device {
     if (let_go_->asked()) return {};
     const bool nothing = on_hand.force().isZero(0.0) && on_hand.torque.isZero(0.0);
     const int answer = give(on_hand);
-    // A failed call leaves the force on the hand unknown. Report no movement until a zero force has
-    // succeeded.
+    // A failed call leaves the force on the hand unknown. Report failed readings until a write of
+    // zero force has succeeded.
     lost_ = answer < 0 || (lost_ && !nothing);
     if (lost_) return {};
     Status status{};
     if (call_.status(status.data(), id_) < 0 || status[kConnected] == 0) lost_ = true;
-    // Gravity compensation was switched on or off. The work of the handle's weight over a closed
-    // path is not zero then.
+    // Gravity compensation was switched on or off. The handle's weight can then do work over a
+    // closed path, so treat this as a failed call.
     if (!lost_ && (status[kGravity] != 0) != compensates_) {
       compensates_ = !compensates_;
       lost_ = true;
@@ -205,8 +208,8 @@ class ForceDimensionDevice final : public Device {
       lost_ = true;
       return {};
     }
-    // A saturated motor keeps the direction of the force. Use only the share along the command,
-    // because the device may report other forces too.
+    // Saturated motors shorten the force but keep its direction. Use only the part of the reported
+    // force along the command, because the report may contain other forces too.
     const Vec3 asked = on_hand.force();
     return held_command(on_hand, held_share(force, asked) * asked,
                         held_share(torque, on_hand.torque) * on_hand.torque);
@@ -296,7 +299,8 @@ class ForceDimensionDevice final : public Device {
     let_go_ = std::make_unique<AsyncSignalRelease>([this] { give({}); });
   }
 
-  /// Starts the watchdog. It ends the force if the program crashes or the machine stops.
+  /// Starts the device's watchdog, which ends the force if the program crashes or the machine
+  /// stops.
   void begin_watchdog() {
     unsigned char set = 0;
     const bool there = call_.expert_on != nullptr && call_.expert_off != nullptr &&
@@ -315,10 +319,10 @@ class ForceDimensionDevice final : public Device {
   Calls call_;
   char id_ = 0;
   bool wrist_ = false;
-  bool torque_ = false;  // the session uses wrist motors
+  bool torque_ = false;  // whether the session uses wrist motors
   bool gripper_ = false;
-  bool compensates_ = false;  // gravity compensation is on
-  bool lost_ = false;         // a failed call left the force on the hand unknown
+  bool compensates_ = false;  // whether gravity compensation is on
+  bool lost_ = false;         // whether a failed call left the force on the hand unknown
   SourcedSpec described_;
   std::vector<std::string> notes_;
   Command on_hand_;

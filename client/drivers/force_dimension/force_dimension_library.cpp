@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the search paths of the SDK. libdrd comes first because it contains all of libdhd.
+/// Returns the library files to try, in this order. libdrd comes before libdhd because it contains
+/// all of libdhd.
 std::vector<fs::path> libraries() {
   std::vector<fs::path> folders;
   utsname machine{};
@@ -33,7 +34,7 @@ std::vector<fs::path> libraries() {
       for (const std::string& other : names_in(folder))
         if (other.starts_with(name)) found.push_back(folder / other);
       std::sort(found.rbegin(), found.rend());
-      // The error message of the loader shows this path.
+      // Add a file that does not exist, so that the loader's error message names the folder.
       if (found.empty()) found.push_back(folder / name);
       files.insert(files.end(), found.begin(), found.end());
     }

@@ -25,14 +25,14 @@ using std::chrono::milliseconds;
 constexpr Nanoseconds kWakesUp = milliseconds(3000);
 constexpr Nanoseconds kAsksAgain = milliseconds(300);
 constexpr int kTrials = 50;
-constexpr double kFastest = 400.0;   // [rad/s] of an arm
-constexpr double kMostTorque = 1.0;  // in the board's unit, about 0.5 N m
+constexpr double kFastest = 400.0;   // [rad/s] largest speed of an arm
+constexpr double kMostTorque = 1.0;  // largest torque; the board's unit is about 0.5 N m
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("hapi: " + why); }
 
 /// The maker's axes are x along the shafts and y towards the user. Feltwire's axes are x towards
 /// the user and y right, with the origin in the centre of the workspace.
-constexpr double kAhead = 0.08, kBeside = 0.01;  // [m]
+constexpr double kAhead = 0.08, kBeside = 0.01;  // [m] workspace centre along the maker's y, x
 Vec3 ours(const Vec2& theirs) { return {theirs.y() - kAhead, theirs.x() - kBeside, 0.0}; }
 Vec2 theirs(const Vec3& ours) { return {ours.y(), ours.x()}; }
 
@@ -83,8 +83,8 @@ class HapiDevice final : public LockStepDevice {
     return held_command(command, share * force, Vec3::Zero());
   }
 
-  /// Completes a partly written frame with zeros before the next frame. Zero bytes make the torques
-  /// of this frame small.
+  /// Writes a frame. If the last frame was partly written, first completes it with zero bytes,
+  /// which keep its torques small. Returns false if the frame was not written completely.
   bool post(std::span<const std::uint8_t> frame) noexcept {
     static constexpr std::array<std::uint8_t, kSetupBytes> kZeros{};
     reply_.clear();
@@ -98,7 +98,7 @@ class HapiDevice final : public LockStepDevice {
     return written == frame.size();
   }
 
-  /// Reads the answer of the board until `latest`.
+  /// Reads the board's answer of `expected` bytes. Waits for it until `latest` at most.
   Answer collect(std::size_t expected, Nanoseconds latest) noexcept {
     std::array<std::uint8_t, 64> room{};
     while (true) {
@@ -122,7 +122,8 @@ class HapiDevice final : public LockStepDevice {
     return got;
   }
 
-  /// Returns false for a movement that no arm can make.
+  /// Stores the arm angles and the tool position. Returns false if they are impossible, for example
+  /// if an arm would have moved too fast.
   bool take_angles(const Vec2& angles) noexcept {
     const Nanoseconds now = monotonic_now();
     const double most = kFastest * seconds(now - taken_at_);
@@ -187,12 +188,12 @@ class HapiDevice final : public LockStepDevice {
 
   SerialPort port_;
   std::vector<std::string> notes_;
-  std::atomic<std::size_t> torn_{0};  // bytes that are missing from the newest frame
+  std::atomic<std::size_t> torn_{0};  // number of bytes that the newest frame lacks
 
   // Only the servo thread uses these members.
   Reply reply_;
   Nanoseconds taken_at_{0};
-  Vec2 angles_ = Vec2::Zero();  // [rad]
+  Vec2 angles_ = Vec2::Zero();  // [rad] newest arm angles
   ToolPoint tool_{.position = Vec2::Zero(), .jacobian = Mat2::Zero()};
 };
 

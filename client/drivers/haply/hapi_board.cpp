@@ -12,15 +12,15 @@ namespace feltwire::hapi {
 namespace {
 
 constexpr std::uint8_t kPorts = 0b0011;  // bit mask of the ports 1 and 2
-// Kind of the frame, in the bits above the ports.
+// Kinds of a frame. The kind is in the bits above the port bits of the same byte.
 constexpr std::uint8_t kSetup = 0x00, kTorques = 0x10;
 constexpr float kCountsPerTurn = 13824.0F;                     // counts per turn of an encoder
-constexpr std::array<float, 2> kSetupAngles = {180.0F, 0.0F};  // [deg]
+constexpr std::array<float, 2> kSetupAngles = {180.0F, 0.0F};  // [deg] arm angles at the setup
 constexpr double kMostTurned = 720.0;                          // [deg] largest angle of an arm
-// [m] Upper link, lower link, distance of the shafts.
+// [m] Lengths of the upper and lower link, and distance between the motor shafts.
 constexpr double kUpper = 0.05, kLower = 0.07, kApart = 0.02;
-constexpr double kGain = 0.1;      // board torque divided by (force x lever in upper links)
-constexpr double kNearest = 2e-3;  // [m] smallest distance of the elbows
+constexpr double kGain = 0.1;      // board torque for a force of 1 N at a lever of one upper link
+constexpr double kNearest = 2e-3;  // [m] smallest distance between the elbows
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
@@ -68,8 +68,8 @@ std::optional<Vec2> Reply::angles() const noexcept {
   return kDegree * told;
 }
 
-/// Computes the position of the tool. The tool is one lower link away from both elbows a and b, on
-/// the far side of the shafts.
+/// Computes the tool position and its jacobian from the arm angles. The tool is one lower link away
+/// from both elbows a and b, on the far side of the shafts.
 std::optional<ToolPoint> tool_point(const Vec2& angles) noexcept {
   const Vec2 along_a(std::cos(angles.x()), std::sin(angles.x()));
   const Vec2 along_b(std::cos(angles.y()), std::sin(angles.y()));
@@ -80,7 +80,8 @@ std::optional<ToolPoint> tool_point(const Vec2& angles) noexcept {
   const Vec2 across = Vec2(-between.y(), between.x()) / (2.0 * half);
   const Vec2 tool = 0.5 * (a + b) + std::sqrt(kLower * kLower - half * half) * across;
 
-  // The lower links have constant length: (tool - a) (d tool - d a) = 0, and the same holds for b.
+  // The lower links have constant length, so (tool - a) (d tool - d a) = 0 as a dot product. This
+  // equation also holds for b.
   Mat2 links;
   links << (tool - a).transpose(), (tool - b).transpose();
   const Vec2 turned_a = kUpper * Vec2(-along_a.y(), along_a.x());

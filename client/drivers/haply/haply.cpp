@@ -25,11 +25,11 @@ using std::chrono::milliseconds;
 
 constexpr std::uint16_t kUsualPort = 10001;
 constexpr std::size_t kLongestMessage = 65536;
-constexpr Nanoseconds kPatience = milliseconds(3000);  // longest wait at the start
-constexpr int kAnswers = 50;          // largest number of start messages without a device
+constexpr Nanoseconds kPatience = milliseconds(3000);  // longest wait for an answer at the start
+constexpr int kAnswers = 50;          // largest number of old messages that forget() discards
 constexpr double kFarthest = 1.0;     // [m] largest distance of a valid position
 constexpr double kSmallForce = 0.02;  // [N] tolerance for equal forces
-constexpr double kDigits = 1e6;       // steps per newton in a command
+constexpr double kDigits = 1e6;       // rounding steps per newton of a command
 
 [[noreturn]] void refuse_service(const std::string& why) {
   throw std::runtime_error("haply: " + why);
@@ -129,7 +129,7 @@ class HaplyDevice final : public LockStepDevice {
     const auto message = read_message(socket_.message(), id_);
     if (!message) return Answer::garbled;
     const HaplyState& told = message->told;
-    // The driver detects a changed profile only if the service reports it.
+    // neutral() detects a changed profile, but only if the service reports its profile.
     if (!told.position || told.calibrated == false || told.ready == false || !told.neutral() ||
         told.position->norm() > kFarthest)
       return Answer::garbled;
@@ -144,9 +144,9 @@ class HaplyDevice final : public LockStepDevice {
     return take_force(on_hand, told.force) ? Answer::whole : Answer::garbled;
   }
 
-  /// Takes the force that the service reports: the newest command, a part of it, or the command
-  /// before. Returns false for another force, because another program then also controls the
-  /// device.
+  /// Compares the force that the service reports with the newest command, a part of it, and the
+  /// previous command. Returns false for any other force, because another program then also
+  /// controls the device.
   bool take_force(const Command& on_hand, const std::optional<Vec3>& told) noexcept {
     cut_.reset();
     if (!told) return true;
@@ -261,7 +261,7 @@ class HaplyDevice final : public LockStepDevice {
   std::string id_;
   Dialect dialect_ = Dialect::values;
   ServiceSocket::Frame zero_;
-  bool turns_ = false;  // a grip reports its orientation
+  bool turns_ = false;  // whether a grip reports its orientation
 
   // Only the servo thread uses these members.
   int owed_ = 0;                                     // number of outstanding answers
@@ -275,7 +275,8 @@ class HaplyDevice final : public LockStepDevice {
 
 namespace {
 
-/// Calls `ask`. If the service is not reachable, the error names the remedy.
+/// Returns the result of ask(). If ask() throws because the service is unreachable, adds the remedy
+/// to the error.
 template <class Ask>
 auto asked_of_service(Ask ask) {
   try {

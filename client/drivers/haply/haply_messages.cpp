@@ -11,7 +11,7 @@ namespace feltwire::haply {
 namespace {
 
 constexpr int kDeepest = 32;
-constexpr double kLargest = 1e6;  // a larger number is invalid
+constexpr double kLargest = 1e6;  // largest valid absolute value of a number
 constexpr std::string_view kBlanks = " \t\r\n";
 
 /// Parses JSON from left to right. Reads nothing after an error.
@@ -27,7 +27,7 @@ class Scanner {
     return rest_.empty() ? '\0' : rest_.front();
   }
 
-  /// Calls take(key) at each value of an object. take() must read the value.
+  /// Reads an object. Calls take(key) for each member; take() must read the value.
   template <class Take>
   void object(Take take) noexcept {
     list('{', '}', [&] {
@@ -36,7 +36,7 @@ class Scanner {
       if (good_) take(key);
     });
   }
-  /// Calls take() at each element of an array.
+  /// Reads an array. Calls take() for each element; take() must read the element.
   template <class Take>
   void array(Take take) noexcept {
     list('[', ']', take);
@@ -70,7 +70,7 @@ class Scanner {
     word(value ? "true" : "false");
     return value && good_;
   }
-  /// Skips any value.
+  /// Skips any JSON value.
   void skip() noexcept {
     switch (peek()) {
       case '{':
@@ -120,7 +120,7 @@ class Scanner {
   bool good_ = true;
 };
 
-/// Reads {"x": 1, "y": 2, "z": 3}. A missing member keeps its value.
+/// Reads {"x": 1, "y": 2, "z": 3}. A missing member leaves this component of `value` unchanged.
 Vec3 vector(Scanner& scan, Vec3 value) noexcept {
   scan.object([&](std::string_view key) {
     const std::size_t axis = key.size() == 1 ? std::string_view("xyz").find(key) : 3;
@@ -134,7 +134,7 @@ Vec3 vector(Scanner& scan, Vec3 value) noexcept {
 
 /// Reads {"w": 1, "x": 0, "y": 0, "z": 0}. Returns nothing unless the length is 1.
 std::optional<Quaternion> orientation(Scanner& scan) noexcept {
-  constexpr double kRounding = 1e-2;  // tolerance of the length
+  constexpr double kRounding = 1e-2;  // tolerance of the quaternion's length
   Eigen::Vector4d value = Eigen::Vector4d::Zero();
   scan.object([&](std::string_view key) {
     const std::size_t at = key.size() == 1 ? std::string_view("xyzw").find(key) : 4;
@@ -148,7 +148,7 @@ std::optional<Quaternion> orientation(Scanner& scan) noexcept {
   return Quaternion(Eigen::Vector4d(value / length));
 }
 
-/// True if a component x, y or z exceeds 1e-6.
+/// Reads a quaternion. Returns whether it rotates: a component x, y or z exceeds 1e-6.
 bool turns(Scanner& scan) noexcept {
   bool turned = false;
   scan.object([&](std::string_view key) {
@@ -270,7 +270,7 @@ struct Grip {
   std::optional<Quaternion> orientation;
 };
 
-/// Reads a grip: "buttons": {"a": true, ...} or "button": true, and "orientation", in "state".
+/// Reads the "state" of a grip: "buttons": {"a": true, ...} or "button": true, and "orientation".
 Grip read_grip(Scanner& scan) noexcept {
   Grip grip;
   std::optional<std::array<bool, 3>>& buttons = grip.buttons;
@@ -319,7 +319,7 @@ struct Writer {
 }  // namespace
 
 bool HaplyState::neutral() const noexcept {
-  constexpr double kNeutral = 1e-6;  // [m], [N s/m]; also the tolerance of a scale factor
+  constexpr double kNeutral = 1e-6;  // tolerance of the mount [m], the damping [N s/m] and a scale
   return permutation == "XYZ" && mount.isZero(kNeutral) && scale.isOnes(kNeutral) && !turned &&
          std::abs(damping) <= kNeutral;
 }

@@ -29,8 +29,8 @@ namespace {
                            std::generic_category().message(error) + "; " + remedy);
 }
 
-/// Locks the port against other programs. TIOCEXCL does not stop root. flock() stops root only if
-/// its program also locks.
+/// Locks the port against other programs. TIOCEXCL does not stop a program of root. flock() stops
+/// it only if that program also locks the port.
 bool keep(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::ioctl(descriptor, TIOCEXCL) == 0;
 }
@@ -62,7 +62,8 @@ SerialPort::SerialPort(const std::filesystem::path& port)
 }
 
 SerialPort::~SerialPort() {
-  ::ioctl(descriptor_, TIOCNXCL);  // TIOCEXCL would last until every user of the port closes it
+  // End the exclusive mode. Otherwise it would last until every user of the port has closed it.
+  ::ioctl(descriptor_, TIOCNXCL);
   ::close(descriptor_);
 }
 

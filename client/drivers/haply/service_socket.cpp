@@ -49,7 +49,7 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-/// Returns the answer to `key` that the handshake requires.
+/// Returns the answer to `key` that the WebSocket handshake requires.
 std::string accepted(const std::string& key) {
   const std::string text = key + std::string(kMagic);
   std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
@@ -58,8 +58,8 @@ std::string accepted(const std::string& key) {
   return base64(std::span(hash).first(size));
 }
 
-/// Connects the socket and makes the WebSocket handshake. Returns the bytes after the service's
-/// answer.
+/// Connects the socket and makes the WebSocket handshake. Returns the bytes that arrived after the
+/// service's answer.
 std::string shake_hands(int descriptor, std::uint16_t port) {
   const Nanoseconds latest = monotonic_now() + kHandshake;
   sockaddr_in address{};
@@ -243,7 +243,7 @@ ServiceSocket::ReceiveResult ServiceSocket::take_frames(Nanoseconds latest) noex
     const bool control = part.opcode == WSLAY_PING || part.opcode == WSLAY_PONG ||
                          part.opcode == WSLAY_CONNECTION_CLOSE;
     const bool text = part.opcode == WSLAY_TEXT_FRAME || part.opcode == WSLAY_CONTINUATION_FRAME;
-    // True for a message that starts twice, or continues without a start.
+    // Whether a message starts twice, or continues without a start.
     const bool odd = of_frame_ == 0 && text && begun_ == (part.opcode == WSLAY_TEXT_FRAME);
     const bool masked = part.mask != 0;   // only frames of a client are masked (RFC 6455, 5.1)
     const bool extended = part.rsv != 0;  // the handshake agreed on no extension (5.2)

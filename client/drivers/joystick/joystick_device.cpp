@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kYieldingTurn = 1.25;  // [rad/s] equals kYielding at an arm of 40 mm
-constexpr double kLongest = 0.05;       // [s] validity of a deflection
-constexpr int kReadsATick = 4;  // reads per tick, for 256 events: four times the usual number
+constexpr double kYieldingTurn = 1.25;  // [rad/s] the speed kYielding at a lever of 40 mm
+constexpr double kLongest = 0.05;  // [s] longest time for which a deflection counts per reading
+constexpr int kReadsATick = 4;     // reads per tick: 256 events, four times the usual number
 
 OpenedDevice open_steered(std::string_view kind, const DeviceRequest& request) {
   const fs::path node = input_node(Machine{}, kind, request.name);

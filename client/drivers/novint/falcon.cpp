@@ -27,9 +27,10 @@ using std::chrono::milliseconds;
 
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xCB48;
 constexpr int kMostDevices = 16;
-constexpr std::size_t kMostFirmware = 1 << 16;  // firmware images have 7 to 8 kB
-constexpr int kLoads = 5;                       // other users report that a load often fails
-constexpr int kAsks = 10;                       // number of requests to find a running firmware
+constexpr std::size_t kMostFirmware = 1 << 16;  // [bytes] largest file; known images have 7 to 8 kB
+// Largest number of attempts to load the firmware. Other users report that an attempt often fails.
+constexpr int kLoads = 5;
+constexpr int kAsks = 10;  // largest number of requests to detect a running firmware
 constexpr Nanoseconds kAnswers = milliseconds(300);
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("falcon: " + why); }
@@ -57,7 +58,7 @@ std::unique_ptr<UsbLine> opened(int number) {
   }
 }
 
-/// True if a firmware answers a request with zero force.
+/// Returns whether a firmware runs: it answers a request with zero force.
 bool answers(UsbLine& line) {
   if (!talk_to_firmware(line)) return false;
   const Packet asked = request({}, Light::red, false);
@@ -66,7 +67,7 @@ bool answers(UsbLine& line) {
     const AnswerStatus heard = ask(line, asked, answer, {.send = kAnswers, .answer = kAnswers / 4});
     if (heard == AnswerStatus::gone || heard == AnswerStatus::unsent) return false;
     if (heard == AnswerStatus::whole && parse_reply(answer.packet())) return true;
-    if (!talk_to_firmware(line)) return false;  // this call also discards the remaining bytes
+    if (!talk_to_firmware(line)) return false;  // talk_to_firmware() also discards unread bytes
   }
   return false;
 }
@@ -127,7 +128,8 @@ class FalconDevice final : public LockStepDevice {
     return request(motors, homed_ ? Light::green : Light::red, !homed_);
   }
 
-  /// Sends a request and waits for its answer. Only for use before the servo runs.
+  /// Sends a request and returns its answer, or nothing after `patience`. Use this only before the
+  /// servo starts.
   std::optional<BoardReply> asked(const Counts& motors, Nanoseconds patience) noexcept {
     line_->forget();
     line_->post(packet_of(motors));

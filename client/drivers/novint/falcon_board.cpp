@@ -9,13 +9,13 @@ namespace feltwire::falcon {
 namespace {
 
 constexpr std::uint8_t kFirst = '<', kLast = '>', kZero = 'A';
-constexpr std::size_t kExtra = 13;  // bytes for lights or buttons
+constexpr std::size_t kExtra = 13;  // index of the byte for lights (request) or buttons (reply)
 constexpr std::uint8_t kHoming = 0x01;
 constexpr unsigned kNibble = 0xF;
 
-// [m] Dimensions that other users have measured. A leg has an arm and a shin, and the shin contains
-// two joints. The other values are offsets of the joints at the tool and at the base, along the leg
-// and across it.
+// [m] Dimensions of a leg that other users have measured: lengths of the arm, of the shin without
+// its two joints, and of these joints together. The other values are offsets of the joints at the
+// tool and at the base, along the leg and across it.
 constexpr double kArm = 0.060, kShin = 0.1025, kJoints = 2.0 * 0.01125;
 constexpr double kToolAlong = 0.01443, kToolAcross = -0.025, kBaseAlong = 0.0400,
                  kBaseAcross = -0.02309;
@@ -23,15 +23,17 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kLegs = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
 constexpr double kAtZero = 35.0 * kDegree;
 constexpr double kScale = -10000.0;  // motor counts per N m at the arm
-constexpr double kFastest = 60.0;    // [rad/s] of an arm, 3.6 m/s at the tool
+constexpr double kFastest = 60.0;    // [rad/s] largest speed of an arm; 3.6 m/s at the tool
 
-/// The wrist of a leg in the plane of its arm, and the length of the shin in this plane.
+/// Position (u, w) of a leg's wrist in the plane of its arm, and projected length of the shin in
+/// this plane [m].
 struct Leg {
   double u, w, shin;
-  Vec3 of_u, of_shin;  // gradients with respect to the tool position; the gradient of w is z
+  Vec3 of_u, of_shin;  // gradients of u and `shin` by the tool position; that of w is (0, 0, 1)
 };
 
-/// Returns nothing if the shin would leave the plane by more than its length.
+/// Returns leg `i` for the tool position p. Returns nothing if the wrist is farther from the leg's
+/// plane than the length of the shin.
 std::optional<Leg> leg(std::size_t i, const Vec3& p) noexcept {
   const double c = std::cos(kLegs[i]), s = std::sin(kLegs[i]);
   const double v = -s * p.x() + c * p.y() - kBaseAcross + kToolAcross;
@@ -99,8 +101,8 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto l = leg(i, position);
     if (!l) return std::nullopt;
-    // The wrist at (u, w) has the distance `shin` from the end of the arm. The law of cosines gives
-    // the angle of the arm.
+    // The distance from the end of the arm to the wrist at (u, w) is `shin`. The law of cosines
+    // gives the angle of the arm.
     const double reach = std::hypot(l->u, l->w);
     const double cosine = (reach * reach + kArm * kArm - l->shin * l->shin) / (2.0 * kArm * reach);
     if (!(std::abs(cosine) < 1.0)) return std::nullopt;
@@ -111,18 +113,20 @@ std::optional<Vec3> arm_angles(const Vec3& position) noexcept {
 
 std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexcept {
   constexpr int kSteps = 12;
-  constexpr double kExact = 1e-12;  // [m]
-  constexpr double kStep = 0.1;     // [m] a longer step may find another solution
+  constexpr double kExact = 1e-12;  // [m] length of the Newton step that ends the iteration
+  constexpr double kStep = 0.1;     // [m] longest step; a longer step may find another solution
   constexpr double kSame = 1e-9;
-  constexpr double kStretched = 1e-4;  // smallest determinant, scaled by the arm length
-  // All positions in the maker's cube of 100 mm satisfy these limits.
-  constexpr double kFarthest = 0.1;     // [m] from the centre of the workspace
-  constexpr double kMostForce = 500.0;  // [N] for 1 N m at an arm; a motor count is then 50 mN
-  constexpr double kMostWay = 0.75;     // [m/rad] an encoder count is then 0.5 mm
+  constexpr double kStretched = 1e-4;  // smallest determinant of `slope` divided by kArm^3
+  // All positions in the maker's workspace, a cube of 100 mm, satisfy these limits.
+  constexpr double kFarthest = 0.1;  // [m] largest distance from the centre of the workspace
+  // [N] Largest tool force per N m at an arm, which is 50 mN per motor count.
+  constexpr double kMostForce = 500.0;
+  // [m/rad] Largest tool movement per arm angle, which is 0.5 mm per encoder count.
+  constexpr double kMostWay = 0.75;
   ToolPoint tool{.position = near, .jacobian = Mat3::Zero()};
   for (int n = 0; n < kSteps; ++n) {
-    Vec3 gap, turn;  // gap: g_i = |wrist - knee|^2 - shin^2; turn: its derivative by the angle
-    Mat3 slope;      // gradient of g_i by the position
+    Vec3 gap, turn;  // gap: g_i = |wrist - arm end|^2 - shin^2; turn: d g_i / d angle_i
+    Mat3 slope;      // row i: gradient of g_i by the tool position
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto l = leg(static_cast<std::size_t>(i), tool.position);
       if (!l) return std::nullopt;
@@ -144,7 +148,7 @@ std::optional<ToolPoint> tool_point(const Vec3& angles, const Vec3& near) noexce
     if (!((tool.position - kMiddle).norm() < kFarthest && forces.maxCoeff() < kMostForce &&
           tool.jacobian.cwiseAbs().maxCoeff() < kMostWay))
       return std::nullopt;
-    // Refuse a solution in which a leg bends the other way.
+    // Refuse a solution in which a leg bends the wrong way.
     const auto back = arm_angles(tool.position);
     if (!back || !back->isApprox(angles, kSame)) return std::nullopt;
     return tool;

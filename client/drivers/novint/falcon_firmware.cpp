@@ -14,14 +14,15 @@ using Request = UsbLine::Request;
 using std::chrono::milliseconds;
 
 constexpr std::uint16_t kPurgeReceived = 1, kPurgeSent = 2;
-// [ms] Latency of the serial converter.
+// [ms] Latency timer of the serial converter, slow and fast.
 constexpr std::uint16_t kSlowLatency = 16, kFastLatency = 1;
 // Divisors of the converter's clock for 9600, 140 000 and about 1.4 million bits per second.
 constexpr std::uint16_t kHelloRate = 0x4138, kLoadRate = 0x15, kTalkRate = 0x02;
 constexpr std::uint16_t kEightBits = 8, kNoFlow = 0;
 constexpr std::uint16_t kRtsLow = 0x0200, kDtrLow = 0x0100, kDtrHigh = 0x0101;
 constexpr int kHellos = 100;
-constexpr std::size_t kPiece = 62;  // [bytes] the converter adds two bytes to a USB packet
+// [bytes] Data in a USB packet of 64 bytes. The converter adds two bytes.
+constexpr std::size_t kPiece = 62;
 constexpr Nanoseconds kEchoPatience = milliseconds(1000), kHelloPatience = milliseconds(50);
 
 const char* const kGone = "the device is gone, or does not take what is sent; plug it in anew";
@@ -30,7 +31,8 @@ bool purge(UsbLine& line) {
   return line.control(Request::reset, kPurgeReceived) && line.control(Request::reset, kPurgeSent);
 }
 
-/// Receives `count` bytes, or fewer after `patience`. Returns nothing if the device is unplugged.
+/// Returns `count` received bytes, or fewer after `patience`. Returns nothing if the device is
+/// unplugged.
 std::optional<std::vector<std::uint8_t>> heard(UsbLine& line, std::size_t count,
                                                Nanoseconds patience) {
   const Nanoseconds latest = monotonic_now() + patience;
@@ -59,7 +61,8 @@ Echo says(UsbLine& line, std::span<const std::uint8_t> bytes,
                                                                                       : Echo::wrong;
 }
 
-/// Wakes the boot loader with a hello, and prepares it for a firmware.
+/// Wakes the boot loader with a hello message, and prepares it for a firmware. Returns the error,
+/// or an empty text.
 std::string wake_boot_loader(UsbLine& line) {
   constexpr std::array<std::uint8_t, 3> kHello = {0x0A, 0x43, 0x0D};
   constexpr std::array<std::uint8_t, 4> kYes = {0x0A, 0x44, 0x2C, 0x0D};

@@ -11,7 +11,7 @@
 namespace feltwire::falcon {
 namespace {
 
-// Timeout of a transfer. A later answer counts as missing, and LockStepDevice restarts the
+// Longest time of a USB transfer. A later answer counts as missing, and LockStepDevice restarts the
 // exchange.
 constexpr Nanoseconds kTransfer = std::chrono::milliseconds(20);
 

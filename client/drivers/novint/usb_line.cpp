@@ -13,11 +13,11 @@ namespace {
 
 // Constants from the documentation of libusb-1.0. Its API is stable since 2008.
 constexpr int kAccess = -3, kNoDevice = -4, kBusy = -6, kTimeout = -7;
-constexpr std::uint8_t kToDevice = 0x40;  // vendor request
+constexpr std::uint8_t kToDevice = 0x40;  // type of a vendor request to the device
 constexpr unsigned char kBulkOut = 0x02, kBulkIn = 0x81;
 constexpr int kInterface = 0;
 constexpr std::size_t kPacketBytes = 64, kModemBytes = 2;
-constexpr unsigned kControlPatience = 1000;  // [ms]
+constexpr unsigned kControlPatience = 1000;  // [ms] timeout of a control transfer
 
 struct Descriptor {
   std::uint8_t length, type;
@@ -33,7 +33,7 @@ struct Version {
   const char *rc, *description;
 };
 
-/// Returns at least 1 ms, because libusb waits forever for 0.
+/// Returns the timeout [ms]. It is at least 1, because libusb takes 0 as no timeout.
 unsigned milliseconds_of(Nanoseconds patience) {
   return static_cast<unsigned>(std::max<std::int64_t>(
       1, std::chrono::duration_cast<std::chrono::milliseconds>(patience).count()));
@@ -153,7 +153,7 @@ bool UsbLine::control(Request request, std::uint16_t value) {
 std::optional<std::size_t> UsbLine::write(std::span<const std::uint8_t> bytes,
                                           Nanoseconds patience) {
   int sent = 0;
-  // libusb does not modify sent data.
+  // The cast is safe, because libusb does not modify sent data.
   auto* const data = const_cast<unsigned char*>(bytes.data());
   const int error = call_->bulk(device_, kBulkOut, data, static_cast<int>(bytes.size()), &sent,
                                 milliseconds_of(patience));

@@ -24,11 +24,11 @@ namespace fs = std::filesystem;
 constexpr unsigned kNoHandle = 0xFFFFFFFFu;
 constexpr unsigned kContinue = 1;
 constexpr unsigned short kUsualPriority = 32767;
-constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // argument of hdEnable
+constexpr unsigned kForceOutput = 0x4000, kForceRamping = 0x4002;  // arguments of hdEnable
 constexpr unsigned kButtons = 0x2000, kInkwell = 0x2002, kTransform = 0x2052, kModel = 0x2501,
                    kOutputDof = 0x2554, kUpdateRate = 0x2600, kNominalMaxForce = 0x2603;
 constexpr unsigned kCurrentForce = 0x2700, kCurrentTorque = 0x2701;
-constexpr int kForceAndTorque = 6;  // kOutputDof of a device with wrist motors
+constexpr int kForceAndTorque = 6;  // value of kOutputDof for a device with wrist motors
 constexpr unsigned kCalibrated = 0x5000, kNeedsUpdate = 0x5001;  // results of hdCheckCalibration
 constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // calibration styles
 // Errors from this code on mean that the force differs from the command: warm motors, force or
@@ -36,11 +36,13 @@ constexpr unsigned kAutomatic = 2, kByInkwell = 4;               // calibration 
 constexpr unsigned kFirstFault = 0x200;
 
 constexpr Nanoseconds kPatience =
-    std::chrono::microseconds(300);  // longest wait for the servo in the callback
-constexpr int kMostRepeated = 25;    // largest number of ticks that repeat a force
-constexpr int kRampTicks = 1000;  // the library ramps the force up at the start and after an error
+    std::chrono::microseconds(300);  // longest wait of the callback for the servo
+// Largest number of ticks that repeat a force without a new command.
+constexpr int kMostRepeated = 25;
+// [ticks] Duration of the library's force ramp, at the start and after an error.
+constexpr int kRampTicks = 1000;
 constexpr double kMillimetre = 1e-3;
-constexpr double kMilli = 1e3;  // the API takes torque in mN m
+constexpr double kMilli = 1e3;  // mN m per N m, because the API takes torque in mN m
 
 struct ErrorInfo {
   unsigned code;
@@ -161,7 +163,7 @@ class OpenHapticsDevice final : public Device {
   bool await_tick(Nanoseconds latest) noexcept override { return mailbox_.await(latest); }
   DeviceReading read(Nanoseconds) noexcept override { return mailbox_.newest(); }
   Command write(const Command& on_hand) noexcept override { return mailbox_.write(on_hand); }
-  /// The callback releases the device at its next tick.
+  /// Requests the release. The callback releases the device at its next tick.
   void release() noexcept override { mailbox_.release(); }
 
  private:
@@ -233,7 +235,8 @@ class OpenHapticsDevice final : public Device {
     int rate = 0;
     call_.get_integers(kUpdateRate, &rate);
     constexpr int kUsualRate = 1000;
-    constexpr double kSlack = 1.25;  // allowance for the scheduler's jitter, relative to the period
+    // Ratio of the longest tick to the usual period. It allows for the scheduler's jitter.
+    constexpr double kSlack = 1.25;
     longest_tick_ = from_seconds(kSlack / (rate > 0 ? rate : kUsualRate));
     calibrate();
     has_inkwell_ = call_.get_booleans != nullptr && (call_.calibration_style() & kByInkwell) != 0;
@@ -268,13 +271,13 @@ class OpenHapticsDevice final : public Device {
     return in != 0;
   }
 
-  /// The thread of the maker's scheduler calls this function.
+  /// Runs a frame. The thread of the maker's scheduler calls this function.
   static unsigned called_back(void* self) {
     static_cast<OpenHapticsDevice*>(self)->frame();
     return kContinue;
   }
 
-  /// Reads the device. Only valid within a frame of the maker's library.
+  /// Reads the device. Call this only within a frame of the maker's library.
   DeviceReading sensed(bool in_inkwell) const noexcept {
     std::array<double, 16> transform{};  // 4 x 4 matrix; the last column is the translation [mm]
     call_.get_doubles(kTransform, transform.data());
@@ -315,8 +318,8 @@ class OpenHapticsDevice final : public Device {
     look_for_errors();
   }
 
-  /// Reads the errors. During a ramp the force on the hand is unknown, so the driver commands no
-  /// force.
+  /// Reads the library's errors. After a fault, the library ramps the force up. During the ramp the
+  /// force on the hand is unknown, so the driver commands zero force.
   void look_for_errors() noexcept {
     constexpr int kMost = 32;
     ramping_ = std::max(0, ramping_ - 1);
@@ -339,11 +342,11 @@ class OpenHapticsDevice final : public Device {
   std::vector<std::string> notes_;
   Nanoseconds longest_tick_{0};
   bool has_inkwell_ = false;
-  bool torque_ = false;  // the session uses wrist motors
+  bool torque_ = false;  // whether the session uses wrist motors
   std::atomic<bool> let_go_{false}, in_inkwell_{false};
   // Only the scheduler's thread uses these members.
   int ramping_ = kRampTicks;
-  bool failed_ = false;  // the last frame failed, so the force on the hand is unknown
+  bool failed_ = false;  // whether the last frame failed, so that the force on the hand is unknown
 };
 
 }  // namespace

@@ -37,7 +37,7 @@ SharedLibrary load(const fs::path& file) {
   }
 }
 
-/// Returns the function table of the plugin. Throws if a function is missing.
+/// Returns the function table of the plugin. Throws if a required function is missing.
 const feltwire_device_v1& functions(const SharedLibrary& library) {
   const fs::path& file = library.file();
   auto* entry = library.find<const feltwire_device_v1*()>(kEntry);
@@ -50,7 +50,7 @@ const feltwire_device_v1& functions(const SharedLibrary& library) {
     refuse(file, "it speaks version " + std::to_string(table->version) +
                      " of the ABI, this client " + std::to_string(FELTWIRE_DEVICE_VERSION) +
                      "; build it against this client's feltwire_device_v1.h");
-  // Plugins of older headers have a shorter table.
+  // Plugins that were built with an older header have a shorter table.
   constexpr std::size_t kShortest = offsetof(feltwire_device_v1, actuation_lag);
   if (table->size < kShortest)
     refuse(file, "its table of functions has " + std::to_string(table->size) + " bytes, not " +
@@ -108,7 +108,7 @@ SpecSources sources_of(const feltwire_spec_v1& given) {
   return sources;
 }
 
-/// Takes the motor lag from the plugin, if the plugin reports it.
+/// Sets the actuation lag of the specification, if the plugin reports it.
 void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* device,
               SourcedSpec& described, const std::string& source) {
   if (table.size < sizeof(feltwire_device_v1) || table.actuation_lag == nullptr) return;
