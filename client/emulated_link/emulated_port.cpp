@@ -13,7 +13,8 @@ void EmulatedPort::send_due() noexcept {
   while (const auto datagram = link_.up.leave(now_)) line_->send(*datagram);
 }
 
-/// Thread-safe: reads only members that never change during the use of the link.
+/// Returns why the link refuses these values, or nothing. Thread-safe, because it reads only
+/// members that never change while the link is in use.
 std::optional<std::string> EmulatedPort::refuses_link(const LinkQuality& link) const {
   for (const OneWayLink* way : {&link_.up, &link_.down})
     if (auto no = way->refuses(link)) return no;

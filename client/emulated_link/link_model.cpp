@@ -11,14 +11,15 @@
 namespace feltwire {
 namespace {
 
-// Each use of a datagram's random numbers has its own number. So a setting does not change the
-// effects of the other settings.
+// Purposes of the random numbers of a datagram. Each purpose has its own number, so that an option
+// does not change the random effects of the other options.
 enum Draw : std::uint64_t { kLoss, kDelay, kDelay2, kReorder, kDuplicate, kCopy, kCopy2, kDraws };
 
 constexpr double kNanoseconds = 1e9;
 
-/// Returns a value with zero mean and unit variance, from u and v uniform on (0, 1). A fixed
-/// formula gives equal numbers on all platforms.
+/// Returns a random value with zero mean and unit variance. Computes it from two numbers u and v,
+/// which are uniform on (0, 1). These formulas give equal values on all platforms;
+/// std::normal_distribution does not.
 double scatter(Jitter distribution, double u, double v) noexcept {
   switch (distribution) {
     case Jitter::normal:  // Box-Muller transform, 1958
@@ -43,9 +44,10 @@ LinkModel::LinkModel(LinkOptions options, std::uint64_t key)
 }
 
 void LinkModel::set_chain() noexcept {
-  // Two-state chain (Gilbert). Runs of losses have the mean length 1 / recover_. In equilibrium
-  // loss * recover_ = (1 - loss) * fall_ill_. For independent losses the next loss does not depend
-  // on the state.
+  // Two-state Markov chain (Gilbert model) with the probabilities `fall_ill_` to enter and
+  // `recover_` to leave the loss state. A run of losses has the mean length 1 / recover_. In
+  // equilibrium, loss * recover_ = (1 - loss) * fall_ill_. With recover_ = 1 - loss, the losses are
+  // independent.
   const double loss = options_.loss;
   recover_ = options_.burst > 0.0 ? 1.0 / options_.burst : 1.0 - loss;
   fall_ill_ = loss < 1.0 ? loss * recover_ / (1.0 - loss) : 1.0;
@@ -74,7 +76,7 @@ void LinkModel::set(const LinkQuality& link) noexcept {
   set_chain();
 }
 
-/// Returns a uniform number on (0, 1), without both ends.
+/// Returns a random number, uniform on the open interval (0, 1), for the purpose `draw`.
 double LinkModel::uniform(std::uint64_t draw) const noexcept {
   const std::uint64_t bits = splitmix::draw(key_, ordinal_ * kDraws + draw);
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1.0p-53;
@@ -109,7 +111,7 @@ Nanoseconds LinkModel::delay(std::uint64_t draw) const noexcept {
   return from_seconds(std::clamp(seconds, 0.0, 2.0 * kLongestLinkDelay));
 }
 
-/// Delays an arrival to keep the order, if the options require it.
+/// Returns the arrival time. With `keep_order`, it is not before the arrivals of earlier datagrams.
 Nanoseconds LinkModel::in_order(Nanoseconds arrival) noexcept {
   if (!options_.keep_order) return arrival;
   return newest_arrival_ = std::max(newest_arrival_, arrival);
@@ -132,7 +134,8 @@ LinkFate LinkModel::next(std::size_t size, Nanoseconds now) noexcept {
     };
     fate.copies = 1;
     if (uniform(kReorder) < options_.reorder) {
-      // Let later datagrams overtake this one: its extra delay does not affect them.
+      // Leave the extra delay out of newest_arrival_, so that later datagrams can overtake this
+      // datagram.
       const Nanoseconds latest = options_.keep_order ? newest_arrival_ : Nanoseconds(0);
       fate.arrivals[0] = std::max(latest, arrival(kDelay)) + from_seconds(options_.reorder_delay);
     } else {

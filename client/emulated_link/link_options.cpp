@@ -14,7 +14,7 @@ namespace {
 
 struct Number {
   std::string_view key, unit, meaning;
-  double least, most;  // range, in `unit`
+  double least, most;  // smallest and largest value, in `unit`
   double scale;        // factor from `unit` to the unit of `member`
   double LinkOptions::*member;
 };
@@ -42,7 +42,7 @@ constexpr std::array kNumbers = {
            kKilobytes, &LinkOptions::queue},
 };
 
-/// The directions that an item applies to.
+/// Directions of the link that an item of the option text changes.
 struct Directions {
   bool up = true, down = true;
 };
@@ -56,7 +56,7 @@ std::string keys() {
 }
 std::string profile_names() { return joined_names(kLinkProfiles, ", ", &LinkProfile::name); }
 
-/// Prints a number without trailing zeros.
+/// Returns the number as text without trailing zeros.
 std::string plain(double value) {
   std::array<char, 32> text;
   const auto end =
@@ -72,7 +72,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// Applies `change` to each chosen direction.
+/// Applies `change` to the options of each chosen direction.
 template <class Change>
 void apply(TwoWayLinkOptions& link, Directions directions, Change change) {
   if (directions.up) change(link.up);
@@ -190,7 +190,7 @@ void validate(const LinkOptions& options) {
     fail("trace:" + options.trace->file +
          " already says delay and loss; leave delay, jitter and loss out, or give them for the "
          "other direction only (up., down.)");
-  // A larger loss would need a probability above 1 in the chain of link_model.cpp.
+  // A larger loss would need a probability above 1 to enter the loss state (see link_model.cpp).
   if (options.burst > 0.0 && options.loss > options.burst / (options.burst + 1.0))
     fail("loss=" + plain(options.loss / kPercent) +
          " is too large for runs of burst=" + plain(options.burst) +

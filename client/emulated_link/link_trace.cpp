@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestTrace = 1e7;  // [s] about four months
+constexpr double kLongestTrace = 1e7;  // [s] longest accepted trace, about four months
 
 }  // namespace
 
@@ -53,7 +53,7 @@ LinkTrace read_link_trace(std::istream& in, const std::string& file) {
 }
 
 LinkTrace load_link_trace(const std::filesystem::path& file) {
-  constexpr std::size_t kLargest = std::size_t{64} << 20;  // [bytes] an hour of probes at 1 kHz
+  constexpr std::size_t kLargest = std::size_t{64} << 20;  // [bytes] about an hour of rows at 1 kHz
   std::istringstream in = [&] {
     try {
       std::string text = read_regular_file(file, kLargest);
