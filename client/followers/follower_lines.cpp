@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kFinite = "is no finite number; write one like 0.25";
 constexpr double kMost = 1e6;  // a larger number is invalid
 
-/// Returns the text before the next blank. `rest` keeps the text after it.
+/// Returns the text before the next blank. Removes this text and the blank from `rest`.
 std::string_view word(std::string_view& rest) noexcept {
   const std::size_t end = std::min(rest.find(' '), rest.size());
   const std::string_view text = rest.substr(0, end);
@@ -53,7 +53,8 @@ std::string_view read_positive(std::string_view text, double& value, bool zero) 
   return {};
 }
 
-/// Calls take(name, value) for each field. take() returns the fault, or an empty text.
+/// Calls take(name, value) for each field NAME=VALUE of `rest`. take() returns an error text, or an
+/// empty text. Returns the first error, or nothing.
 template <class Take>
 std::optional<Fault> each_field(std::string_view rest, Take take) {
   while (!rest.empty()) {
@@ -67,8 +68,8 @@ std::optional<Fault> each_field(std::string_view rest, Take take) {
   return std::nullopt;
 }
 
-/// Marks a field as seen. Returns false if the line already has this field. Each field has a bit,
-/// in the order of the lines below: 1, 2, 4, ...
+/// Sets the bit of a field in `seen`. Returns false if it was set before, so the line has the field
+/// twice.
 bool first_time(unsigned& seen, unsigned bit) noexcept {
   if ((seen & bit) != 0) return false;
   seen |= bit;
@@ -110,8 +111,8 @@ class Writer {
   bool fits_ = true;
 };
 
-/// Matches a field with the allowed fields of a line. Each call uses the next bit of `seen`, so the
-/// calls must have the same order for each field.
+/// Compares a field of a line with the allowed fields, one call for each. Each call uses the next
+/// bit of `seen`, so the calls must always come in the same order.
 class KnownFields {
  public:
   KnownFields(std::string_view name, unsigned& seen) : name_(name), seen_(seen) {}
@@ -121,7 +122,7 @@ class KnownFields {
     if (name_ == known) wrong_ = first_time(seen_, bit_) ? read_it() : kTwice;
     bit_ *= 2;
   }
-  /// Returns the error of the field, or an empty text.
+  /// Returns the error text of the field, or an empty text.
   std::string_view wrong() const { return wrong_; }
 
  private:
@@ -156,7 +157,7 @@ std::optional<Fault> read_hello(std::string_view line, FollowerSpec& spec) {
     return take.wrong();
   });
   if (fault) return fault;
-  constexpr double kShortest = 1e-4, kLongest = 0.05;  // [s]
+  constexpr double kShortest = 1e-4, kLongest = 0.05;  // [s] range of the servo period
   if (given.name.empty()) return Fault{"name", "is missing; add name=NAME"};
   if (given.stiffness <= 0.0) return Fault{"stiffness", "is missing; add stiffness=N_PER_M"};
   if ((seen & 2u) == 0) return Fault{"period", "is missing; add period=SECONDS"};
@@ -238,7 +239,7 @@ std::optional<Lines::Line> Lines::next() noexcept {
     const std::size_t end = rest.find('\n');
     if (end == std::string_view::npos) {
       if (rest.size() < kLongestLine) return std::nullopt;
-      const bool more = skipping_;  // the line was already reported
+      const bool more = skipping_;  // whether this line was already returned as too long
       skipping_ = true;
       begin_ = filled_;
       if (more) return std::nullopt;

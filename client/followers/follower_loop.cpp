@@ -15,11 +15,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr Nanoseconds kBetweenJoins = std::chrono::seconds(1);
-constexpr double kBrakes = 0.25;  // [s] enough for any real speed and acceleration
+// [s] Time to brake the robot. It is enough for any real speed and acceleration.
+constexpr double kBrakes = 0.25;
 constexpr int kGoodbyes = 3;
 
-/// Builds a join request. It must describe a device, but a robot has no device, so only the name is
-/// used.
+/// Returns a join request. The protocol requires a device in it. A robot has no such device, so a
+/// simulated device carries the robot's name.
 control::JoinRequest request_of(const FollowerRun& run, const FollowerSpec& spec) {
   DeviceSpec device = builtin_device("simulated");
   device.name = spec.name;
@@ -66,7 +67,8 @@ class FollowerLoop {
     if (run_.on_join) run_.on_join();
   }
 
-  /// Serves until the session or the run ends. Returns true if the run ended.
+  /// Exchanges datagrams with the server until the session or the run ends. Returns true if the run
+  /// ended.
   bool serve() {
     start();
     heard_ = monotonic_now();
@@ -99,7 +101,7 @@ class FollowerLoop {
     return run_.duration > 0.0 && seconds(now - begun_) >= run_.duration;
   }
 
-  /// Waits for a datagram or the next sample. Returns the present time.
+  /// Waits for a datagram, or until the next sample is due. Returns the present time.
   Nanoseconds wait() {
     Nanoseconds wake = next_;
     if (const auto due = port_->next_due()) wake = std::min(wake, *due);
@@ -141,7 +143,8 @@ class FollowerLoop {
     next_ += passed * period_;
   }
 
-  /// Ticks without a server. The robot brakes and then holds its position.
+  /// Runs the robot's servo for `time` [s] without a server. The robot brakes and then holds its
+  /// position.
   void tick_on(double time) {
     servo_.reconnected();
     start();

@@ -9,7 +9,7 @@ constexpr unsigned kForRobots = set_of({DatagramKind::follower_target, DatagramK
 
 RobotDatagrams::RobotDatagrams(std::uint64_t session, const SessionKeys& keys)
     : session_(session), sealer_(keys.suite, keys.up), opener_(keys.suite, keys.down) {
-  encoder_.state({});  // the first use allocates, so use it now
+  encoder_.state({});  // the first encoding allocates memory, so do it before the loop
   encoder_.goodbye(GoodbyeReason::leaving);
 }
 
@@ -26,7 +26,7 @@ RobotDatagrams::Arrival RobotDatagrams::take(Bytes datagram, RobotTarget& target
                                              GoodbyeReason& reason) noexcept {
   const Received got = receive(datagram, kForRobots, session_, opener_, opened_);
   const bool is_target = got.kind == DatagramKind::follower_target;
-  RobotTarget read;  // keeps `target` unchanged for other datagrams
+  RobotTarget read;  // decode into a copy, so that a dropped datagram leaves `target` unchanged
   DropReason drop = got.drop;
   if (drop == DropReason::none)
     drop = is_target ? decode(got.payload, read) : decode(got.payload, reason);

@@ -27,7 +27,7 @@ std::size_t write_error(std::uint64_t line, const Fault& fault, std::span<char> 
   std::size_t size = 0;
   const auto put = [&](std::string_view part) {
     const std::size_t count = std::min(part.size(), text.size() - 1 - size);
-    // Replace unprintable characters in the driver's text.
+    // Replace unprintable characters, because the text can come from the driver.
     std::transform(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count),
                    text.begin() + static_cast<std::ptrdiff_t>(size),
                    [](char c) { return c >= ' ' && c <= '~' ? c : '?'; });
@@ -154,7 +154,8 @@ FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
 
 void SocketFollower::hold() noexcept {
   hold_.store(true);
-  // Send at once, independent of read() and write(). The first line feed ends a partly sent line.
+  // Send immediately, because read() and write() may not run again. The first line feed ends a
+  // partly sent line.
   constexpr std::string_view kNow = "\nhold\n";
   [[maybe_unused]] const ssize_t sent =
       ::send(socket_.get(), kNow.data(), kNow.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -171,8 +172,8 @@ bool SocketFollower::flush() noexcept {
   return pending_size_ == 0;
 }
 
-/// Sends a line. Drops the line and returns false if the buffer is full, because the next target is
-/// newer.
+/// Sends a line. If the buffer is full, drops the line and returns false, because the next target
+/// is newer.
 bool SocketFollower::send(const char* text, std::size_t size) noexcept {
   if (size == 0 || !connected_ || !flush()) return false;
   const ssize_t count = ::send(socket_.get(), text, size, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -209,7 +210,8 @@ std::unique_ptr<SocketFollower> FollowerListener::wait(Nanoseconds longest) {
   OwnDescriptor driver(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (driver.get() < 0)
     throw std::runtime_error(path_.string() + ": the driver is gone: " + reason());
-  // Request the smallest send buffer of the kernel. Old targets must not wait for a slow driver.
+  // Request the smallest send buffer that the kernel allows, so that old targets do not wait for a
+  // slow driver.
   const int least = 1;
   ::setsockopt(driver.get(), SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
   follower_lines::Lines lines;
