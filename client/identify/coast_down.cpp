@@ -10,14 +10,15 @@ namespace feltwire {
 namespace {
 
 constexpr std::array kPushes = {0.4, 0.7, 1.0};       // push speed divided by top speed
-constexpr std::array kPlaces = {-0.45, -0.4, -0.35};  // [amplitudes]
-constexpr double kNoForce = 1e-3;       // [N] a device may hold this force in place of zero
-constexpr double kMargin = 3e-3;        // [s] a force may outlast the delay by this time
-constexpr double kSlowestCoast = 0.25;  // relative to the push; stiction may act at lower speeds
-constexpr std::size_t kShortest = 10;   // [ticks]
+constexpr std::array kPlaces = {-0.45, -0.4, -0.35};  // start of the coast divided by the amplitude
+constexpr double kNoForce = 1e-3;                     // [N] largest force that counts as zero
+constexpr double kMargin = 3e-3;  // [s] a force may act for this time after the delay
+// Ratio of the slowest evaluated speed to the push speed. Stiction may act at lower speeds.
+constexpr double kSlowestCoast = 0.25;
+constexpr std::size_t kShortest = 10;  // [ticks] shortest evaluated time
 constexpr int kLeastFreedom = 4;
 
-/// Returns the mean position around tick k [m], over the window of velocity_at().
+/// Returns the mean position along the coast [m], over the window of velocity_at() around tick k.
 double place_at(const CoastDownRecord& run, std::size_t k) {
   double sum = 0.0;
   for (std::size_t n = k - kHalfWindow + 1; n < k + kHalfWindow; ++n)
@@ -31,13 +32,15 @@ double speed_at(const CoastDownRecord& run, std::size_t k) {
   return run.coast.along.dot(velocity_at(run.ticks, k, kHalfWindow));
 }
 
-/// The deceleration of the handle, and the mean speed of its measurement.
+/// Mean deceleration and mean speed of the handle in a coast.
 struct Slowing {
   double deceleration, speed;  // [m/s^2], [m/s]
 };
 
-/// Evaluates the coast without a force. The speed difference of two ticks is the integral of dv/dt
-/// = -(b v + f_c) / m. This difference has only the errors of its two ends.
+/// Returns the mean deceleration in the part of the coast without a force, or nothing if this part
+/// is too short. The speed difference of two ticks is the integral of dv/dt = -(b v + f_c) / m,
+/// with the damping b, the friction f_c and the mass m. Only the speeds of the two ticks contribute
+/// errors.
 std::optional<Slowing> slowing(const CoastDownRecord& run, double delay) {
   std::size_t free = run.ticks.size();
   while (free > 0 && std::abs(run.coast.along.dot(run.ticks[free - 1].force)) < kNoForce) --free;

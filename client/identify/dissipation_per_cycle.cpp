@@ -42,7 +42,7 @@ std::vector<DissipationCycle> dissipation_per_cycle(const SweepRecord& run, doub
   if (ticks.size() < 4 * kHalfWindow || run.turns.size() < 2) return cycles;
   const double period =
       (ticks.back().time - ticks.front().time) / static_cast<double>(ticks.size() - 1);
-  // The device holds a force from one tick to the next. The mean time of the force is half a tick
+  // The device holds a force from one tick to the next, so on average the force acts half a tick
   // later.
   const VelocityBetween velocity(ticks, 0.5 + delay / period);
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
@@ -60,8 +60,8 @@ std::vector<DissipationCycle> dissipation_per_cycle(const SweepRecord& run, doub
       mean_force += ticks[k].force / static_cast<double>(end - first);
     }
     if (!(way > 0.0)) continue;
-    // Subtract the kinetic energy difference, and the work of the mean force over the remaining
-    // displacement.
+    // Subtract the change of kinetic energy, and the work of the mean force over the displacement
+    // that remains at the end of the cycle.
     const double kinetic = velocity(end).squaredNorm() - velocity(first).squaredNorm();
     work -= 0.5 * mass * kinetic + mean_force.dot(moved);
     cycles.push_back({work / way, squares / way, slow / way});
@@ -111,10 +111,10 @@ FittedLine fitted_line(std::span<const DissipationCycle> cycles) {
 }
 
 double student(int freedom) {
-  // Quantile by the Cornish-Fisher expansion about the normal quantile. The expansion is too small
-  // below four degrees of freedom.
+  // 99.9 % quantile of Student's distribution, from the normal quantile z by the Cornish-Fisher
+  // expansion. The expansion gives too small values below four degrees of freedom.
   constexpr double z = 3.0902;
-  if (freedom < 4) return 22.3;  // value for two degrees of freedom
+  if (freedom < 4) return 22.3;  // quantile for two degrees of freedom
   const double n = freedom;
   return z + (z * z * z + z) / (4.0 * n) +
          (5.0 * std::pow(z, 5) + 16.0 * z * z * z + 3.0 * z) / (96.0 * n * n) +

@@ -13,19 +13,22 @@
 namespace feltwire {
 namespace {
 
-constexpr double kShare = 0.8;           // reported share of a bound
-constexpr double kDelayMargin = 0.5e-3;  // [s] error of the delay in both directions
-constexpr double kLeastForce = 2e-3;     // [N] noise hides smaller forces
-constexpr double kSticks = 2.0;          // stiction at the turns divided by the largest resistance
-constexpr double kSpeedError = 0.02;  // relative error of the mean speed, from windows and ripple
-// Share and least value [s] to add to the lag.
+constexpr double kShare = 0.8;           // ratio of a reported bound to the computed bound
+constexpr double kDelayMargin = 0.5e-3;  // [s] largest error of the delay, positive or negative
+// [N] Margin of the friction, because noise hides smaller forces.
+constexpr double kLeastForce = 2e-3;
+constexpr double kSticks = 2.0;  // ratio of the stiction at a turn to the largest resistance
+// Relative error of the mean speed, from averaging windows and ripple.
+constexpr double kSpeedError = 0.02;
+// Relative margin and least margin [s] that are added to the lag.
 constexpr double kLagShare = 0.02, kLeastLag = 40e-6;
-constexpr double kOpenLag = 0.5e-3;  // [s] largest error of a usable lag
-constexpr double kHeld = 25.0;       // [N/m] stiffness of a hand; a free handle has no stiffness
-// Relative difference of the dampings, in addition to the fit errors.
+constexpr double kOpenLag = 0.5e-3;  // [s] largest fit error of a usable lag
+constexpr double kHeld = 25.0;       // [N/m] a larger stiffness shows that a hand holds the handle
+// Allowed relative difference of two damping estimates, in addition to the fit errors.
 constexpr double kDisagreement = 0.3;
 
-/// The value u' A u along a line u. The true value may be smaller by `uncertainty`.
+/// Value u' A u of a damping or mass matrix A in the direction u. The true value may be smaller by
+/// `uncertainty`.
 struct AlongLine {
   Vec3 along = Vec3::Zero();
   double value = 0.0, uncertainty = 0.0;
@@ -38,13 +41,13 @@ const AlongLine* find_line(std::span<const AlongLine> lines, const Vec3& along) 
   return found == lines.end() ? nullptr : &*found;
 }
 
-/// A symmetric matrix, and the largest error of each element.
+/// Symmetric matrix, and the largest error of each element.
 struct Measured {
   Mat3 value = Mat3::Zero(), uncertainty = Mat3::Zero();
 };
 
 /// Computes the matrix from its values along the axes and along the diagonals of each pair of axes.
-/// Precondition: `lines` contains all lines of sweep_plan().
+/// Precondition: `lines` contains all directions of sweep_plan().
 Measured measured(std::span<const AlongLine> lines, int dof) {
   Measured found;
   for (int i = 0; i < dof; ++i) {
@@ -62,8 +65,8 @@ Measured measured(std::span<const AlongLine> lines, int dof) {
   return found;
 }
 
-/// Returns a diagonal matrix D below A: A - D is diagonally dominant (Gershgorin). If the axes are
-/// strongly coupled, D is the smallest eigenvalue of A for all axes.
+/// Returns the diagonal of a matrix D below A: A - D is diagonally dominant (Gershgorin). If the
+/// axes are strongly coupled, each element is instead the smallest eigenvalue of A.
 Vec3 diagonal_below(const Measured& a, int dof) {
   Vec3 below = Vec3::Zero();
   for (int i = 0; i < dof; ++i) {
@@ -80,11 +83,11 @@ Vec3 diagonal_below(const Measured& a, int dof) {
   return same;
 }
 
-/// The runs along a line. They are adjacent in the plan.
+/// All sweeps in one direction. They are adjacent in the plan.
 struct Line {
   Vec3 along = Vec3::Zero();
   std::vector<const SweepRecord*> runs;
-  ImpulseFit impulse;  // fit of the fastest run
+  ImpulseFit impulse;  // fit of the fastest sweep
 };
 
 std::vector<Line> lines_of(std::span<const SweepRecord> runs) {
@@ -103,8 +106,9 @@ std::vector<Line> lines_of(std::span<const SweepRecord> runs) {
   return lines;
 }
 
-/// Returns a lower bound of the friction along a line: the smaller of two estimates. The first uses
-/// all cycles. The second uses only the fast cycles, where stiction has no effect.
+/// Returns a lower bound of the friction in one direction [N], from the smaller of two fits. The
+/// first fit uses all cycles. The second fit uses only the fast cycles, where stiction has no
+/// effect.
 double friction_below(const std::vector<DissipationCycle>& cycles) {
   const FittedLine all = fitted_line(cycles);
   double fastest = 0.0, most = 0.0, slow_share = 0.0;
@@ -143,7 +147,7 @@ std::string line_name(const Vec3& along) {
 
 /// Returns a warning if the other method finds clearly less damping than the energy method, else an
 /// empty text. More damping needs no warning: stiction or friction per axis can cause it, and the
-/// smaller value is safe. `open`: combined uncertainty.
+/// smaller value is safe. `open`: combined uncertainty of both methods [N s/m].
 std::string disagreement(const Vec3& along, const FittedLine& energy, const char* other,
                          double damping, double open) {
   if (energy.slope - damping <= kDisagreement * std::abs(energy.slope) + open) return {};
@@ -154,7 +158,8 @@ std::string disagreement(const Vec3& along, const FittedLine& energy, const char
   return text.str();
 }
 
-/// Compares with the decay of a coast along an axis. The decay can only lower the damping.
+/// Compares the damping with the damping from the decay of a coast along an axis. Adds a doubt if
+/// they disagree. The decay can only lower the resulting damping.
 void cross_check(std::span<const CoastDownRecord> coasts, std::size_t axis, const Line& line,
                  const FittedLine& energy, const AlongLine& damping, DeviceEstimate& found) {
   const ImpulseFit& impulse = line.impulse;
@@ -189,7 +194,7 @@ void read_lag(std::span<const SweepRecord> shaken, DeviceEstimate& found) {
   const LagFit fit = lag_fit(shaken);
   if (!fit.valid) return;
   const double open = student(fit.freedom) * fit.error;
-  // A motor cannot act before its command.
+  // Refuse a negative lag, because a motor cannot act before its command.
   if (!(open < kOpenLag && fit.lag + open + kLeastLag > 0.0)) return;
   found.lag = fit.lag;
   found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
@@ -229,8 +234,8 @@ DeviceEstimate estimate(std::span<const SweepRecord> all_runs,
     dampings.push_back({line.along, energy.slope, t * energy.slope_error});
     masses.push_back({line.along, impulse.mass, student(30) * impulse.mass_error});
     found.friction = std::min(found.friction, energy.offset);
-    // A delay compensation that is too small lowers the damping and raises the friction. A
-    // compensation that is too large lowers the friction. So take the smaller estimate.
+    // Estimate the friction with a small and with a large delay compensation, and take the smaller
+    // value. Too small a compensation raises the friction, and too large a compensation lowers it.
     found.friction_bound = std::min({found.friction_bound, friction_below(cycles),
                                      friction_below(cycles_of(line, most_delay + kDelayMargin))});
     if (pull_back(*line.runs.front()) > kHeld)

@@ -15,19 +15,21 @@ namespace {
 constexpr double kStiffness = 200.0, kDamping = 2.0;  // [N/m], [N s/m]
 constexpr double kBrake = 5.0;  // [N s/m] extra damping above kExcess times the planned speed
 constexpr double kExcess = 1.5;
-constexpr double kFilter = 3e-3;  // [s] filter of the damper's velocity
-constexpr double kSlew = 100.0;   // [N/s]
-constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;  // [s]
-constexpr double kBeyond = 0.03;   // [s] after the last cycle, for the averaging windows
-constexpr double kRoom = 1.5;      // reserved ticks divided by expected ticks
+constexpr double kFilter = 3e-3;  // [s] time constant of the velocity filter
+constexpr double kSlew = 100.0;   // [N/s] fastest change of the force
+// [s] Durations of the phases.
+constexpr double kSettle = 1.0, kRest = 1.0, kApproach = 0.6, kFade = 0.2;
+constexpr double kBeyond = 0.03;   // [s] time after the last cycle for the averaging windows
+constexpr double kRoom = 1.5;      // ratio of reserved ticks to expected ticks
 constexpr double kSharpest = 5.0;  // [m/s^2] largest acceleration at a turn
-// Limits of a coast: longest time, longest distance, and its final speeds relative to the push. The
-// speed of an unbalanced handle may rise.
+// A coast ends after kLongestCoast, at the position kCoastUntil, or at a speed below kCoasted or
+// above kFallen times the push speed. An unbalanced handle may become faster.
 constexpr double kLongestCoast = 0.4, kCoastUntil = 0.4;  // [s], [amplitudes]
 constexpr double kCoasted = 0.15, kFallen = 1.3;
-constexpr double kLeastBrake = 1.0;  // [m/s^2]
-// The vibration force: first and largest amplitude [of the largest force], vibration speed [of the
-// sweep speed], and time constants [s] of growth and decay.
+constexpr double kLeastBrake = 1.0;  // [m/s^2] smallest deceleration after a coast
+// Vibration force: first and largest amplitude relative to the largest force, smallest and largest
+// vibration speed relative to the sweep speed, and time constants [s] for the growth and decay of
+// the amplitude and for the decay of the measured vibration speed.
 constexpr double kFirstShake = 0.02, kMostShake = 0.5;
 constexpr double kLeastSwing = 0.5, kMostSwing = 0.7;
 constexpr double kShakeGrows = 0.12, kShakeShrinks = 0.03, kSwingFades = 0.1;
@@ -47,8 +49,8 @@ IdentifyLimits identify_limits(const DeviceSpec& spec, std::optional<double> for
   limits.amplitude =
       room > 0.0 ? std::min(kOfWorkspace * room, kLargestAmplitude) : kUsualAmplitude;
   limits.travel = kTravelOverAmplitude * limits.amplitude;
-  // A turn takes a fifth of the time of a stroke (half a cycle). Its acceleration is then 2 v^2 /
-  // amplitude.
+  // The handle brakes in a fifth of the time of a stroke (half a cycle). At the sweep speed v, its
+  // deceleration is then 2 v^2 / amplitude.
   limits.top_speed = std::min(kTopSpeed, std::sqrt(0.5 * kSharpest * limits.amplitude));
   limits.speed = 2.0 * limits.top_speed;
   limits.force = force.value_or(kOfForce * spec.max_force);
@@ -131,7 +133,7 @@ void Identification::held(const Vec3& force) noexcept {
   if (recorded_ != nullptr) recorded_->back().force = force;
 }
 
-/// Stops the measurement if a free handle cannot cause this reading.
+/// Gives up the measurement and returns true if a free handle cannot cause this reading.
 bool Identification::odd(double time, const Vec3& position) noexcept {
   if (!position.allFinite()) return give_up("the device gave a position that is no number"), true;
   const double span = time - last_;
@@ -149,10 +151,10 @@ bool Identification::odd(double time, const Vec3& position) noexcept {
   return false;
 }
 
-/// Moves the target position of this phase. Returns the force towards it.
+/// Moves the target position `led_` as the phase requires. Returns the force towards it.
 Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   const double in_phase = time - phase_began_;
-  double strength = 1.0, meant = limits_.top_speed;  // [m/s]
+  double strength = 1.0, meant = limits_.top_speed;  // [m/s] `meant` is the planned speed
   Vec3 shake = Vec3::Zero();
   const double amplitude = limits_.amplitude;
   switch (phase_) {
@@ -214,7 +216,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
   }
   Vec3 wanted = kStiffness * (start_ + led_ - position) - kDamping * velocity_;
   const double speed = velocity_.norm(), excess = speed - kExcess * meant;
-  // This damper limits the overshoot of a heavy handle.
+  // Extra damping limits the overshoot of a heavy handle.
   if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
@@ -226,8 +228,8 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
 }
 
 /// Returns the vibration force along a sweep [N]. Its amplitude grows in the cycle before the
-/// measured cycles. It stops growing when the vibration speed is half the sweep speed, so the dry
-/// friction keeps its direction.
+/// measured cycles, until the vibration speed is half the sweep speed. The vibration then never
+/// reverses the movement, so the dry friction keeps its direction.
 double Identification::shaken(const Sweep& sweep, double in_phase, double span) noexcept {
   const double cycle = cycle_time(sweep, limits_.amplitude);
   if (in_phase < span + 1e-9 || shake_level_ == 0.0) {
@@ -268,7 +270,7 @@ void Identification::next(double time) noexcept {
   begin(last ? Phase::fade : Phase::approach, time);
 }
 
-/// Marks a turn if the next recorded tick starts a cycle or ends the last cycle.
+/// Adds the next recorded tick to `turns` if it starts a cycle or ends the last cycle.
 void Identification::look_for_turn(double in_phase) noexcept {
   SweepRecord& run = runs_[run_];
   const double next = static_cast<double>(run.turns.size()) + 1.0;

@@ -27,10 +27,12 @@ nlohmann::ordered_json numbers(const Damping& damping) {
   return all;
 }
 
-/// Describes a lag of up to a servo period as a mix of delay and first-order lag. A longer lag
-/// counts as a delay, because the energy account cannot handle a longer first-order lag.
+/// Returns the kind and size of the lag for the specification. A lag of up to 1 ms is a mix of
+/// delay and first-order lag. A longer lag counts as a delay, because the energy account cannot
+/// handle a longer first-order lag.
 std::pair<LagKind, double> told_lag(double bound) {
-  constexpr double kLongestMixed = 1e-3, kTail = 0.5e-3;  // [s]
+  // [s] Longest mixed lag, and time that is added to a longer lag.
+  constexpr double kLongestMixed = 1e-3, kTail = 0.5e-3;
   if (bound <= kLongestMixed) return {LagKind::mixed, bound};
   return {LagKind::delay, bound + kTail};
 }
@@ -42,7 +44,7 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   DeviceSpec& spec = known.spec;
   const int dof = spec.translation_dof;
   Vec3 damping = found.damping_bound;
-  if (dof == 2) damping.z() = damping.head<2>().minCoeff();  // this axis has no force
+  if (dof == 2) damping.z() = damping.head<2>().minCoeff();  // the z axis has no force
   spec.damping = damping;
   spec.apparent_mass = found.mass.head(dof).mean();
   spec.least_mass = std::min(found.mass_bound, spec.apparent_mass);

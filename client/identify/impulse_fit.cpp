@@ -9,11 +9,13 @@
 namespace feltwire {
 namespace {
 
-constexpr double kDelayStep = 0.25e-3, kLongestDelay = 8e-3;  // [s]
-constexpr double kSlowest = 0.2;  // relative to the sweep speed; stiction dominates at lower speeds
+// [s] Step and end of the delay search.
+constexpr double kDelayStep = 0.25e-3, kLongestDelay = 8e-3;
+// Ratio of the slowest used speed to the sweep speed. Stiction dominates at lower speeds.
+constexpr double kSlowest = 0.2;
 
-/// Means over a window of ticks along the sweep. The window is the same for all means, so noise and
-/// delay affect them equally.
+/// Mean force, velocity and acceleration along the sweep in a window of ticks. All means use the
+/// same window, so noise and delay affect them equally.
 struct Means {
   double force, velocity, acceleration;
 };
@@ -42,7 +44,8 @@ struct Fit {
   bool valid = false;
 };
 
-/// Fits mass, damping, friction and offset. `shift` [ticks]: delay of the movement after the force.
+/// Fits mass, damping, friction and constant force by least squares. `shift` [ticks]: delay of the
+/// movement after the force. `slowest` [m/s]: slowest used speed.
 Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   const auto whole = static_cast<std::size_t>(shift);
   const double part = shift - std::floor(shift);
@@ -65,7 +68,7 @@ Fit fit(const std::vector<Means>& list, double shift, double slowest) {
   if (count < 100) return found;
   const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
   found.x = solver.solve(right);
-  // The windows of neighbours overlap. So only one of 4 kHalfWindow ticks gives an independent
+  // The windows of neighbour ticks overlap. So only one of 4 kHalfWindow ticks gives an independent
   // value.
   const double independent = count / (4.0 * kHalfWindow);
   found.variance = std::max(0.0, square - found.x.dot(right)) / count;

@@ -15,17 +15,19 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSettled = 0.05;  // settling time after a turn, relative to the time of a stroke
-constexpr int kRounds = 6;         // iterations of Newton's method
-constexpr double kClose = 1e-8;    // [s]
-// [s] Above this lag L, the phase of a first-order lag is clearly below w L.
+// Ratio of the settling time after a turn to the time of a stroke.
+constexpr double kSettled = 0.05;
+constexpr int kRounds = 6;       // iterations of Newton's method
+constexpr double kClose = 1e-8;  // [s] change of the lag that ends the iteration
+// [s] Largest valid lag L. Above it, the phase of a first-order lag is clearly smaller than w L at
+// the frequency w.
 constexpr double kMostLag = 4e-3;
-constexpr double kMassChange = 0.3;  // relative change of the apparent mass near a resonance
+constexpr double kMassChange = 0.3;  // relative change of the apparent mass that shows a resonance
 constexpr int kLeastFrequencies = 3;
-constexpr int kSurplus = 4;  // least number of equations minus unknowns
+constexpr int kSurplus = 4;  // least number by which the equations exceed the unknowns
 
-/// The test function sin^4 over a stroke, times exp(-j w t), with its derivatives; `t` [s]. A
-/// stroke is the movement in one direction, half a cycle.
+/// Test function of a stroke (the movement in one direction, half a cycle), with its derivatives:
+/// sin^4, times exp(-j w t) with the time t [s].
 class TestFunction {
  public:
   TestFunction(double begins, double ends, double frequency)
@@ -33,7 +35,7 @@ class TestFunction {
 
   double ends() const { return ends_; }
   double turn() const { return turn_; }  // w [rad/s]
-  /// Returns the derivative of this order. Order 0 is the function.
+  /// Returns the derivative of the order `order`. Order 0 is the function itself.
   Complex derived(int order, double t) const {
     if (!(t > begins_ && t < ends_)) return 0.0;
     // sin^4 is a sum of five exponentials.
@@ -54,25 +56,28 @@ class TestFunction {
   double begins_, ends_, turn_;
 };
 
-/// The integrals over a stroke of a run. The cycles are rotated to a common phase.
+/// Integrals over one stroke of a shaken sweep, with the position x and the test function p. Each
+/// cycle is rotated to a common vibration phase before it is added.
 struct ShakenWay {
   const SweepRecord* run;
   TestFunction test;
   Complex accelerated = 0.0;  // integral of x p''
   Complex moved = 0.0;        // integral of -x p'
 
-  /// Returns the integral of f(t - lag) p. The device holds a force until the next tick, and
-  /// Simpson's rule integrates between the ticks.
+  /// Returns the integral of f(t - lag) p, with the force f. The device holds a force until the
+  /// next tick, and Simpson's rule integrates between the ticks.
   Complex forced(double lag) const;
 };
 
-/// Calls visit(rotation, ticks, time) for each cycle. `rotation`: to the common phase. `ticks`:
-/// from the start of the cycle on. `time`: start of the cycle.
+/// Calls visit(rotation, ticks, time) for each cycle. `rotation`: factor that rotates the cycle to
+/// the common vibration phase. `ticks`: all ticks from the start of the cycle. `time`: start of the
+/// cycle [s].
 template <class Visit>
 void for_each_cycle(const SweepRecord& run, Visit visit) {
   for (std::size_t n = 0; n + 1 < run.turns.size(); ++n) {
     const std::size_t first = run.turns[n];
-    const double phase = shake_phase(static_cast<int>(n) + 1);  // an unmeasured cycle came before
+    // The sweep begins with an unmeasured cycle.
+    const double phase = shake_phase(static_cast<int>(n) + 1);
     visit(std::polar(1.0, -phase), std::span(run.ticks).subspan(first), run.ticks[first].time);
   }
 }
@@ -108,7 +113,7 @@ ShakenWay way_of(const SweepRecord& run, const TestFunction& test) {
   return way;
 }
 
-/// Returns both strokes of each run.
+/// Returns the integrals of both strokes of each run.
 std::vector<ShakenWay> ways_of(std::span<const SweepRecord> runs) {
   std::vector<ShakenWay> ways;
   for (const SweepRecord& run : runs) {
@@ -128,15 +133,16 @@ Eigen::Index line_of(std::span<const Vec3> lines, const ShakenWay& way) {
   return std::find(lines.begin(), lines.end(), way.run->sweep.along) - lines.begin();
 }
 
-/// Drops the frequencies of a line near a resonance, where the loss has another form. A changed
-/// apparent mass marks the resonance. Returns nothing if a line keeps too few frequencies.
-/// Precondition: the frequencies of each line increase.
+/// Drops the frequencies near a resonance for each shaking direction in `lines`, because the loss
+/// model does not hold there. A changed apparent mass shows the resonance. Returns nothing if too
+/// few frequencies remain for a direction. Precondition: the frequencies of each direction
+/// increase.
 std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
                                        std::span<const Vec3> lines) {
   std::vector<ShakenWay> kept;
   for (const Vec3& line : lines) {
-    int count = 0;                                          // number of frequencies
-    double first = 0.0;                                     // [kg]
+    int count = 0;                                          // number of remaining frequencies
+    double first = 0.0;                                     // [kg] mass at the lowest frequency
     for (std::size_t i = 0; i + 1 < ways.size(); i += 2) {  // both strokes of a run
       if (ways[i].run->sweep.along != line) continue;
       const std::span run = ways.subspan(i, 2);
@@ -152,7 +158,8 @@ std::vector<ShakenWay> below_resonance(std::span<const ShakenWay> ways,
   return kept;
 }
 
-/// Least squares that use only the kept columns.
+/// Least-squares solution with only the columns in `kept`. `x` is zero for the others, and
+/// `first_error` is the standard error of the first element of `x`.
 struct Solution {
   Eigen::VectorXd x;
   double variance = 0.0, first_error = 0.0;
@@ -185,10 +192,10 @@ LagFit lag_fit(std::span<const SweepRecord> runs) {
     if (!(std::abs(way.accelerated) > 0.0)) return fit;
   }
   const std::vector<ShakenWay> ways = below_resonance(shaken, lines);
-  double top = 0.0;  // [rad/s]
+  double top = 0.0;  // [rad/s] highest frequency
   for (const ShakenWay& way : ways) top = std::max(top, way.test.turn());
-  // Unknowns: the lag, the damping of each line, and the additional loss of each line at the top
-  // frequency.
+  // Unknowns: the lag, the damping in each direction, and the additional loss in each direction at
+  // the highest frequency.
   const auto count = static_cast<Eigen::Index>(lines.size());
   const auto equations = static_cast<Eigen::Index>(ways.size());
   if (equations < 1 + 2 * count + kSurplus) return fit;

@@ -17,8 +17,8 @@ constexpr Nanoseconds kHung = std::chrono::milliseconds(100);
 constexpr Nanoseconds kGivenUp = std::chrono::seconds(1);
 // Pause between two checks of the device.
 constexpr Nanoseconds kBetween = std::chrono::milliseconds(10);
-// Before the start: longest fault, longest wait for a person, and the time for which the device
-// must be usable.
+// Limits before the start: longest fault, longest wait for a person, and the time for which the
+// device must be usable without a break.
 constexpr Nanoseconds kLongestFault = std::chrono::seconds(5);
 constexpr Nanoseconds kLongestWithheld = std::chrono::seconds(60);
 constexpr Nanoseconds kUsable = std::chrono::milliseconds(200);
@@ -62,7 +62,8 @@ void await_prepared(Device& device, Nanoseconds patience,
   });
 }
 
-/// Waits for a usable device. `reading`: null without a reading.
+/// Returns whether the device has been usable long enough to start. Gives up after a long fault or
+/// a long wait. `reading`: null if the device gave no reading.
 bool Measurement::ready(const DeviceReading* reading, Nanoseconds now) noexcept {
   const bool faulty = reading == nullptr || !reading->ok || reading->ended;
   const bool withheld = !faulty && reading->withheld != Withheld::nothing;

@@ -9,19 +9,20 @@ namespace feltwire {
 namespace {
 
 struct Speed {
-  double share;  // speed divided by top speed
-  int cycles;    // fast cycles are short, so their end errors weigh more
+  double share;  // ratio of the speed to the top speed
+  int cycles;    // number of cycles; fast cycles are short, so their end errors weigh more
 };
 constexpr std::array kSpeeds = {Speed{0.16, 1}, Speed{0.32, 1}, Speed{0.5, 2}, Speed{0.72, 3},
                                 Speed{1.0, 5}};
 
-// Frequencies of the vibration. The lowest has three periods per stroke (half a cycle). Losses
-// other than damping grow with the frequency.
+// Frequencies of the vibration. The lowest frequency has three periods per stroke (half a cycle).
+// Several frequencies are necessary, because losses other than damping grow with the frequency.
 constexpr std::array kShakes = {10.0, 14.0, 20.0, 28.0, 40.0};  // [Hz]
-constexpr double kShakenSpeed = 0.5;                            // speed divided by top speed
-constexpr int kShakenCycles = 4;                                // a cycle for each phase
+constexpr double kShakenSpeed = 0.5;  // ratio of the sweep speed to the top speed
+constexpr int kShakenCycles = 4;      // one cycle for each vibration phase
 
-/// Returns the position within a stroke (half a cycle), 0 to 1, at the relative time t, 0 to 1.
+/// Returns the position within a stroke (half a cycle), from 0 to 1, at the relative time t, from 0
+/// to 1.
 double way(double t) {
   const double speed = 1.0 / (1.0 - kTurnShare);
   if (t < kTurnShare) return 0.5 * speed * t * t / kTurnShare;
