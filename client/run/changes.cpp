@@ -15,7 +15,7 @@ Changes::Changes(const Client& client)
       port_(client.port),
       takes_(client.takes) {}
 
-/// Prepares the whole change or refuses it.
+/// Returns the whole prepared change, or the reason for its refusal.
 Changes::Done Changes::judged(const ClientChange& change) {
   Done done;
   done.prepared.number = change.number;
@@ -48,8 +48,8 @@ Changes::Done Changes::judged(const ClientChange& change) {
   return done;
 }
 
-/// Returns a refusal that the list does not store. It allocates no memory: `why` fits into the
-/// string's own buffer.
+/// Returns a refusal with the reason `why`. The list `done_` does not store it. The function
+/// allocates no memory, because `why` fits into the string's own buffer.
 Changes::Done& Changes::refused(const char* why) noexcept {
   Done& done = not_kept_[next_not_kept_];
   next_not_kept_ = (next_not_kept_ + 1) % not_kept_.size();

@@ -25,7 +25,7 @@ CheckResult session(const RunFigures& run) {
 }
 
 CheckResult rate(const RunFigures& run) {
-  constexpr double kPasses = 0.001, kWorks = 0.05;  // share of the ticks
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // limits of the share of missed ticks
   const double wanted = 1.0 / run.servo_period;
   const auto due = static_cast<double>(run.samples + run.missed_deadlines);
   const double missing = due > 0.0 ? static_cast<double>(run.missed_deadlines) / due : 1.0;
@@ -36,7 +36,7 @@ CheckResult rate(const RunFigures& run) {
 }
 
 CheckResult wakeups(const RunFigures& run) {
-  constexpr double kPasses = 0.1, kWorks = 0.5;  // share of a servo period
+  constexpr double kPasses = 0.1, kWorks = 0.5;  // limits of the lateness, in servo periods
   const double late = run.wakeup_late.quantile(0.99) / kNanoseconds;
   return check_result("late wake-ups", rising(late / run.servo_period, kPasses, kWorks),
                       "99 % of ticks within " + figure(kMicro * late, 0) + " us, the worst " +
@@ -44,9 +44,9 @@ CheckResult wakeups(const RunFigures& run) {
                       kQuietMachine);
 }
 
-/// Warns of deep sleep states only if ticks are late.
+/// Warns of deep sleep states of the processors only if ticks are late.
 CheckResult processors(const RunFigures& run, const MachineFacts& machine) {
-  constexpr int kShort = 50;  // [us]
+  constexpr int kShort = 50;  // [us] longest wake-up time of a shallow sleep
   const bool late = wakeups(run).verdict != Verdict::pass;
   const bool deep = !machine.wake_latency || *machine.wake_latency > kShort;
   const std::string figure = !machine.wake_latency ? "/dev/cpu_dma_latency may not be read"
@@ -61,7 +61,7 @@ CheckResult processors(const RunFigures& run, const MachineFacts& machine) {
 
 CheckResult clock(const MachineFacts& machine) {
   constexpr std::array<std::string_view, 3> kSlow = {"hpet", "acpi_pm", "jiffies"};
-  constexpr double kPasses = 1e-6, kWorks = 1e-4;  // [s]
+  constexpr double kPasses = 1e-6, kWorks = 1e-4;  // [s] limits of the clock resolution
   const bool slow = std::ranges::find(kSlow, machine.clock_source) != kSlow.end();
   const Verdict verdict = rising(machine.clock_resolution, kPasses, kWorks);
   return check_result(
@@ -85,7 +85,8 @@ const char* const kLongLine =
     "older commands count";
 
 CheckResult round_trip(const RunFigures& run) {
-  // Share of the hold time; above half of it commands fade.
+  // Limits of the round trip as shares of the hold time. Above half of the hold time, commands
+  // fade.
   constexpr double kPasses = 0.25, kWorks = 0.5;
   const double p50 = run.round_trip.quantile(0.5) / kNanoseconds;
   const double p99 = run.round_trip.quantile(0.99) / kNanoseconds;
@@ -96,7 +97,7 @@ CheckResult round_trip(const RunFigures& run) {
 }
 
 CheckResult jitter(const RunFigures& run) {
-  constexpr double kWorks = 0.125;  // share of the hold time
+  constexpr double kWorks = 0.125;  // limit of the jitter as a share of the hold time
   const double passes = std::max(run.servo_period, kWorks / 4.0 * run.hold_time);
   return check_result(
       "jitter", rising(*run.jitter, passes, kWorks * run.hold_time),

@@ -11,7 +11,7 @@ namespace feltwire {
 namespace {
 
 constexpr Nanoseconds kTickPatience = std::chrono::milliseconds(25);
-constexpr double kPerSecond = 1e9;  // [ns]
+constexpr double kPerSecond = 1e9;  // nanoseconds per second
 
 const char* const kCalmMachine =
     "end other programs, connect the device without a hub, and give the client the rights of "
@@ -54,7 +54,7 @@ std::string milliseconds(double nanoseconds) {
 }
 
 CheckResult rate(const DeviceTicks& t) {
-  constexpr double kPasses = 0.0, kWorks = 0.01;  // share of the ticks
+  constexpr double kPasses = 0.0, kWorks = 0.01;  // limits of the share of missed ticks
   return check_result("rate", rising(share(t.missed, t.ticks + t.missed), kPasses, kWorks),
                       figure(t.span > 0.0 ? static_cast<double>(t.ticks) / t.span : 0.0, 1) +
                           " ticks a second, " + std::to_string(t.missed) + " missed",
@@ -62,7 +62,8 @@ CheckResult rate(const DeviceTicks& t) {
 }
 
 CheckResult jitter(const DeviceTicks& t) {
-  constexpr double kPasses = 0.2, kWorks = 1.0;  // relative to the usual interval
+  // Limits of the spread, relative to the usual interval.
+  constexpr double kPasses = 0.2, kWorks = 1.0;
   const double half = t.interval.quantile(0.5), most = t.interval.quantile(0.99);
   const double spread = half > 0.0 ? (most - half) / half : kWorks + 1.0;
   return check_result("jitter", rising(spread, kPasses, kWorks),
@@ -72,7 +73,7 @@ CheckResult jitter(const DeviceTicks& t) {
 }
 
 CheckResult longest(const DeviceTicks& t) {
-  constexpr double kPasses = 0.001, kWorks = 0.05;  // share of the ticks
+  constexpr double kPasses = 0.001, kWorks = 0.05;  // limits of the share of overlong ticks
   return check_result("longest tick", rising(share(t.overlong, t.ticks), kPasses, kWorks),
                       std::to_string(t.overlong) + " of " + std::to_string(t.ticks) +
                           " ticks longer than the " + milliseconds(kPerSecond * t.longest_tick) +
@@ -81,7 +82,7 @@ CheckResult longest(const DeviceTicks& t) {
 }
 
 CheckResult readings(const DeviceTicks& t) {
-  constexpr double kPasses = 0.01, kWorks = 0.5;  // share of the ticks
+  constexpr double kPasses = 0.01, kWorks = 0.5;  // limits of the share of repeated readings
   const std::uint64_t fresh = t.ticks - std::min(t.repeated, t.ticks);
   const double fresh_rate = t.span > 0.0 ? static_cast<double>(fresh) / t.span : 0.0;
   return check_result(

@@ -29,7 +29,7 @@ EmergencyKey::Turned EmergencyKey::take() noexcept {
   std::array<char, 64> typed{};
   const ssize_t count = ::read(keys_, typed.data(), typed.size());
   if (count <= 0) {
-    // The terminal was closed. Stop polling it, because it would always be ready.
+    // The terminal was closed. Stop reading it, because it would always be ready.
     if (count == 0 || errno != EINTR) before_.reset();
     return Turned::nothing;
   }

@@ -11,9 +11,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kMostTicks = 1e5;  // 10 s at 10 kHz
+constexpr double kMostTicks = 1e5;  // largest number of stored ticks: 10 s at 10 kHz
 
-/// Same order as FlightRecord::causes_.
+/// Texts of the causes, in the order of FlightRecord::causes_.
 constexpr std::array kCauseTexts = {"the account was overdrawn", "a lost session goes on",
                                     "the device had a fault"};
 
@@ -33,7 +33,7 @@ void FlightRecord::add(const TickRecord& row) noexcept {
                                          row.no_force == ZeroForceReason::device_fault};
   for (std::size_t i = 0; i < kCauses; ++i) {
     Cause& cause = causes_[i];
-    // A repeated cause counts once. The present file or the next contains its whole time.
+    // A cause that begins again within kKept [s] makes no second file.
     const bool again = cause.began && row.time - *cause.began < kKept;
     if (now[i] && !cause.stands && !again) {
       cause.due = true;

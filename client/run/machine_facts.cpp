@@ -29,8 +29,8 @@ double resolution() {
          kNanosecond * static_cast<double>(resolution.tv_nsec);
 }
 
-/// Reads a signed 32-bit number of microseconds (the kernel's pm_qos_interface.rst). Only a write
-/// would request a latency.
+/// Returns the longest wake-up time of the processors that the kernel allows [us]
+/// (pm_qos_interface.rst). Reading this file requests no wake-up time; only writing would.
 std::optional<int> wake_latency() {
   const int file = ::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;

@@ -102,7 +102,8 @@ void McapRecording::add_picture(const TickRecord& row, std::uint64_t time) {
   part_->writer.write(part_->picture, time, message_);
 }
 
-/// Writes deletions at once. Writes the present hands and bodies 60 times per second.
+/// Records the observed scene: removed hands and bodies at once, present hands and bodies 60 times
+/// per second.
 void McapRecording::see(double time, const ObservedScene& scene) {
   if (!first_tick_) return;
   const std::uint64_t now = *first_tick_ + static_cast<std::uint64_t>(from_seconds(time).count());

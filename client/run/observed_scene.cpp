@@ -8,8 +8,9 @@ namespace {
 std::uint32_t key(const SeenHand& hand) { return hand.number; }
 std::uint16_t key(const SeenBody& body) { return body.object; }
 
-/// Removes the known entries that `seen` lacks, and updates the others. Both lists are sorted.
-/// Returns the number of new entries beyond `most`.
+/// Removes the entries of `known` in the range [from, end) that `seen` lacks, and updates the
+/// others. Both lists are sorted. `gone`: removed keys. Returns the number of new entries that
+/// exceed the limit `most`.
 template <class Key, class Seen>
 std::uint64_t renew(std::map<Key, Seen>& known, std::size_t most, Key from, Key end,
                     std::span<const Seen> seen, std::vector<Key>& gone) {

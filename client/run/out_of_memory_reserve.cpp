@@ -12,11 +12,12 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMemory = 1 << 18;  // [bytes] a report needs some ten thousand
+// [bytes] Size of the reserve; a report needs some ten thousand bytes.
+constexpr std::size_t kMemory = 1 << 18;
 
 std::atomic<void*> put_by{nullptr};
 
-/// Handles a failed operator new. The operator tries again after the return.
+/// Frees the reserve after a failed operator new. The operator then tries again.
 void give_memory_back() {
   void* memory = put_by.exchange(nullptr);
   if (memory == nullptr) throw std::bad_alloc();

@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The identity of a file: its inode, or the inode of its folder and its future name.
+/// Identity of a file: its inode, or the inode of its folder and its name if the file does not
+/// exist yet.
 struct Place {
   dev_t device = 0;
   ino_t inode = 0;
@@ -25,7 +26,8 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-/// Returns nothing for a pipe or a device, because several writers may share it.
+/// Returns the identity of a file. Returns nothing for a pipe or a device, because several writers
+/// may share it.
 std::optional<Place> place_of(const fs::path& file) {
   const fs::path target = followed(file);
   struct stat status {};
@@ -81,7 +83,8 @@ fs::path followed(const fs::path& file) {
 
 void check_writable(const fs::path& file) {
   if (is_special(file)) {
-    ::close(open_for_writing(file, O_NONBLOCK));  // O_NONBLOCK avoids the wait for a reader
+    // O_NONBLOCK avoids the wait for a reader of a pipe.
+    ::close(open_for_writing(file, O_NONBLOCK));
   } else {
     const PendingFile probe(followed(file), {}, kPrivate);
   }

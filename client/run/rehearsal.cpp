@@ -21,17 +21,20 @@
 namespace feltwire {
 namespace {
 
-constexpr double kCalm = 10e-6;        // [m] as in docs/lab/frontier.md
-constexpr double kWhole = 0.9;         // smallest rendered share of a wall that counts as whole
-constexpr double kUsualWall = 1000.0;  // [N/m]
-constexpr double kAssumedMass = 0.1;   // [kg]
-constexpr double kMostForce = 3.0;     // [N]
-constexpr double kAnyTime = 1.0;       // [s] start of a press
-constexpr double kLate = 0.1;          // largest delay of a tick, in periods
-constexpr int kBetweenLooks = 100;     // [ticks] between stop checks
-constexpr int kPause = 4;              // pause divided by the time of the previous piece
-constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;  // [s] times within a press
-constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};  // [N/m]
+constexpr double kCalm = 10e-6;  // [m] limit of the swing in a calm press (docs/lab/frontier.md)
+constexpr double kWhole = 0.9;   // least ratio of rendered to true stiffness that counts as whole
+// [N/m] Stiffness of a wall if the scene's stiffness is unknown.
+constexpr double kUsualWall = 1000.0;
+constexpr double kAssumedMass = 0.1;  // [kg] mass of a device whose mass is unknown
+constexpr double kMostForce = 3.0;    // [N] largest force of a press
+constexpr double kAnyTime = 1.0;      // [s] clock time at the start of a press
+constexpr double kLate = 0.1;         // largest delay of a tick, in servo periods
+constexpr int kBetweenLooks = 100;    // number of ticks between two stop checks
+constexpr int kPause = 4;  // ratio of a pause to the run time of the calculation before it
+// [s] Approach, end, and evaluated time before the end of a press.
+constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;
+// [N/m] Stiffness of each tested wall.
+constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 40e3};
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
                                Hand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0}};
 
@@ -39,8 +42,8 @@ double press_force(const DeviceSpec& spec) {
   return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
 }
 
-/// Statistics of the handle position: mean, and RMS about a straight line. The line removes drift,
-/// which is no oscillation.
+/// Mean position and force of the handle, and its swing: the RMS distance from a fitted straight
+/// line. The line removes drift, which is no oscillation.
 class HandleAtRest {
  public:
   void add(double t, double y, double force) {
@@ -58,7 +61,8 @@ class HandleAtRest {
   double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
 };
 
-/// Returns the reply of a wall below y = 0. Every device has a force along y.
+/// Returns the reply of a wall below y = 0. The wall is normal to y, because every device has a
+/// force along y.
 Reply wall_reply(const Sample& sample, double stiffness) {
   Reply reply;
   reply.sample_index = sample.index;
@@ -88,7 +92,7 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   return SimulatedDevice(options);
 }
 
-/// Simulates a press. Returns nothing if it was stopped.
+/// Simulates a press against a wall. Returns nothing if `goes_on` stopped it.
 std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters& parameters,
                                 const ServoOptions& options, double wall, const Hand& hand,
                                 const std::function<bool()>& goes_on) {
@@ -127,7 +131,8 @@ std::optional<FirstPress> worst(const DeviceSpec& spec, const SessionParameters&
   return found;
 }
 
-/// Divides a computation into pieces with pauses until a stop request.
+/// Inserts pauses into a long computation. operator() makes a pause, and returns false after a stop
+/// request.
 class Pieces {
  public:
   explicit Pieces(const std::stop_token& stop) : stop_(stop) {}

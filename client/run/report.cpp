@@ -19,8 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNanosecond = 1e-3;   // [us]
-constexpr double kMicrodegree = 1e-6;  // [deg]
+constexpr double kNanosecond = 1e-3;   // microseconds per nanosecond
+constexpr double kMicrodegree = 1e-6;  // degrees per microdegree
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
@@ -29,7 +29,7 @@ Json micrometres(const std::optional<double>& metres) {
   return metres ? number(kMicro * *metres) : Json(nullptr);
 }
 
-/// Returns null without data, because zero would look like a measurement.
+/// Returns a quantile, or null without data, because zero would look like a measurement.
 Json quantile(const Histogram& h, double q, double scale) {
   return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
 }
@@ -55,7 +55,7 @@ Json energy(const ChannelEnergy& e) {
           {"torque", number(e.torque)}};
 }
 
-/// Returns a number, or the matrix by rows.
+/// Returns a number for isotropic damping, else the matrix by rows.
 Json damping(const Damping& b) {
   if (b.isotropic()) return number(b.least());
   Json rows = Json::array();
@@ -142,7 +142,7 @@ Json server(const Servo& servo) {
           {"recovering", reply.recovering}};
 }
 
-/// Returns null if the client fetched nothing or has no limit.
+/// Returns the limit of the contact work, or null if the client fetched nothing or has no limit.
 Json allowed_work(const Servo& servo) {
   const FetchedScene* fetched = servo.fetched();
   if (fetched == nullptr || fetched->most_work == WorkLimit::kUnlimited) return nullptr;
@@ -168,7 +168,7 @@ Json local_model(const Servo& servo, const std::string& contact_refused) {
       {"allowed_contact_work", allowed_work(servo)}};
 }
 
-/// Reports when the watch releases the device, and where the servo thread stalled.
+/// Returns when the watch thread releases a stalled device, and in which call the servo stalled.
 Json let_go(const LoopResult& loop) {
   return {
       {"after_s", loop.let_go_after > 0.0 ? number(loop.let_go_after) : Json(nullptr)},
@@ -187,7 +187,7 @@ Json account(const Servo& servo) {
           {"hand_force_n", number(servo.account()->outside_force())}};
 }
 
-/// Returns null for a real device, because its energy is unknown.
+/// Returns the true energy of a simulated device, or null for a real device.
 Json true_energy(const std::optional<TrueEnergy>& energy) {
   if (!energy) return nullptr;
   return {{"given_j", number(energy->given)},
@@ -196,7 +196,7 @@ Json true_energy(const std::optional<TrueEnergy>& energy) {
           {"to_hand_j", number(energy->to_hand)}};
 }
 
-/// Returns null if the wall was not felt or does not exist.
+/// Returns the result of a press against a wall, or null if there is no such wall.
 Json felt(const FirstPress& felt) {
   if (!(felt.wall > 0.0)) return nullptr;
   return {{"wall_n_per_m", number(felt.wall)},
@@ -212,7 +212,7 @@ Json rehearsal(const std::optional<Rehearsal>& rehearsal) {
           {"swings", rehearsal->swings}};
 }
 
-/// Returns the debt that ended the force, or null.
+/// Returns the debt of the energy account that ended the force, or null.
 Json debt_fault(const std::optional<Overdraft>& overdraft) {
   if (!overdraft) return nullptr;
   return {{"debt_j", number(overdraft->debt)},
@@ -220,7 +220,7 @@ Json debt_fault(const std::optional<Overdraft>& overdraft) {
           {"strong_hand", overdraft->strong_hand}};
 }
 
-/// Returns the values that the method adapts to the hand, or null for other methods.
+/// Returns the values that the bounding method adapts to the hand, or null for other methods.
 Json hand_credit(const std::optional<HandCredit>& credit) {
   if (!credit) return nullptr;
   return {{"damping_n_s_per_m", number(credit->damping)},
@@ -230,7 +230,7 @@ Json hand_credit(const std::optional<HandCredit>& credit) {
           {"untold_lag_s", number(credit->untold_lag)}};
 }
 
-/// Returns the ticks by zero-force reason, and the main reason of a run without any force.
+/// Returns the ticks for each reason of zero force, and the main reason of a run without force.
 Json no_force(const ServoStatistics& s) {
   Json samples = Json::object();
   for (std::size_t i = 1; i < kZeroForceReasons; ++i)
@@ -261,7 +261,7 @@ Json flight_records(const std::vector<WrittenFlight>* written) {
   return list;
 }
 
-/// Returns the changes that admins requested, in order.
+/// Returns the changes that admins requested, in the order of the requests.
 Json changes(const std::deque<Changes::Done>* done) {
   Json list = Json::array();
   if (done == nullptr) return list;
@@ -279,7 +279,7 @@ Json states(const std::vector<LinkState>& robots) {
   return list;
 }
 
-/// Returns null if the hand leads no robot.
+/// Returns the link states of the robots, or null if the hand leads no robot.
 Json robot(const Servo& servo) {
   if (!servo.remote()) return nullptr;
   return link_states_json(servo.link_states());
@@ -293,7 +293,7 @@ Json sight(const std::optional<SightCounts>& seen, const LoopResult& loop) {
           {"robots", states(seen->robots)}, {"left_out", seen->left_out}};
 }
 
-/// A port may be user code. Invalid JSON from it must not prevent the report.
+/// Returns the port's text as JSON, or as a string if user code has made it invalid JSON.
 Json port_json(const std::string& text) {
   if (text.empty()) return nullptr;
   Json parsed = Json::parse(text, nullptr, false);

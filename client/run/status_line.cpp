@@ -24,15 +24,15 @@ std::string one_way(const char* way, double delay, double jitter, bool known) {
   return part.data();
 }
 
-/// Returns the lost share of the samples between two states [%]. Late answers may raise it
-/// temporarily.
+/// Returns the share of the samples that were lost between two states [%]. Late answers may raise
+/// it temporarily.
 double loss(const LiveStatus& status, const LiveStatus& before) {
   const double samples = static_cast<double>(status.samples - before.samples);
   const double lost = static_cast<double>(status.lost - std::min(status.lost, before.lost));
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
 }
 
-/// Returns "  oscillation 3 um  stiffness 487 N/m". Omits unmeasured values.
+/// Returns a text such as "  oscillation 3 um  stiffness 487 N/m". Omits unmeasured values.
 std::string feel(const LiveStatus& status, const LiveStatus& before) {
   constexpr double kMicrometres = 1e6;
   std::string line;
@@ -48,8 +48,8 @@ std::string feel(const LiveStatus& status, const LiveStatus& before) {
   return line;
 }
 
-/// Returns "  shaped late, 1.20 N s/m of the hand", "  shaped near, 85 % of the force" or "  shaped
-/// near, asked 0.30 ms farther ahead".
+/// Returns a text such as "  shaped late, 1.20 N s/m of the hand", "  shaped near, 85 % of the
+/// force" or "  shaped near, asked 0.30 ms farther ahead".
 std::string shaping(const LiveStatus& s) {
   if (!s.shapes) return {};
   std::string line = s.near ? "  shaped near" : "  shaped late";
@@ -73,7 +73,7 @@ std::string shaping(const LiveStatus& s) {
   return line;
 }
 
-/// Returns "  account +0.0120 J, cuts 34 % of the ticks".
+/// Returns a text such as "  account +0.0120 J, cuts 34 % of the ticks".
 std::string account(const LiveStatus& s, const LiveStatus& before) {
   if (!s.balance) return {};
   std::array<char, kLongest> part{};
@@ -89,8 +89,8 @@ std::string account(const LiveStatus& s, const LiveStatus& before) {
   return line;
 }
 
-/// Returns "  contact cut off in 34 % of the ticks" if the contact exceeds the time limit of a
-/// tick.
+/// Returns a text such as "  contact cut off in 34 % of the ticks" if the contact exceeds the time
+/// limit of a tick.
 std::string cut_contact(const LiveStatus& s, const LiveStatus& before) {
   if (s.contact_cuts <= before.contact_cuts || s.samples <= before.samples) return {};
   std::array<char, kLongest> part{};
@@ -101,7 +101,7 @@ std::string cut_contact(const LiveStatus& s, const LiveStatus& before) {
   return part.data();
 }
 
-/// Returns "  robot left aligning, turn by 0.42 rad".
+/// Returns a text such as "  robot left aligning, turn by 0.42 rad".
 std::string robot(const LiveStatus& s) {
   if (!s.robot) return {};
   std::string line = "  robot ";
@@ -113,7 +113,7 @@ std::string robot(const LiveStatus& s) {
   return line + part.data();
 }
 
-/// Returns "  2 device faults (1 jump of its position)  the device is slow: 20.0 ms a tick".
+/// Returns the device faults and the time of slow device calls, or an empty text.
 std::string device(const LiveStatus& s, const LiveStatus& before) {
   std::string line = device_faults_text(s.device_faults, s.jumps);
   if (!line.empty()) line.replace(0, 1, " ");
@@ -181,7 +181,7 @@ std::string feel_text(const FeelMetrics& measures) {
 StatusLine::StatusLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 void StatusLine::show(const LiveStatus& status, std::string_view more) {
-  constexpr double kEvery = 1.0;  // [s] interval for an output without rewritten lines
+  constexpr double kEvery = 1.0;  // [s] interval between two lines if the output is no terminal
   if (!terminal_ && shown_ >= 0.0 && status.time - shown_ < kEvery) return;
   const std::string line = text(status, before_).append(more);
   std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", line.c_str(), terminal_ ? "\x1b[K" : "\n");

@@ -3,7 +3,7 @@
 namespace feltwire {
 namespace {
 
-/// Returns "robot", "robot2", ...
+/// Returns the kind of a robot in the file: "robot", "robot2", ...
 std::string robot_kind(std::uint8_t seat) {
   return seat == 0 ? "robot" : "robot" + std::to_string(seat + 1);
 }

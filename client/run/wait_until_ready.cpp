@@ -11,7 +11,7 @@
 namespace feltwire {
 
 bool wait_until_ready(Device& device, const Signals& signals) {
-  constexpr int kBetween = 10;  // [ms]
+  constexpr int kBetween = 10;  // [ms] time between two checks of the device
   pollfd waiting{signals.descriptor(), POLLIN, 0};
   const auto tell = [](const std::string& wanted) {
     std::fprintf(stderr, "feltwire-client: no force yet: %s\n", visible(wanted).c_str());
