@@ -9,7 +9,7 @@ void GuardedDevice::leave() noexcept {
   calls_.fetch_add(1, std::memory_order_release);
   Where expected = Where::in_device;
   if (where_.compare_exchange_strong(expected, Where::outside)) return;
-  while (true) ::pause();  // the thread stays blocked: other threads use its data now
+  while (true) ::pause();  // this thread stays blocked, because other threads use its data now
 }
 
 bool GuardedDevice::abandon() noexcept {
@@ -18,7 +18,7 @@ bool GuardedDevice::abandon() noexcept {
 }
 
 bool GuardedDevice::await_tick(Nanoseconds latest) noexcept {
-  if (released()) return true;  // read() reports the end of the device
+  if (released()) return true;  // read() then reports the end of the device
   enter(DeviceCall::await_tick);
   const bool came = device_.await_tick(latest);
   leave();
@@ -43,7 +43,7 @@ Command GuardedDevice::write(const Command& on_hand) noexcept {
     if (pulls) pulls_.store(true);
     held = device_.write(on_hand);
     if (!pulls) pulls_.store(false);  // the device held the last force until this write
-    // Another thread may have released the device before this write. The second release undoes the
+    // Another thread may have released the device before this write. A second release() undoes the
     // write.
     if (released()) {
       device_.release();

@@ -7,17 +7,19 @@ namespace feltwire {
 namespace {
 
 constexpr double kSecond = 1e-9;           // [s] per nanosecond
-constexpr double kLongestExchange = 60.0;  // [s]
+constexpr double kLongestExchange = 60.0;  // [s] longest usable exchange
 constexpr double kLargestDrift = 500e-6;   // [s/s] RFC 5905: a clock with more drift is unusable
 // [s/s] Usual drift of a crystal, assumed before the first measurement.
 constexpr double kUsualDrift = 20e-6;
-// The scheduling of the two machines makes even the fastest exchange uncertain.
+// Least uncertainty of an exchange. Even the fastest exchange waits for the schedulers of both
+// machines.
 constexpr double kLeastUncertainty = 5e-6;  // [s]
-// Least time span of a drift fit. Noise of single exchanges hides the drift over shorter spans.
+// Least time span of a drift fit. Over a shorter span, the noise of single exchanges hides the
+// drift.
 constexpr double kDriftTime = 3.0;          // [s]
-constexpr double kJitterGain = 1.0 / 16.0;  // RFC 3550
+constexpr double kJitterGain = 1.0 / 16.0;  // gain of the jitter filter (RFC 3550)
 
-/// Returns b - a. Hostile values wrap around and do not overflow.
+/// Returns b - a. Extreme values from a hostile server wrap around and do not overflow.
 std::int64_t difference(Nanoseconds a, Nanoseconds b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(b.count()) -
                                    static_cast<std::uint64_t>(a.count()));
@@ -54,8 +56,8 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
   double down = beyond_base(exchange.arrived, exchange.answered);
   double offset = 0.5 * (up + down);
   double time = in_seconds(difference(origin_, exchange.sent)) + 0.5 * whole;
-  // An offset error is at most half the round trip, and the drift adds a bounded error. A larger
-  // difference shows that the server has another clock.
+  // The error of a measured offset is at most half the round trip plus a bounded error from drift.
+  // A larger difference shows that the server now uses another clock.
   const double horizon = in_seconds((kBuckets * kBucketTime).count());
   if (known() && std::abs(offset - residual_offset(time)) >
                      0.5 * round_trip + error_bound() + kLargestDrift * horizon) {
@@ -75,8 +77,8 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
     fit();
   }
 
-  // No way takes less than no time, or more than both ways together. The line may say otherwise:
-  // after an outage it is extrapolated.
+  // Limit each delay to the range from zero to the round trip. The fitted offset may give other
+  // delays, because it is extrapolated after an outage.
   const double delay_up = std::clamp(up - residual_offset(time), 0.0, round_trip);
   const double delay_down = std::clamp(residual_offset(time) - down, 0.0, round_trip);
   if (exchanged_) {
@@ -88,7 +90,7 @@ void ClockEstimate::take(const Exchange& exchange) noexcept {
   delay_down_ = delay_down;
 }
 
-/// Fits the offset over time by weighted least squares.
+/// Fits offset and drift of the clock by weighted least squares over time.
 void ClockEstimate::fit() noexcept {
   std::int64_t newest = -1;
   for (const Fastest& b : buckets_) newest = std::max(newest, b.bucket);
@@ -105,12 +107,12 @@ void ClockEstimate::fit() noexcept {
     latest = buckets_used_ == 0 ? b.time : std::max(latest, b.time);
     ++buckets_used_;
   }
-  double slower = 0.0;  // [s] mean excess over the fastest round trip
+  double slower = 0.0;  // [s] mean excess of the round trips over the fastest round trip
   for (const Fastest& b : buckets_)
     if (counts(b)) slower += (b.round_trip - least_round_trip_) / buckets_used_;
-  // A queue on one path causes the excess over the fastest round trip. Half of this excess is
+  // A queue in one direction causes the excess over the fastest round trip. Half of this excess is
   // offset error. Even the fastest round trip may contain queueing delay: the mean excess estimates
-  // it.
+  // this delay.
   const auto weight = [&](const Fastest& b) {
     const double excess = b.round_trip - least_round_trip_;
     const double uncertainty = kLeastUncertainty + 0.5 * (excess + slower);

@@ -14,7 +14,7 @@ bool good(const DeviceReading& reading) {
          reading.pose.position.allFinite() && q.coeffs().allFinite() && q.squaredNorm() > 0.0;
 }
 
-/// True if the pose is valid and the device gives no force.
+/// Returns whether the pose is valid although the device gives no force.
 bool only_shown(const DeviceReading& reading) {
   if (reading.withheld == Withheld::nothing || reading.withheld == Withheld::not_homed)
     return false;
@@ -23,7 +23,7 @@ bool only_shown(const DeviceReading& reading) {
   return good(shown);
 }
 
-/// True if the device reports why it gives no force.
+/// Returns whether the device reports why it gives no force.
 bool explained(const DeviceReading& reading) {
   return reading.ok && (reading.clutched || reading.withheld != Withheld::nothing);
 }
@@ -62,8 +62,8 @@ DeviceMovement DeviceInput::take(const DeviceReading& reading, double elapsed,
   return movement;
 }
 
-/// True if no hand can move so far between two readings. The test tolerates irregular ticks: a
-/// short tick may show the movement of a whole period.
+/// Returns whether the position jumped farther than a hand can move between two readings. The test
+/// tolerates irregular ticks: a short tick may show the movement of a whole period.
 bool DeviceInput::jumps(const DeviceReading& reading, double elapsed) noexcept {
   if (reading.jumped) return *reading.jumped;
   if (!position_known_) {
@@ -78,9 +78,9 @@ bool DeviceInput::jumps(const DeviceReading& reading, double elapsed) noexcept {
   return !turns_.made(rotation_between(pose_.orientation, now), time) || !moved;
 }
 
-/// Sets the movement since the last tick. The movement across a fault is unknown, so the bound gets
-/// no movement. The bound has reserved the energy that the held force can release during the fault
-/// (docs/bounding.md). The force is zero after the fault.
+/// Sets the movement since the last tick. The movement across a fault is unknown, so the force
+/// bound gets no movement. The bound has reserved the energy that the held force can release during
+/// the fault (docs/bounding.md). The force is zero after the fault.
 void DeviceInput::move_to(const DeviceReading& reading, DeviceMovement& movement) noexcept {
   movement.known = position_known_;
   if (position_known_) {

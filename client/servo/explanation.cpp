@@ -11,12 +11,13 @@ namespace {
 
 constexpr double kSmallestForce = 1e-6;  // [N] the direction of a smaller force is noise
 
-/// True if the device has no fault, although the servo did not use its reading.
+/// Returns whether the device has no fault, although the servo did not use its reading.
 bool without_fault(const ForceTrail& trail) {
   return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
 }
 
-/// True if the reduction can be felt. Shaping always changes the force a little.
+/// Returns whether the hand can feel the reduction from `before` to `after`. A small reduction does
+/// not count, because shaping always changes the force a little.
 bool takes_off(const Command& before, const Command& after) {
   constexpr double kMuchLess = 0.95;
   const double was = length(before.force());
@@ -26,7 +27,8 @@ bool takes_off(const Command& before, const Command& after) {
 void observe_direction(const Vec3& wanted, const Vec3& given, ServoStatistics& statistics) {
   if (!(length(given) > kSmallestForce) || !(length(wanted) > kSmallestForce)) return;
   const Vec3 u = direction(given), v = direction(wanted);
-  // This formula is accurate for every angle. The arc cosine loses half the digits near zero.
+  // This half-angle formula is accurate for every angle. The arc cosine loses half the digits near
+  // zero.
   const double angle = 2.0 * std::atan2((u - v).norm(), (u + v).norm());
   constexpr double kMicrodegrees = 1e6 * 180.0 / std::numbers::pi;
   statistics.direction_error.record(std::llround(kMicrodegrees * angle));
@@ -53,8 +55,8 @@ void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
     measures_.lose();
 }
 
-/// Returns the share that the energy account removes. The account scales force and torque alike, so
-/// either shows this share.
+/// Returns the share of the command that the energy account removes. The account scales force and
+/// torque by the same factor, so either shows this share.
 double Explanation::account_cut() const noexcept {
   const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
   if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);

@@ -54,7 +54,8 @@ void FeelMetrics::press(const Vec3& displacement, const Vec3& held) noexcept {
   const bool deeper = depth_ > deepest_;
   deepest_ = std::max(deepest_, depth_);
   if (!deeper || force < kFeltForce || 2.0 * inwards * inwards < displacement.squaredNorm()) return;
-  // Welford's method computes the means of this contact. The centred sums cover all contacts.
+  // mean_depth_ and mean_force_ are means over this contact (Welford's method). depth_depth_ and
+  // depth_force_ are sums over all contacts.
   ticks_ += 1.0;
   const double from_mean = depth_ - mean_depth_;
   mean_depth_ += from_mean / ticks_;
@@ -78,7 +79,7 @@ std::optional<double> FeelMetrics::Squares::rms() const {
 }
 
 std::optional<double> FeelMetrics::displayed_stiffness() const {
-  constexpr double kTicks = 32.0, kSpread = 20e-6;  // [m]
+  constexpr double kTicks = 32.0, kSpread = 20e-6;  // least ticks and RMS spread of the depth [m]
   if (all_ticks_ < kTicks || depth_depth_ < all_ticks_ * kSpread * kSpread) return std::nullopt;
   return depth_force_ / depth_depth_;
 }

@@ -10,11 +10,12 @@ namespace {
 
 bool pulls(const Command& c) { return !c.force().isZero(0.0) || !c.torque.isZero(0.0); }
 
-/// True if the hand rests under a force. Such a hand would feel a sudden change of the force.
+/// Returns whether the hand rests while it feels a force. Such a hand would feel a sudden change of
+/// the force.
 bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Command& held) {
   constexpr double kSmall = 10.0 * kFeltForce, kSmallTorque = 10.0 * kFeltTorque;
   if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
-  constexpr double kSlow = 0.02, kTurnsSlowly = 0.5;  // [m/s], [rad/s]
+  constexpr double kSlow = 0.02, kTurnsSlowly = 0.5;  // [m/s], [rad/s] largest speeds at rest
   const double most = std::max(spec.position_resolution, kSlow * step.hold_time);
   const double most_turn = std::max(spec.rotational_resolution, kTurnsSlowly * step.hold_time);
   return step.displacement.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most &&
@@ -72,7 +73,8 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   Bounded bounded = law_.bounding.step(step);
   if (law_.scene_change_gate)
     law_.scene_change_gate->given(bounded.rendered.elastic, step.command.elastic);
-  // The paper's laws would keep a part of the last force. Zero force is passive too.
+  // Some bounding methods would keep a part of the last force after a complete fade. Zero force is
+  // passive too.
   if (!(asked.share > 0.0)) bounded.rendered = {};
   statistics.bound_active += bounded.active ? 1 : 0;
   statistics.saturated += bounded.saturated ? 1 : 0;
@@ -85,7 +87,7 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   return trail.paid;
 }
 
-/// Endows the bound with the energy that the hand has spent on the changed scene.
+/// Credits the force bound with the energy that the hand has spent against the changed scene.
 void ForceLaw::admit_change(const BoundingStep& step) noexcept {
   const double energy =
       law_.scene_change_gate->energy({.held = held_,
@@ -94,7 +96,7 @@ void ForceLaw::admit_change(const BoundingStep& step) noexcept {
                                       .command = step.command,
                                       .margin = port_.margin()},
                                      *law_.account);
-  // Elastic storage already contains the pressed energy.
+  // Storage::elastic already contains this energy.
   if (energy > 0.0 && law_.parameters.storage != Storage::elastic) law_.bounding.endow(energy);
 }
 
@@ -121,7 +123,7 @@ Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, co
   return safe.rendered;
 }
 
-/// Returns the part of the command that the energy account can cover.
+/// Returns the part of the command for which the energy account has enough energy.
 Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movement_known,
                            ForceTrail& trail, ServoStatistics& statistics) noexcept {
   if (!law_.account) return command;
@@ -158,14 +160,15 @@ void ForceLaw::exchange() noexcept {
     law_.account->go_on_from(*before);
   else if (law_.account)
     law_.account->begin_in_debt(owed_);
-  // Count at least the friction that the account counts.
+  // The energy observer port_ must count at least the dry friction that the energy account counts.
   if (law_.counts_on_mass) port_.count_friction(spec_.least_friction);
   next_ = nullptr;
-  // The new law was made with the scene data of the join.
+  // The new law was made with the scene data of the join, so tell it that the scene has changed
+  // since.
   if (scene_was_changed_) law_.bounding.scene_changed();
   forget_contact();
-  // The account may allow the whole force at once. A sudden force would throw the hand out of the
-  // object.
+  // The new energy account may allow the whole force at once, and a sudden force would throw the
+  // hand out of the object. So restart the safety limits.
   begin_anew();
 }
 

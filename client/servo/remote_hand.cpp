@@ -51,7 +51,8 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
                         .meets = remote_.meets_surfaces},
                        tied ? remote_.others : OtherSurfaces{});
   walls_.step(hand, walls, surface_offset_, elapsed);
-  // A surface that another hand touches may lie in front of this hand. Its force rises slowly.
+  // This hand may already be behind a newly known surface, because another hand touched the surface
+  // first. So the force of the surface rises slowly.
   if (tied && surface_offset_.known_surface() > known && !remote_.meets_surfaces) weight_ = 0.0;
   const double rise = remote_.meets_surfaces ? 1.0 : elapsed / fade_;
   weight_ = tied ? std::min(1.0, weight_ + rise) : std::max(0.0, weight_ - elapsed / fade_);
@@ -62,9 +63,10 @@ double RemoteHand::step(const Vec3& hand, const Vec3& displacement, const Vec3& 
   return energy_.step(elapsed);
 }
 
-/// Builds the local model. Its surfaces move with the offset between hand and robot.
+/// Builds the local model of the robot's contacts. Its surfaces are shifted by the offset between
+/// hand and robot.
 void RemoteHand::show(const Vec3& hand) noexcept {
-  constexpr double kReach = 1.0;  // [m]
+  constexpr double kReach = 1.0;  // [m] radius around the hand in which the model is valid
   LocalModel model;
   const auto add = [&](const RemoteContact& surface) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];

@@ -9,11 +9,11 @@ namespace {
 
 constexpr Nanoseconds kLate = std::chrono::milliseconds(1);
 
-// The client remembers this many samples until their replies arrive: 8 s at 1 kHz, 0.8 s at 10 kHz.
-// Later replies still count as answered and late.
+// Number of samples that the client remembers until their replies arrive: 8 s at 1 kHz, 0.8 s at 10
+// kHz. Later replies still count as answered and late.
 constexpr std::size_t kRemembered = 8192;
 
-/// True for a finite command that the bound can process.
+/// Returns whether the command is finite and so small that the force bound can process it.
 bool believable(const Command& c) {
   const auto small = [](const Vec3& v) {
     return v.allFinite() && v.cwiseAbs().maxCoeff() <= kLargestForce;
@@ -50,7 +50,7 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   const Sent& sent = sent_[reply.sample_index % sent_.size()];
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) datagram_ = sent.datagram;
-  // The server may report any number. At most the sent datagrams count.
+  // The server may report any number, so count at most the sent datagrams.
   statistics.withheld = withheld_before_ + std::min(reply.withheld, statistics.datagrams);
   if (servo.fades) {
     newest_.command = command;
@@ -62,8 +62,8 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   arrival_ = out_of_date ? arrival - from_seconds(hold_time)
                          : std::min(arrival, servo.last_tick + 2 * from_seconds(period_));
   sampled_ = remembered ? sent.time : arrival;
-  // The server's bound may have changed the command. Such a command does not show the depth of the
-  // hand: at the first sample the bound gives no force, even inside an object.
+  // The server's force bound may have changed the command. Such a command does not show the depth
+  // of the hand: at the first sample the bound gives no force, even inside an object.
   original_ =
       reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
   return taken;

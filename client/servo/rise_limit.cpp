@@ -29,11 +29,11 @@ Command RiseLimit::apply(const Command& command, const LocalModel& model, double
 Command RiseLimit::apply(const Command& command, const BodyModel& model, double way, double turn,
                          double elapsed, const ToolInertia* inertia) noexcept {
   const ToolCoupling& c = model.coupling;
-  double fastest = 0.0;  // [m/s]
+  double fastest = 0.0;  // [m/s] speed of the fastest surface
   for (const BodyPatch& patch : model.surfaces())
     fastest = std::max(fastest, length(patch.velocity));
   way += fastest * elapsed;  // a moving surface moves the tool
-  // The factor 2 covers a tool that moves towards the device. A translation can also press a
+  // The factor 2 allows for a tool that moves towards the device. A translation can also press a
   // contact point at the tool's radius, and a rotation moves this point.
   double force = last_ + slew_ * elapsed + 2.0 * c.stiffness * (way + model.radius * turn);
   double torque = last_torque_ + torque_slew_ * elapsed +

@@ -5,7 +5,7 @@
 namespace feltwire {
 
 /// Reads the enabling switch and the seat button. The hand may select another robot only while it
-/// neither moves the present robot nor feels its force.
+/// neither moves its present robot nor feels the robot's force.
 void RobotLead::take(const DeviceReading& reading, bool free,
                      const ServoOptions& options) noexcept {
   deadman_ = reading.ok && reading.deadman && free;

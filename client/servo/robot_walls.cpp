@@ -5,7 +5,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kReach = 1.0;  // [m]
+constexpr double kReach = 1.0;  // [m] smallest radius of a wall's patch
 
 }  // namespace
 
@@ -20,7 +20,8 @@ bool RobotWalls::reach(const Vec3& wanted, std::span<const RemoteWall> walls) no
       walls, [&](const RemoteWall& w) { return w.wall.clearance(wanted) < w.depth; });
 }
 
-/// Returns the penetration at which a wall gives no force: for a new wall, its whole penetration.
+/// Returns the slack of a wall, the penetration up to which it gives no force. The slack of a new
+/// wall is its whole penetration `pressed`.
 double RobotWalls::slack_of(const RemoteWall& wall, double pressed) const noexcept {
   const auto known =
       std::ranges::find(slacks_.begin(), slacks_.begin() + count_, wall.number, &Slack::number);

@@ -125,7 +125,7 @@ void Servo::begin_trail(const DeviceReading& reading, const DeviceMovement& move
                           .server_bound = reply.active || reply.saturated || reply.refused};
 }
 
-/// Sets the step's command from the scene's command and the fade. Returns the scene's command and
+/// Sets step.command to the scene's command, reduced by the fade. Returns the scene's command and
 /// its properties.
 ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
                            Nanoseconds now) noexcept {
@@ -137,14 +137,14 @@ ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
   const BoundingConfig& bound = law_.law().bounding.config();
   const Command scene = environment_.command(step, law_.law().bounding, sample_.pose, replies_,
                                              parameters(), now, statistics_);
-  // The bound must account the force that the device can give.
+  // The device cannot give every force, so bound only the force that it can give.
   asked.wanted = actuated(spec_, scene);
   asked.share = fade_.step(now, command_age_, step.hold_time, parameters().hold_time);
-  // Missing answers let the force fade to zero, and the hand has moved since. Start as after a lost
-  // session.
+  // The force has faded to zero because answers are missing, and the hand has moved since. So start
+  // as after a lost session.
   if (fade_.silent()) begin_anew(sample_.index);
-  // A command without fade shows the true force of the scene. The safety limits may start with this
-  // command.
+  // `original`: the command shows the true force of the scene, so the safety limits may start with
+  // it.
   asked.original = asked.share > 0.0 && (replies_.original() || near());
   if (asked.share < 1.0) ++statistics_.faded;
   step.command = faded(asked.wanted, asked.share, bound.max_force, bound.max_torque);
@@ -180,8 +180,8 @@ void Servo::adopt(ServoLaw& next) noexcept {
     exchange_law();
 }
 
-/// Restarts law and environment for a hand at an unknown place. Earlier answers do not show the
-/// hand's present depth.
+/// Restarts the force law and the environment for a hand at an unknown place. Answers to samples up
+/// to `last_sample_before` do not show the hand's present depth.
 void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   law_.begin_anew();
   law_.forget_contact();
@@ -189,7 +189,7 @@ void Servo::begin_anew(std::uint64_t last_sample_before) noexcept {
   replies_.begin_anew(last_sample_before);
 }
 
-/// Ends a fade whose force is zero, and drops the force that the bound keeps.
+/// Ends a fade that has reached zero force. Also drops the force that the force bound still gives.
 void Servo::end_fade() noexcept {
   fade_.end();
   replies_.forget_command();
@@ -206,8 +206,8 @@ void Servo::exchange_law() noexcept {
   replies_.forget_command();
 }
 
-/// True if this tick renders the scene without fades and start limits. Only the bound, the energy
-/// account and the device limits may change the command.
+/// Returns whether this tick renders the scene without fades and start limits. Only the force
+/// bound, the energy account and the device limits may change the command.
 bool Servo::feels_scene() const noexcept {
   const ForceTrail& trail = explanation_.trail();
   return tick_.known && !released_ && !fade_.ending() && fade_.share() >= 1.0 &&

@@ -11,22 +11,22 @@ BoundingConfig bound_of(const SessionParameters& parameters, const DeviceSpec& s
   validate(parameters);
   BoundingConfig config = bounding_config(parameters, spec);
   if (scene_stiffness > 0.0) config.stiffness = scene_stiffness;
-  // The server runs the bound. The client keeps only the safety limits of every mode.
+  // The server limits the force. The client applies only the safety limits that all modes share.
   if (parameters.side == BoundingSide::server) config.mode = kUnbounded;
   return config;
 }
 
-/// True if the energy account uses the device's mass, its dry friction and the hand's largest
-/// force. This applies to shaping methods and to a known operator damping.
+/// Returns whether the energy account uses the device's mass, its dry friction and the hand's
+/// largest force. This applies to shaping methods and to a known operator damping.
 bool counts_on_mass(const SessionParameters& p) {
   return p.side != BoundingSide::server && needs_account(p) != nullptr;
 }
 
 /// Returns the energy account of a session. Shaping methods and methods with operator damping need
-/// it for passivity. A bound at the server needs it, because the server ignores delay, loss and
-/// late ticks. Every bound at the client needs it, because the bound assumes holds of one period,
-/// and some bounds of the paper are not passive. There is no account without a bound, or for an
-/// unknown device.
+/// it for passivity. A force bound at the server needs it, because the server ignores delay, loss
+/// and late ticks. A force bound at the client needs it, because the bound assumes that each force
+/// is held for one period, and because some bounding methods are not passive. Without a force bound
+/// or for a device of unknown damping, there is no account.
 std::optional<PortAccount> account_of(const SessionParameters& p, const DeviceSpec& spec,
                                       const ServoOptions& options) {
   if (counts_on_mass(p)) {
@@ -62,8 +62,8 @@ const char* needs_account(const SessionParameters& p) {
   return bounding_method(p.mode).shapes ? "" : nullptr;
 }
 
-/// Returns the energy observer. It counts the dissipation of the device alone, and dry friction if
-/// the account counts it.
+/// Returns the observer of the energy at the device. It counts the damping of the device without
+/// the hand, and the dry friction if the energy account counts it.
 PortEnergy observer_of(const DeviceSpec& spec, const SessionParameters& p) {
   return {spec.damping,
           spec.rotation_actuated > 0 ? spec.rotational_damping : Damping(),

@@ -20,9 +20,9 @@ namespace {
 // last route.
 constexpr Nanoseconds kReroutePeriod = std::chrono::seconds(1);
 constexpr Nanoseconds kStatusPeriod = std::chrono::milliseconds(250);
-constexpr Nanoseconds kFarewell = std::chrono::milliseconds(100);  // for replies in transit
-constexpr Nanoseconds kLowering = std::chrono::seconds(2);         // to lower the weight of a tool
-// Check the deadline after this number of datagrams. Dropped datagrams count too, so a sender
+constexpr Nanoseconds kFarewell = std::chrono::milliseconds(100);  // longest wait for replies
+constexpr Nanoseconds kLowering = std::chrono::seconds(2);  // longest time to lower a tool's weight
+// Check the deadline after this number of datagrams. Dropped datagrams count too, so that a sender
 // cannot delay a tick.
 constexpr int kDatagramsAtOnce = 64;
 
@@ -71,9 +71,9 @@ class Loop {
   }
 
  private:
-  /// Waits for a descriptor among the first `count`, a deadline or a due datagram of the emulated
-  /// link. Sleeps if neither a reply nor a deadline is near. Uses no other timer, because its
-  /// interrupt would delay the tick.
+  /// Waits until one of the first `count` descriptors is ready, a tick is due, or a datagram of the
+  /// emulated link is due. Sleeps if neither a reply nor a deadline is near. Uses no other timer,
+  /// because its interrupt would delay the tick.
   int wait(std::size_t count) noexcept {
     if (paced_) return await_device(count);
     const auto due = port_.next_due();
@@ -93,8 +93,8 @@ class Loop {
       if (woken != 0 || due == wake) return woken;
     }
   }
-  /// Waits for the tick of the device. A tick counts as missed if it is late by a quarter of the
-  /// hold time. If the device returns without a tick, the loop asks again after a servo period.
+  /// Waits for the tick of the device. It counts as missed if it is late by a quarter of the hold
+  /// time. After a return without a tick, the loop waits again after a servo period.
   int await_device(std::size_t count) noexcept {
     constexpr double kPatience = 0.25;
     overdue_at_ = last_tick_ + from_seconds(kPatience * servo_.parameters().hold_time);
@@ -132,7 +132,7 @@ class Loop {
     return !lost_ || now - lost_at_ < options_.patience || end(lost_by_);
   }
 
-  /// True if the device has ticked or its tick is overdue. Time beyond one period counts as late.
+  /// Returns whether the device's tick came or is overdue. Time beyond one period counts as late.
   bool device_is_due(Nanoseconds now) noexcept {
     if (!device_ticked_ && now < overdue_at_) return false;
     const Nanoseconds interval = now - last_tick_;
@@ -145,7 +145,7 @@ class Loop {
     return true;
   }
 
-  /// True if a deadline has passed.
+  /// Returns whether a deadline has passed.
   bool is_due(Nanoseconds now) noexcept {
     if (paced_) return device_is_due(now);
     const std::uint64_t passed = deadlines_.passed(now);
@@ -187,12 +187,12 @@ class Loop {
       next_reroute_ = now + kReroutePeriod;
       if (!server_left_) port_.reroute();
     }
-    // Accept a late session too. The server would otherwise keep a session without a client.
+    // Accept a late session too. Otherwise the server would keep a session without a client.
     if (fresh) last_heard_ = now;
     const bool answered = lost_ && !server_left_ && last_heard_ > lost_at_;
     if (!fresh && !answered) return;
     server_left_ = false;
-    if (fresh) heard_ = dealt_with_ = 0;  // a new session counts from 1
+    if (fresh) heard_ = dealt_with_ = 0;  // a new session counts changes from 1
     servo_.reconnected(fresh);
     next_status_ = now;
     if (!lost_) return;
@@ -288,7 +288,7 @@ class Loop {
       ++result_.views_dropped;
   }
 
-  /// Ticks until the force has faded.
+  /// Continues the ticks until the force has faded to zero, then lowers the tool.
   void let_go() noexcept {
     Nanoseconds now = monotonic_now();
     if (lost_) result_.disconnected += seconds(now - lost_at_);
@@ -308,7 +308,7 @@ class Loop {
     lower_tool();
   }
 
-  /// Ticks until the hand carries the weight of the tool.
+  /// Continues the ticks until the hand carries the weight of the tool.
   void lower_tool() noexcept {
     constexpr std::size_t kWithoutStop = 1;
     const Nanoseconds latest = monotonic_now() + kLowering;
@@ -325,7 +325,7 @@ class Loop {
     }
   }
 
-  /// Counts the replies in transit, then sends the goodbye.
+  /// Waits for the replies in transit, so that they count, then sends the goodbye.
   void take_leave(Nanoseconds now) noexcept {
     Nanoseconds latest = now + kFarewell;
     while (!server_left_ && servo_.awaits_answer() && now < latest) {
@@ -370,19 +370,19 @@ class Loop {
   bool delayed_;
   Nanoseconds start_;
   Nanoseconds period_;
-  bool paced_;  // the device sets the pace, else the deadlines
+  bool paced_;  // whether the device sets the tick rate; else the deadlines do
   Deadlines deadlines_;
   bool device_ticked_ = false;
   Nanoseconds overdue_at_{0};
-  std::array<pollfd, 2> waiting_;  // descriptors for replies and stop
+  std::array<pollfd, 2> waiting_;  // descriptors for replies and for the stop event
   Reply reply_;
   bool ticked_ = false, server_left_ = false;
   bool lost_ = false;
   Nanoseconds lost_at_{0}, next_reroute_{0};
   EndReason lost_by_ = EndReason::server_silent;
-  std::uint8_t heard_ = 0, dealt_with_ = 0;  // an admin's received and answered change
-  bool refused_ = false;                     // the newest answered change was refused
-  std::uint32_t session_ = 0;                // as WantedChange::session
+  std::uint8_t heard_ = 0, dealt_with_ = 0;  // admin changes: newest received, newest answered
+  bool refused_ = false;                     // whether the newest answered change was refused
+  std::uint32_t session_ = 0;                // number of the session, as in WantedChange
   Nanoseconds first_tick_{0}, last_tick_, last_heard_, next_status_, reported_{0}, times_told_{0};
   HandTimes::Counts wakeups_{};
 };

@@ -41,12 +41,12 @@ ServoOptions protect_hand(const SessionParameters& parameters) {
   options.safety.force.small = 0.05;   // [N] less than a resting hand can feel
   options.safety.torque.small = 2e-3;  // [N m] the same force at an arm of 40 mm
   if (!admits_reduction(parameters)) return options;
-  options.safety.force.speed = 1.5;  // [m/s]
-  // A bound starts from zero force itself. Measured: a force that a ramp withholds after the bound
-  // returns only as the hand presses deeper.
+  options.safety.force.speed = 1.5;  // [m/s] fastest hand that gets the whole force
+  // A force bound at the client starts from zero force without a ramp. A ramp after the bound would
+  // withhold force. Measurements show that this force returns only as the hand presses deeper.
   const bool client_bounds =
       parameters.side != BoundingSide::server && parameters.mode != kUnbounded;
-  if (!client_bounds) options.safety.ramp_up = 0.2;  // [s]
+  if (!client_bounds) options.safety.ramp_up = 0.2;  // [s] duration of the ramp
   return options;
 }
 

@@ -23,7 +23,7 @@ struct ServoThread::Shared {
   RealTime real_time;
   bool started = false, ended = false, given_up = false;  // guarded by the mutex
   std::atomic<bool> stood_still{false};
-  // The thread writes these before stood_still.
+  // The watch thread writes these values before it sets stood_still.
   std::atomic<double> still_for{0.0};
   std::atomic<DeviceCall> still_in{DeviceCall::none};
   std::atomic<double> let_go_after{0.0};
@@ -73,8 +73,8 @@ void ServoThread::run_loop(Shared& shared) noexcept {
 
 void ServoThread::watch(Shared& shared) noexcept {
   ServoTask& task = *shared.task;
-  // The watch needs a higher priority than the servo. A servo that never sleeps would block it
-  // otherwise.
+  // The watch thread needs a higher priority than the servo thread. A servo thread that never
+  // sleeps would block it otherwise.
   if (task.priority > 0) request_real_time(task.priority + 1);
   std::unique_lock lock(shared.mutex);
   shared.changed.wait(lock, [&] { return shared.started || shared.ended; });
@@ -82,7 +82,7 @@ void ServoThread::watch(Shared& shared) noexcept {
                                   shared.real_time.scheduler);
   shared.let_go_after.store(late);
   StallDetector watch(from_seconds(late), from_seconds(shared.hold_time));
-  watch.look(monotonic_now(), {});  // the count starts here
+  watch.look(monotonic_now(), {});  // starts to count the stall time
   while (!shared.ended) {
     if (shared.changed.wait_for(lock, watch.pause(), [&] { return shared.ended; })) return;
     // The servo loop has released the device and waits only for answers.

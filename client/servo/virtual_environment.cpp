@@ -10,7 +10,8 @@
 namespace feltwire {
 namespace {
 
-/// Creates the robot's contact. The client renders it like a local model.
+/// Returns the robot that the hand leads, or nothing. The client renders the robot's contact like a
+/// local model.
 std::optional<RobotLead> robot_of(const ServoOptions& options, const SessionParameters& p) {
   if (!options.leads) return std::nullopt;
   if (!p.local_model)
@@ -81,9 +82,9 @@ Command VirtualEnvironment::command(BoundingStep& step, const Bounding& bounding
   return command;
 }
 
-/// Evaluates the local model at the position that the method requests. `command` first has the
-/// force of the reply. The function blends it with the force of the model. Returns the weight of
-/// the model, 0 to 1.
+/// Evaluates the local model at the position `probe` that the bounding method requests. `command`
+/// has the force of the reply, and the function blends it with the force of the model. Returns the
+/// weight of the model, 0 to 1.
 double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& probe,
                                         const Pose& pose, Nanoseconds now, Command& command,
                                         ServoStatistics& statistics) noexcept {
@@ -119,8 +120,8 @@ double VirtualEnvironment::follow_body(const BoundingStep& step, const Probe& pr
   return w;
 }
 
-/// Limits the contact work of a tick, so a large model cannot make the tick late. Above the limit
-/// the weight of the model is zero, and the reply's command applies.
+/// Returns the limit of the contact work of a tick, so that a large model cannot make the tick
+/// late. Above the limit the weight of the model is zero, and the reply's command applies.
 WorkLimit VirtualEnvironment::contact_work() const noexcept {
   const bool whole = local_.has_whole() || local_body_.has_whole();
   return WorkLimit(whole && fetched_ != nullptr ? fetched_->most_work : plane_work(period_));

@@ -59,7 +59,7 @@ ZeroForceReason reason_of(Withheld withheld) {
   }
   return ZeroForceReason::device_fault;
 }
-/// True if the wait for a small force leaves less than a tenth of the possible force.
+/// Returns whether the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
   constexpr double kShare = 0.1;
   return t.stage_waits && is_felt(t.actuated) &&
@@ -100,8 +100,8 @@ ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
     return any(t.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
   }
   if (!is_felt(t.actuated)) return ZeroForceReason::not_actuated;
-  // Test the wait before the bound. The bound may also give no force at first, but the wait is then
-  // the cause.
+  // Test `stage_waits` before `bounded`. During the wait the force bound may also give no force,
+  // but the wait is the reason.
   if (t.stage_waits) return ZeroForceReason::waiting;
   if (!is_felt(t.faded)) return ZeroForceReason::silent;
   if (!is_felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
