@@ -12,7 +12,7 @@
 namespace feltwire {
 namespace {
 
-/// The fastest of several runs. Interruptions by the system slow the other runs down.
+/// Result of the fastest of several runs. Interruptions by the system slow down the other runs.
 struct Timed {
   double time = 0.0;  // [s]
   std::uint64_t work = 0;
@@ -60,12 +60,13 @@ Nanoseconds computing_time() noexcept {
 
 namespace {
 
-/// Returns the longest time per unit of work [s], measured in ticks within the usual limit.
+/// Returns the longest time per unit of contact work [s]. Measures it in ticks with at most the
+/// usual work.
 double measured_unit(const FetchedScene& scene, double servo_period, const ComputingClock& clock,
                      double reading) {
-  // The overhead dominates a tick with less work.
+  // Least work of a representative tick. The overhead dominates a tick with less work.
   constexpr std::uint64_t kManyUnits = 1024;
-  constexpr double kSlowest = 4.0 * kUsualUnit;  // limit if all ticks have less work
+  constexpr double kSlowest = 4.0 * kUsualUnit;  // [s] largest result if all ticks have less work
   const std::uint64_t most = units_within(contact_budget(servo_period));
   double time = 0.0, work = 0.0, of_long_ticks = 0.0;
   try_contact(scene, servo_period, [&](const TrialTick& tick) {

@@ -26,8 +26,8 @@ bool longer_hold(const SessionParameters& asked, const SessionParameters& grante
   return granted.hold_time > asked.hold_time;
 }
 
-/// Compares the granted session with the requested session. Returns a line that names the wrong
-/// field, or nothing. A server must not be able to remove the bound.
+/// Compares the granted session with the requested session, because a server must not be able to
+/// remove the force bound. Returns a text that names the wrong field, or nothing.
 std::optional<std::string> broken_offer(const control::JoinAccepted& offered,
                                         const control::JoinRequest& wanted,
                                         const GrantLimits& limits) {

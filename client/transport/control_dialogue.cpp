@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// True if the server would refuse the same request again (PROTOCOL.md).
+/// Returns whether the server would refuse the same request again (PROTOCOL.md).
 bool lasting(control::RefusalCode code) {
   using control::RefusalCode;
   return code != RefusalCode::full && code != RefusalCode::too_many &&

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kTokenVariable = "FELTWIRE_TOKEN";
 
 std::string read_file(const std::string& name, const char* option) {
-  // [bytes] A system's list of authorities has 0.3 MB.
+  // [bytes] Largest file. A system's list of certificate authorities has 0.3 MB.
   constexpr std::size_t kLargest = std::size_t{4} << 20;
   std::string text;
   try {

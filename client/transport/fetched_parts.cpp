@@ -17,7 +17,7 @@ bool plausible(const Pose& pose) {
   return near(pose.position) && std::abs(pose.orientation.squaredNorm() - 1.0) <= kUnitTolerance;
 }
 
-/// True if the numbers of a surface are valid. False for NaN.
+/// Returns whether the numbers of a surface are valid. NaN is invalid.
 bool plausible(const SurfaceData& s) {
   return plausible(s.pose) && near(s.origin) && s.radius >= 0.0 && s.radius <= kMaxPosition &&
          s.grain >= 0.0 && s.grain <= kMaxPosition && s.grain_wavelength > 0.0 &&
@@ -28,7 +28,7 @@ bool plausible(const SolidData& s) { return plausible(s.pose); }
 
 std::string object_text(std::uint16_t object) { return "object " + std::to_string(object); }
 
-/// Requires increasing object numbers. `next`: lowest allowed number.
+/// Refuses the answer unless the object numbers increase. `next`: lowest allowed number.
 void require_rising(const ControlDialogue& dialogue, std::uint16_t object, std::uint32_t& next) {
   if (object < next)
     dialogue.refuse("listed " + object_text(object) + " of the scene twice, or not in order");
@@ -41,7 +41,7 @@ void require_near(const ControlDialogue& dialogue, const std::vector<Vec3>& plac
 }
 
 /// Collects a list that arrives in parts, and checks its announced size. `entries`: name of the
-/// entries in messages.
+/// entries in error messages.
 template <class Entry>
 class Parts {
  public:
@@ -92,8 +92,8 @@ void give_mesh(SurfaceData& surface, TriangleSoup mesh) {
 
 void give_mesh(SolidData& solid, TriangleSoup mesh) { solid.mesh = std::move(mesh); }
 
-/// Fetches the items of a list in order, each with its mesh, until the limit of `take`. `thing`:
-/// member of an entry to keep.
+/// Fetches the things (surfaces or solids) of a list in order, each with its mesh. Skips a thing if
+/// FetchRoom::*take has no room for it. `thing`: member of an entry that contains the thing.
 template <class Thing, class Entry>
 std::vector<Thing> fetched_things(ControlDialogue& dialogue, std::uint64_t session,
                                   std::uint32_t version, const std::vector<Entry>& list,

@@ -17,7 +17,7 @@ Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
       return {std::nullopt, to_string(server.endpoint) +
                                 " now has other seats for robots than those of the session before; "
                                 "start anew"};
-    // The servo loop keeps its parameters. A new session must have equal parameters.
+    // The servo loop does not change its parameters, so a new session must have equal parameters.
     const auto changed = difference(request.parameters, joined.accepted.parameters);
     if (!changed)
       return {SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, {}};
@@ -31,7 +31,7 @@ Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
   }
 }
 
-/// Returns the result of an attempt. An exception counts as a failed attempt.
+/// Returns the result of the finished attempt. An exception counts as a failed attempt.
 Reconnector::Attempt Reconnector::outcome() noexcept {
   try {
     return attempt_.get();
@@ -53,7 +53,7 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Attempt done = outcome();
     if (std::exchange(outdated_, false)) done = {};
-    // The old session continues if it answers again, in spite of a refusal.
+    // The old session continues if it answers again, so ignore the refusal in this case.
     if (!connected) refusal_ = std::move(done.refusal);
     // Use the new session even if the old one answers again. Otherwise the server would keep two
     // sessions.
@@ -72,7 +72,7 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     return;
   }
   if (now < next_ || !refusal_.empty()) return;
-  // The new session may fail before its first answer. Wait before the next attempt.
+  // The new session may not have answered yet, so wait before the next attempt.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
   ++attempts_;
   try {

@@ -64,11 +64,12 @@ bool SamplePacker::due(const Sample& sample) const noexcept {
   return !(parameters_.position_deadband > 0.0) || !known(sample);
 }
 
-/// True if the deadband allows the client to omit this sample.
+/// Returns whether the deadband allows the client to omit this sample.
 bool SamplePacker::known(const Sample& sample) const noexcept {
   const Sample& last = travelled_[0];
   const double silence = seconds(sample.client_time - last.client_time);
-  // The next tick would exceed the limit. Half a period allows for jitter.
+  // Send the sample if the next tick would exceed the keep-alive time. Half a period allows for
+  // jitter.
   if (!(silence + 0.5 * parameters_.servo_period < parameters_.keep_alive) || silence < 0.0)
     return false;
   if (acts(sample.held) != acts(last.held)) return false;
@@ -78,7 +79,7 @@ bool SamplePacker::known(const Sample& sample) const noexcept {
   const double force = length(sample.held.force());
   const double scale = force > 0.0 && scale_.stiffness > 0.0 ? force / scale_.stiffness
                                                              : kFreeAge * velocity_.norm();
-  // Rounding may change the difference of two values by a quantum.
+  // Rounding may change the difference of two positions by a quantum.
   constexpr double kRounding = 1.0 + 1e-6;
   const double allowed = std::max(kRounding * scale_.quantum, k * scale);
   const Vec3 expected =
@@ -104,7 +105,8 @@ void SamplePacker::make(std::uint64_t fresh) noexcept {
   batch_.previous =
       again < travelled_count_ ? travelled_[static_cast<std::size_t>(again)].index : 0;
 
-  // The next datagram repeats k samples, and names the sample before them.
+  // The next datagram repeats `redundancy` samples and names the sample before them, so keep one
+  // more.
   const int kept = parameters_.redundancy + 1;
   const int fresh_kept = std::min(made, kept);
   const int old_kept = std::min(travelled_count_, kept - fresh_kept);

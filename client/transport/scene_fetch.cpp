@@ -21,16 +21,16 @@ constexpr std::chrono::milliseconds kFirstWait{1000}, kLongestWait{30'000};
 
 using Fetched = std::shared_ptr<const FetchedScene>;
 
-/// A fetched scene for the servo, or the reason for its refusal.
+/// Fetched scene for the servo, or the reason for its refusal.
 struct Judged {
   Fetched scene;
   std::string refusal;
 };
 
-/// The lists of geometry that the server offers. Version 0 means no geometry.
+/// Lists of geometry that the server offers. Version 0 means no geometry.
 struct Offer {
   std::uint32_t version = 0;
-  control::SurfaceList surfaces;  // for a point or a ball
+  control::SurfaceList surfaces;  // for a tool that is a point or a ball
   control::SolidList solids;      // for a tool with a body
 };
 
@@ -72,7 +72,8 @@ std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t ses
   return all;
 }
 
-/// Measures the time per unit of work on this machine, and sets the scene's work limit per tick.
+/// Measures the time per unit of contact work on this machine, and sets the scene's work limit per
+/// tick. Refuses a scene that is too costly.
 Judged judged(std::shared_ptr<FetchedScene> scene, const SceneFetchOptions& options) {
   if (scene == nullptr) return {};
   const ContactCost cost = contact_cost(*scene, options.servo_period, options.clock);
@@ -89,7 +90,7 @@ SceneFetch::SceneFetch(ServerAccess server, Ring<const FetchedScene*>& out,
     : server_(std::move(server)), out_(out), options_(std::move(options)), wait_(kFirstWait) {}
 
 SceneFetch::Attempt SceneFetch::attempt(const Question& question) {
-  // Sampling a mesh uses all processors for seconds. The servo must have priority.
+  // Sampling a mesh uses all processors for seconds, so the servo must have priority.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastPriority);
   try {
     ControlDialogue dialogue(question.server, question.options.timeout);

@@ -15,7 +15,8 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// Replaces OpenSSL's check of the certificate with a comparison with the pinned fingerprint.
+/// Compares the certificate with the pinned fingerprint, in place of OpenSSL's check. Returns 1 if
+/// they match, else 0.
 int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   auto& pin = *static_cast<TlsStream::Pin*>(pin_of_stream);
   const X509* certificate = X509_STORE_CTX_get0_cert(judged);
@@ -28,8 +29,8 @@ int is_pinned(X509_STORE_CTX* judged, void* pin_of_stream) {
   return 0;
 }
 
-/// Creates the TLS context. A failure is no LastingError, because it may pass: at a reconnection,
-/// the call has succeeded before, so only memory can be missing.
+/// Returns the TLS context. Throws SessionError, not LastingError, because the failure may be
+/// temporary: at a reconnection the call has succeeded before, so only memory can be missing.
 asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin& pin) {
   asio::ssl::context tls(new_tls_context(TLS_client_method()));
   try {
@@ -54,7 +55,7 @@ asio::ssl::context client_context(const Credentials& credentials, TlsStream::Pin
   return tls;
 }
 
-/// Throws if the server refused this client's certificate.
+/// Throws LastingError if the server refused this client's certificate.
 void fail_for_own_certificate(const std::string& server, int reason) {
   switch (reason) {
     case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
@@ -119,7 +120,7 @@ void TlsStream::connect(const Endpoint& server) {
       },
       "cannot connect to ",
       "; is feltwire-server running there, and is the port its control port?");
-  // Disable the delay of small packets. Otherwise the request waits 40 ms for an acknowledgement.
+  // Send small packets without delay. Otherwise the request waits 40 ms for an acknowledgement.
   stream_.lowest_layer().set_option(tcp::no_delay(true), error);
 }
 
@@ -139,7 +140,7 @@ void TlsStream::handshake(const ServerAccess& server) {
         "no TLS with ", "; is the port the control port of a feltwire-server?");
   } catch (const SessionError&) {
     const long verdict = SSL_get_verify_result(connection);
-    // Without a fingerprint the server is unknown, for example for lack of memory.
+    // If no fingerprint could be computed, for example for lack of memory, the server is unknown.
     if (verdict == X509_V_OK || verdict == X509_V_ERR_OUT_OF_MEM || (pins && !pin_.seen)) throw;
     if (pins)
       throw LastingError(
@@ -186,7 +187,7 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
   io_.run_for(timeout_);
   if (result == asio::error::would_block) {
     Error ignored;
-    // This call aborts the operation, which then no longer uses `result`.
+    // close() aborts the operation, which then no longer uses `result`.
     stream_.lowest_layer().close(ignored);
     io_.restart();
     io_.run();
