@@ -31,7 +31,8 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
-/// Opens the page's certificate and tokens. A generated certificate has the page's address.
+/// Loads the certificate and the tokens of the page, and creates missing ones. A new certificate
+/// names the page's address.
 Security open_page_security(const GatewayConfig& config) {
   SecurityOptions options = config;
   options.address = web_place(config.web).address;
@@ -45,8 +46,8 @@ std::string names_of(const std::vector<control::SceneEntry>& entries) {
   return names.empty() ? "none" : names;
 }
 
-/// Checks that the server has these scenes. If the server is unreachable, the gateway only warns,
-/// because the server may have the scenes later.
+/// Checks that the server has these scenes. If the server is unreachable, only warns, because the
+/// server may start later.
 void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
   std::vector<control::SceneEntry> entries;
   try {
@@ -73,7 +74,7 @@ void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
 }  // namespace
 
 struct Gateway::Parts {
-  const std::vector<std::filesystem::path> files;  // empty if the scenes were passed in
+  const std::vector<std::filesystem::path> files;  // scene files; empty if the caller gave scenes
   std::vector<std::unique_ptr<RemoteScene>> scenes;
   std::unique_ptr<web::WebServer> web;
 
@@ -81,7 +82,8 @@ struct Gateway::Parts {
       : files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
-    // The scenes share this memory, because a server may claim too many sessions for each scene.
+    // Divide the memory for session lists among the scenes, because a faulty server may list too
+    // many sessions of each scene.
     const LookOptions options_of_scene{
         .list_room =
             std::max(kRoomOfServer / std::max<std::size_t>(1, looks.size()), kLeastRoomOfScene)};
@@ -125,7 +127,7 @@ struct Gateway::Parts {
   }
 
   void stop() {
-    web->stop();  // The web server uses the scenes, so it stops first.
+    web->stop();  // Stop the web server first, because it uses the scenes.
     for (const auto& scene : scenes) scene->stop();
   }
 };

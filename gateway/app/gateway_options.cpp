@@ -85,7 +85,7 @@ GatewayConfig gateway_config(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) std::exit(app.exit(error));  // This is the case for --help.
+    if (error.get_exit_code() == 0) std::exit(app.exit(error));  // for example after --help
     throw std::invalid_argument(error.what() + advice(error, app) + " (see --help)");
   }
   if (config.certificate.empty() != config.key.empty())

@@ -24,10 +24,10 @@ namespace feltwire {
 namespace {
 
 constexpr const char* kName = "feltwire-view";
-constexpr double kPeriod = 0.01;   // [s] period of samples and views
-constexpr int kBetweenLooks = 16;  // [ms] between checks for new views
-constexpr std::size_t kRoom = 64;  // capacity for half a second of views
-constexpr int kBetweenAsks = 500;  // [ms] between requests for other data
+constexpr double kPeriod = 0.01;   // [s] period of the samples and of the scene states (views)
+constexpr int kBetweenLooks = 16;  // [ms] longest wait between two checks for new views
+constexpr std::size_t kRoom = 64;  // largest number of waiting views, about half a second
+constexpr int kBetweenAsks = 500;  // [ms] wait between two requests for data that the views lack
 
 /// Waits until the event is set or the time [ms] is over.
 void wait_for(const Event& event, int time) {
@@ -35,7 +35,7 @@ void wait_for(const Event& event, int time) {
   ::poll(&waiting, 1, time);
 }
 
-/// A device for an observer: it is not connected to a hand and never moves.
+/// Device of an observer. It has no hand and never moves.
 class ObserverDevice final : public Device {
  public:
   ObserverDevice() : spec_(builtin_device("simulated")) { spec_.name = kName; }
@@ -48,8 +48,8 @@ class ObserverDevice final : public Device {
   DeviceSpec spec_;
 };
 
-/// Returns parameters with one sample per view. An observer has no force feedback, so late samples
-/// do no harm.
+/// Returns session parameters with one sample per view. No sample is repeated, because an observer
+/// needs no force and a lost sample does no harm.
 SessionParameters observer_parameters() {
   SessionParameters parameters;
   parameters.servo_period = kPeriod;
@@ -57,7 +57,8 @@ SessionParameters observer_parameters() {
   return parameters;
 }
 
-/// The state that the threads share. A hanging thread keeps this state alive.
+/// State that the servo thread shares with its owner. The thread keeps this state alive if it
+/// hangs.
 struct ObserverTask : ServoTask {
   using ServoTask::ServoTask;
   Ring<TimedView> views{kRoom};
@@ -147,7 +148,8 @@ control::SceneTimes RemoteScene::server_times() const {
   return server_times_;
 }
 
-/// Clears the picture, because old views would show hands in an unknown state.
+/// Removes all hands from the picture and stores the reason. Old views would show hands in an
+/// unknown state.
 void RemoteScene::hide(std::string why) {
   std::string text = "Scene " + name_ + " is not seen: " + std::move(why);
   const std::lock_guard lock(mutex_);
@@ -173,8 +175,8 @@ void RemoteScene::show(const ObservedScene& seen) {
   hidden_.reset();
 }
 
-/// Requests data that is not in the views while a session runs. Stops if the server is too old for
-/// these requests, or if it gives impossible answers.
+/// Requests the data that the views lack (sessions and materials), until `over` is set. Stops if
+/// the server is too old for these requests, or if its answers are impossible.
 void RemoteScene::ask_on(const Event& over) {
   std::optional<ControlDialogue> server;
   int wait = kBetweenAsks;
@@ -220,13 +222,15 @@ void RemoteScene::ask_once(ControlDialogue& server) {
   adopt(described.scene, described.materials);
 }
 
-/// Applies the values that an admin of the server may have changed.
+/// Applies the server's materials and gravity, because an admin of the server may have changed
+/// them.
 void RemoteScene::adopt(const control::SceneDescription& told,
                         std::span<const Material> materials) {
   const CurrentScene before = current_scene();
   std::optional<Scene> changed = with_materials(*before.scene, materials);
   const std::lock_guard lock(mutex_);
-  if (current_.version != before.version) return;  // The scene was reloaded; the next answer fits.
+  // reload() has replaced the scene meanwhile, so wait for the next answer.
+  if (current_.version != before.version) return;
   if (adopted_ && adopted_->first != told.version)
     spdlog::warn("scene {}: the server has reloaded it; send SIGHUP to read its file again",
                  visible(name_));
@@ -236,8 +240,8 @@ void RemoteScene::adopt(const control::SceneDescription& told,
   adopted_ = {told.version, told.changes};
 }
 
-/// Runs until stop(). Retries after every failure, because a token may be renewed or a server
-/// repaired.
+/// Observes the scene until stop(). Retries after every failure, because a token may be renewed or
+/// a server repaired.
 void RemoteScene::run() {
   auto wait = options_.first_wait;
   std::string said;
@@ -259,14 +263,14 @@ void RemoteScene::run() {
   }
 }
 
-/// Joins, and shows the views until the session ends. Returns the reason for the end. Throws the
-/// exceptions of join().
+/// Joins the scene, and shows the views until the session ends. Returns the reason for the end.
+/// Throws the exceptions of join().
 std::string RemoteScene::look_on() {
   auto eye = std::make_unique<ObserverDevice>();
   control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
   request.version = version();
   request.figures = true;
-  // An observer has no force feedback, so the server may choose how long a command holds.
+  // An observer has no force feedback, so the server may choose the hold time.
   const Joined joined =
       join(server_, request, options_.timeout, {.hold_time = kLongestGrantedHold});
   const SessionParameters& parameters = joined.accepted.parameters;
@@ -281,7 +285,7 @@ std::string RemoteScene::look_on() {
     task = std::make_shared<ObserverTask>(std::move(eye), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // An observer has no force to release.
+    task->let_go_after = parameters.hold_time;  // any time is safe: an observer gives no force
     task->outputs.views = &task->views;
     thread.emplace(task);
   } catch (...) {

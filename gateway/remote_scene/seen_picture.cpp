@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallForce = 0.01;  // [N] A smaller force counts as none.
+constexpr double kSmallForce = 0.01;  // [N] a smaller force counts as no contact
 constexpr std::uint32_t kKnownStates = (1u << kHandStates) - 1u;
 
 PictureHand picture_of(const SeenHand& seen) {
@@ -37,7 +37,7 @@ PictureHand picture_of(const SeenHand& seen) {
   return hand;
 }
 
-/// Returns nothing if the server sent impossible parameters.
+/// Returns the parameters, or nothing if they are invalid.
 std::optional<SessionParameters> possible(const SessionParameters& parameters) {
   try {
     validate(parameters);
@@ -99,7 +99,7 @@ std::vector<HandDescription> hands_of(const ObservedScene& seen, const Scene& sc
     described.times = session->times;
     if (!scene.seats().empty() && covers(session->role, Role::operator_))
       described.lead_share = session->lead_share;
-    constexpr double kLongest = 1e9;  // [s] limit of Nanoseconds
+    constexpr double kLongest = 1e9;  // [s] about 30 years, which fits into Nanoseconds
     if (session->seconds && *session->seconds >= 0.0 && *session->seconds < kLongest)
       described.joined = now - from_seconds(*session->seconds);
   }
