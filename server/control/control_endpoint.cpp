@@ -1,7 +1,6 @@
 #include "server/control/control_endpoint.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "protocol/crypto/tls.hpp"
-#include "protocol/net/clock.hpp"
 #include "server/access/listening.hpp"
 #include "server/access/tls_socket.hpp"
 
@@ -41,13 +39,6 @@ TurnLimits turn_limits(const ControlOptions& options) {
   limits.waiting = std::max<std::size_t>(1, options.max_connections / 2);
   limits.waiting_of_network = std::max<std::size_t>(1, options.max_connections_per_network / 2);
   return limits;
-}
-
-/// Whether the other end has closed it meanwhile.
-bool has_left(tcp::socket& socket) {
-  char next = 0;
-  const ssize_t size = ::recv(socket.native_handle(), &next, sizeof next, MSG_PEEK | MSG_DONTWAIT);
-  return size == 0 || (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
 }
 
 }  // namespace
@@ -111,7 +102,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   /// Reports the outcome for the turns of other connections; only the first report counts.
   void judge(ConnectionTurns::Outcome outcome) {
     if (judged_) return;
-    endpoint_.turns_.judge(peer_.address, outcome, monotonic_now());
+    endpoint_.waiting_room_.judge(peer_.address, outcome);
     judged_ = true;
   }
 
@@ -260,12 +251,15 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
       handler_(std::move(handler)),
       acceptor_(io),
       retry_(io),
+      waiting_room_(
+          io, turn_limits(options),
+          [this](ConnectionSlots::Id id, tcp::socket socket, const asio::ip::address& address) {
+            open(id, std::move(socket), address);
+          }),
       strangers_(std::clamp<std::size_t>(options.max_connections / 2, 1, options.max_strangers),
                  options.max_connections_per_network),
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
-             options.max_connections_per_network, options.max_connections_per_client),
-      turns_(turn_limits(options)),
-      next_look_(io) {
+             options.max_connections_per_network, options.max_connections_per_client) {
   port_ = listen_on(acceptor_, {options.address, options.port});
 }
 
@@ -291,7 +285,7 @@ bool ControlEndpoint::take() {
     Error error;
     tcp::socket socket(io_);
     acceptor_.accept(socket, error);
-    if (!error) greet(std::move(socket));
+    if (!error) waiting_room_.arrive(std::move(socket));
     return !error || error == asio::error::would_block ||
            error == asio::error::connection_aborted;  // it has gone meanwhile
   } catch (const std::exception& failure) {
@@ -313,7 +307,7 @@ void ControlEndpoint::accept_later() {
 void ControlEndpoint::keep_accepting() {
   if (!acceptor_.is_open()) return;
   if (!accepting_) accept();
-  if (!waiting_.empty()) look_again();
+  waiting_room_.keep_looking();
 }
 
 void ControlEndpoint::end_lost() {
@@ -323,12 +317,9 @@ void ControlEndpoint::end_lost() {
   for (const auto& connection : lost) connection->end();
 }
 
-void ControlEndpoint::open(ConnectionSlots::Id id) {
-  auto waited = waiting_.extract(id);
-  if (waited.empty()) return;
-  auto& [socket, address] = waited.mapped();
-  if (has_left(socket))
-    return turns_.judge(address, ConnectionTurns::Outcome::left, monotonic_now());
+/// Begins TLS with a connection whose turn it is.
+void ControlEndpoint::open(ConnectionSlots::Id id, tcp::socket socket,
+                           const asio::ip::address& address) {
   Error ignored;
   socket.set_option(tcp::no_delay(true), ignored);  // an answer waits for no acknowledgement
   ++counters_.accepted;
@@ -337,7 +328,7 @@ void ControlEndpoint::open(ConnectionSlots::Id id) {
     connection = std::make_shared<Connection>(*this, id, std::move(socket), address);
     connections_.emplace(id, connection);
   } catch (const std::exception&) {
-    turns_.judge(address, ConnectionTurns::Outcome::none, monotonic_now());
+    waiting_room_.judge(address, ConnectionTurns::Outcome::none);
     throw;
   }
   try {
@@ -368,12 +359,17 @@ void ControlEndpoint::end(std::optional<ConnectionSlots::Id> crowded_out) {
   connection->end();
 }
 
+ControlCounters ControlEndpoint::counters() const {
+  ControlCounters all = counters_;
+  all.too_often = waiting_room_.sent_away();
+  return all;
+}
+
 void ControlEndpoint::close() {
   Error ignored;
   acceptor_.close(ignored);
   retry_.cancel();
-  next_look_.cancel();
-  waiting_.clear();
+  waiting_room_.close();
   for (const auto& [id, connection] : connections_) connection->close();
   connections_.clear();
 }

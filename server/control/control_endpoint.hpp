@@ -13,8 +13,8 @@
 
 #include "protocol/wire/control.hpp"
 #include "server/access/connection_slots.hpp"
-#include "server/access/connection_turns.hpp"
 #include "server/access/identity.hpp"
+#include "server/control/waiting_room.hpp"
 
 namespace feltwire {
 
@@ -83,18 +83,14 @@ class ControlEndpoint {
 
   std::uint16_t port() const { return port_; }
   /// On the thread of `io`, or when it does not run.
-  const ControlCounters& counters() const { return counters_; }
+  ControlCounters counters() const;
 
  private:
   class Connection;
   void accept();
   bool take();
   void accept_later();
-  void greet(asio::ip::tcp::socket socket);
-  void let_in();
-  void look_again();
-  void open(ConnectionSlots::Id id);
-  void send_away(std::optional<ConnectionSlots::Id> id);
+  void open(ConnectionSlots::Id id, asio::ip::tcp::socket socket, const asio::ip::address& address);
   void make_known(Connection& connection);
   void end(std::optional<ConnectionSlots::Id> crowded_out);
 
@@ -104,21 +100,12 @@ class ControlEndpoint {
   ControlHandler handler_;
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer retry_;
-  /// Before TLS.
-  struct Waiting {
-    asio::ip::tcp::socket socket;
-    asio::ip::address address;
-  };
-  std::map<ConnectionSlots::Id, Waiting> waiting_;
+  WaitingRoom waiting_room_;  // before TLS
   std::map<ConnectionSlots::Id, std::shared_ptr<Connection>> connections_;
   // Connections without and with a good token. Each connection is in one.
   ConnectionSlots strangers_, known_;
-  ConnectionTurns turns_;
-  asio::steady_timer next_look_;  // at those that wait
-  bool looking_ = false;
-  ConnectionSlots::Id next_id_ = 0;
-  bool accepting_ = false;  // a handler waits for a connection, or for the next try
-  ControlCounters counters_;
+  bool accepting_ = false;    // a handler waits for a connection, or for the next try
+  ControlCounters counters_;  // except too_often, which the waiting room counts
   std::uint16_t port_ = 0;
 };
 

@@ -1,28 +1,38 @@
-// Connections between their arrival and TLS: they wait for their turn
-// (server/access/connection_turns.hpp).
+#include "server/control/waiting_room.hpp"
 
+#include <sys/socket.h>
+
+#include <cerrno>
 #include <chrono>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "protocol/net/clock.hpp"
-#include "server/control/control_endpoint.hpp"
 
 namespace feltwire {
 namespace {
 
 using asio::ip::tcp;
-using Error = std::error_code;
 constexpr std::chrono::milliseconds kBetweenLooks{10};
+
+/// Whether the other end has closed it meanwhile.
+bool has_left(tcp::socket& socket) {
+  char next = 0;
+  const ssize_t size = ::recv(socket.native_handle(), &next, sizeof next, MSG_PEEK | MSG_DONTWAIT);
+  return size == 0 || (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
+}
 
 }  // namespace
 
-/// The connection waits without an answer: an answer would need a handshake, which is limited.
-void ControlEndpoint::greet(tcp::socket socket) {
-  Error gone;
+WaitingRoom::WaitingRoom(asio::io_context& io, const TurnLimits& limits, Admit admit)
+    : admit_(std::move(admit)), turns_(limits), next_look_(io) {}
+
+void WaitingRoom::arrive(tcp::socket socket) {
+  std::error_code gone;
   const asio::ip::address address = socket.remote_endpoint(gone).address();
   if (gone) return;
-  const ConnectionSlots::Id id = next_id_++;
+  const Id id = next_id_++;
   waiting_.emplace(id, Waiting{std::move(socket), address});
   try {
     send_away(turns_.arrive(id, address, monotonic_now()));
@@ -30,29 +40,46 @@ void ControlEndpoint::greet(tcp::socket socket) {
     waiting_.erase(id);
     throw;
   }
-  let_in();
+  admit_due();
 }
 
-/// Lets in the connections whose turn it is, and sends away those that waited too long.
-void ControlEndpoint::let_in() {
-  if (!waiting_.empty()) look_again();  // first, because the rest may throw
+/// Admits the connections whose turn it is, and sends away those that waited too long.
+void WaitingRoom::admit_due() {
+  keep_looking();  // first, because the rest may throw
   const Nanoseconds now = monotonic_now();
-  while (const auto id = turns_.admit(now)) open(*id);
+  while (const auto id = turns_.admit(now)) admit(*id);
   while (const auto id = turns_.give_up(now)) send_away(id);
 }
 
-void ControlEndpoint::look_again() {
-  if (looking_) return;
+void WaitingRoom::keep_looking() {
+  if (looking_ || waiting_.empty()) return;
   next_look_.expires_after(kBetweenLooks);
-  next_look_.async_wait([this](const Error& cancelled) {
+  next_look_.async_wait([this](const std::error_code& cancelled) {
     looking_ = false;
-    if (!cancelled) let_in();
+    if (!cancelled) admit_due();
   });
   looking_ = true;
 }
 
-void ControlEndpoint::send_away(std::optional<ConnectionSlots::Id> id) {
-  if (id && waiting_.erase(*id) > 0) ++counters_.too_often;
+void WaitingRoom::admit(Id id) {
+  auto waited = waiting_.extract(id);
+  if (waited.empty()) return;
+  auto& [socket, address] = waited.mapped();
+  if (has_left(socket)) return judge(address, ConnectionTurns::Outcome::left);
+  admit_(id, std::move(socket), address);
+}
+
+void WaitingRoom::send_away(std::optional<Id> id) {
+  if (id && waiting_.erase(*id) > 0) ++sent_away_;
+}
+
+void WaitingRoom::judge(const asio::ip::address& address, ConnectionTurns::Outcome outcome) {
+  turns_.judge(address, outcome, monotonic_now());
+}
+
+void WaitingRoom::close() {
+  next_look_.cancel();
+  waiting_.clear();
 }
 
 }  // namespace feltwire
