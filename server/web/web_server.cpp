@@ -182,10 +182,13 @@ Site WebServer::site(const asio::ip::address& asked_from) {
   Site site{page_assets(), options_.names, secure()};
   if (options_.metrics) site.metrics = [this] { return options_.metrics(hub_.counters()); };
   site.hidden_scene = [this](std::string_view token) { return hub_.hidden_scene(token); };
-  site.opens = [this](std::string_view token) { return hub_.opens_something(token); };
-  site.may_try_again = [this, asked_from] { return hub_.may_try_again(asked_from); };
+  site.opens = [this](std::string_view token) {
+    hub_.tokens().refresh();
+    return hub_.tokens().authenticate(token) != nullptr;
+  };
+  site.may_try_again = [this, asked_from] { return hub_.tokens().may_try_again(asked_from); };
   site.mint = [this](std::string_view token, std::string_view scene) {
-    return hub_.mint_ticket(token, scene);
+    return hub_.mint_ticket(hub_.tokens().authenticate(token), scene);
   };
   site.redeem = [this](std::string_view ticket) { return hub_.redeem_ticket(ticket); };
   return site;

@@ -65,7 +65,7 @@ class WebServer final : private ConnectionHost {
   /// The page's address for a browser on this machine: "http://127.0.0.1:6760/".
   std::string url() const;
   /// Precondition: the server is stopped, or the caller is on its thread.
-  const ViewerHubCounters& counters() const { return hub_.counters(); }
+  ViewerHubCounters counters() const { return hub_.counters(); }
 
  private:
   asio::io_context& io() override { return io_; }
