@@ -133,7 +133,7 @@ struct Server::Parts {
   asio::io_context io{1};
   Fingerprint fingerprint;
   std::unique_ptr<Recorder> recorder;  // null: nothing is recorded
-  std::vector<std::unique_ptr<SceneHost>> hosts;
+  SceneHosts hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
   std::unique_ptr<web::PageHands> page_hands;  // null: viewers hold no hands
@@ -147,12 +147,11 @@ struct Server::Parts {
   Parts(const ServerConfig& config, std::vector<Scene> scenes, Security security,
         SceneLoader::Load load, const web::MakePageHands& hands)
       : fingerprint(feltwire::fingerprint(security.identity)),
-        service(
-            io, hosts, security.tokens, service_limits(config),
-            [this](std::size_t host, ControlService::Reloaded done) {
-              reload(host, std::move(done));
-            },
-            [this] { return control->counters(); }, flight_writer(config)),
+        service(io, hosts, security.tokens, service_limits(config),
+                {.reload = [this](std::size_t host,
+                                  AdminService::Reloaded done) { reload(host, std::move(done)); },
+                 .connections = [this] { return control->counters(); },
+                 .write_flight = flight_writer(config)}),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_names(scenes);
@@ -206,11 +205,11 @@ struct Server::Parts {
   }
 
   /// Empty: there is no flight recorder.
-  ControlService::WriteFlight flight_writer(const ServerConfig& config) {
+  AdminService::WriteFlight flight_writer(const ServerConfig& config) {
     if (config.flight_recorder.empty()) return {};
-    return [this](std::size_t scene, ControlService::FlightWritten done) {
+    return [this](std::size_t scene, AdminService::FlightWritten done) {
       // It may own a connection, which must end on the control thread.
-      auto asked = std::make_shared<ControlService::FlightWritten>(std::move(done));
+      auto asked = std::make_shared<AdminService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
           scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
             post_patiently(post_to(io), [asked, file = std::move(file)] {
@@ -246,7 +245,7 @@ struct Server::Parts {
       options.port = port;
       control = std::make_unique<ControlEndpoint>(
           io, options, security.identity, security.client_authorities,
-          [this](ControlPeer& peer, control::Message request, ControlService::Answer answer) {
+          [this](ControlPeer& peer, control::Message request, ControlAnswer answer) {
             service.handle(peer, std::move(request), std::move(answer));
           });
       return open_scene_ports(io, options.address, control->port() + 1u, scenes);
@@ -286,7 +285,7 @@ struct Server::Parts {
 
   /// Reads a scene's file again in another thread. Call it on the control thread, where it also
   /// calls `asked`. Tells the live page the result.
-  void reload(std::size_t host, ControlService::Reloaded asked) {
+  void reload(std::size_t host, AdminService::Reloaded asked) {
     const auto done = [this, host, asked = std::move(asked)](std::optional<Refused> refused) {
       if (web != nullptr) web->tell(host, refused ? std::optional(refused->reason) : std::nullopt);
       asked(std::move(refused));
@@ -296,7 +295,7 @@ struct Server::Parts {
           Refused{RefusalCode::bad_scene,
                   "the scenes of this server do not come from files, so they cannot be reloaded"});
     struct Ended {
-      ControlService::Reloaded done;
+      AdminService::Reloaded done;
       LoadedScene loaded;
     };
     const auto ended = std::make_shared<Ended>(Ended{done, std::string()});

@@ -21,7 +21,7 @@ struct ServerConfig : SecurityOptions {
   double sample_rate_limit = 1.5;         // of a session, times its servo rate
   int max_sessions_per_client = 16;       // of all tokens with one client's name
   double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, sustained,
-  double join_burst = 60.0;               // and at once (server/control/control_service.hpp)
+  double join_burst = 60.0;               // and at once (server/control/request_limits.hpp)
   double handshake_timeout = 5.0;         // [s] from connecting to a valid token
   double idle_timeout = 60.0;             // [s] a connection without a request ends
   int max_connections = 512;              // half of them for those with a valid token

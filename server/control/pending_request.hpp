@@ -1,19 +1,20 @@
 #pragma once
-// Internal to server/control.
+// A request with its sender.
 
-#include <string>
+#include <functional>
 
-#include "server/control/control_service.hpp"
+#include "protocol/wire/control.hpp"
+#include "server/access/tokens.hpp"
+#include "server/control/control_endpoint.hpp"
 
 namespace feltwire {
 
-/// "an observer"
-std::string holder(Role role);
+using ControlAnswer = std::function<void(control::Message)>;
 
-struct ControlService::PendingRequest {
+struct PendingRequest {
   ControlPeer& peer;
-  const Token& token;
-  Answer answer;
+  const Token& token;  // of the sender; do not keep it
+  ControlAnswer answer;
 };
 
 }  // namespace feltwire

@@ -1,15 +1,13 @@
-// Answers to the clients of hands that want surfaces or solids in full. The control thread answers
-// the lists and the parts. TakeSurfaces changes a session, so the scene's thread answers it.
+#include "server/control/surface_requests.hpp"
 
 #include <algorithm>
-#include <optional>
+#include <limits>
+#include <vector>
 
 #include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/prefetched_geometry/mesh_surfaces.hpp"
 #include "core/tool/body_tool.hpp"
-#include "protocol/net/clock.hpp"
-#include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
@@ -113,8 +111,9 @@ control::Message part_of(const SceneInView::CurrentScene& current, const std::st
   return next;
 }
 
-/// The session that a list or a part is for; empty: the request is for neither.
-std::optional<std::uint64_t> session_of(const control::Message& request) {
+}  // namespace
+
+std::optional<std::uint64_t> session_of_fetch(const control::Message& request) {
   if (const auto* list = std::get_if<control::ListSurfaces>(&request)) return list->session;
   if (const auto* get = std::get_if<control::GetSurface>(&request)) return get->session;
   if (const auto* list = std::get_if<control::ListSolids>(&request)) return list->session;
@@ -122,48 +121,14 @@ std::optional<std::uint64_t> session_of(const control::Message& request) {
   return std::nullopt;
 }
 
-/// Precondition: session_of(request) is not empty.
-control::Message answer_to(const control::Message& request,
-                           const SceneInView::CurrentScene& current, const std::string& tool) {
+control::Message fetched(const control::Message& request, const SceneInView::CurrentScene& current,
+                         const std::string& tool) {
   if (const auto* get = std::get_if<control::GetSurface>(&request))
     return part_of(current, tool, *get);
   if (const auto* get = std::get_if<control::GetBodyPoints>(&request))
     return points_of(current, tool, *get);
   if (std::holds_alternative<control::ListSolids>(request)) return solids_of(current, tool);
   return list_of(current, tool);
-}
-
-}  // namespace
-
-/// Answers a request about surfaces and solids; false if it is another request.
-bool ControlService::serve_surfaces(PendingRequest& asked, control::Message& request) {
-  if (const auto* take = std::get_if<control::TakeSurfaces>(&request)) {
-    if (auto refused = refuse_hasty(asked))
-      asked.answer(*std::move(refused));
-    else
-      pass_on(std::move(asked), take->session, std::move(request));
-    return true;
-  }
-  const std::optional<std::uint64_t> session = session_of(request);
-  if (!session) return false;
-  asked.answer(fetch(asked, *session, request));
-  return true;
-}
-
-/// Fetches a scene for a session's client within the session's limit. A request for an unknown
-/// session counts in the limit of all requests.
-control::Message ControlService::fetch(const PendingRequest& asked, std::uint64_t session,
-                                       const control::Message& request) {
-  ListedSession* seated = own_session(asked, session);
-  if (seated == nullptr) {
-    if (auto refused = refuse_endless(asked.token.client)) return *std::move(refused);
-    return unknown_session(session);
-  }
-  if (!seated->fetches.take(monotonic_now()))
-    return refuse(RefusalCode::too_many, "session " + std::to_string(session) +
-                                             " fetches surfaces too often; wait a moment, then "
-                                             "go on where it stopped");
-  return answer_to(request, hosts_[seated->scene]->current_scene(), seated->tool);
 }
 
 }  // namespace feltwire

@@ -1,12 +1,9 @@
-// Answers to admins (evictions, reloads, live changes, counters) and to observers (the state of a
-// scene and of its sessions).
+#include "server/control/admin_service.hpp"
 
 #include <spdlog/spdlog.h>
 
 #include "core/base/visible_text.hpp"
-#include "protocol/net/clock.hpp"
 #include "protocol/net/post.hpp"
-#include "server/control/pending_request.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
@@ -40,16 +37,24 @@ Refused no_flight_recorder() {
 
 }  // namespace
 
+AdminService::AdminService(asio::io_context& io, SceneHosts& hosts, SessionDirectory& directory,
+                           RequestLimits& limits, Callbacks callbacks)
+    : io_(io),
+      hosts_(hosts),
+      directory_(directory),
+      limits_(limits),
+      callbacks_(std::move(callbacks)) {}
+
 /// Answers an observer's request; false if it is another request.
-bool ControlService::serve_observer(PendingRequest& asked, const control::Message& request) {
+bool AdminService::describe(PendingRequest& asked, const control::Message& request) {
   const auto* sessions = std::get_if<control::DescribeSessions>(&request);
   const auto* wanted = std::get_if<control::DescribeScene>(&request);
   if (sessions == nullptr && wanted == nullptr) return false;
   const auto scene =
-      scene_for(asked, sessions != nullptr ? sessions->scene : wanted->scene, Role::observer);
+      scene_for(asked.token, sessions != nullptr ? sessions->scene : wanted->scene, Role::observer);
   if (const auto* refused = std::get_if<Refused>(&scene)) {
     asked.answer(*refused);
-  } else if (auto hasty = refuse_curious(asked)) {
+  } else if (auto hasty = limits_.check_questions(asked.token)) {
     asked.answer(*std::move(hasty));
   } else if (wanted != nullptr) {
     SceneHost& host = *hosts_[std::get<std::size_t>(scene)];
@@ -66,14 +71,14 @@ bool ControlService::serve_observer(PendingRequest& asked, const control::Messag
   return true;
 }
 
-/// Answers an admin's request; false if it is another request.
-bool ControlService::serve_admin(PendingRequest& asked, const control::Message& request) {
+bool AdminService::handle(PendingRequest& asked, const control::Message& request) {
+  if (describe(asked, request)) return true;
   if (const auto* eviction = std::get_if<control::Evict>(&request)) {
-    asked.answer(evict(asked, *eviction));
+    asked.answer(evict(asked.token, *eviction));
     return true;
   }
   if (const auto* list = std::get_if<control::ListSessions>(&request)) {
-    asked.answer(list_sessions(asked, *list));
+    asked.answer(list_sessions(asked.token, *list));
     return true;
   }
   if (const auto* anew = std::get_if<control::ReloadScene>(&request)) {
@@ -107,72 +112,56 @@ bool ControlService::serve_admin(PendingRequest& asked, const control::Message& 
   return false;
 }
 
-std::optional<Refused> ControlService::refuse_below(Role role, const PendingRequest& asked) {
-  if (covers(asked.token.role, role)) return std::nullopt;
-  return refuse(RefusalCode::forbidden, "this is for " + std::string(name(role)) +
-                                            "s; the token is for " + holder(asked.token.role));
-}
-
 /// The scene of that name, if a token of at least that role opens it.
-std::variant<std::size_t, Refused> ControlService::scene_for(const PendingRequest& asked,
-                                                             const std::string& name, Role role) {
-  if (auto refused = refuse_below(role, asked)) return *std::move(refused);
-  const std::size_t scene = scene_of(name);
-  if (scene == hosts_.size() || !opens(asked.token, name))
-    return Refused{RefusalCode::unknown_scene,
-                   "there is no scene '" + name + "' here; list the scenes to see which there are"};
+std::variant<std::size_t, Refused> AdminService::scene_for(const Token& token,
+                                                           const std::string& name, Role role) {
+  if (auto refused = limits_.check_role(role, token)) return *std::move(refused);
+  const std::size_t scene = index_of_scene(hosts_, name);
+  if (scene == hosts_.size() || !opens(token, name)) return unknown_scene(name);
   return scene;
 }
 
-control::Message ControlService::evict(const PendingRequest& asked, const control::Evict& request) {
-  if (auto refused = refuse_below(Role::admin, asked)) return *std::move(refused);
-  const auto found = seated_.find(request.session);
+control::Message AdminService::evict(const Token& token, const control::Evict& request) {
+  if (auto refused = limits_.check_role(Role::admin, token)) return *std::move(refused);
   // Hide scenes that this admin's token does not open.
-  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
-    return unknown_session(request.session);
-  hosts_[found->second.scene]->evict(request.session);
-  spdlog::info("a session of client {} was evicted by client {}", visible(found->second.client),
-               visible(asked.token.client));
+  const ListedSession* session = directory_.find_open(token, request.session);
+  if (session == nullptr) return unknown_session(request.session);
+  hosts_[session->scene]->evict(request.session);
+  spdlog::info("a session of client {} was evicted by client {}", visible(session->client),
+               visible(token.client));
   return control::Evicted{request.session};
 }
 
-control::Message ControlService::list_sessions(const PendingRequest& asked,
-                                               const control::ListSessions& request) {
-  if (auto refused = refuse_below(Role::admin, asked)) return *std::move(refused);
-  control::SessionList list;
-  for (auto at = seated_.upper_bound(request.after); at != seated_.end(); ++at) {
-    if (!opens(asked.token, scene_name(at->second))) continue;
-    if (list.sessions.size() == control::kMaxSessionEntries) {
-      list.more = true;
-      break;
-    }
-    const ListedSession& seated = at->second;
-    list.sessions.push_back({at->first, seated.client, scene_name(seated), seated.role});
-  }
-  return list;
+control::Message AdminService::list_sessions(const Token& token,
+                                             const control::ListSessions& request) {
+  if (auto refused = limits_.check_role(Role::admin, token)) return *std::move(refused);
+  return directory_.list(token, request.after);
 }
 
-void ControlService::reload(PendingRequest asked, const control::ReloadScene& request) {
-  const auto scene = scene_for(asked, request.scene, Role::admin);
+void AdminService::reload(PendingRequest asked, const control::ReloadScene& request) {
+  const auto scene = scene_for(asked.token, request.scene, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
-  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  if (auto refused = limits_.check_changes(asked.token.client))
+    return asked.answer(*std::move(refused));
   spdlog::info("scene {} is reloaded by client {} (token {})", request.scene,
                visible(asked.token.client), asked.token.id);
   asked.peer.waits = true;
-  reload_(std::get<std::size_t>(scene),
-          [this, name = request.scene,
-           answer = std::move(asked.answer)](std::optional<Refused> refused) {
-            if (!refused) return answer(control::SceneReloaded{name});
-            if (refused->code == RefusalCode::too_many) ++counters_.too_many;
-            answer(*std::move(refused));
-          });
+  callbacks_.reload(std::get<std::size_t>(scene),
+                    [this, name = request.scene,
+                     answer = std::move(asked.answer)](std::optional<Refused> refused) {
+                      if (!refused) return answer(control::SceneReloaded{name});
+                      if (refused->code == RefusalCode::too_many)
+                        refused = limits_.refuse(RefusalCode::too_many, std::move(refused->reason));
+                      answer(*std::move(refused));
+                    });
 }
 
 /// Changes what hands feel in a scene.
-void ControlService::change(PendingRequest asked, const std::string& name, LiveChange change) {
-  const auto scene = scene_for(asked, name, Role::admin);
+void AdminService::change(PendingRequest asked, const std::string& name, LiveChange change) {
+  const auto scene = scene_for(asked.token, name, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
-  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  if (auto refused = limits_.check_changes(asked.token.client))
+    return asked.answer(*std::move(refused));
   const std::string by =
       visible("client " + asked.token.client + " (token " + asked.token.id + ")");
   hosts_[std::get<std::size_t>(scene)]->change(
@@ -186,33 +175,24 @@ void ControlService::change(PendingRequest asked, const std::string& name, LiveC
 }
 
 /// Changes a session in a scene that the token of an admin opens.
-void ControlService::change_session(PendingRequest asked, std::uint64_t session,
-                                    LiveChange wanted) {
-  if (auto refused = refuse_below(Role::admin, asked)) return asked.answer(*std::move(refused));
-  const auto found = seated_.find(session);
-  if (found == seated_.end() || !opens(asked.token, scene_name(found->second)))
-    return asked.answer(unknown_session(session));
-  change(std::move(asked), scene_name(found->second), std::move(wanted));
+void AdminService::change_session(PendingRequest asked, std::uint64_t session, LiveChange wanted) {
+  if (auto refused = limits_.check_role(Role::admin, asked.token))
+    return asked.answer(*std::move(refused));
+  const ListedSession* found = directory_.find_open(asked.token, session);
+  if (found == nullptr) return asked.answer(unknown_session(session));
+  change(std::move(asked), found->scene_name, std::move(wanted));
 }
 
-/// Asks the scene's thread, which alone knows the answer.
-void ControlService::ask_scene(PendingRequest asked, const std::string& name,
-                               control::Message request) {
-  const auto scene = scene_for(asked, name, Role::admin);
+void AdminService::write_flight(PendingRequest asked, const control::WriteFlightRecord& request) {
+  const auto scene = scene_for(asked.token, request.scene, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
-  hosts_[std::get<std::size_t>(scene)]->ask(std::move(request), 0, {}, io_,
-                                            std::move(asked.answer));
-}
-
-void ControlService::write_flight(PendingRequest asked, const control::WriteFlightRecord& request) {
-  const auto scene = scene_for(asked, request.scene, Role::admin);
-  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
-  if (!write_flight_) return asked.answer(no_flight_recorder());
-  if (auto refused = refuse_hasty(asked)) return asked.answer(*std::move(refused));
+  if (!callbacks_.write_flight) return asked.answer(no_flight_recorder());
+  if (auto refused = limits_.check_changes(asked.token.client))
+    return asked.answer(*std::move(refused));
   spdlog::info("scene {}: client {} (token {}) asks for a flight record", visible(request.scene),
                visible(asked.token.client), asked.token.id);
   asked.peer.waits = true;
-  write_flight_(
+  callbacks_.write_flight(
       std::get<std::size_t>(scene), [name = request.scene, answer = std::move(asked.answer)](
                                         std::variant<std::string, Refused> outcome) {
         if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
@@ -220,12 +200,18 @@ void ControlService::write_flight(PendingRequest asked, const control::WriteFlig
       });
 }
 
-void ControlService::count(PendingRequest asked, const control::GetCounters& request) {
-  if (!request.scene.empty()) return ask_scene(std::move(asked), request.scene, request);
-  if (auto refused = refuse_below(Role::admin, asked)) return asked.answer(*std::move(refused));
-  const ControlCounters connections = connections_ ? connections_() : ControlCounters{};
+void AdminService::count(PendingRequest asked, const control::GetCounters& request) {
+  if (!request.scene.empty()) {
+    const auto scene = scene_for(asked.token, request.scene, Role::admin);
+    if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+    return hosts_[std::get<std::size_t>(scene)]->ask(request, 0, {}, io_, std::move(asked.answer));
+  }
+  if (auto refused = limits_.check_role(Role::admin, asked.token))
+    return asked.answer(*std::move(refused));
+  const ControlCounters connections =
+      callbacks_.connections ? callbacks_.connections() : ControlCounters{};
   control::Counters named;
-  for (const auto& [name, value] : named_counters(connections, counters_))
+  for (const auto& [name, value] : named_counters(connections, limits_.counters()))
     named.counters.push_back({std::string(name), value});
   asked.answer(std::move(named));
 }
