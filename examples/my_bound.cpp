@@ -1,10 +1,10 @@
-// Adds a bounding law (a struct and an entry in the registry) and tests this law.
+// Adds a bounding law to the registry and tests it. A bounding law keeps the device passive.
 //
-//   my_bound                 exit status 1 if the law breaks its promise
-//   my_bound --wrong-sign    a law with a wrong sign, which the tests must reject
+//   my_bound                 exit status 1 if the law fails a test
+//   my_bound --wrong-sign    a law with a wrong sign, which must fail
 //
-// The law stores the work of the hand on the port and the energy that the device's damping
-// dissipates. The law limits the force so that the hand can take back at most the stored energy.
+// The law stores the work of the hand on the device and the energy that the device's damping
+// dissipates. It limits the force so that the hand can take back at most the stored energy.
 
 #include <algorithm>
 #include <cmath>
@@ -16,21 +16,21 @@
 
 using namespace feltwire;
 
-/// The energy store of a port, for forces or for torques. All directions have one common store.
+/// The energy store for forces, or for torques. All directions share it.
 struct Port {
-  static constexpr double kLeast = 1e-290;  // [J] a smaller double loses digits
-  double damping, period;                   // b [N s/m], T [s]
-  double sign = 1.0;                        // energy flow into the port: -sign f.dx
-  double energy = 0.0;                      // [J] below zero: a debt
-  Vec3 held = Vec3::Zero();                 // f(n-1), on the hand
+  static constexpr double kLeast = 1e-290;  // [J] reserve, because tiny doubles lose digits
+  double damping, period;                   // damping b [N s/m] of the device, servo period T [s]
+  double sign = 1.0;                        // factor of the hand's work -f.dx; -1 is wrong
+  double energy = 0.0;                      // [J] stored energy; may be negative
+  Vec3 held = Vec3::Zero();                 // f(n-1) [N], force on the hand since the last step
 
-  /// The share of the wanted force that the store covers, after a movement dx in `time` [s].
+  /// Adds the energy of a movement dx in `time` [s]. Returns the allowed share of `wanted`.
   double share(const Vec3& wanted, const Vec3& dx, double time) noexcept {
     energy += damping / time * dx.squaredNorm() - sign * held.dot(dx);
     const double allowed = std::sqrt(4.0 * damping / period * std::max(0.0, energy - kLeast));
     return std::min(1.0, allowed / std::max(wanted.norm(), 1e-300));
   }
-  /// Limits the store to S(f) = |f|^2 T / (4 b), the most energy that the hand can take back.
+  /// Sets the held force f. Limits `energy` to |f|^2 T / (4 b), the most that f can give the hand.
   void hold(const Vec3& force) noexcept {
     held = force;
     energy = std::min(energy, force.squaredNorm() * period / (4.0 * damping));
@@ -47,7 +47,7 @@ struct MyLaw {
     set_held(rendered);
     return rendered;
   }
-  /// Takes the force that the device held, which a limit, a fade or a skipped write can change.
+  /// Sets the force that the device really holds, after a force limit, a fade or a skipped write.
   void set_held(const Command& held) noexcept {
     force.hold(held.force());
     torque.hold(held.torque);

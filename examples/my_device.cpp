@@ -1,14 +1,15 @@
-// Puts your own device in a scene, with a class and a call.
+// Connects your own device to a scene, with a class for the device and a call of run_client().
 //
 //   feltwire-server --scene scenes/room.json
 //   export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
 //   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
-//   my_device localhost:6720 room 5          five seconds; 0: until Ctrl-C
-//   my_device localhost:6720 room 5 0.1      on a busy machine: lets go after 0.1 s without a tick.
-//                                            Use 5 ms if a hand is on the device.
+//   my_device localhost:6720 room 5          runs for 5 s; 0: until Ctrl-C
+//   my_device localhost:6720 room 5 0.1      on a busy machine: releases the device after 0.1 s
+//                                            without a servo tick. Use 0.005 (5 ms) if a person
+//                                            holds the device.
 //
-// The device here is a simulated handle on a spring. For a real device, replace the three lines
-// that move the handle by calls to the maker's library.
+// The device in this example is a simulated handle on a spring. For a real device, replace the
+// three lines that move the handle by calls to the library of the device's manufacturer.
 
 #include <atomic>
 #include <cstdio>
@@ -19,9 +20,9 @@ class MyDevice final : public feltwire::Device {
  public:
   MyDevice() {
     spec_.name = "my_device";
-    spec_.damping = 2.0;           // b [N s/m] of the device itself: measure it
+    spec_.damping = 2.0;           // b [N s/m] viscous damping of the device itself: measure it
     spec_.apparent_mass = 0.2;     // [kg]
-    spec_.least_mass = 0.15;       // [kg] lower bound in every direction
+    spec_.least_mass = 0.15;       // [kg] lower bound of the mass in all directions
     spec_.max_force = 6.0;         // [N]
     spec_.continuous_force = 2.0;  // [N]
     feltwire::validate(spec_);     // throws if a value is missing or contradicts another
@@ -29,14 +30,15 @@ class MyDevice final : public feltwire::Device {
 
   const feltwire::DeviceSpec& spec() const override { return spec_; }
 
-  /// Starts 1 cm above the scene's surface. The spring pulls the handle 1 cm below this surface.
+  /// Places the handle 1 cm above the surface of the scene. The spring pulls it to a point 1 cm
+  /// below the surface.
   void begin(const feltwire::Vec3& position, const feltwire::Vec3& normal) override {
     position_ = position + 0.01 * normal;
     rest_ = position - 0.01 * normal;
   }
 
   feltwire::DeviceReading read(feltwire::Nanoseconds now) noexcept override {
-    const double h = feltwire::seconds(now - last_);  // [s]
+    const double h = feltwire::seconds(now - last_);  // [s] time since the last reading
     if (last_.count() > 0 && h > 0.0 && h < 0.1) {
       const feltwire::Vec3 spring = 100.0 * (rest_ - position_) - 2.0 * velocity_;
       velocity_ += h / spec_.apparent_mass * (spring + force_);
@@ -54,7 +56,8 @@ class MyDevice final : public feltwire::Device {
     return held;
   }
 
-  /// Any thread and any signal handler may call release(), because it only sets a flag.
+  /// Sets a flag, so that write() gives no more force. Any thread and any signal handler may call
+  /// release().
   void release() noexcept override { released_ = true; }
 
  private:

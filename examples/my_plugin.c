@@ -1,10 +1,10 @@
-/* A device of one's own as a plugin: a shared library in C, which the program that is installed loads.
+/* Your own device as a plugin: a shared library in C, which the installed program loads.
  *
  *   cc -std=c99 -shared -fPIC -I/usr/local/include my_plugin.c -o my_plugin.so
  *   feltwire-client --connect localhost:6720 --scene room --device plugin:./my_plugin.so:0.2
  *
- * The device here is a handle on a spring, computed instead of built: replace the lines that move it by calls to the maker's
- * library. ARGUMENTS are the mass of the handle [kg]. */
+ * The device in this example is a simulated handle on a spring. For a real device, replace the lines that move the handle by
+ * calls to the library of the device's manufacturer. The argument after the last colon (0.2) is the mass of the handle [kg]. */
 
 #include <feltwire/client/drivers/plugin/feltwire_device_v1.h>
 #include <signal.h>
@@ -15,7 +15,7 @@
 typedef struct {
   double mass;                                /* [kg] */
   double position[3], velocity[3], force[3];  /* [m], [m/s], [N] on the hand */
-  volatile sig_atomic_t released;             /* set in any thread */
+  volatile sig_atomic_t released;             /* any thread may set it */
 } Handle;
 
 static const double kDamping = 2.0, kSpring = 100.0, kTick = 1e-3; /* [N s/m], [N/m], [s] */
@@ -35,7 +35,7 @@ static void* open_handle(const char* arguments, feltwire_spec_v1* spec, char* er
   handle->mass = mass;
   handle->position[2] = 0.01;
   strcpy(spec->name, "my_plugin");
-  spec->source = "computed"; /* of a real device: how it was measured; leave it null where you assume */
+  spec->source = "computed"; /* for a real device: how you measured these values; null if you assume them */
   spec->translation_dof = 3;
   spec->damping[0] = spec->damping[1] = spec->damping[2] = kDamping;
   spec->apparent_mass = mass;
@@ -46,12 +46,12 @@ static void* open_handle(const char* arguments, feltwire_spec_v1* spec, char* er
   return handle;
 }
 
-/* It sets no pace (longest_tick is 0), so the client's timer does and there is no wait(). */
+/* longest_tick is 0, so the client's timer sets the servo rate, and the device needs no wait(). */
 static int read_handle(void* device, feltwire_reading_v1* reading) {
   Handle* h = device;
   int i;
   for (i = 0; i < 3; ++i) {
-    const double rest = i == 2 ? -0.01 : 0.0; /* [m] a finger that pulls it below z = 0 */
+    const double rest = i == 2 ? -0.01 : 0.0; /* [m] a simulated finger pulls the handle to 1 cm below z = 0 */
     const double pull = kSpring * (rest - h->position[i]) - kDamping * h->velocity[i];
     h->velocity[i] += kTick / h->mass * (pull + h->force[i]);
     h->position[i] += kTick * h->velocity[i];
@@ -63,9 +63,9 @@ static int read_handle(void* device, feltwire_reading_v1* reading) {
 static int write_handle(void* device, const double force[3], const double torque[3], double held_force[3],
                         double held_torque[3]) {
   Handle* h = device;
-  (void)torque; /* the specification says that there is none */
+  (void)torque; /* the specification has no torque */
   (void)held_force;
-  (void)held_torque; /* all of the force is held */
+  (void)held_torque; /* the device holds the whole force */
   if (h->released) {
     memset(h->force, 0, sizeof h->force);
     return 1;
@@ -81,6 +81,6 @@ static void close_handle(void* device) { free(device); }
 const feltwire_device_v1* feltwire_device(void) {
   static const feltwire_device_v1 functions = {
       FELTWIRE_DEVICE_VERSION, sizeof functions, open_handle, NULL, read_handle, write_handle, release_handle, close_handle,
-      NULL /* actuation_lag: not known; feltwire-client identify measures it */};
+      NULL /* actuation_lag: unknown; feltwire-client identify measures it */};
   return &functions;
 }

@@ -1,8 +1,10 @@
-// An observer that draws hands and bodies as text, seen from above, four times a second.
+// Draws the hands and bodies of a scene as text, seen from above, four times a second.
 //
-//   my_scene_viewer localhost:6720 room 10       ten seconds; 0: until Ctrl-C
+//   my_scene_viewer localhost:6720 room 10       runs for 10 s; 0: until Ctrl-C
 //
-// It needs an observer's token: feltwire-server token add --client eye --role observer
+// The program needs a token for an observer. This command makes the token:
+//
+//   feltwire-server token add --client eye --role observer
 //
 // A digit shows a hand, and an o shows a body. The forces on the hands are printed below the map.
 
@@ -38,8 +40,8 @@ class Map {
 
  private:
   static constexpr int kColumns = 60, kRows = 20;
-  static constexpr double kWidth = 0.4;  // [m]
-  double next_ = 0.0;                    // [s]
+  static constexpr double kWidth = 0.4;  // [m] width of the drawn area
+  double next_ = 0.0;                    // [s] time of the next drawing
 };
 
 int main(int argc, char** argv) try {
@@ -50,9 +52,10 @@ int main(int argc, char** argv) try {
   options.scene = argv[2];
   options.duration = std::atof(argv[3]);
   options.role = feltwire::Role::observer;
-  options.parameters.packet_interval = 33;  // servo ticks: thirty pictures a second
+  options.parameters.packet_interval = 33;  // [servo ticks] between packets: 30 packets per second
   options.on_view = Map();
-  // An observer has no hand in the scene, so this device does not move and feels nothing.
+  // run_client() needs a device. An observer has no hand in the scene, so this device does not move
+  // and gets no force.
   feltwire::SimulatedHandOptions nobody;
   nobody.spec = feltwire::builtin_device("simulated");
   return feltwire::run_client(std::make_unique<feltwire::SimulatedDevice>(nobody), options);
