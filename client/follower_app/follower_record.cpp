@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kRoom = 1 << 14;  // rows: about 16 s at 1 kHz
+constexpr std::size_t kRoom = 1 << 14;  // [rows] capacity of the ring: about 16 s at 1 kHz
 constexpr std::chrono::milliseconds kBetweenWrites{50};
 
 void append_all(std::string& line, std::initializer_list<double> values) {

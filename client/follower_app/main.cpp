@@ -1,4 +1,4 @@
-// feltwire-follower: a robot that follows a hand in a scene of a server.
+// The program feltwire-follower. It lets a robot follow a hand in a scene of a server.
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -26,11 +26,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kDriverTime = 60.0;        // [s] longest wait for a driver to connect
-constexpr std::size_t kLinkRoom = 1 << 13;  // datagrams in transit
+constexpr double kDriverTime = 60.0;        // [s] longest wait for the robot's driver to connect
+constexpr std::size_t kLinkRoom = 1 << 13;  // largest number of datagrams in transit, per direction
 
 std::atomic<bool> stopped{false};
-static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler sets it
+static_assert(std::atomic<bool>::is_always_lock_free);  // needed by the signal handler stop()
 void stop(int /*signal*/) { stopped.store(true); }
 
 struct FollowerOptionValues {
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
                  "Emulated network, in the syntax of feltwire-client --link");
   add_credential_options(app, values.credentials);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
-  rivals.push_back({"socket", "at"});  // the driver determines the place of its robot
+  rivals.push_back({"socket", "at"});  // --at sets the position of simulated robots only
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return "feltwire-follower: " + visible(error.what() + advice(error, *failed)) +

@@ -21,10 +21,10 @@ std::string text(const Vec3& v) {
   return out.str();
 }
 
-/// Makes an arm in its home pose, or brings it to `at`. This movement runs in simulated time, so
-/// the caller does not wait.
+/// Returns an arm in its home pose, or at the position `at` if it is given. The movement to `at`
+/// runs in simulated time, so the call does not wait for it.
 std::unique_ptr<Follower> make_arm(const std::string& file, const std::optional<Vec3>& at) {
-  constexpr double kNear = 2e-3;  // [m]
+  constexpr double kNear = 2e-3;  // [m] largest distance from `at` after the movement
   ArmConfig config;
   config.file = file;
   auto arm = std::make_unique<Arm>(config);

@@ -19,7 +19,7 @@ void lock(Workspace& workspace, const std::string& axis) {
                                 "'; give some of x, y, z, rotation, with commas between them");
 }
 
-/// Reads "X,Y,Z,HX,HY,HZ,R"; empty for any other text.
+/// Returns the body that "X,Y,Z,HX,HY,HZ,R" describes, or nothing for any other text.
 std::optional<KeepOutBody> body_of(std::string_view text) {
   std::array<double, 7> b{};
   if (!numbers_of(text, b, Workspace::kFarthest)) return std::nullopt;
@@ -35,7 +35,7 @@ Workspace workspace_of(const WorkspaceValues& words) {
   if (words.box) {
     const auto& b = *words.box;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      // This form of the comparison rejects NaN.
+      // Each of these comparisons is false for NaN, so the condition rejects NaN.
       if (!(b[axis] < b[axis + 3] && std::abs(b[axis]) <= Workspace::kFarthest &&
             std::abs(b[axis + 3]) <= Workspace::kFarthest))
         throw std::invalid_argument(

@@ -23,17 +23,18 @@ const ArmConfig& checked(const ArmConfig& config) {
 }
 
 mujoco::Model loaded(const std::string& file) {
-  read_text(file);  // throws a clearer message than MuJoCo
+  read_text(file);  // throws an error with a clearer message than MuJoCo's
   mujoco::Loaded loaded = mujoco::load_file(file);
   if (loaded.model == nullptr) throw FileError(file + ": " + loaded.error);
-  // mj_step1 and mj_step2 together are a step of the Euler integrator, but not of Runge-Kutta.
+  // Refuse other integrators: mj_step1() and mj_step2() together are one step of the Euler
+  // integrator, but not of Runge-Kutta.
   if (loaded.model->opt.integrator != mjINT_EULER)
     throw FileError(file +
                     ": its integrator is not Euler; remove integrator=\"...\" from <option>");
   return std::move(loaded.model);
 }
 
-/// MuJoCo's data with the arm in its home pose.
+/// Returns MuJoCo's data with the arm in its home pose.
 mujoco::Data evaluated(const ArmConfig& config, const mjModel& model) {
   mujoco::bring_own_sort();
   mujoco::Data data = mujoco::make_data(model);
@@ -84,7 +85,7 @@ FollowerReading Arm::read(Nanoseconds now) noexcept {
     halted_ = true;
     arm.hold(*sim_->data);
   }
-  constexpr double kLongest = 1.0;  // [s]
+  constexpr double kLongest = 1.0;  // [s] longest time to simulate in one call
   const double step_length = sim_->model->opt.timestep;
   const std::int64_t due = std::llround(seconds(now - start_) / step_length);
   const std::int64_t most = std::llround(kLongest / step_length);
@@ -105,7 +106,8 @@ void Arm::push(const Vec3& force) noexcept {
   if (force.allFinite()) sim_->pushed = force;
 }
 
-/// Makes a step of physics with its control, and stores the force of this step.
+/// Applies the external force and the motor torques, advances the simulation by one step, and
+/// updates the reading of the force sensor.
 void Arm::step() noexcept {
   const mjModel& model = *sim_->model;
   mjData& data = *sim_->data;
@@ -128,7 +130,7 @@ Vec3 Arm::contact_force() const noexcept {
   const mjModel& model = *sim_->model;
   Vec3 sum = Vec3::Zero();
   for (int body = sim_->parts().hand; body < model.nbody; ++body) {
-    int above = body;  // walks up to the hand, which has a lower index
+    int above = body;  // goes up from parent to parent, at most to the hand
     while (above > sim_->parts().hand) above = model.body_parentid[above];
     if (above == sim_->parts().hand)
       sum += mujoco::vector(mujoco::entry<6>(sim_->data->cfrc_ext, body) + 3);
@@ -139,7 +141,7 @@ Vec3 Arm::contact_force() const noexcept {
 double Arm::energy() const noexcept {
   const mjModel& model = *sim_->model;
   const mjData& data = *sim_->data;
-  // The mass matrix may contain other moving bodies, so the sum uses only the arm's own bodies.
+  // The mass matrix may also contain other moving bodies, so sum over the arm's own bodies instead.
   double sum = sim_->arm.inside().impedance.energy(data);
   for (int body = 1; body < model.nbody; ++body) {
     if (model.body_rootid[body] != model.body_rootid[sim_->parts().hand]) continue;
@@ -175,7 +177,7 @@ std::optional<Vec3> Arm::place_of(const std::string& body) const {
 }
 
 FollowerTarget bring(Arm& arm, const Vec3& place, double gripper, Nanoseconds& now) noexcept {
-  constexpr double kTime = 3.0, kRest = 1.0;  // [s]
+  constexpr double kTime = 3.0, kRest = 1.0;  // [s] movement to `place`, then rest
   const double period = arm.spec().servo_period;
   FollowerTarget target{arm.read(now).pose, gripper};
   const Vec3 from = target.pose.position;

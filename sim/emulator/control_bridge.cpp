@@ -28,7 +28,7 @@ void ControlBridge::pass_on(tcp::socket& from, tcp::socket& to, Buffer& buffer) 
   from.async_read_some(asio::buffer(buffer), [self = shared_from_this(), &from, &to, &buffer](
                                                  const Error& error, std::size_t size) {
     if (error == asio::error::eof) {
-      // This side has ended its stream. The other side may still send.
+      // The peer of `from` has ended its stream. The peer of `to` may still send.
       Error ignored;
       return void(to.shutdown(tcp::socket::shutdown_send, ignored));
     }

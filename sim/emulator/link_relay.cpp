@@ -23,9 +23,10 @@ using asio::ip::udp;
 using Error = std::error_code;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxClients = 256;                      // each has a socket and its links
-constexpr std::size_t kLinkRoom = 1 << 12;                    // datagrams in transit, per direction
-constexpr Nanoseconds kForgotten = std::chrono::seconds(60);  // longest silence of a client
+constexpr std::size_t kMaxClients = 256;    // largest number of clients at a time
+constexpr std::size_t kLinkRoom = 1 << 12;  // largest number of datagrams in transit, per direction
+// A client that is silent for longer may be removed.
+constexpr Nanoseconds kForgotten = std::chrono::seconds(60);
 
 tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   Error error;
@@ -36,13 +37,14 @@ tcp::endpoint find(asio::io_context& io, const Endpoint& server) {
   return found.begin()->endpoint();
 }
 
-/// The addresses of a datagram: the client's, and the local address that the client used.
+/// The address of the client of a datagram, and the relay's local address to which the client
+/// sends.
 struct DatagramAddresses {
   udp::endpoint client;
   LocalAddress local;
 };
 
-/// receive_datagram() with the types of the relay.
+/// Calls receive_datagram() with the types of the relay.
 ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, DatagramAddresses& way) {
   auto length = static_cast<socklen_t>(way.client.capacity());
   const ssize_t size =
@@ -51,7 +53,7 @@ ssize_t receive(udp::socket& socket, std::span<std::uint8_t> into, DatagramAddre
   return size;
 }
 
-/// send_datagram() with the types of the relay.
+/// Calls send_datagram() with the types of the relay.
 bool send(udp::socket& socket, Bytes datagram, const DatagramAddresses& way) {
   return send_datagram(socket.native_handle(), datagram, way.client.data(),
                        static_cast<socklen_t>(way.client.size()), way.local);
@@ -60,7 +62,7 @@ bool send(udp::socket& socket, Bytes datagram, const DatagramAddresses& way) {
 }  // namespace
 
 struct LinkRelay::Parts {
-  /// A UDP port of the relay, and the scene of the server behind it.
+  /// A UDP socket of the relay, and the server's endpoint to which it forwards the datagrams.
   struct ScenePort {
     udp::socket socket;
     udp::endpoint scene;
@@ -74,8 +76,8 @@ struct LinkRelay::Parts {
   struct Known {
     udp::endpoint address;
     std::uint16_t scene_port = 0;
-    std::shared_ptr<RelayClient> client;  // null: the client was forgotten
-    Json account;                         // final counts of a forgotten client
+    std::shared_ptr<RelayClient> client;  // null: the client was removed
+    Json account;                         // final counters of a removed client
   };
 
   LinkRelayOptions options;
@@ -84,9 +86,9 @@ struct LinkRelay::Parts {
   tcp::acceptor acceptor{io};
   asio::ip::address address;
   std::vector<std::unique_ptr<ScenePort>> ports;
-  std::vector<Known> known;  // all clients so far
+  std::vector<Known> known;  // all clients since the start
   std::size_t alive = 0;
-  std::uint64_t refused = 0;  // datagrams of clients beyond kMaxClients
+  std::uint64_t refused = 0;  // number of datagrams from clients for which there was no room
 
   explicit Parts(const LinkRelayOptions& asked) : options(asked), server(find(io, asked.server)) {
     Error error;
@@ -100,8 +102,8 @@ struct LinkRelay::Parts {
     accept();
   }
 
-  /// Opens a port for each scene port of the server, in the server's order. A client adds the
-  /// offset of its scene to the control port.
+  /// Opens a UDP port for each scene port of the server, in the same order. A client computes the
+  /// port of its scene from the control port and the number of the scene.
   void open_ports() {
     auto sockets = listen_with_room(options.port, [this](std::uint16_t port) {
       listen(port);
@@ -164,7 +166,7 @@ struct LinkRelay::Parts {
   RelayClient* client_at(ScenePort& port, const DatagramAddresses& from, Nanoseconds now) {
     const auto found = port.clients.find(from.client);
     if (found != port.clients.end()) {
-      *found->second.back = from;  // the client may now use another local address
+      *found->second.back = from;  // the client may now send to another local address
       return found->second.relayed.get();
     }
     if (alive >= kMaxClients) forget_silent(now);

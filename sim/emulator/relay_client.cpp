@@ -35,7 +35,7 @@ void RelayClient::await_server() {
           Error error;
           const std::size_t size = self->server_.receive(asio::buffer(self->buffer_), 0, error);
           if (error == asio::error::would_block) break;
-          // An error reports an earlier datagram that the server refused, so reading goes on.
+          // Ignore an error. It means that the server did not receive an earlier datagram.
           if (!error) self->link_->down.enter({self->buffer_.data(), size}, now);
         }
         self->pump();
@@ -43,7 +43,7 @@ void RelayClient::await_server() {
       });
 }
 
-/// Sends the datagrams that are due and waits for the next.
+/// Sends the datagrams that are due, and sets the timer for the next datagram.
 void RelayClient::pump() {
   const Nanoseconds now = relay_now();
   while (const auto datagram = link_->up.leave(now)) {

@@ -3,11 +3,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kGone = 1e-6;  // [N] a smaller force counts as zero
+constexpr double kGone = 1e-6;  // [N] smaller forces count as zero
 
 }  // namespace
 
-/// Makes a step of at most `step` [m]. Returns true at the goal.
+/// Moves the hand by at most `step` [m] towards `goal`. Returns true if it is then at `goal`.
 bool AdversarialHand::go_to(const Vec3& goal, double step) noexcept {
   const Vec3 way = goal - position_;
   const double length = way.norm();
@@ -38,7 +38,7 @@ DeviceReading AdversarialHand::read(Nanoseconds now) noexcept {
   }
   DeviceReading reading;
   reading.pose.position = position_;
-  reading.jumped = false;  // this test hand may be faster than any real hand
+  reading.jumped = false;  // this hand may move fast, but its position is exact
   return reading;
 }
 
