@@ -1,4 +1,5 @@
-// feltwire-lab convex-parts: splits a mesh into the convex parts that bodies collide with.
+// The command feltwire-lab convex-parts. It splits a mesh into convex parts, which bodies use for
+// collisions.
 
 #include <iostream>
 #include <memory>
@@ -23,7 +24,8 @@ struct ConvexPartsOptions {
   int refine = 0;
 };
 
-/// The rows of the table: a single hull of the mesh, then each tolerance.
+/// Returns the options for each row of the table. The first row is a single convex hull of the
+/// mesh. Then each tolerance has a row.
 std::vector<DecompositionOptions> rows_of(const ConvexPartsOptions& given, double size) {
   std::vector<DecompositionOptions> rows{{.most = 1}};
   for (const double tolerance : given.tolerances) {

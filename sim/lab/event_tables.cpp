@@ -12,7 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// The names of the reasons, such as "late+account". Empty without a reason.
+/// Returns the names of the reasons in a hand report (HandReason), such as "late+account". Returns
+/// an empty text if there is no reason.
 std::string reasons_text(double value) {
   const auto reasons = static_cast<std::uint32_t>(value);
   std::string text;
@@ -23,7 +24,8 @@ std::string reasons_text(double value) {
   return text;
 }
 
-/// The first columns have the same names as the columns in a client's recording.
+/// Returns the columns of a table of samples. The first columns have the same names as in a
+/// client's recording.
 std::vector<RecordingTable::Column> datagram_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -78,7 +80,8 @@ bool EventTables::add(const SceneEvent& event, std::uint64_t log_time) {
   if (event.kind == EventKind::join) hand.feels = feels(event.payload);
   if (event.kind != EventKind::samples || !hand.feels) return true;
   if (decode(event.payload, batch_) != DropReason::none) {
-    // A flight record may begin after a robot joined, so this may be the state of a robot.
+    // A flight record may begin after a robot has joined. Then this payload may be the state of the
+    // robot.
     RobotState state;
     hand.feels = false;
     return decode(event.payload, state) == DropReason::none;

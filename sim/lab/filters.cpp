@@ -21,7 +21,7 @@
 namespace feltwire {
 namespace {
 
-/// The shortest text that reads back to the same double.
+/// Appends the shortest text that a reader converts back to the same double.
 void append(std::string& line, double value) {
   std::array<char, 32> text;
   value += 0.0;  // turns -0 into 0, which is easier to read
@@ -34,8 +34,8 @@ void append(std::string& line, const Vec3& v) {
   for (int i = 0; i < 3; ++i) append(line, v[i]);
 }
 
-/// Writes a line. Flushes only if no input is waiting: a batch keeps its full speed, and a pipe
-/// gets an answer for each line.
+/// Writes a line. Flushes `out` only if no input is waiting. So a large input is processed fast,
+/// and a single line gets its result at once.
 void emit(std::istream& in, std::ostream& out, std::string& line) {
   line += '\n';
   out << line;
@@ -43,17 +43,16 @@ void emit(std::istream& in, std::ostream& out, std::string& line) {
   if (in.rdbuf()->in_avail() <= 0) out.flush();
 }
 
-/// A scene and its state for one tool. The touches come at increasing times. Bodies move from the
-/// first of these times on.
+/// Computes the force of a scene on one tool, for successive poses of the device. The bodies of the
+/// scene start to move at the first pose.
 class Touched {
  public:
-  /// `view`: the tool's view of the scene.
   Touched(const Scene& scene, const ToolView& view) : view_(view), memory_(view.memory()) {
     if (scene.mechanism() == nullptr) return;
     world_ = std::make_unique<World>(scene);
     body_contacts_ = world_->contact_state(view);
   }
-  /// `elapsed` [s]: time since the last answer.
+  /// Returns the force and torque on the hand. `elapsed` [s]: time since the last call.
   Command answer(const Pose& device, const Vec3& velocity, double elapsed) {
     if (view_.tool().body != nullptr) {
       if (world_ == nullptr) return view_.touch(device, velocity, elapsed, body_memory_);
@@ -67,7 +66,7 @@ class Touched {
   }
 
  private:
-  static constexpr double kRounding = 1e-9;  // [s] rounding of decimal times
+  static constexpr double kRounding = 1e-9;  // [s] largest rounding error of `time_`
 
   template <class Memory>
   void advance(double elapsed, Memory& memory) {
@@ -99,12 +98,13 @@ const ToolView& view_of(const Scene& scene, const std::string& tool) {
 
 namespace {
 
-// The optional columns of a row: the hold, the local force and three normals.
+// The largest number of required columns, and the number of optional columns. The optional columns
+// are the hold time, a flag for a force at the current position of the device, and three normals.
 constexpr std::size_t kMostColumns = 15, kOptional = 11;
 const std::vector<std::string> kRowColumns = {"hold", "local", "n1x", "n1y", "n1z", "n2x",
                                               "n2y",  "n2z",   "n3x", "n3y", "n3z"};
 
-/// Precondition: `row` has the optional columns. A missing column has its default.
+/// Returns the normals in `row`, which has the values of kRowColumns. Ignores normals of 0,0,0.
 ContactNormals normals_of(const CsvReader& reader, std::span<const double> row) {
   ContactNormals normals;
   for (std::size_t n = 0; n < ContactNormals::kMost; ++n) {

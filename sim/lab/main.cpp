@@ -1,4 +1,4 @@
-// feltwire-lab: experiments and filters.
+// The program feltwire-lab. It runs experiments and filters.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -36,14 +36,14 @@ void report_refused(std::size_t rows) {
               << " row(s) were not finite or out of range and gave zero force\n";
 }
 
-/// Former names of verbs and options, with their present names.
+/// Former names of subcommands and options, each with its present name.
 constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
     {"sides", "where-to-bound"},
     {"choices", "contact-frame-options"},
     {"parts", "convex-parts"},
     {"--told-damping", "--assumed-damping"}};
 
-/// The advice for a command line with an error, such as "; sides is now where-to-bound".
+/// Returns the advice for a command line with an error, such as "; sides is now where-to-bound".
 std::string lab_advice(const CLI::Error& error, const CLI::App& app) {
   for (const std::string& word : app.remaining(true))
     for (const auto& [before, now] : kRenamed)
@@ -66,7 +66,8 @@ Damping damping_of(const std::vector<double>& n) {
   }
 }
 
-/// Copies the device values that a session also uses. A smaller limit in `config` stays.
+/// Copies the device's values into `config`, as in a session. A limit in `config` remains if it is
+/// smaller than the device's limit.
 void take_device(const DeviceSpec& device, BoundingConfig& config) {
   config.damping = device.damping;
   config.quantum = device.position_resolution;
@@ -261,14 +262,14 @@ void add_export(CLI::App& app) {
   });
 }
 
-/// Relays until SIGINT or SIGTERM.
+/// Forwards datagrams between clients and server until SIGINT or SIGTERM, then writes the report.
 void relay(const LinkRelayOptions& options, const std::string& report) {
   if (!report.empty()) check_writable(report);
   sigset_t endings;
   sigemptyset(&endings);
   sigaddset(&endings, SIGINT);
   sigaddset(&endings, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // the new thread inherits this mask
+  pthread_sigmask(SIG_BLOCK, &endings, nullptr);  // the thread below inherits this mask
 
   LinkRelay link(options);
   std::cout << "relaying: control tcp " << link.control_port() << ", scenes udp "

@@ -21,7 +21,7 @@ void put(std::string& out, Unsigned value) {
   out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-/// The head of an array in version 1.0 of numpy's format.
+/// Returns the header of an array file, in version 1.0 of the NPY format of NumPy.
 std::string npy_head(std::string_view type, std::size_t rows, std::size_t width) {
   constexpr std::size_t kAlignment = 64, kBeforeText = 10;
   std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
@@ -53,7 +53,8 @@ void NpzFile::add(const std::string& name, std::span<const std::int64_t> values)
   add(name, "<i8", bytes_of(values), values.size(), 1);
 }
 
-/// Adds an uncompressed entry. The zip format repeats the entry's header in the directory.
+/// Adds an uncompressed entry to the zip file. The directory of a zip file repeats the headers of
+/// its entries, so `directory_` collects them.
 void NpzFile::add(const std::string& name, std::string_view type, std::string_view bytes,
                   std::size_t rows, std::size_t width) {
   const std::string head = npy_head(type, rows, width);
@@ -67,11 +68,11 @@ void NpzFile::add(const std::string& name, std::string_view type, std::string_vi
         "one, or with --csv");
 
   std::string common;
-  put(common, std::uint16_t{20});  // zip version 2.0
+  put(common, std::uint16_t{20});  // required zip version: 2.0
   put(common, std::uint16_t{0});
-  put(common, std::uint16_t{0});       // method: stored
+  put(common, std::uint16_t{0});       // compression method: none
   put(common, std::uint16_t{0});       // time: 00:00
-  put(common, std::uint16_t{0x0021});  // date: 1980-01-01, so equal arrays give equal bytes
+  put(common, std::uint16_t{0x0021});  // date: 1980-01-01, so equal arrays give equal files
   put(common, mcap::crc32(bytes, mcap::crc32(head)));
   put(common, static_cast<std::uint32_t>(size));
   put(common, static_cast<std::uint32_t>(size));

@@ -33,7 +33,8 @@ std::string reason_text(double value) {
              : std::to_string(static_cast<std::uint32_t>(value));
 }
 
-/// The first columns have the same names as the columns of --record FILE.csv.
+/// Returns the columns of a table of samples. The first columns have the same names as in a file of
+/// --record FILE.csv.
 std::vector<RecordingTable::Column> sample_columns() {
   return {{"time", "t"},
           {"position", "x,y,z", 3},
@@ -62,8 +63,8 @@ std::vector<RecordingTable::Column> hand_columns() {
   return columns;
 }
 
-/// Turns "/hand/sample" into hand_sample. The result has no separator, so the file stays in its
-/// folder.
+/// Returns a file name for a topic: hand_sample for "/hand/sample". The name has no path separator,
+/// so the file cannot be outside its folder.
 std::string file_name(const std::string& topic) {
   std::string name;
   for (const char c : topic) {
@@ -92,8 +93,9 @@ void append_row(std::string& lines, const RecordingTable& table, std::size_t row
   lines += std::to_string(table.log_time[row]) + '\n';
 }
 
-/// Fills tables: one for each topic of a client, for each hand and body of a picture, and for each
-/// hand of a server.
+/// Reads recordings into tables. The samples and the energy account of a client have a table each.
+/// Each hand and each body of the scene pictures has a table. Each hand of a server's recording has
+/// the tables of EventTables.
 class Reading {
  public:
   void read(const std::filesystem::path& path) {
@@ -164,7 +166,7 @@ class Reading {
                       std::to_string(message.sequence) + " is no " + schema + "; " + kRemedy);
   }
 
-  /// Returns false if the message does not fit the schema.
+  /// Adds a message to its table. Returns false if the message does not fit the schema.
   bool add(const std::string& topic, const std::string& schema, const mcap::Message& message) {
     if (schema == "feltwire.Sample")
       return add_sample(table_of(result_.tables, topic, &sample_columns), message);
@@ -188,7 +190,7 @@ class Reading {
     return true;
   }
 
-  /// The balance is NaN in a session without an account.
+  /// Adds a row of the energy account. The balance is NaN if the session has no account.
   static bool add_account(RecordingTable& table, const mcap::Message& message) {
     const auto a = read_account(message.data);
     if (!a) return false;
@@ -202,7 +204,7 @@ class Reading {
     const auto entities = read_picture(message.data);
     if (!entities) return false;
     if (!first_picture_) first_picture_ = message.log_time;
-    // Use a signed difference: the clock may have been set back.
+    // The difference may be negative, because the clock may have been set back.
     const double time =
         1e-9 * static_cast<double>(static_cast<std::int64_t>(message.log_time - *first_picture_));
     for (const PictureEntity& entity : *entities) {
@@ -223,7 +225,7 @@ class Reading {
   ReadRecording result_;
   EventTables events_{result_.tables};
   EventReader event_reader_;
-  std::optional<std::uint64_t> first_picture_, first_message_;  // [ns]
+  std::optional<std::uint64_t> first_picture_, first_message_;  // [ns] log times
   std::string file_;
 };
 
@@ -260,7 +262,7 @@ ReadRecording read_recording_tables(const std::vector<std::filesystem::path>& fi
 
 std::vector<std::filesystem::path> write_csv_files(const RecordingTables& tables,
                                                    const std::filesystem::path& folder) {
-  constexpr std::size_t kBatch = 1 << 16;  // [bytes]
+  constexpr std::size_t kBatch = 1 << 16;  // [bytes] lines are written when they exceed this size
   std::filesystem::create_directories(folder);
   std::vector<std::filesystem::path> files;
   for (const auto& [topic, table] : tables) {

@@ -1,4 +1,4 @@
-// The studies of feltwire-lab. Each study runs in this process and writes a folder of results.
+// The commands of feltwire-lab that run studies. Most studies write their results to a folder.
 
 #include "sim/lab/study_commands.hpp"
 

@@ -1,4 +1,4 @@
-// feltwire-lab torque: the study of six degrees of freedom.
+// The command feltwire-lab torque. It runs the study of force and torque in six degrees of freedom.
 
 #include <filesystem>
 #include <iostream>

@@ -1,4 +1,5 @@
-// The trade studies of feltwire-lab. Each measures the cost of a setting.
+// The commands of feltwire-lab trade. Each command runs a study that measures the cost of a
+// setting.
 
 #include <memory>
 
@@ -42,7 +43,7 @@ std::string trade_scene(const std::string& out) {
 }
 
 std::string trade_network(const std::string& out) {
-  constexpr double kTaskTime = 4.0;  // [s]
+  constexpr double kTaskTime = 4.0;  // [s] simulated time of each task
   const auto settings = traffic_settings();
   const auto cells = run_trade_network(settings, kTaskTime);
   write_trade_network(out, settings, cells);
