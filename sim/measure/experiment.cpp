@@ -18,7 +18,7 @@ Bounding bounding_of(const ExperimentSetup& setup) {
 }
 
 int delay_samples(double delay, double period) {
-  // The small term absorbs rounding: 20 ms at 1 kHz must be exactly 20 samples.
+  // The small term compensates rounding errors: 20 ms at 1 kHz must be exactly 20 samples.
   return static_cast<int>(std::ceil(delay / period - 1e-9));
 }
 
@@ -28,7 +28,7 @@ std::vector<ExperimentSample> run_experiment(const Scene& scene, const Experimen
 
 std::vector<ExperimentSample> run_experiment(const Environment& environment,
                                              const ExperimentSetup& setup) {
-  const Environment touch = environment;  // the copy has its own state
+  const Environment touch = environment;  // a copy with its own state
   const double period = setup.bounding.period;
   Bounding bounding = bounding_of(setup);
   std::optional<PortAccount> account;

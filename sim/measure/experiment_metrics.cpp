@@ -10,9 +10,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kFelt = 1e-6;  // [N] directions of smaller forces do not count
+constexpr double kFelt = 1e-6;  // [N] no direction error is computed for smaller forces
 
-/// True if the force on an axis violates Eq. (2) by more than the rounding error.
+/// Returns true if the rendered force on an axis is outside the interval of Eq. (2) by more than
+/// the rounding error. Eq. (2) is the per-axis limit of the energy-bounding algorithm.
 bool outside(const ExperimentSample& s, const Vec3& rendered, EbaConstants constants) {
   const double tolerance = 1e-9 * std::max(rendered.norm(), s.held.norm());
   for (int i = 0; i < 3; ++i) {
@@ -67,7 +68,7 @@ ExperimentMetrics measure(std::span<const ExperimentSample> samples, EbaConstant
 
   for (const ExperimentSample& s : samples) {
     const Vec3 rendered = s.rendered.force(), wanted = s.commanded.force();
-    energy -= rendered.cwiseProduct(s.displacement);  // F = -f
+    energy -= rendered.cwiseProduct(s.displacement);  // energy flow into the port: F dx with F = -f
     port_energy -= s.held.cwiseProduct(s.displacement);
     m.min_energy = m.min_energy.cwiseMin(energy);
     m.min_port_energy = m.min_port_energy.cwiseMin(port_energy);

@@ -7,7 +7,7 @@
 namespace feltwire {
 
 Fidelity fidelity(std::span<const NetworkSample> samples) {
-  constexpr double kFelt = 1e-3;  // [N] directions of smaller forces do not count
+  constexpr double kFelt = 1e-3;  // [N] no direction error is computed for smaller forces
   Fidelity result;
   std::vector<double> angles;
   for (const NetworkSample& s : samples) {

@@ -12,7 +12,7 @@ using Config = BoundingConfig;
 template <Storage kStorage>
 void contact_frame(Config& config) {
   config.mode = "contact_frame";
-  config.projection = Projection::cone;  // as in sessions (docs/bounding.md, "Measured")
+  config.projection = Projection::cone;  // the default of sessions (docs/bounding.md)
   config.storage = kStorage;
 }
 

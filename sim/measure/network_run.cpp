@@ -15,14 +15,14 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kOnTheWay = 8192;  // datagrams in transit per direction, as in a client
+constexpr std::size_t kOnTheWay = 8192;  // largest number of datagrams in transit, per direction
 constexpr std::uint64_t kSessionId = 0x51de5;
 
-/// Fixed keys are enough, because both ends are in one process.
+/// Returns fixed keys. They need not be secret, because client and server are in one process.
 SessionKeys keys() { return {.suite = preferred_suite(), .up = {1}, .down = {2}}; }
 constexpr std::size_t kSessions = 1;
 
-/// A device and its true movement, without encoder errors.
+/// A device and its true movement, which has no encoder errors.
 class TruePort {
  public:
   explicit TruePort(const NetworkRunOptions& options)
@@ -34,7 +34,8 @@ class TruePort {
   Device& device() {
     return std::visit([](auto& device) -> Device& { return device; }, device_);
   }
-  /// Updates the true movement after a tick. A device without a simulation uses `measured`.
+  /// Updates the true movement after a tick. For a device without a simulation, the true position
+  /// is `measured` [m].
   void look(const Vec3& measured) {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     const Vec3 position = hand != nullptr ? hand->true_position() : measured;
@@ -53,13 +54,14 @@ class TruePort {
   const Vec3& position() const { return position_; }
   const Vec3& velocity() const { return velocity_; }
   const Quaternion& orientation() const { return orientation_; }
-  const Vec3& moved() const { return moved_; }          // [m] of the motor in the last tick
-  const Vec3& turned_since() const { return turned_; }  // [rad] in the last tick
+  const Vec3& moved() const { return moved_; }  // [m] movement of the motor in the last tick
+  const Vec3& turned_since() const { return turned_; }  // [rad] rotation in the last tick
   TrueEnergy energy() const {
     const auto* hand = std::get_if<SimulatedDevice>(&device_);
     return hand != nullptr ? hand->true_energy() : TrueEnergy{};
   }
-  /// [J] Least energy that Coulomb friction dissipated in the last tick, summed over the axes.
+  /// Returns the least energy [J] that Coulomb friction dissipated in the last tick, as the sum
+  /// over the axes.
   double friction_work() const {
     return friction_ * moved_.lpNorm<1>() + rotational_friction_ * turned_.lpNorm<1>();
   }
@@ -113,7 +115,7 @@ PortEnergy port_of(const NetworkRunOptions& options) {
           options.parameters.servo_period};
 }
 
-/// Adds the lifetime of this object to a sum, if a sum is given.
+/// Adds the lifetime of this object to `sum`, unless `sum` is null.
 class Stopwatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -135,7 +137,8 @@ ServoOptions with_stiffness(ServoOptions options, const control::JoinAccepted& a
   return options;
 }
 
-/// Gives server and client the data that a client fetches. Null if there are no such data.
+/// Sets up the server as if the client had fetched the scene. Returns the fetched data for the
+/// client, or null if the scene has no such data.
 std::unique_ptr<const FetchedScene> share(const Scene& scene, SceneSessions& sessions) {
   const ToolView& view = scene;
   const BodyTool* body = view.tool().body.get();
@@ -208,7 +211,7 @@ class NetworkRun {
   }
 
  private:
-  /// Delivers the datagrams that are due by `until`, each at its own time.
+  /// Delivers the datagrams that are due by `until`, each at its due time.
   void deliver(Nanoseconds until) {
     while (const auto due = link_.next_due()) {
       if (*due > until) break;
@@ -322,12 +325,12 @@ class NetworkRun {
   DatagramSession datagrams_;
   TwoWayLink link_;
   TruePort port_;
-  DatagramBuffer answer_;  // reply of the server
+  DatagramBuffer answer_;  // buffer for a reply of the server
   TouchMemory ideal_;
   BodyMemory ideal_body_;
   BodyContactState ideal_contacts_;
   bool timed_;
-  double friction_work_ = 0.0;  // [J]
+  double friction_work_ = 0.0;  // [J] dissipated by Coulomb friction since the start
   NetworkRunResult result_;
 };
 

@@ -10,7 +10,8 @@
 namespace feltwire {
 namespace {
 
-/// Removes the `other` port from the configuration, because the account limits only one port.
+/// Returns the configuration without the port `other` (translation or rotation). Its energy account
+/// then limits only the remaining port.
 AccountConfig only(AccountConfig config, PortKnowledge AccountConfig::*other) {
   config.*other = {};
   return config;
@@ -59,7 +60,7 @@ bool PortAccounts::in_debt() const noexcept {
 
 std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
                                       const SixDofSetup& setup) {
-  const PoseEnvironment touch = environment;  // the copy has its own state
+  const PoseEnvironment touch = environment;  // a copy with its own state
   const double period = setup.bounding.period;
   if (!(setup.duration > period) || !std::isfinite(setup.duration))
     throw std::invalid_argument("the duration must be finite and longer than one period [s]");
@@ -120,7 +121,7 @@ SixDofEnergy energy_made(const DeviceSpec& spec, const std::vector<SixDofSample>
   const DryFriction friction{spec.least_friction, spec.position_resolution};
   PortEnergy both(spec.damping, spec.rotational_damping, period, friction);
   PortEnergy force = both, torque = both;
-  double real = 0.0, most = 0.0;  // [J] delivered minus dissipated
+  double real = 0.0, most = 0.0;  // [J] delivered minus dissipated energy: now, and its maximum
   Pose before = samples.front().pose;
   for (const SixDofSample& s : samples) {
     both.step(s.held, s.displacement, s.rotation, period);

@@ -29,7 +29,7 @@ double step_cost(const std::vector<ExperimentSample>& samples, const ExperimentS
       sum += step.command.elastic.sum();
     }
     const double time = cpu_seconds() - begin;
-    // The sum is used, so that the compiler does not remove the steps.
+    // Use the sum, so that the compiler does not remove the steps.
     if (std::isfinite(sum)) best = std::min(best, time);
   }
   return 1e9 * best / static_cast<double>(samples.size());

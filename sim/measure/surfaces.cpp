@@ -14,7 +14,7 @@ SurfaceDistance sphere_distance(const Vec3& point, double radius) {
 }
 
 SurfaceDistance corner_distance(const Vec3& point) {
-  const Vec3 out = (-point).cwiseMax(0.0);  // to the nearest point of the free octant
+  const Vec3 out = (-point).cwiseMax(0.0);  // vector to the nearest point of the free octant
   const double depth = out.norm();
   if (depth > 0.0) return {-depth, out / depth};
   Eigen::Index axis;
