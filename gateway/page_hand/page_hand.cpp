@@ -16,7 +16,8 @@ namespace {
 constexpr std::chrono::milliseconds kJoinTime{3000};
 constexpr const char* kName = "page hand";
 
-/// A pointer device that shares the ownership of its message ring.
+/// A pointer device that also owns its message ring, together with the page. So the ring exists as
+/// long as the device.
 class OwnPointerMessages final : public Device {
  public:
   OwnPointerMessages(const PointerHandOptions& options,
@@ -53,8 +54,8 @@ std::string why(const LoopResult& result, bool neglected) {
   }
 }
 
-/// The usual parameters with this law. An empty `mode` keeps the usual law. A law that needs the
-/// scene runs at the server.
+/// Returns the usual session parameters with the bounding method `mode`. An empty `mode` means the
+/// usual method. A method that evaluates the scene runs at the server.
 SessionParameters parameters_with(const std::string& mode) {
   SessionParameters parameters = usual_parameters();
   if (mode.empty()) return parameters;
@@ -118,8 +119,8 @@ void ClientPageHand::point(const Vec3& target) noexcept {
 }
 
 void ClientPageHand::release() noexcept {
-  // A full ring loses this message. This is harmless: no servo runs, or a pause of one second ends
-  // the hand.
+  // If the ring is full, this message is lost. This is harmless: either no servo loop runs, or the
+  // loop ends one second after the last message.
   messages_->push({.kind = PointerMessage::Kind::let_go});
 }
 
@@ -145,15 +146,15 @@ void ClientPageHand::run() noexcept {
   }
 }
 
-/// Runs the session to its end. Returns the reason of the end.
+/// Runs a session until it ends. Returns the reason of the end.
 std::string ClientPageHand::hold() {
   const PointerHandOptions options = page_hand_options();
   auto device = std::make_unique<OwnPointerMessages>(options, messages_);
   const PointerDevice& hand = device->device();
-  // No human hand is at this device, so the server may choose how long a command holds.
+  // Nobody holds this device, so accept a longer hold time of the commands if the server grants it.
   const Joined joined = join(server_, request_of(client_, scene_, device->spec(), mode_), kJoinTime,
                              {.hold_time = kLongestGrantedHold});
-  server_.credentials.token = {};  // a secret is erased after use
+  server_.credentials.token = {};  // erases the token, because it is a secret
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
@@ -168,7 +169,7 @@ std::string ClientPageHand::hold() {
     task = std::make_shared<ServoTask>(std::move(device), transport, parameters, servo);
     task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
     task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // safe, because nobody holds this device
+    task->let_go_after = parameters.hold_time;  // long, but nobody holds this device
     thread.emplace(task);
     become({.state = State::held,
             .session = joined.accepted.session,

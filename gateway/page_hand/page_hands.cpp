@@ -9,8 +9,8 @@
 namespace feltwire {
 namespace {
 
-/// Starts the hands on a thread of its own. The page's thread has a low priority, and its new
-/// threads would inherit this priority. A servo must have a normal priority.
+/// Starts the page hands from a thread of its own. A new thread inherits the priority of the thread
+/// that starts it. A servo must have normal priority, but the page's thread has a low priority.
 class ClientPageHands final : public web::PageHands {
  public:
   explicit ClientPageHands(const web::PageHandsSetup& setup)
@@ -25,7 +25,7 @@ class ClientPageHands final : public web::PageHands {
     }
     changed_.notify_all();
     starter_.join();
-    // Release all hands first, because each destructor waits for its hand.
+    // Release all hands first, because each destructor waits until its hand has ended.
     for (const auto& hand : hands_) hand->release();
   }
 
@@ -33,7 +33,7 @@ class ClientPageHands final : public web::PageHands {
     const auto hand = std::make_shared<ClientPageHand>(server_, request);
     {
       const std::lock_guard lock(mutex_);
-      // A hand stays in the list until it is over, even if its viewer has left.
+      // Remove only hands that have ended. A hand whose viewer has left may still run.
       std::erase_if(hands_, [](const auto& held) { return held->over(); });
       if (hands_.size() + asked_.size() >= most_) return nullptr;
       asked_.push_back(hand);
@@ -58,7 +58,7 @@ class ClientPageHands final : public web::PageHands {
   const std::size_t most_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool ended_ = false;   // guarded by mutex_, like the next line
+  bool ended_ = false;   // guarded by mutex_, as are asked_ and hands_
   Hands asked_, hands_;  // hands to be started; running hands
   std::thread starter_;
 };
