@@ -8,9 +8,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLongestStep = 50e-6;   // [s]
-constexpr double kReferenceRate = 20.0;  // [Hz]
-constexpr double kLongestGap = 0.1;      // [s] longest time to integrate after a stall
+constexpr double kLongestStep = 50e-6;   // [s] longest integration step
+constexpr double kReferenceRate = 20.0;  // [Hz] low-pass cutoff for the target's velocity
+constexpr double kLongestGap = 0.1;      // [s] longest time to integrate in one call
 
 void check(const PointRobotOptions& o) {
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0.0; };

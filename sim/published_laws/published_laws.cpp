@@ -13,7 +13,7 @@ namespace {
 
 using Config = const BoundingConfig&;
 
-constexpr double kAllowance = 5e-3;  // [J] of bounded_output: equal to the tank's level
+constexpr double kAllowance = 5e-3;  // [J] allowance of bounded_output, as TwoLayerTank::kLevel
 
 const std::array kLaws = {
     BoundingMethod{

@@ -16,7 +16,7 @@ struct Row {
   const char* label;
   const char* pointer;    // JSON pointer into a report
   const char* format;     // printf format of a double
-  bool optional = false;  // may be null, shown as -
+  bool optional = false;  // the value may be null; the table then shows -
 };
 constexpr bool kOptional = true;
 
@@ -37,7 +37,8 @@ constexpr std::array kRows = {
     Row{"times the energy bound was broken", "/bound_violations", "%.0f"},
 };
 
-/// The width of a text in a terminal: its characters, without the continuation bytes of UTF-8.
+/// Returns the width of a text in a terminal: the number of its characters. Continuation bytes of
+/// UTF-8 do not count.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -48,8 +49,8 @@ std::string right(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ') + text;
 }
 
-/// The headings of columns: the name of each file without its ending, or the whole path if two
-/// names are equal. A heading is never cut.
+/// Returns the headings of the columns: the name of each file without its extension, or the whole
+/// path if two names are equal. A heading is never shortened.
 std::vector<std::string> headings(const std::vector<std::filesystem::path>& reports) {
   std::vector<std::string> names;
   for (const auto& file : reports) {
@@ -61,7 +62,7 @@ std::vector<std::string> headings(const std::vector<std::filesystem::path>& repo
 }
 
 nlohmann::json read_report(const std::filesystem::path& file) {
-  constexpr std::size_t kLargest = std::size_t{16} << 20;  // [bytes]
+  constexpr std::size_t kLargest = std::size_t{16} << 20;  // [bytes] largest size of a report
   try {
     return nlohmann::json::parse(
         read_regular_file(file, kLargest, "give the JSON report of a client"));
@@ -70,7 +71,8 @@ nlohmann::json read_report(const std::filesystem::path& file) {
   }
 }
 
-/// A number of the report in the row's format. Throws std::runtime_error that names the file.
+/// Returns the number of a row in a report, as text. Throws std::runtime_error with the name of the
+/// file if the report has no such number.
 std::string cell(const nlohmann::json& report, const Row& row, const std::filesystem::path& file) {
   const nlohmann::json::json_pointer pointer(row.pointer);
   if (row.optional && report.contains(pointer) && report[pointer].is_null()) return "-";
