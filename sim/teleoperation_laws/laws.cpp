@@ -18,15 +18,16 @@ namespace {
 
 using Law = std::unique_ptr<TeleoperationLaw>;
 using InSpace = std::unique_ptr<SpatialLaw>;
-/// A law with its name, in one degree of freedom and in three.
+/// A teleoperation law: its name, and the functions that make it for one and for three degrees of
+/// freedom.
 struct Entry {
   std::string_view name;
   Law (*make)(const Plant&);
   InSpace (*in_space)(const Plant&, const SurfaceModel&);
 };
-constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] impedances of the wave variables
+constexpr double kSoftLine = 10.0, kHardLine = 30.0;  // [N s/m] wave impedances
 
-/// A wrong model of the bench's wall: 2 mm too deep, a quarter too soft, without motion.
+/// Returns a wrong model of the bench's wall: 2 mm too deep, a quarter too soft, and at rest.
 SurfacePrior wrong_prior() {
   constexpr double kDeeper = 2e-3, kSofter = 1500.0;  // [m], [N/m]
   return {.key = 1,

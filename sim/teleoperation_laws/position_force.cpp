@@ -5,7 +5,7 @@
 namespace feltwire::teleop {
 namespace {
 
-constexpr double kTouches = 0.1;  // [N]
+constexpr double kTouches = 0.1;  // [N] force above which the robot touches a surface
 
 BoundingConfig config(const Plant& plant, std::string_view method) {
   BoundingConfig c;

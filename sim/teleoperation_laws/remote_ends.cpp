@@ -16,7 +16,8 @@ DeviceSpec device(const Plant& plant) {
   return spec;
 }
 
-/// [N/m] Stiffness of the controller and the surface in series.
+/// Returns the stiffness [N/m] of two springs in series: the controller of the robot and the
+/// surface.
 double series(double a, double b) { return a * b / (a + b); }
 
 }  // namespace
@@ -33,11 +34,11 @@ RemoteLeader::RemoteLeader(const Plant& plant)
       account_(account_config(device(plant), plant.period)),
       remote_(RemoteTrust{}) {}
 
-/// Adds a plane for each surface to the local model, at the place where the hand will meet the
-/// surface.
+/// Replaces the local model by a plane for each surface. Adds the leader's offset (position of the
+/// hand minus target of the robot), because the surfaces are given in the coordinates of the robot.
 void RemoteLeader::show(const RemoteContact& contact, const OtherSurfaces& others,
                         const Vec3& hand) {
-  constexpr double kReach = 1.0;  // [m]
+  constexpr double kReach = 1.0;  // [m] radius of the planes, and reach of the model
   LocalModel model;
   const auto add = [&](const RemoteContact& surface) {
     SurfacePatch& patch = model.patches[static_cast<std::size_t>(model.count++)];

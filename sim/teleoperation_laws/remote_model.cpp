@@ -6,7 +6,7 @@
 namespace feltwire::teleop {
 
 const Vec3& TargetVelocity::step(const Vec3& target, double period) {
-  constexpr double kCutoff = 20.0;  // [Hz]
+  constexpr double kCutoff = 20.0;  // [Hz] cutoff frequency of the low-pass filter
   const Vec3 velocity = moved(before_, target) / period;
   velocity_ +=
       (1.0 - std::exp(-2.0 * std::numbers::pi * kCutoff * period)) * (velocity - velocity_);
