@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kReferenceRate = 20000.0;  // [Hz]
+constexpr double kReferenceRate = 20000.0;  // [Hz] servo rate of the reference
 
 ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   ExperimentSetup setup;
@@ -26,11 +26,11 @@ ExperimentSetup task_setup(const CompareTask& task, const CompareLoop& loop) {
   return setup;
 }
 
-/// Displayed over commanded stiffness: sum(r.e) / sum(e.e), with the rendered force r and the
-/// surface's force e at the same position.
+/// Returns the ratio of displayed to commanded stiffness: sum(r.e) / sum(e.e), with the rendered
+/// force r and the elastic force e of the surface at the same position.
 double displayed_share(const std::vector<ExperimentSample>& samples,
                        const Environment& environment) {
-  const Environment own = environment;  // a copy has its own, initial state
+  const Environment own = environment;  // a copy with its own, initial state
   double rendered = 0.0, whole = 0.0;
   for (const ExperimentSample& s : samples) {
     const Vec3 e = own(Tool{s.position, Vec3::Zero()}).elastic;
@@ -47,13 +47,13 @@ void check(const CompareLoop& loop) {
     throw std::invalid_argument("the round trip must be between 0 and 1 s");
 }
 
-/// A run that can be replayed.
+/// The samples and the setup of a run, from which step_cost() repeats the run.
 struct Run {
   std::vector<ExperimentSample> samples;
   ExperimentSetup setup;
 };
 
-/// Runs a task and computes its row, without the cost.
+/// Runs a task and returns its row, without the cost. Stores the samples and the setup in `run`.
 CompareRow run_task(const CompareTask& task, const std::string& label, const ExperimentSetup& setup,
                     Run& run) {
   const double period = setup.bounding.period;

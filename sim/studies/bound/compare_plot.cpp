@@ -11,8 +11,8 @@ namespace {
 struct Panel {
   const char* title;
   int column;         // column of compare.csv
-  const char* shade;  // gnuplot function of v: 0 (white, good) to 1 (orange, bad)
-  const char* label;  // gnuplot text of v
+  const char* shade;  // gnuplot expression of the value v: 0 (white, good) to 1 (orange, bad)
+  const char* label;  // gnuplot expression for the text of the value v
 };
 constexpr std::array kPanels = {
     Panel{"oscillation [um]: white up to 10 (what is felt) or the reference", 3,
@@ -62,7 +62,7 @@ void draw_compare(const std::filesystem::path& directory, const std::vector<Comp
   for (const Panel& panel : kPanels) {
     append(script, "set title '%s' noenhanced\nshade(v) = clip(%s)\nlabel(v) = %s\n", panel.title,
            panel.shade, panel.label);
-    // The first row of a task is its reference.
+    // The first row of each task is the reference. Its oscillation is stored in `calm`.
     append(script, "plot %s(calm = int($0)%%%zu == 0 ? $3 : calm, shade($%d)) with image, ",
            cells.c_str(), methods, panel.column);
     append(script, "%s(label($%d)) with labels\n", cells.c_str(), panel.column);

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kStiffness = 5000.0;  // [N/m]; the wall has its own
+constexpr double kStiffness = 5000.0;  // [N/m] stiffness of the surfaces defined in this file
 
 CompareTask wall() {
   const Scene scene = parse_scene(embedded::paper_wall, "paper_wall.json");
@@ -24,8 +24,9 @@ CompareTask sphere() {
           figure_setup("sphere", kUnbounded, 0.0).hand.task, 16.0};
 }
 
-/// The hand presses into a corner with 3 N on each wall, and slides across the corner. In each
-/// period the hand leaves and meets two walls, and keeps contact with the third wall.
+/// Returns the task `corner`: the hand presses with 3 N on each of the three walls of a corner, and
+/// slides to and fro. In each period, it leaves and meets two of the walls, and keeps contact with
+/// the third wall.
 CompareTask corner() {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -41,8 +42,8 @@ CompareTask corner() {
           corner_walls};
 }
 
-/// The hand glides over the edge of a box and back: up one face, over the edge with 4 N, and onto
-/// the other face.
+/// Returns the task `edge`: the hand slides over the edge of a box and back. It moves up one face,
+/// over the edge with a force of 4 N, and onto the other face.
 CompareTask edge() {
   Object box;
   box.name = "box";
@@ -59,8 +60,8 @@ CompareTask edge() {
           8.0};
 }
 
-/// The hand orbits as on the sphere. The surface has a bump of 1 mm every 23.6 mm, so the hand
-/// meets three bumps per second.
+/// Returns the task `torus`: the hand moves on a circle, as in the task `sphere`. The surface has a
+/// bump of 1 mm every 23.6 mm, so the hand meets three bumps per second.
 CompareTask torus() {
   const BumpyTorus shape;
   HandTask hand;
@@ -84,7 +85,8 @@ Object flat() {
   return plane;
 }
 
-/// The hand slides to and fro on dry friction and presses with 3 N.
+/// Returns the task `stick_slip`: the hand presses on a plane with dry friction with 3 N, and
+/// slides to and fro.
 CompareTask stick_slip() {
   Object plane = flat();
   plane.material.static_friction = 0.6;
@@ -95,7 +97,7 @@ CompareTask stick_slip() {
           [](const Vec3& p) { return plane_distance(p).distance; }, hand, 8.0};
 }
 
-/// The hand strikes at 1 m/s, then presses with 3 N.
+/// Returns the task `tap`: the hand hits a plane at 1 m/s, then presses with 3 N.
 CompareTask tap() {
   HandTask hand;
   hand.path = HandPath::strike;

@@ -8,7 +8,8 @@
 namespace feltwire {
 namespace {
 
-/// A plane with the outward normal +y, like the wall in paper_wall.json.
+/// Returns a scene with a plane. Its outward normal is +y, like the normal of the wall in
+/// paper_wall.json.
 Scene plane(double stiffness, double friction) {
   Object object;
   object.name = "plane";
@@ -47,7 +48,7 @@ ExperimentSetup setup_of(const char* experiment, const Variant& method, double d
   return setup;
 }
 
-constexpr double kSettled = 3.0;  // [s] the hand is in contact from here on
+constexpr double kSettled = 3.0;  // [s] time after which the hand is in contact
 
 double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   double sum = 0.0;
@@ -60,8 +61,8 @@ double mean_normal_force(const std::vector<ExperimentSample>& samples) {
   return sum / count;
 }
 
-/// Rendered over commanded force along the plane's normal. `sign` > 0 selects the samples with an
-/// outward movement, `sign` < 0 those with an inward movement.
+/// Returns the ratio of rendered to commanded force along the normal of the plane. `sign` > 0: in
+/// the samples in which the hand moves outward; `sign` < 0: in which it moves inward.
 double share(const std::vector<ExperimentSample>& samples, double sign) {
   double rendered = 0.0, commanded = 0.0;
   for (const ExperimentSample& s : samples) {

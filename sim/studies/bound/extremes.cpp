@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSteps = 1500;            // steps per hand
-constexpr int kSceneSteps = 2000;       // most steps at a wall
+constexpr int kSteps = 1500;            // number of steps of each hand
+constexpr int kSceneSteps = 2000;       // largest number of steps at a wall
 constexpr double kLongestScene = 20.0;  // [s] longest simulated time at a wall
 
-/// Converts a number to a narrower arithmetic. A number beyond the range becomes infinite.
+/// Converts a number to Real (double or float). A number beyond the range of Real becomes infinite.
 template <class Real>
 Real narrowed(double value) {
   if (std::abs(value) > std::numeric_limits<Real>::max())
@@ -35,11 +35,12 @@ BasicCommand<Real> narrowed(const Command& c) {
   return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
 }
 
-/// A step has five vectors of three inputs each, then the hold time. The hold time counts as three
-/// inputs, so it is drawn as often as a vector.
+/// The number of inputs of a step, and the index of the hold time. A step has five vectors of three
+/// inputs each, then the hold time. The hold time counts as three inputs, so that it is chosen as
+/// often as a vector.
 constexpr std::size_t kInputs = 18, kHoldTime = 15;
 
-/// Replaces an input of the step by NaN, infinity, or an impossible force, movement or time.
+/// Replaces the given input of the step by NaN, infinity, or an impossible force, movement or time.
 template <class Real>
 void spoil(StressRandom& random, std::size_t input, BasicBoundingStep<Real>& told) {
   constexpr std::array kStrange = {kNan, kInfinity, -kInfinity, 1e300, -1e300, 1.1e12};
@@ -65,8 +66,9 @@ void judge_force(const Command& rendered, bool refused, double limit, double eps
   outcome.not_refused += refused && !(force.isZero(0.0) && rendered.torque.isZero(0.0));
 }
 
-/// The promise after a refused input. A coupling and a passivity controller lose their promise,
-/// because they must drop or reduce their force.
+/// Returns the energy guarantee (Promise) that remains after a refused input. A virtual coupling
+/// and a passivity controller then drop or reduce their force, so they no longer guarantee
+/// anything.
 Promise after_refusal(Promise kept) {
   return kept == Promise::port || kept == Promise::port_by_axis ? kept : Promise::none;
 }
@@ -107,8 +109,8 @@ bool keeps_all(const BasicBoundingMethod<Real>& method, const BoundingConfig& co
   return method.keeps_all || config.storage == Storage::elastic;
 }
 
-/// Reports the scene's work on a coupling's tool to the ledger. The position of the tool has the
-/// precision of the bound's arithmetic.
+/// Computes the work of the scene on the tool of a virtual coupling, and adds it to the ledger. The
+/// position of the tool has the precision of Real.
 template <class Real>
 class ToolBook {
  public:
@@ -200,7 +202,7 @@ void attack(const StressInputs& stress, const BasicBoundingMethod<Real>& method,
   judge_energy(ledger, outcome);
 }
 
-/// A simulated hand that slides over a wall with friction, in a closed loop.
+/// A stress test in closed loop: a simulated hand slides over a wall with friction.
 struct WallStress {
   double stiffness = 1e3, origin = 0.0, period = 1e-3;
   std::string name() const {
@@ -222,8 +224,8 @@ std::vector<WallStress> walls() {
   return all;
 }
 
-/// [N] A coupling and a passivity controller lose their promise under a force limit, so their limit
-/// is infinite here.
+/// Returns the force limit [N]. It is infinite for methods that guarantee nothing under a force
+/// limit: virtual couplings and passivity controllers.
 template <class Real>
 double wall_limit(const BasicBoundingMethod<Real>& method) {
   const Faults limited{.reductions = true};
@@ -247,7 +249,7 @@ void touch_wall(const WallStress& stress, const BasicBoundingMethod<Real>& metho
 
   SimulatedHandOptions options;
   options.spec = builtin_device("simulated");
-  // The bound limits the force. This limit of the device acts only if the bound has no limit.
+  // The force limit of the device acts only if the bounding method has no force limit.
   options.spec.max_force = 1e4;
   options.task = {.path = HandPath::slide,
                   .center = place,
@@ -325,7 +327,7 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
           });
   for (const WallStress& stress : walls())
     for (const std::string_view name : methods) {
-      // Projection and storage have two values each, which gives four variants.
+      // bound_config() makes four variants: two projections times two energy storages.
       const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
       row(stress.name(), name, {}, variants,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {

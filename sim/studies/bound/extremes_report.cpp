@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// The number of methods in `rows`, which are sorted by stress, then by method.
+/// Returns the number of methods in `rows`. The rows are sorted by stress test, then by method.
 std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   const auto other = std::find_if(rows.begin(), rows.end(), [&](const ExtremeRow& r) {
     return r.stress != rows.front().stress;
@@ -17,7 +17,8 @@ std::size_t method_count(const std::vector<ExtremeRow>& rows) {
   return static_cast<std::size_t>(other - rows.begin());
 }
 
-/// The methods that promise something, as the tables' columns. The largest promise comes first.
+/// Returns the methods with an energy guarantee (Promise). They are the columns of the tables. The
+/// strongest guarantee comes first.
 std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
   const auto promised = [](std::string_view method) { return bounding_method(method).promise; };
   std::vector<std::string_view> methods;
@@ -29,9 +30,10 @@ std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
   return methods;
 }
 
-constexpr std::size_t kWidth = 10;  // [characters] of a column
+constexpr std::size_t kWidth = 10;  // [characters] width of a column
 
-/// The lines of a column head: the method's name, broken after underscores.
+/// Returns the lines of the head of a column: the name of the method, divided after each
+/// underscore.
 std::vector<std::string> head(std::string_view method) {
   std::vector<std::string> lines;
   while (!method.empty()) {
@@ -44,7 +46,7 @@ std::vector<std::string> head(std::string_view method) {
   return lines;
 }
 
-/// The heads of all columns. The longest head sets the number of lines.
+/// Returns the heads of all columns. The head with the most lines sets the height.
 std::string heads(const std::vector<std::string_view>& methods) {
   std::size_t height = 1;
   for (const std::string_view method : methods) height = std::max(height, head(method).size());
@@ -61,7 +63,7 @@ std::string heads(const std::vector<std::string_view>& methods) {
   return text;
 }
 
-/// The names of the methods that promise nothing.
+/// Returns the names of the methods without an energy guarantee (Promise::none).
 std::string others(const std::vector<ExtremeRow>& rows) {
   std::vector<std::string_view> methods;
   for (std::size_t i = 0; i < method_count(rows); ++i)
@@ -69,7 +71,7 @@ std::string others(const std::vector<ExtremeRow>& rows) {
   return joined_names(methods, ", ");
 }
 
-/// The table's entry for a method under a stress.
+/// Returns the table's entry for a method in a stress test.
 std::string cell(const ExtremeRow& row, const ExtremeOutcome& o) {
   std::string text;
   if (!o.passed()) return "FAILED";
@@ -92,8 +94,8 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
           {"passed", o.passed()}};
 }
 
-/// The plot of a method in an arithmetic: the energy error over the index of the stress. A zero
-/// error is drawn at the lower edge.
+/// Returns the gnuplot text for a method in an arithmetic (double or float): the energy error over
+/// the index of the stress test. An error of zero is drawn at the lower edge.
 std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
                    std::size_t methods) {
   // Okabe and Ito chose these colours for colour-blind readers. The point types differ too.

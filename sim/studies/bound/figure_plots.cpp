@@ -19,9 +19,9 @@ constexpr const char* kPreamble =
     "set style line 3 lc rgb '#1f1f1f' lw 0.8 dt (5,6)\n"
     "set style line 4 lc rgb '#e8908a' lw 3.2\n";
 
-/// Draws the commanded force dashed over a broad line of the rendered force, so that both are
-/// visible if they are equal. `csv` is the plot command up to the column. `commanded` is an
-/// expression.
+/// Returns a gnuplot command that draws the commanded force as a dashed line over a broad line of
+/// the rendered force. So both lines are visible if the forces are equal. `csv`: the command up to
+/// the column; `commanded`: a gnuplot expression; `rendered`: a column.
 std::string forces_drawn(const std::string& csv, const char* commanded, int rendered) {
   return "plot " + csv + std::to_string(rendered) + " with lines ls 4 title 'rendered', " + csv +
          commanded + " with lines ls 3 title 'commanded'\n";
@@ -32,12 +32,14 @@ std::string output(const std::string& file, int width, int height) {
          " font 'Sans,11'\nset output '" + file + ".png'\n" + kPreamble;
 }
 
-/// The name prefix of the runs in Figures 2 and 3. Their damping is the smallest of three that
-/// gives the paper's results: a small oscillation, and a positive total energy of the port.
+/// The first part of the names of the runs in Figures 2 and 3. The damping of these runs is
+/// 8 N s/m, the smallest of three values that agrees with the paper: the oscillation is small, and
+/// the total energy of the port is positive.
 constexpr const char* kWallFigures = "wall_b8_";
 
-/// Draws the wall as in the paper: position and force in x and y over time, and the energies of Eq.
-/// (1) and (2). `depth` [um] is the lower end of the y position's axis.
+/// Returns the gnuplot script for a figure of the wall, as in the paper: position and force in x
+/// and y over time, and the energies of Eq. (1) and (2). `depth` [um]: lower end of the axis of the
+/// y position.
 std::string wall_script(int figure, const std::string& run, int depth, const std::string& title) {
   const std::string csv = "'" + run + ".csv' skip 1 using 1:";
   std::string script = output("figure" + std::to_string(figure), 1100, 950);
@@ -45,7 +47,7 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
             "\"\nset xlabel 'time [s]'\nset xrange [3:7]\nunset key\n"
             "set ylabel 'x position [mm]'\nset yrange [-35:35]\nplot " +
             csv + "($2*1e3) with lines ls 1\n";
-  constexpr int kSpan = 150;  // [um] equal in both figures, to compare oscillations
+  constexpr int kSpan = 150;  // [um] equal in both figures, so that oscillations can be compared
   append(script, "set ylabel 'y position [um]'\nset yrange [%d:%d]\nplot ", depth, depth + kSpan);
   script += csv + "($3*1e6) with lines ls 1\nset key top right\n";
   const auto forces = [&](const char* axis, const char* range, const char* commanded, int column) {
@@ -72,8 +74,8 @@ std::string wall_script(int figure, const std::string& run, int depth, const std
   return script + "unset multiplot\n";
 }
 
-/// Draws force arrows around the sphere, one for each 80 ms of the second turn. The dotted rays
-/// show the true normals.
+/// Returns the gnuplot text of a panel with force arrows around the sphere, one arrow for each
+/// 80 ms of the second turn. Dotted rays show the normals of the sphere.
 std::string sphere_panel(const std::string& run, const std::string& title) {
   const std::string from = "'" + run + ".csv' skip 1 every 80::8000 using ";
   return "set title \"" + title +
@@ -103,7 +105,7 @@ std::string mode_run(const std::string& group, std::size_t mode) {
   return group + "_" + std::string(kFigureModes[mode]);
 }
 
-/// Escapes a text for gnuplot, which then shows it unchanged between double quotes.
+/// Escapes the underscores of a text. Between double quotes, gnuplot then shows the text unchanged.
 std::string plain(const std::string& text) {
   std::string escaped;
   for (const char c : text) escaped += c == '_' ? "\\\\_" : std::string(1, c);
@@ -119,8 +121,9 @@ std::string all_sphere_modes(const std::string& group) {
   return script + "unset multiplot\n";
 }
 
-/// Draws a column for each mode: the wall's depth and force over half a second, and the force
-/// around the sphere. The measured numbers are in the titles.
+/// Returns the gnuplot script for a figure with a column for each method: position and force at the
+/// wall over half a second, and the force around the sphere. The titles contain the measured
+/// numbers.
 std::string summary(const std::vector<FigureRun>& runs) {
   const std::string wall = "wall_b2", sphere = "sphere_b0.5";
   const auto run_of = [&](const std::string& group, std::size_t mode) -> const FigureRun& {

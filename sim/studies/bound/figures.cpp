@@ -19,7 +19,7 @@ namespace {
 struct Experiment {
   std::string name;
   std::array<int, 2> figures;      // figure numbers in the paper
-  std::array<double, 3> dampings;  // b [N s/m]
+  std::array<double, 3> dampings;  // device damping b [N s/m]
 };
 const std::array<Experiment, 2> kExperiments = {
     {{"wall", {2, 3}, {0.5, 2.0, 8.0}}, {"sphere", {5, 6}, {0.2, 0.5, 2.0}}}};
@@ -28,7 +28,7 @@ void write_samples(const std::filesystem::path& file,
                    const std::vector<ExperimentSample>& samples) {
   std::ofstream out(file);
   out << "t,x,y,z,ex,ey,ez,fx,fy,fz,rx,ry,rz,energy_x,energy_y,energy_z,port_x,port_y,port_z\n";
-  // [J] Energy that flows in, by the rendered force and by the held force.
+  // [J] Energy that flows into the port: `energy` by the rendered force, `port` by the held force.
   Vec3 energy = Vec3::Zero(), port = Vec3::Zero();
   std::array<char, 512> line;
   for (const ExperimentSample& s : samples) {
@@ -88,13 +88,13 @@ ExperimentSetup figure_setup(const std::string& experiment, std::string_view mod
     task.normal = Vec3::UnitY();
     task.radius = 0.03;
     task.frequency = 0.5;
-    task.depth = 0.01;  // 3 N at the hand's 300 N/m
+    task.depth = 0.01;  // [m] a hand of 300 N/m then presses with 3 N
     task.lead_in = 2.0;
   } else {
-    setup.duration = 16.0;  // two turns
+    setup.duration = 16.0;  // [s] two turns around the sphere
     task.path = HandPath::orbit;
     task.normal = Vec3::UnitZ();
-    task.radius = 0.08;  // 10 mm inside the ball of 90 mm: 3 N
+    task.radius = 0.08;  // [m] 10 mm inside the sphere, so the hand presses with 3 N
     task.frequency = 0.125;
     task.depth = 0.0;
     task.clearance = 0.02;
@@ -134,7 +134,8 @@ std::vector<FigureRun> write_figures(const std::filesystem::path& directory) {
         runs.push_back(std::move(run));
       }
     }
-    // The paper has two figures of each experiment, with different modes.
+    // The paper shows each experiment in two figures. The JSON file lists all runs for both
+    // figures.
     for (const int figure : experiment.figures)
       for (std::size_t i = first; i < runs.size(); ++i) json.push_back(entry(figure, runs[i]));
   }
@@ -155,7 +156,8 @@ std::string figures_table(const std::vector<FigureRun>& runs) {
     if (!last.empty() && group != last) table += '\n';
     last = group;
     const ExperimentMetrics& m = run.metrics;
-    // The wall oscillates along its normal, y. The sphere oscillates in its plane.
+    // The hand oscillates along the normal y of the wall. On the sphere, it oscillates in the plane
+    // of its path.
     const double oscillation = run.experiment == "wall"
                                    ? m.highpass_rms.y()
                                    : std::max(m.highpass_rms.x(), m.highpass_rms.y());

@@ -26,15 +26,15 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPeriod = 1e-3;         // [s]
-constexpr double kPress = 3.0;           // [N]
-constexpr double kAir = 2.0;             // [s] free motion before contact in a warm start
-constexpr double kStiffEnough = 150.0;   // [N/m] softer hands skip the round objects
-constexpr double kFrictionShare = 0.75;  // assumed dry friction over true dry friction
+constexpr double kPeriod = 1e-3;         // [s] servo period
+constexpr double kPress = 3.0;           // [N] force with which the hand presses
+constexpr double kAir = 2.0;             // [s] free motion before contact, if the case is not cold
+constexpr double kStiffEnough = 150.0;   // [N/m] softer hands run only the tasks of on_wall()
+constexpr double kFrictionShare = 0.75;  // ratio of assumed to true dry friction
 
-/// The bunny of scenes/bunny.json.
+/// Returns the bunny of scenes/bunny.json.
 Object bunny() {
-  constexpr double kCentimetre = 0.01;  // [m] unit of the file
+  constexpr double kCentimetre = 0.01;  // [m] length unit of the file
   Object object;
   object.name = "bunny";
   object.shape = Mesh{std::make_shared<MeshSurface>(
@@ -45,7 +45,8 @@ Object bunny() {
   return object;
 }
 
-/// The hand slides to and fro over the bunny's back and presses with 3 N.
+/// Returns the task `bunny`: the hand slides to and fro over the bunny's back, and presses with
+/// 3 N.
 CompareTask over_bunny(const Object& bunny) {
   HandTask hand;
   hand.path = HandPath::slide;
@@ -61,7 +62,8 @@ CompareTask over_bunny(const Object& bunny) {
           hand, 8.0};
 }
 
-/// The tasks of all cases, made only once because parsing a scene takes long.
+/// The objects and tasks of all cases. They are made only once, because it is slow to parse a
+/// scene.
 struct TaskSource {
   Object paper_wall = parse_scene(embedded::paper_wall, "paper_wall.json").objects().front();
   Object paper_sphere = parse_scene(embedded::paper_sphere, "paper_sphere.json").objects().front();
@@ -69,8 +71,8 @@ struct TaskSource {
   std::vector<CompareTask> compared = compare_tasks();
 };
 
-/// The wall in paper_wall.json with another stiffness. The hand slides as in the paper's Figure 2,
-/// or taps.
+/// Returns a task on the wall of paper_wall.json, with the stiffness of the case. By the name of
+/// the task, the hand slides as in the paper's Figure 2, presses or taps.
 CompareTask wall(Object object, const FrontierCase& c) {
   object.material.stiffness = c.wall;
   CompareTask task{c.task, environment(object), [](const Vec3& p) { return p.y(); },
@@ -137,9 +139,9 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   return setup;
 }
 
-/// [J] Largest excess of the energy delivered to the hand over the dissipated energy. Damping
-/// dissipates along the encoder's movement. Friction dissipates along the motor's true movement,
-/// and counts only if the account uses friction.
+/// Returns the largest excess [J] of the energy delivered to the hand over the dissipated energy.
+/// The energy that damping dissipates is computed from the encoder's positions. Friction is
+/// computed from the motor's true positions, and counts only if the energy account also counts it.
 double energy_made(const FrontierCase& c, const std::vector<ExperimentSample>& samples) {
   double left = 0.0, least = 0.0;
   Vec3 before = samples.front().motor;
@@ -163,7 +165,7 @@ Object object_of(const FrontierCase& c, const TaskSource& source) {
   return object;
 }
 
-/// Runs a session with datagrams, an emulated link, the scene on the server and a local model.
+/// Runs a case as a whole session: with datagrams, an emulated link, a server and a local model.
 FrontierRow run_session(const FrontierCase& c, const CompareTask& task, const Object& object) {
   const ExperimentSetup setup = setup_of(c, task);
   NetworkRunOptions options;
@@ -213,15 +215,15 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
     whole += e.squaredNorm();
   }
   row.displayed = whole > 0.0 ? rendered / whole : 0.0;
-  // A tapping hand moves fast by intention, so its oscillation is not measured.
+  // The intended movement of a tapping hand is fast, so its oscillation is not measured.
   if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
   return row;
 }
 
-/// Measures the effect of a wrong force with a full account. The hand rests in the air, then the
-/// force pushes the hand along its velocity.
+/// Measures the effect of a wrong force while the energy account is full. The hand rests in the
+/// air, then the force pushes the hand in the direction of its velocity.
 void push_on(const FrontierCase& c, const TaskSource& source, CapRow& row) {
-  constexpr double kRest = 1.0, kPush = 1.0;  // [s]
+  constexpr double kRest = 1.0, kPush = 1.0;  // [s] time without force, time with force
   ExperimentSetup setup = setup_of(c, task_of(c, source));
   setup.hand.task.path = HandPath::press;
   setup.hand.task.depth = -setup.hand.task.clearance;
@@ -255,7 +257,8 @@ constexpr std::array kEverywhere = {
     Law{"none", Need::no_account}, Law{"contact_frame", Need::no_account},
     Law{"credited", Need::inertia}, Law{"credited", Need::inertia_friction}};
 
-/// Adds a case for each law. The midpoint law needs the device's position without delay.
+/// Adds a case for each law. The midpoint law needs a force without delay, so it has cases only
+/// without delay.
 void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   const auto add = [&](const auto& laws) {
     for (const Law& law : laws) {
@@ -268,7 +271,8 @@ void add_laws(std::vector<FrontierCase>& cases, FrontierCase c) {
   if (c.delay == 0.0) add(kNear);
 }
 
-/// Adds the published laws of other papers and the virtual coupling, which have no account.
+/// Adds a case for each law of other papers, and for the virtual coupling. These laws run without
+/// an energy account.
 void add_published(std::vector<FrontierCase>& cases, FrontierCase c) {
   c.need = Need::no_account;
   for (const BoundingMethod& published : published_laws()) {
@@ -301,7 +305,7 @@ std::vector<FrontierCase> session_cases() {
 std::vector<FrontierCase> published_cases() {
   struct PublishedTask {
     const char* task;
-    double delay;  // [s]
+    double delay;  // [s] round trip
   };
   constexpr std::array kOnWalls = {PublishedTask{"wall", 0.0}, PublishedTask{"tap", 0.0},
                                    PublishedTask{"press", 5e-3}, PublishedTask{"press", 20e-3}};
@@ -348,7 +352,7 @@ std::vector<FrontierCase> frontier_cases() {
                      .delay = delay,
                      .hand = hand,
                      .cold = cold};
-                // A tremor run takes half a minute, so most cases are left out.
+                // A run with tremor simulates 30 s, so most of these cases are left out.
                 const bool pressed_long = c.task == "tremor";
                 if (pressed_long && (wall != 4e4 || delay > 0.0 || damping < 0.5)) continue;
                 add_laws(cases, c);

@@ -1,4 +1,4 @@
-// The benefit of learning the strength of the hand (--learn-hand-force).
+// Measures the benefit if the energy account learns how strong the hand is (--learn-hand-force).
 
 #include <array>
 
@@ -9,11 +9,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kMinute = 60.0;  // [s] only the second half is measured
+constexpr double kMinute = 60.0;  // [s] duration of a run; only its second half is measured
 
 struct Knowledge {
   const char* title;
-  double hand_force;  // [N]
+  double hand_force;  // [N] assumed largest force of the hand
   bool learns;
 };
 constexpr std::array kKnowledge = {Knowledge{"told 10 N", kHandForce, false},

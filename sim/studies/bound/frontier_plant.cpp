@@ -1,4 +1,5 @@
-// The laws on a realistic plant. The energy is measured at the true motor and at the handle.
+// Compares the laws on a realistic plant, for example with motor lag. The energy is measured at the
+// true motor and at the handle.
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"

@@ -58,7 +58,8 @@ std::string csv(const std::vector<FrontierRow>& rows) {
   return text;
 }
 
-/// [ns] Time of a step of the law and the account, for a hand that oscillates in a wall.
+/// Returns the computing time [ns] of one step of the force law and the energy account, for a hand
+/// that oscillates in a wall.
 double swing_cost(const std::string& name, Need need) {
   ExperimentSetup setup;
   setup.law = &law(name);

@@ -7,8 +7,8 @@
 namespace feltwire {
 namespace {
 
-/// True if oscillation is judged in a task. In the other tasks the intended path itself changes the
-/// distance to the surface.
+/// Returns true if the oscillation is measured in a task. In the other tasks, the intended path
+/// itself changes the distance to the surface.
 bool is_flat(const std::string& task) {
   return task == "wall" || task == "press" || task == "tremor";
 }

@@ -24,7 +24,7 @@ bool own_sum(Promise promise) {
 
 PromiseLedger::PromiseLedger(const Setup& setup) : setup_(setup) {
   const auto open = [&](Port& port, const Damping& damping) {
-    // A per-axis law relies on the damping of each axis alone.
+    // A per-axis law uses only the damping that each axis has by itself.
     port.damping = setup_.promise == Promise::port_by_axis ? Damping(damping.per_axis()) : damping;
     const double least = port.damping.least();
     if (!(least > 0.0)) return;
@@ -91,13 +91,13 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
     for (int i = 0; i < 3; ++i)
       port.balance[by_axis(setup_.promise) ? static_cast<std::size_t>(i) : 0] -=
           static_cast<long double>(f[i]) * dx[i];
-    // A controller may cancel nearly the whole command. So the rounding error grows with the
-    // command.
+    // A passivity controller may cancel nearly the whole command. So its rounding error depends on
+    // the command too.
     const long double flow = (length(f) + length(wanted)) * length(dx);
     port.exchanged += flow;
     port.through += flow;
   };
-  // A law with a single energy observer adds the work of force and torque.
+  // A law with a single energy observer adds up the work of force and torque.
   Port& second = setup_.promise == Promise::own_sum ? translation_ : rotation_;
   observe(translation_, force, commanded.force(), displacement);
   observe(second, rendered.torque, commanded.torque, rotation);
@@ -108,7 +108,7 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
 void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacement) {
   const bool damped = port.inverse(0, 0) > 0.0;
   const double quarter = 0.25 * setup_.period;
-  // Without damping, no energy can cover a force.
+  // Returns the most energy [J] that the hand can take from a held force: infinite without damping.
   const auto at_stake = [&](const Vec3& held) -> long double {
     if (held.isZero(0.0)) return 0.0L;
     const Vector f = held.cast<long double>();
@@ -122,8 +122,8 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
     kept = std::max(kept, setup_.keeps_all ? std::abs(balance) : -balance);
   if (setup_.promise == Promise::coupling) kept = port.tool_stored;
   port.through += kept;
-  // Allow an error of the smallest representable number in the force, in the movement, and in a
-  // stored energy.
+  // Allow for the energy error if the force, the movement and a stored energy are wrong by the
+  // smallest representable number.
   const double least = setup_.arithmetic.least;
   const double per_force = damped ? 2.0 * quarter * port.inverse.diagonal().maxCoeff() : 0.0;
   const long double f = length(force), dx = length(displacement);
@@ -131,7 +131,8 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
 
   switch (setup_.promise) {
     case Promise::port:
-      // A negative balance without a rendered force is a known debt, not a violation.
+      // A rendered force needs a sufficient balance. Without a force, a negative balance is
+      // allowed.
       if (all_at_stake > 0.0L) judge(port, all_at_stake - port.balance[0]);
       break;
     case Promise::port_by_axis:

@@ -28,7 +28,7 @@ constexpr std::array kPublishedLaws = {
 
 struct Place {
   const char *title, *task;
-  double wall, delay;  // [N/m], [s]
+  double wall, delay;  // [N/m] stiffness of the wall, [s] round trip
   bool cold;
 };
 constexpr std::array kPlaces = {

@@ -16,8 +16,8 @@
 namespace feltwire {
 namespace {
 
-constexpr double kRatePress = 3.0;                            // [N]
-constexpr double kBall = 0.09;                                // [m] radius
+constexpr double kRatePress = 3.0;  // [N] force with which the hand presses
+constexpr double kBall = 0.09;      // [m] radius of the ball
 constexpr double kPressDuration = 1.5, kSlideDuration = 6.0;  // [s]
 
 struct Surface {
@@ -36,12 +36,13 @@ Scene scene_of(const Surface& surface) {
   if (surface.ball) {
     object.shape = Sphere{kBall};
   } else {
-    object.material.viscous_friction = 10.0;  // as in paper_wall.json
+    object.material.viscous_friction = 10.0;  // [N s/m] as in paper_wall.json
   }
   return Scene("rate", {object});
 }
 
-/// [m] Height over the surface. The origin is the touched point of a wall, or the centre of a ball.
+/// Returns the height [m] over the surface. The origin is a point of the wall, or the centre of the
+/// ball.
 double height(const Surface& surface, const Vec3& position) {
   return surface.ball ? position.norm() - kBall : position.z();
 }
@@ -74,8 +75,8 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
 }
 
 struct RateSample {
-  Vec3 position, held;  // [m] true position; [N] force from now on
-  Vec3 acted;           // [N] force until now
+  Vec3 position, held;  // [m] true position; [N] force after this sample
+  Vec3 acted;           // [N] force before this sample
   Vec3 ideal;           // [N] surface force at the true position and velocity
   BoundingStep told;
   Tool tool;
@@ -94,7 +95,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   TouchMemory memory = scene.memory(), ideal_memory = scene.memory();
   SimulatedDevice device(hand);
   const Vec3 to_world = Vec3::Constant(origin);
-  // The measured position in the world frame, rounded to this arithmetic.
+  // Returns the measured position in the world frame, rounded to the precision of Real.
   const auto read = [&](std::size_t n) -> Vector3<Real> {
     const auto now = Nanoseconds(std::llround(static_cast<double>(n) * config.period * 1e9));
     return (device.read(now).pose.position + to_world).template cast<Real>();
@@ -135,7 +136,8 @@ std::vector<RateSample> run(const RateArithmetic& arithmetic, const Surface& sur
                              : run<double>(surface, hand, rate, arithmetic.origin, duration);
 }
 
-/// [N/m] Slope of force over depth by least squares, from the first touch to the deepest point.
+/// Returns the slope [N/m] of force over depth by least squares, from the first contact to the
+/// deepest point.
 double pressing_slope(const Surface& surface, const std::vector<RateSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const RateSample& s : samples) {
@@ -212,7 +214,7 @@ std::vector<RateCell> run_rate(const RateGrid& grid) {
 std::vector<RateCost> measure_rate_cost() {
   constexpr double kDamping = 0.5, kRate = 1000.0;
   std::vector<RateCost> costs;
-  // The results are used, so that the compiler does not remove the computation.
+  // Use the results, so that the compiler does not remove the computation.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
     const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);

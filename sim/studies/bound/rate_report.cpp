@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-/// [%] The share of a core that a loop uses.
+/// Returns the share [%] of a CPU core that a servo loop uses.
 double load(double rate, const RateCost& cost, bool in_float) {
   return 100.0 * rate * 1e-9 *
          (cost.touch_ns + (in_float ? cost.bound_float_ns : cost.bound_double_ns));
@@ -20,9 +20,10 @@ constexpr const char* kStyles =
     "set style line 2 lc rgb '#e69f00' pt 4 ps 1.7 lw 1.6\n"
     "set style line 3 lc rgb '#d55e00' pt 2 ps 1.5 lw 1.6\n"
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\nset datafile separator ','\n"
-    "set datafile missing NaN\n";  // lines skip the rows of other curves
+    "set datafile missing NaN\n";  // a curve skips the rows of other curves
 
-/// A curve over the rate, from the rows of rate.csv with this surface, damping and arithmetic.
+/// Returns the gnuplot text of a curve over the servo rate, from the rows of rate.csv with the
+/// given surface, damping and arithmetic.
 std::string curve(const std::string& surface, double damping, const std::string& arithmetic,
                   const char* column) {
   std::string text;
@@ -185,7 +186,7 @@ void write_rate(const std::filesystem::path& directory, const RateGrid& grid,
   draw_rate(directory, grid, cells);
   for (const RateCell& cell : cells) {
     const bool in_float = cell.arithmetic != kRateArithmetics[0].name;
-    if (cell.arithmetic == kRateArithmetics[2].name) continue;  // same cost as the other float
+    if (cell.arithmetic == kRateArithmetics[2].name) continue;  // same cost as at the other origin
     const RateCost& cost = cost_of(costs, cell.surface);
     append(cost_csv, "%s,%g,%g,%s,%.6g,%.6g,%.4g,%.4g\n", cell.surface.c_str(), cell.damping,
            cell.rate, in_float ? "float" : "double", load(cell.rate, cost, in_float),

@@ -69,7 +69,8 @@ StressedMovement move(int kind, StressRandom& random, const StressInputs& stress
   }
   m.displacement *= share;
   m.rotation *= share;
-  // Without a held force, the greediest movement is zero. So the hand sometimes moves by itself.
+  // Without a held force, greediest() returns no movement. So sometimes add a movement that does
+  // not depend on the force.
   if (random.chance(0.5)) {
     const StressedMovement own = restless();
     m.displacement += own.displacement;

@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kTorquePeriod = 1e-3;  // [s]
+constexpr double kTorquePeriod = 1e-3;  // [s] servo period
 
 struct TorqueLaw {
   const char* name;
@@ -44,7 +44,8 @@ void add_laws(std::vector<TorqueCase>& cases, TorqueCase c) {
   if (c.delay == 0.0) add(kLawsAtHand);
 }
 
-/// The tasks of all cases, made only once because parsing a scene takes long.
+/// Returns the task of a case. The tasks with bodies are made only once, because it is slow to
+/// parse a scene.
 class TorqueSource {
  public:
   TorqueSource() : bodies_(body_tasks()) {}
@@ -60,7 +61,7 @@ class TorqueSource {
   std::vector<TorqueTask> bodies_;
 };
 
-/// The share of the commanded force that is rendered, by least squares.
+/// The ratio of rendered to commanded force, or torque, by least squares.
 struct Shown {
   double along = 0.0, whole = 0.0;
   void add(const Vec3& rendered, const Vec3& commanded) {
@@ -87,7 +88,7 @@ TorqueRow run_case(const TorqueCase& c, const TorqueSource& source) {
     if (2 * n < samples.size()) continue;
     force.add(s.rendered.force(), s.commanded.force());
     torque.add(s.rendered.torque, s.commanded.torque);
-    constexpr double kFeltTurn = 1e-4;  // [N m] directions of smaller torques do not count
+    constexpr double kFeltTurn = 1e-4;  // [N m] no direction error is computed for smaller torques
     if (s.rendered.torque.norm() > kFeltTurn && s.commanded.torque.norm() > kFeltTurn)
       directions.push_back(angle_between(s.rendered.torque, s.commanded.torque));
   }
@@ -132,7 +133,7 @@ SixDofSetup torque_setup(const TorqueCase& c, const TorqueTask& task) {
 }
 
 std::vector<TorqueCase> torque_cases() {
-  constexpr std::array kStiffnesses = {8.0, 64.0};  // [N m/rad], equal to 5 and 40 kN/m at 40 mm
+  constexpr std::array kStiffnesses = {8.0, 64.0};  // [N m/rad]; 5 and 40 kN/m at a lever of 40 mm
   constexpr std::array kDelays = {0.0, 0.02};
   std::vector<TorqueCase> cases;
   for (const TorqueTask& task : joint_tasks(0.0))
@@ -156,7 +157,7 @@ std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases) {
 }
 
 bool ports_hold(const std::vector<TorqueRow>& rows, const std::vector<TorqueSession>& sessions) {
-  constexpr double kRounding = 1e-12;  // [J]
+  constexpr double kRounding = 1e-12;  // [J] largest energy that rounding may explain
   const auto bounded = [](const TorqueCase& c) { return c.account || c.law == kDefaultMethod; };
   return std::ranges::none_of(rows,
                               [&](const TorqueRow& row) {

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kComparable = 1e-4;  // [N m] directions of smaller torques do not count
+constexpr double kComparable = 1e-4;  // [N m] no direction error is computed for smaller torques
 
 std::string csv(const std::vector<SixDofSample>& samples) {
   std::string text = "t,ax,ay,az,ex,ey,ez,rx,ry,rz\n";
@@ -31,7 +31,8 @@ std::string torque_output(const std::string& file, int width, int height) {
          ".png'\nset datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\n";
 }
 
-/// Draws an arrow for each 40 ms of the last turn. The dashed rays show the true directions.
+/// Returns the gnuplot text of a panel with an arrow of the rendered torque for each 40 ms of the
+/// last turn. Dotted rays show the correct directions.
 std::string cone_panel(std::string_view mode, const std::string& title) {
   const std::string from = "'" + cone_stem(mode) + ".csv' skip 1 every 40::4000 using ";
   return "set title \"" + title +

@@ -35,7 +35,7 @@ nlohmann::ordered_json json(const TorqueRow& row) {
           {"excess_count", row.excess}};
 }
 
-/// A CSV text with a column for each name in json().
+/// Returns a CSV text with a column for each name in json().
 std::string csv(const std::vector<TorqueRow>& rows) {
   std::string text;
   for (const TorqueRow& row : rows) {
@@ -57,8 +57,8 @@ std::string csv(const std::vector<TorqueRow>& rows) {
 
 struct OverCases {
   double swing = 0.0, most_swing = 0.0;               // [rad] median and worst oscillation
-  double torque = 0.0, force = 0.0, direction = 0.0;  // medians
-  double energy = 0.0, by_torque = 0.0;               // [J] largest of all cases
+  double torque = 0.0, force = 0.0, direction = 0.0;  // medians: ratios to the command, error [rad]
+  double energy = 0.0, by_torque = 0.0;               // [J] largest energy made in a case
 };
 
 OverCases over(const std::vector<TorqueRow>& rows,
@@ -82,7 +82,7 @@ OverCases over(const std::vector<TorqueRow>& rows,
   return sum;
 }
 
-/// The client's model of the body and the solids.
+/// Returns the name of the local model that the client has.
 const char* model_name(const TorqueSession& s) {
   if (!s.local_model) return "no";
   return s.whole ? "whole" : "planes";
@@ -90,7 +90,7 @@ const char* model_name(const TorqueSession& s) {
 
 bool is_joint(const TorqueCase& c) { return c.stiffness > 0.0; }
 
-/// The laws in the order of their first row.
+/// Returns a case for each law, in the order of the rows.
 std::vector<TorqueCase> laws_of(const std::vector<TorqueRow>& rows, bool joints, double delay) {
   std::vector<TorqueCase> laws;
   for (const TorqueRow& row : rows) {

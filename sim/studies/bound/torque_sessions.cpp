@@ -1,4 +1,4 @@
-// Whole sessions of a tool with a body: hand, servo, datagrams, link, server and back.
+// Runs whole sessions with a body as the tool: hand, servo, datagrams, link, server and back.
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array kSessionLinks = {"delay=0", "delay=25,jitter=5,order=free,loss=5,seed=7"};
 constexpr std::array kSessionModes = {kSessionMethod, kDefaultMethod};
-/// The client's models {local model, whole}: replies only; planes; body and solids.
+/// The local models of the client, as {local_model, whole}: none, planes, whole body and solids.
 constexpr std::array kModels = {std::pair(false, false), std::pair(true, false),
                                 std::pair(true, true)};
 
@@ -71,7 +71,8 @@ std::vector<TorqueSession> torque_sessions() {
     for (const std::string_view mode : kSessionModes)
       for (const char* link : kSessionLinks)
         for (const auto& [local_model, whole] : kModels) {
-          // Only this method renders the forces of a local model unchanged.
+          // Local models run only with kSessionMethod, because only this method renders their
+          // forces unchanged.
           if (local_model && mode != kSessionMethod) continue;
           for (const NamedHand& hand : kEightHands)
             sessions.push_back({.task = task.name,
@@ -81,7 +82,7 @@ std::vector<TorqueSession> torque_sessions() {
                                 .local_model = local_model,
                                 .whole = whole});
         }
-    for (const NamedHand& hand : kEightHands)  // a reference with encoder errors only
+    for (const NamedHand& hand : kEightHands)  // a reference, whose only errors are encoder errors
       sessions.push_back({.task = task.name,
                           .mode = std::string(kUnbounded),
                           .link = kSessionLinks[0],

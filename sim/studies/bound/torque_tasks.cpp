@@ -7,12 +7,12 @@
 namespace feltwire {
 namespace {
 
-constexpr double kPressForce = 3.0;        // [N]
-constexpr double kBodyStiffness = 1500.0;  // [N/m] of all surfaces
+constexpr double kPressForce = 3.0;        // [N] force with which the hand presses
+constexpr double kBodyStiffness = 1500.0;  // [N/m] stiffness of all surfaces
 constexpr double kLean = 0.45;             // [rad] intended lean of the wrist
-constexpr double kConeStop = 0.2;          // [rad]
-constexpr double kScrewTurn = 0.8;         // [rad]
-constexpr double kConeFriction = 0.016;    // [N m s/rad], equal to 10 N s/m at 40 mm
+constexpr double kConeStop = 0.2;          // [rad] lean at which the conical stop begins
+constexpr double kScrewTurn = 0.8;         // [rad] amplitude of the wrist's turn with the screw
+constexpr double kConeFriction = 0.016;    // [N m s/rad]; 10 N s/m at a lever of 40 mm
 
 constexpr const char* kTable = R"({ "name": "table",
   "tool": { "body": { "box": { "size": [0.06, 0.04, 0.02] }, "points": 800,
@@ -47,7 +47,7 @@ Command end_stop(double stiffness, const Pose& pose) {
   return {.torque = Vec3(0.0, 0.0, beyond > 0.0 ? -stiffness * beyond : 0.0)};
 }
 
-/// [rad] The lean: the rotation of the tool without its part about z.
+/// Returns the lean [rad] of the tool: its rotation vector without the z component.
 Vec3 lean_of(const Pose& pose) {
   Vec3 lean = turn_of(pose);
   lean.z() = 0.0;
@@ -61,7 +61,8 @@ Command cone(double stiffness, const Pose& pose) {
   return {.torque = -stiffness * (angle - kConeStop) / angle * lean};
 }
 
-/// A conical stop with damping across the lean. The damping acts only in contact with the stop.
+/// A conical stop with viscous friction at right angles to the lean. The friction acts only in
+/// contact with the stop.
 struct RubbedCone {
   double stiffness;
   Vec3 before = Vec3::Zero();  // [rad] lean at the last call
@@ -114,7 +115,8 @@ std::vector<TorqueTask> body_tasks() {
     return std::make_shared<const Scene>(parse_scene(text, file));
   };
   const auto table = made(kTable, "table"), rail = made(kRail, "rail"), ring = made(kRing, "ring");
-  constexpr double kHalfBrick = 0.01, kPegReach = 0.03;  // [m]
+  // [m] Half the height of the brick, and half the length of the peg.
+  constexpr double kHalfBrick = 0.01, kPegReach = 0.03;
   std::vector<TorqueTask> tasks = {
       body("press", table, kHalfBrick, HandPath::press, {}),
       body("screwdriver", table, kHalfBrick, HandPath::press, {WristPath::screwdriver, 0.5}),
@@ -123,7 +125,7 @@ std::vector<TorqueTask> body_tasks() {
       body("roll", rail, 0.0, HandPath::slide, {WristPath::roll, 1.2}),
       body("peg", ring, kPegReach, HandPath::press, {WristPath::tilt, 0.15})};
   HandTask& roll = tasks[4].hand;
-  roll.center = {0.0, 0.01, 0.0};  // the bar's axis, a radius above the edge
+  roll.center = {0.0, 0.01, 0.0};  // [m] the axis of the bar is 10 mm above the edge
   roll.normal = Vec3::UnitY();
   roll.radius = 0.02;
   TorqueTask& peg = tasks[5];

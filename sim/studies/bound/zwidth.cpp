@@ -9,11 +9,11 @@
 namespace feltwire {
 namespace {
 
-constexpr double kZwidthPress = 3.0;  // [N]
-constexpr double kDeepest = 0.03;     // [m] largest depth at kZwidthPress
-constexpr double kLeadIn = 0.5;       // [s]
-constexpr double kAtRest = 1.0;       // [s]
-constexpr double kDuration = 2.0;     // [s]
+constexpr double kZwidthPress = 3.0;  // [N] force with which the hand presses
+constexpr double kDeepest = 0.03;     // [m] largest assumed compression of the wall
+constexpr double kLeadIn = 0.5;       // [s] duration of the hand's approach
+constexpr double kAtRest = 1.0;       // [s] time after which the hand is at rest
+constexpr double kDuration = 2.0;     // [s] duration of a run
 
 ExperimentSetup press_setup(const Method& method, double damping, double rate, double delay,
                             double stiffness, const Hand& hand, const Plant& plant) {
@@ -66,7 +66,7 @@ Press press_wall(const Method& method, double damping, double rate, double delay
       run_experiment(wall, press_setup(method, damping, rate, delay, stiffness, hand, plant));
 
   std::vector<double> height;
-  double depth = 0.0, force = 0.0;  // sums at rest
+  double depth = 0.0, force = 0.0;  // [m], [N] sums over the samples at rest
   for (const ExperimentSample& s : samples) {
     height.push_back(s.position.z());
     if (s.time < kAtRest) continue;

@@ -7,11 +7,12 @@
 namespace feltwire {
 namespace {
 
-/// Results over all hands of a loop.
+/// Results over all hands for one method, damping, rate and delay. A hand is calm if it does not
+/// oscillate.
 struct LoopHands {
-  double largest = 0.0, least_largest = 0.0;  // [N/m] largest without oscillation: median, worst
+  double largest = 0.0, least_largest = 0.0;  // [N/m] largest calm stiffness: median, worst
   double shown = 0.0, least_shown = 0.0;      // [N/m] displayed at 5 kN/m: median, worst
-  std::size_t calm = 0, hands = 0;            // hands without oscillation at 5 kN/m; all hands
+  std::size_t calm = 0, hands = 0;            // number of calm hands at 5 kN/m, of all hands
 };
 
 LoopHands over_hands(const ZWidthCell* first, std::size_t hands) {
@@ -29,7 +30,7 @@ LoopHands over_hands(const ZWidthCell* first, std::size_t hands) {
   return loop;
 }
 
-/// The stiffness in [kN/m], or "any" at the end of the searched range.
+/// Returns the stiffness in kN/m as text, or "any" at the end of the searched range.
 std::string kilo(double stiffness) {
   if (stiffness >= StiffnessRange{}.highest) return "any";
   std::string text;

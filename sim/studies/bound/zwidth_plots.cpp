@@ -21,7 +21,8 @@ std::string marked(std::size_t delay) {
   return text;
 }
 
-/// A panel over the servo rate. Dashed: largest commanded stiffness. Solid: displayed stiffness.
+/// Returns the gnuplot text of a panel over the servo rate. Dashed lines: largest commanded
+/// stiffness without oscillation. Solid lines: displayed stiffness.
 std::string panel(const ZWidthGrid& grid, std::size_t method, std::size_t damping) {
   const std::size_t rates = grid.rates.size(), delays = grid.delays.size();
   std::string text = "set title '" + std::string(grid.methods[method].label) + "'\nplot ";
@@ -51,7 +52,7 @@ std::string legend(const ZWidthGrid& grid) {
 }  // namespace
 
 void draw_zwidth(const std::filesystem::path& directory, const ZWidthGrid& grid) {
-  const std::size_t rows = grid.methods.size() / kColumns + 1;  // with a panel for the legend
+  const std::size_t rows = grid.methods.size() / kColumns + 1;  // the legend also needs a panel
   for (std::size_t b = 0; b < grid.dampings.size(); ++b) {
     std::string name;
     append(name, "zwidth_b%g", grid.dampings[b]);

@@ -53,7 +53,7 @@ nlohmann::ordered_json json(const std::vector<ZWidthCell>& cells, const ZWidthGr
           {"cells", list}};
 }
 
-/// The stiffness in [kN/m] with three digits, or "-" if nothing is displayed.
+/// Returns the stiffness in kN/m with three digits, or "-" if no stiffness is displayed.
 std::string kilo(std::optional<double> stiffness) {
   std::string text = "-";
   if (stiffness) {
@@ -63,8 +63,8 @@ std::string kilo(std::optional<double> stiffness) {
   return text;
 }
 
-/// Adds a line for each method and damping, from the cells for which `shown` is true. `with_fixed`
-/// adds the stiffness that is displayed at the fixed stiffness.
+/// Adds a line to `text` for each method and damping, from the cells for which `shown` returns
+/// true. `with_fixed`: also adds the displayed stiffness of a wall of kFixedStiffness.
 template <class Shown>
 void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fixed,
            const Shown& shown) {
@@ -82,7 +82,7 @@ void lines(std::string& text, const std::vector<ZWidthCell>& cells, bool with_fi
   text += '\n';
 }
 
-/// Counts the calm cases of each method, over all loops and devices.
+/// Returns a table that counts the cells without oscillation for each method.
 std::string counts(const std::vector<ZWidthCell>& cells) {
   std::string text =
       "\nOf all loops and devices, how many are calm\n"
