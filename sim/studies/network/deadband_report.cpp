@@ -46,7 +46,7 @@ nlohmann::ordered_json json(const DeadbandGrid& grid, const std::vector<Deadband
           {"rows", list}};
 }
 
-/// Draws the saved datagrams over the deadband k, with a panel for each task. A second row of
+/// Draws a panel for each task: the share of saved datagrams over the deadband k. A second row of
 /// panels shows the force error.
 void draw(const std::filesystem::path& directory, const std::vector<DeadbandRow>& rows) {
   std::vector<std::string> tasks;

@@ -10,9 +10,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kDeadbandStiffness = 1000.0;  // [N/m] of every surface
-constexpr double kDeadbandBall = 0.04;         // [m] radius
-constexpr double kTremor = 1e-4;               // [m] RMS per axis
+constexpr double kDeadbandStiffness = 1000.0;  // [N/m] stiffness of all surfaces
+constexpr double kDeadbandBall = 0.04;         // [m] radius of the ball
+constexpr double kTremor = 1e-4;               // [m] tremor of the hand, RMS per axis
 
 Scene surface(const char* name, const Shape& shape, double friction) {
   Object object;
@@ -47,7 +47,7 @@ NetworkRunOptions options_of(const DeadbandTask& task, const DeadbandGrid& grid,
   return options;
 }
 
-/// The positions of a run as a recording, which another run can replay.
+/// Returns the positions of a run as a recording, which another run can replay.
 Recording recorded(const NetworkRunResult& run) {
   Recording recording;
   for (const NetworkSample& s : run.samples)
@@ -110,8 +110,8 @@ std::vector<DeadbandRow> run_deadband(const std::vector<DeadbandTask>& tasks,
                                       const DeadbandGrid& grid) {
   constexpr std::size_t kKinds = std::size(kDeadbandKinds);
   const std::size_t per_task = kKinds * grid.fractions.size();
-  // The reference runs send every datagram, and replay each movement without and with a local
-  // model. All other runs are compared with these references.
+  // The reference runs have no deadband, so they send every datagram. They replay each movement
+  // twice: without and with a local model. All other runs are compared with them.
   constexpr DeadbandKind kEvery[] = {{"every", false, false, Predictor::level, false},
                                      {"every", false, false, Predictor::level, true}};
   std::vector<DeadbandTask> replays = tasks;

@@ -19,12 +19,12 @@ std::vector<std::string> tasks_of(const std::vector<LocalModelCell>& cells) {
   return names;
 }
 
-/// Draws the force error over the round trip in a panel for each task. The last panel shows the
-/// error over the servo rate, for the rows with fewer datagrams than ticks.
+/// Draws a panel for each task: the force error over the round-trip time. The last panel shows the
+/// force error over the servo rate, for the cells with fewer datagrams than servo ticks.
 void draw(const std::filesystem::path& directory, const std::vector<LocalModelCell>& cells) {
   constexpr std::size_t kColumns = 4;
   const std::vector<std::string> tasks = tasks_of(cells);
-  constexpr std::size_t kRowHeight = 380;  // pixels
+  constexpr std::size_t kRowHeight = 380;  // [pixels] height of a row of panels
   const std::size_t rows = (tasks.size() + kColumns) / kColumns;
   std::string script;
   append(script, "set terminal pngcairo size 1500,%zu font 'Sans,11'\n", rows * kRowHeight);

@@ -15,15 +15,15 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBall = 0.09;    // [m] radius
-constexpr int kBallLevel = 6;     // 81920 triangles
-constexpr double kGrid = 2e-3;    // [m] resolution
+constexpr double kBall = 0.09;    // [m] radius of the ball
+constexpr int kBallLevel = 6;     // subdivision level of the ball's mesh: 81920 triangles
+constexpr double kGrid = 2e-3;    // [m] resolution of the distance grid
 constexpr double kRolled = 5e-3;  // [m] radius of the rolling tool
 constexpr Grain kFine{2e-5, 2e-3}, kCoarse{1e-4, 1e-2};
-constexpr double kStiffness = 1000.0;  // [N/m]
-constexpr double kPress = 3.0;         // [N]
-constexpr double kDuration = 4.0;      // [s]
-constexpr double kSettled = 0.5;       // [s]
+constexpr double kStiffness = 1000.0;  // [N/m] stiffness of the surfaces in this file
+constexpr double kPress = 3.0;         // [N] force with which the hand presses
+constexpr double kDuration = 4.0;      // [s] duration of a run
+constexpr double kSettled = 0.5;       // [s] a session may lack replies until then
 
 struct Task {
   std::string name;
@@ -50,7 +50,7 @@ HandTask hand(HandPath path, double depth = kPress / Hand{}.stiffness) {
   return task;
 }
 
-/// The tasks in the order of the result table.
+/// Returns the tasks in the order of the result table.
 std::vector<Task> all_tasks() {
   const Material smooth{.stiffness = kStiffness};
   const Material rough{.stiffness = kStiffness, .static_friction = 0.5, .dynamic_friction = 0.4};
@@ -66,7 +66,7 @@ std::vector<Task> all_tasks() {
 
   HandTask orbit = hand(HandPath::orbit);
   go_round(orbit, kBall);
-  orbit.clearance *= 2.0;  // measured from the path, which is inside the ball
+  orbit.clearance *= 2.0;  // the clearance counts from the path, which is inside the ball
   tasks.push_back(
       {"ball", Scene("ball", {object("ball", Sphere{kBall}, Vec3::Zero(), smooth)}), orbit});
 
@@ -75,8 +75,9 @@ std::vector<Task> all_tasks() {
       "ball", Mesh{std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)))},
       Vec3::Zero(), smooth);
   tasks.push_back({"mesh", Scene("mesh", {facets}), orbit});
-  // Further tasks are a ball that rolls on the mesh, and two surface textures. The hand's path in a
-  // round trip is longer than the fine wavelength and shorter than the coarse wavelength.
+  // Further tasks: a tool with a radius rolls on the mesh, and the mesh has a fine or a coarse
+  // texture. During a round trip, the hand moves farther than the wavelength of kFine, but less
+  // than the wavelength of kCoarse.
   const auto textured = [&](const char* name, const MeshOptions& options) {
     const Mesh mesh{
         std::make_shared<MeshSurface>(TriangleMesh(icosphere(kBall, kBallLevel)), options)};
@@ -101,7 +102,7 @@ std::vector<Task> all_tasks() {
 
   // The block's edge is under the middle of the path, so the hand leaves the block and returns.
   slide.frequency = 0.5;
-  const Vec3 half(0.05, 0.05, 0.05);  // [m]
+  const Vec3 half(0.05, 0.05, 0.05);  // [m] half extents of the block
   tasks.push_back(
       {"edge", Scene("edge", {object("block", Box{half}, Vec3(-half.x(), 0, -half.z()), smooth)}),
        slide});
@@ -146,7 +147,8 @@ NetworkRunOptions options_of(const Task& task, const LocalModelCell& cell) {
   return options;
 }
 
-/// [N/m] Slope of the normal force over the true depth while the depth grows, by least squares.
+/// Returns the slope [N/m] of the normal force over the true depth while the depth grows, by least
+/// squares.
 double pressing_slope(const std::vector<NetworkSample>& samples) {
   double deepest = 0.0, n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const NetworkSample& s : samples) {
@@ -160,8 +162,8 @@ double pressing_slope(const std::vector<NetworkSample>& samples) {
   return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
 }
 
-/// [s] Delay of the contact force: from the first contact at the true position to the first force
-/// on the hand.
+/// Returns the delay [s] of the contact force: from the first contact at the true position to the
+/// first force on the hand.
 double onset(const std::vector<NetworkSample>& samples) {
   const auto touched = std::ranges::find_if(
       samples, [](const NetworkSample& s) { return s.ideal.force().norm() > 0.0; });
@@ -171,7 +173,8 @@ double onset(const std::vector<NetworkSample>& samples) {
   return felt->time - touched->time;
 }
 
-/// The samples after the first kSettled seconds, in which a session may lack replies.
+/// Returns the samples without those of the first kSettled seconds, in which a session may lack
+/// replies.
 std::vector<NetworkSample> settled(const std::vector<NetworkSample>& samples, double rate) {
   const auto first = static_cast<std::ptrdiff_t>(std::llround(kSettled * rate));
   return {samples.begin() + first, samples.end()};
@@ -202,7 +205,7 @@ void measure(const Task& task, const NetworkRunOptions& options, LocalModelCell&
 }  // namespace
 
 std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
-  constexpr double kUsualRate = 1e3;  // [Hz]
+  constexpr double kUsualRate = 1e3;  // [Hz] usual servo rate
   const std::vector<Task> tasks = all_tasks();
   struct Job {
     const Task* task;
@@ -226,7 +229,7 @@ std::vector<LocalModelCell> run_local_model(const LocalModelGrid& grid) {
   for (const Task& task : tasks)
     if (task.name == "ball")
       for (const double rate : grid.rates) {
-        if (rate != kUsualRate) add(task, 0.0, rate, false);  // the first loop has the usual rate
+        if (rate != kUsualRate) add(task, 0.0, rate, false);  // the loop above has added this cell
         add(task, kUsualRoundTrip, rate, true);
       }
 

@@ -13,20 +13,20 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastRate = 100.0, kLargestRate = 1e4;  // [Hz]
-constexpr double kLongest = 600.0;                        // [s]
+constexpr double kLeastRate = 100.0, kLargestRate = 1e4;  // [Hz] limits of the servo rate
+constexpr double kLongest = 600.0;                        // [s] longest duration of a session
 
 constexpr const char* kReference = "reference";
-constexpr double kReferenceRate = 1e4;  // [Hz]
+constexpr double kReferenceRate = 1e4;  // [Hz] servo rate of the reference
 
 struct Row {
   const char* label;
   std::string_view mode;
   bool local_model = false, research = false;
-  bool as_published = false;  // a session without its energy account
+  bool as_published = false;  // without the energy account of a session
 };
-// A method that evaluates the scene away from the device cannot work over a link, so the table has
-// no such method.
+// The table omits the methods that evaluate the scene at another position than that of the device,
+// because they cannot work over a link.
 constexpr std::array kRows = {
     Row{kReference, "none"},
     Row{"none", "none"},

@@ -12,9 +12,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kBegin = 1.0;         // [s] approach of the hand, not measured
-constexpr double kClearance = 0.03;    // [m] initial height, so that a reply arrives before contact
-constexpr double kTrafficBall = 0.09;  // [m] radius
+constexpr double kBegin = 1.0;  // [s] duration of the approach of the hand, which is not measured
+constexpr double kClearance = 0.03;    // [m] start height, so that a reply comes before contact
+constexpr double kTrafficBall = 0.09;  // [m] radius of the ball
 
 struct TradeTask {
   double stiffness;  // [N/m]
@@ -36,7 +36,8 @@ Scene scene_of(const TradeTask& task) {
   return Scene("trade", {object});
 }
 
-/// A hand with a stiffness of 300 N/m and an intended depth of 10 mm: it presses with up to 3 N.
+/// Returns the task of the hand. The hand has a stiffness of 300 N/m and an intended depth of
+/// 10 mm, so it presses with up to 3 N.
 HandTask hand_of(const TradeTask& task) {
   HandTask hand;
   hand.path = task.path;
@@ -47,7 +48,7 @@ HandTask hand_of(const TradeTask& task) {
   return hand;
 }
 
-/// [s] Mean age of the newest sample that a reply answers.
+/// Returns the mean age [s] of the sample that the newest reply answers.
 double mean_age(std::span<const NetworkSample> samples, double period) {
   double sum = 0.0;
   int count = 0;
@@ -111,8 +112,8 @@ TradeNetworkCell run_traffic_cell(const SessionParameters& parameters,
 
 class Settings {
  public:
-  /// Adds the baseline setting with a change. The hold time and the keep-alive are long enough for
-  /// all settings.
+  /// Adds a setting: `change` applied to the default session parameters. The hold time and the
+  /// keep-alive time are longer than the default, to suit all packet rates.
   template <class Change>
   void add(const char* group, const std::string& name, const Change& change) {
     SessionParameters p;

@@ -76,7 +76,7 @@ constexpr const char* kStyles =
     "set style line 4 lc rgb '#d55e00' pt 3 ps 2.0 lw 2\n"
     "set grid lt 1 lc rgb '#dddddd'\nset tics nomirror\n";
 
-/// The points of a link for which `take` returns true, as an inline data block of gnuplot.
+/// Returns a gnuplot data block with a point for each cell of a link for which `take` returns true.
 template <class Take>
 std::string points(const char* block, const TrafficSettings& settings, const Cells& cells,
                    std::size_t link, const Take& take) {

@@ -13,10 +13,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSidesPress = 3.0;  // [N]
-constexpr double kDamping = 0.5;     // b [N s/m]
-constexpr double kSidesBall = 0.09;  // [m] radius
-constexpr double kRounding = 1e-9;   // [J]
+constexpr double kSidesPress = 3.0;  // [N] force with which the hand presses
+constexpr double kDamping = 0.5;     // device damping b [N s/m]
+constexpr double kSidesBall = 0.09;  // [m] radius of the ball
+constexpr double kRounding = 1e-9;   // [J] largest energy that rounding may explain
 
 struct WhereToBoundTask {
   std::string_view name;

@@ -36,7 +36,8 @@ std::string where_to_bound_hands_table(const std::vector<WhereToBoundCell>& cell
   std::string text = "\nBy eight hands, no jitter, no loss: the median of the hands / the worst\n";
   std::string_view task;
   for (std::size_t i = 0; i + kHands <= cells.size(); i += kHands) {
-    // The four bounds of a row are not adjacent cells. The cell of the first bound begins a row.
+    // A row of the table shows all four bounds, but their cells are not adjacent. The cell of the
+    // first bound begins the row.
     const WhereToBoundCell& c = cells[i];
     if (c.bound != kSidesBounds[0] || !clean(c)) continue;
     if (c.task != task) {

@@ -79,8 +79,9 @@ constexpr Panel kPanels[] = {{"oscillation [um RMS]", "($7 > 0.1 ? $7 : 0.1)", "
 constexpr const char* kColors[] = {"#999999", "#d55e00", "#0072b2", "#009e73"};
 constexpr const char* kPoints[] = {"pt 2 ps 1.2", "pt 4 ps 1.2", "pt 7 ps 1", "pt 6 ps 1.8"};
 
-/// Draws a row for each measure, a column for each task and a curve for each bound. The curves are
-/// for a line without jitter and loss. The dots are for all jitters and losses.
+/// Draws a row of panels for each measured quantity, with a column for each task and a curve for
+/// each bound (none, server, client, both). The curves are for a link without jitter and loss. The
+/// dots are for all jitters and losses.
 void draw(const std::filesystem::path& directory, const std::vector<WhereToBoundCell>& cells) {
   const auto columns = tasks(cells);
   std::string script =
@@ -108,7 +109,7 @@ void draw(const std::filesystem::path& directory, const std::vector<WhereToBound
         std::string rows;
         append(rows, "strcol(1) eq '%s' && strcol(2) eq '%s'", std::string(task).c_str(),
                bound.c_str());
-        // A horizontal shift keeps the points of different bounds apart.
+        // Shift the points of different bounds horizontally, so that they do not overlap.
         append(script, "'sides.csv' skip 1 using (($3 > 0 ? $3 : 1)*%g):(%s ? %s : NaN) ",
                0.94 + 0.04 * static_cast<double>(i), rows.c_str(), panel.column);
         append(script, "with points pt 7 ps 0.25 lc rgb '%s' notitle, ", kColors[i]);
@@ -121,7 +122,8 @@ void draw(const std::filesystem::path& directory, const std::vector<WhereToBound
   plot(directory, "sides", script + "unset multiplot\n");
 }
 
-/// The head of a table: four groups, each with a column for each of the four bounds.
+/// Returns the head of a table with four groups of columns. Each group has a column for each of the
+/// four bounds.
 std::string heads(std::string_view task, const char* over,
                   const std::array<const char*, 4>& names) {
   std::string text = "\n" + std::string(task) + ", " + over + "\nround   ";
@@ -151,9 +153,9 @@ void clean_table(std::string& text, const std::vector<WhereToBoundCell>& cells,
   }
 }
 
-/// Results of a round trip over all jitters and losses.
+/// Results for a bound and a round-trip time, over all jitters and losses.
 struct Overall {
-  double oscillation = 0.0, displayed = 0.0, error = 0.0;  // greatest, mean, mean
+  double oscillation = 0.0, displayed = 0.0, error = 0.0;  // largest of the runs; sums
   int broken = 0, count = 0;
 };
 
@@ -185,7 +187,8 @@ void overall_table(std::string& text, const std::vector<WhereToBoundCell>& cells
   }
 }
 
-/// Compares both bounds with the client's bound alone, over all round trips, jitters and losses.
+/// Adds a table that compares two bounds (at server and client) with the client's bound alone, over
+/// all round-trip times, jitters and losses.
 void difference_table(std::string& text, const std::vector<WhereToBoundCell>& cells) {
   constexpr double kNotable = 0.01;
   text +=
