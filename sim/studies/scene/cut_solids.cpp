@@ -18,7 +18,7 @@ namespace {
 
 using Flat = Eigen::Vector2d;
 
-/// The corners of a prism between -`half` and `half` in z, over a polygon in x and y.
+/// Returns the corners of a prism over a polygon in x and y, from -`half` to `half` in z.
 std::vector<Vec3> prism(const std::vector<Flat>& polygon, double half) {
   std::vector<Vec3> corners;
   for (const double z : {-half, half})
@@ -30,11 +30,13 @@ Flat at_angle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// The outline of a tooth on the x axis, counter-clockwise: up one flank, down the other.
+/// Returns the outline of a tooth that points along x. The outline is counter-clockwise: up one
+/// flank and down the other.
 std::vector<Flat> tooth(const GearShape& gear) {
-  constexpr double kPressure = std::numbers::pi / 9.0;  // [rad]
-  constexpr double kRoot = 1.25, kTip = 1.0;  // [modules] depth and height from the pitch circle
-  constexpr int kFlank = 4;                   // straight segments of an involute
+  constexpr double kPressure = std::numbers::pi / 9.0;  // [rad] pressure angle
+  // [modules] Depth of the root below, and height of the tip above the pitch circle.
+  constexpr double kRoot = 1.25, kTip = 1.0;
+  constexpr int kFlank = 4;  // number of straight segments of an involute
   const double pitch = gear.pitch_radius(), base = pitch * std::cos(kPressure);
   const double root = pitch - kRoot * gear.module, tip = pitch + kTip * gear.module;
   const auto involute = [](double angle) { return std::tan(angle) - angle; };
@@ -52,8 +54,9 @@ std::vector<Flat> tooth(const GearShape& gear) {
   return all;
 }
 
-/// Adds the walls of a prism. Seen from above, the polygon is counter-clockwise. The list of
-/// corners has the lower corners from index `low` on, and the upper corners from `high` on.
+/// Adds the side walls of a prism to `soup`. The vertices of the lower polygon begin at the index
+/// `low`, and the vertices of the upper polygon at `high`. If the polygon is counter-clockwise as
+/// seen from above, the walls face outwards.
 void add_walls(std::uint32_t low, std::uint32_t high, std::uint32_t count, TriangleSoup& soup) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t next = (i + 1) % count;
@@ -75,7 +78,7 @@ std::vector<Vec3> box_corners(const Vec3& least, const Vec3& most) {
 }  // namespace
 
 CutSolid box_solid(const Vec3& half) {
-  constexpr int kUnused = 3;  // a box has no round sides
+  constexpr int kUnused = 3;  // number of segments of a circle; a box has no circles
   return {tessellate(Box{half}, kUnused), {box_corners(-half, half)}};
 }
 
@@ -100,7 +103,8 @@ CutSolid gear_solid(const GearShape& gear) {
   soup.vertices.emplace_back(0.0, 0.0, -half);
   soup.vertices.emplace_back(0.0, 0.0, half);
   add_walls(0, count, count, soup);
-  // Close each end with triangle fans: around the axis for the hub, around a root for each tooth.
+  // Close both ends with triangles. The triangles of the hub have a corner on the axis, and the
+  // triangles of a tooth have a corner at its first root vertex.
   const auto add_ends = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     soup.triangles.push_back({a, c, b});
     soup.triangles.push_back({a == axis ? axis + 1 : count + a, count + b, count + c});
@@ -129,7 +133,7 @@ CutSolid link_solid(const LinkShape& link) {
   soup.vertices.insert(soup.vertices.end(), within.begin(), within.end());
   constexpr std::uint32_t kSides = 4, kInner = 8;
   add_walls(0, kSides, kSides, soup);
-  add_walls(kInner + kSides, kInner, kSides, soup);  // the hole's walls face inwards
+  add_walls(kInner + kSides, kInner, kSides, soup);  // indices exchanged: these walls face the axis
   for (std::uint32_t i = 0; i < kSides; ++i) {
     const std::uint32_t next = (i + 1) % kSides;
     for (const std::uint32_t up : {0U, kSides}) {
@@ -147,8 +151,8 @@ CutSolid link_solid(const LinkShape& link) {
 }
 
 CutSolid bunny_solid(double tolerance, std::size_t triangles) {
-  constexpr double kCentimetre = 0.01;  // [m] unit of the file
-  constexpr double kLeftOut = 0.25;     // tolerance of the corners over that of the parts
+  constexpr double kCentimetre = 0.01;  // [m] length unit of the file
+  constexpr double kLeftOut = 0.25;     // ratio of the tolerance for corners to that for parts
   CutSolid solid;
   solid.surface = finer_surface(parse_mesh(embedded::bunny, "bunny.obj", kCentimetre), triangles);
   Vec3 least = solid.surface.vertices.front(), most = least;

@@ -11,11 +11,12 @@
 namespace feltwire {
 namespace {
 
-using Edge = std::pair<std::uint32_t, std::uint32_t>;  // in ascending order
+using Edge = std::pair<std::uint32_t, std::uint32_t>;  // two vertex indices in ascending order
 
 Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Vertex normals: the area-weighted mean of the normals of the adjacent triangles.
+/// Returns the normals at the vertices: the area-weighted mean of the normals of the adjacent
+/// triangles.
 std::vector<Vec3> normals(const TriangleSoup& surface) {
   std::vector<Vec3> all(surface.vertices.size(), Vec3::Zero());
   for (const auto& [a, b, c] : surface.triangles) {
@@ -27,7 +28,7 @@ std::vector<Vec3> normals(const TriangleSoup& surface) {
   return all;
 }
 
-/// The longest edges of a surface, each once, at most `most` of them.
+/// Returns the longest edges of a surface, each edge once, and at most `most` edges.
 std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
   std::vector<std::pair<double, Edge>> edges;
   for (const auto& corners : surface.triangles)
@@ -42,7 +43,8 @@ std::vector<Edge> longest(const TriangleSoup& surface, std::size_t most) {
   return result;
 }
 
-/// Halves edges. Each halved edge adds two triangles.
+/// Returns the surface with a new vertex in the middle of each edge in `halved`. Each of these
+/// edges adds two triangles.
 TriangleSoup with_halved(const TriangleSoup& surface, const std::vector<Edge>& halved) {
   const std::vector<Vec3> normal = normals(surface);
   TriangleSoup finer{surface.vertices, {}};
@@ -60,7 +62,7 @@ TriangleSoup with_halved(const TriangleSoup& surface, const std::vector<Edge>& h
   };
   for (auto [a, b, c] : surface.triangles) {
     auto ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    // Turn the triangle so that the halved edges come first.
+    // Rotate the order of the corners so that the halved edges come first.
     while ((!ab && (bc || ca)) || (ab && !bc && ca)) {
       std::tie(a, b, c) = std::tuple(b, c, a);
       std::tie(ab, bc, ca) = std::tuple(bc, ca, ab);

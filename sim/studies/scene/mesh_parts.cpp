@@ -17,7 +17,7 @@ namespace feltwire {
 namespace {
 
 TriangleMesh refined_once(const TriangleMesh& mesh) {
-  constexpr double kBend = 0.75;  // weight of the bent middle of an edge
+  constexpr double kBend = 0.75;  // weight of `bent` in the new vertex; the rest is `flat`
   const MeshSurface surface{TriangleMesh(mesh), {.smooth = true}};
   TriangleSoup soup;
   for (const Vec3& v : mesh.vertices()) soup.vertices.push_back(mesh.origin() + v);
@@ -53,11 +53,12 @@ Object mesh_object(const char* name, const Shape& shape, const Vec3& position) {
   return object;
 }
 
-/// [us] Time of a tick with a body at rest, after its fall on the still objects.
+/// Returns the CPU time [us] of a simulation tick. The body has fallen on the still objects and is
+/// at rest.
 double tick_us(std::vector<Object> objects, Joint joint,
                const std::shared_ptr<const ConvexSolids>& solids) {
   constexpr std::size_t kSettle = 3000, kMeasured = 1000;
-  constexpr double kWater = 1000.0, kNano = 1e-3;  // [kg/m^3], [us]
+  constexpr double kWater = 1000.0, kNano = 1e-3;  // [kg/m^3] density; [us] per ns
   Body body;
   body.name = "body";
   body.density = kWater;

@@ -39,9 +39,9 @@ std::string box_geom(const Vec3& at, const Vec3& half) {
   return "<geom type=\"box\" pos=\"" + numbers(at) + "\" size=\"" + numbers(half) + "\"/>";
 }
 
-/// The walls around a pocket with this half size.
+/// Returns the MJCF geoms of the walls around a pocket with this half size [m].
 std::string walls(const Vec3& half) {
-  constexpr double kThick = 0.02;  // [m] half the thickness
+  constexpr double kThick = 0.02;  // [m] half the thickness of a wall
   std::string text;
   for (Eigen::Index axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
@@ -82,7 +82,7 @@ mujoco::Model compiled(const std::string& text) {
   return std::move(loaded.model);
 }
 
-/// Throws std::runtime_error if MuJoCo fails.
+/// Calls `call`, which calls MuJoCo. Throws std::runtime_error if MuJoCo fails.
 template <class Call>
 void require(Call call) {
   if (!mujoco::guarded(call)) throw std::runtime_error("MuJoCo cannot compute a task");
@@ -120,7 +120,7 @@ Vec6 MujocoTool::pull(const Pose& device) const {
   const Pose at = pose();
   const ToolCoupling& spring = tool_.coupling();
   const ToolInertia& damper = tool_.inertia();
-  const double* v = data_->qvel;  // linear in the world frame, angular in the tool's frame
+  const double* v = data_->qvel;  // linear velocity in the world frame, angular in the tool's
   Vec6 wrench;
   wrench << spring.stiffness * (device.position - at.position) +
                 damper.damping * (device_velocity_.head<3>() - mujoco::vector(v)),
@@ -136,7 +136,7 @@ Vec6 MujocoTool::step(const Pose& device) {
   before_ = device;
   Vec6 wrench = pull(device);
   const Vec3 arm = pose().orientation * tool_.inertia().center, force = wrench.head<3>();
-  wrench.tail<3>() -= arm.cross(force);  // torque about the centre of mass
+  wrench.tail<3>() -= arm.cross(force);  // the torque is now about the centre of mass
   Eigen::Map<Vec6>(data_->xfrc_applied + std::ptrdiff_t{6} * kTool) = wrench;
   mjModel* const model = model_.get();
   mjData* const data = data_.get();

@@ -14,7 +14,8 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 const Vec3 kX = Vec3::UnitX(), kY = Vec3::UnitY(), kZ = Vec3::UnitZ();
 
-/// Rises from 0 to 1 and returns to 0. The slope is zero at both ends.
+/// Returns 0 at the start of a task, 1 in the middle and 0 at the end. `share`: elapsed fraction of
+/// the task. The slope is zero at the start and at the end.
 double there_and_back(double share) { return 0.5 - 0.5 * std::cos(kTurn * share); }
 
 SixDofTask peg(const std::string& name, double play) {
@@ -27,7 +28,8 @@ SixDofTask peg(const std::string& name, double play) {
   task.contact_area = 4.0 * half.x() * half.z();
   task.press = kX;
   task.device = [](double share) {
-    constexpr double kSway = 1e-3, kTilt = 0.02, kSways = 2.0;  // [m], [rad]
+    // [m] and [rad] amplitudes, and the number of oscillations.
+    constexpr double kSway = 1e-3, kTilt = 0.02, kSways = 2.0;
     const double size = there_and_back(share), phase = kSways * kTurn * share;
     return moved({}, size * kSway * Vec3(std::sin(phase), std::cos(phase), 2.0 * std::sin(phase)),
                  size * kTilt * Vec3(std::cos(phase), std::sin(phase), 0.0));
@@ -36,14 +38,15 @@ SixDofTask peg(const std::string& name, double play) {
 }
 
 SixDofTask gears() {
-  constexpr double kRoll = 0.25, kTwist = 0.04;  // [rad] around the other gear; against its flanks
+  // [rad] Roll around the other gear, and an extra turn that presses the teeth together.
+  constexpr double kRoll = 0.25, kTwist = 0.04;
   const GearShape gear;
   SixDofTask task;
   task.name = "gears";
   task.tool = task.solid = gear_solid(gear);
   task.contact_area = 4e-5;
   task.press = kY;
-  // At angle `gap`, a gap between two teeth of this gear faces a tooth of the other gear.
+  // Turned by `gap`, this gear has a tooth space at the place of a tooth of the other gear.
   const double gap = std::numbers::pi / gear.teeth, apart = 2.0 * gear.pitch_radius();
   task.device = [gap, apart](double share) {
     const double size = there_and_back(share), roll = kRoll * std::sin(kTurn * share) * size;
@@ -54,7 +57,7 @@ SixDofTask gears() {
 }
 
 SixDofTask chain() {
-  constexpr double kFree = 0.5e-3;  // [m]
+  constexpr double kFree = 0.5e-3;  // [m] initial distance from contact
   const LinkShape link;
   SixDofTask task;
   task.name = "chain";
@@ -63,7 +66,7 @@ SixDofTask chain() {
   task.press = kX;
   const double taut = link.length - 2.0 * link.bar;
   task.device = [taut](double share) {
-    constexpr double kPull = 1.5e-3, kSway = 2e-3, kTilt = 0.1;  // [m], [rad]
+    constexpr double kPull = 1.5e-3, kSway = 2e-3, kTilt = 0.1;  // [m], [rad] amplitudes
     const double size = there_and_back(share), phase = 2.0 * kTurn * share;
     const Pose begin{(taut - kFree) * kX, Quaternion(Eigen::AngleAxisd(0.25 * kTurn, kX))};
     return moved(begin, size * Vec3(kPull, kSway * std::sin(phase), 0.0),
@@ -73,7 +76,8 @@ SixDofTask chain() {
 }
 
 SixDofTask edge() {
-  constexpr double kAbove = 0.5e-3, kPress = 1e-3, kBegin = -0.05, kWay = 0.06;  // [m]
+  // [m] Start height above the table, depth of the press, start in x, length of the path in x.
+  constexpr double kAbove = 0.5e-3, kPress = 1e-3, kBegin = -0.05, kWay = 0.06;
   const Vec3 half(0.03, 0.02, 0.01), table(0.1, 0.1, 0.02);
   SixDofTask task;
   task.name = "edge";
@@ -93,7 +97,8 @@ SixDofTask edge() {
 }
 
 SixDofTask ridge() {
-  constexpr double kHalf = 0.01, kSide = 0.012;  // [m] half size of both boxes; start of the device
+  // [m] Half size of the tool, and half the length of its path in x.
+  constexpr double kHalf = 0.01, kSide = 0.012;
   SixDofTask task;
   task.name = "ridge";
   task.tool = box_solid(Vec3::Constant(kHalf));
@@ -103,14 +108,17 @@ SixDofTask ridge() {
   task.contact_area = 1e-5;
   task.press = -kZ;
   task.device = [on_edge](double share) {
-    constexpr double kAcross = 2.0 * kSide, kLow = 4e-3;  // [m]
+    // [m] Length of the path, and the depth of the tool's lower edge below the upper edge of the
+    // solid.
+    constexpr double kAcross = 2.0 * kSide, kLow = 4e-3;
     const double height = 2.0 * std::numbers::sqrt2 * kHalf - kLow;
     return Pose{Vec3(kAcross * there_and_back(share) - kSide, 0.0, height), on_edge};
   };
   return task;
 }
 
-/// [m] First x at which the tool touches the solid, on a path along -x from far away.
+/// Moves the tool along -x from a distant position. Returns the x [m] of the first contact with the
+/// solid.
 double first_contact(const SixDofTask& task, const Quaternion& orientation) {
   constexpr double kFar = 0.15, kStep = 1e-4;
   const PolygonBody body = polygon_body(task.tool.parts, {solid_parts_of(task)});
@@ -126,7 +134,8 @@ double first_contact(const SixDofTask& task, const Quaternion& orientation) {
 }
 
 SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangles) {
-  constexpr double kFree = 0.5e-3, kPress = 3e-3, kSlide = 4e-3, kTilt = 0.05;  // [m], [rad]
+  // [m] Initial distance, depth of the press and amplitude of the slide. [rad] Tilt.
+  constexpr double kFree = 0.5e-3, kPress = 3e-3, kSlide = 4e-3, kTilt = 0.05;
   SixDofTask task;
   task.name = name;
   task.tool = task.solid = bunny_solid(tolerance, triangles);
@@ -145,7 +154,8 @@ SixDofTask bunny(const std::string& name, double tolerance, std::size_t triangle
 
 struct NamedTask {
   std::string name;
-  /// `tolerance` [m] and `triangles` (0: unchanged) are the arguments of bunny_solid().
+  /// Makes the task. `tolerance` [m] and `triangles` (0: unchanged) are the arguments of
+  /// bunny_solid().
   std::function<SixDofTask(const std::string& name, double tolerance, std::size_t triangles)> made;
   bool fine = false;
 };

@@ -12,9 +12,9 @@
 namespace feltwire {
 namespace {
 
-constexpr double kNoLimit = 1000.0;      // [N] high enough to avoid saturation
-constexpr double kMass = 0.1;            // [kg]
-constexpr std::size_t kShownPoints = 8;  // for display: polygons have no point contacts
+constexpr double kNoLimit = 1000.0;      // [N] force limit that is too high to act
+constexpr double kMass = 0.1;            // [kg] mass of a tool with mass
+constexpr std::size_t kShownPoints = 8;  // number of points to display a tool of polygons
 
 ToolInertia inertia_of(const TriangleSoup& surface, const ToolCoupling& coupling, bool midpoint) {
   const MassProperties solid = mass_properties(TriangleMesh(surface));
@@ -49,8 +49,8 @@ SixDofTool sixdof_tool(const SixDofTask& task, SixDofMethod method, std::size_t 
   const auto polygons = method.polygons ? std::make_shared<const PolygonBody>(
                                               polygon_body(task.tool.parts, {solid_parts_of(task)}))
                                         : nullptr;
-  // Both contact methods use the radius of the surface. A point shell has another radius: the
-  // distance of its farthest point.
+  // Use the radius of the surface for points and for polygons, so that both have the same coupling.
+  // The radius of a point shell would differ: it is the distance of its farthest point.
   double radius = 0.0;
   for (const Vec3& v : task.tool.surface.vertices) radius = std::max(radius, v.norm());
   ToolCoupling coupling{.stiffness = kSixDofStiffness, .max_force = kNoLimit};

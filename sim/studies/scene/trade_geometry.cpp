@@ -16,7 +16,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kScattered = 1 << 14;  // number of places
+constexpr std::size_t kScattered = 1 << 14;  // number of scattered positions
 constexpr std::size_t kScatterLaps = 9;
 
 using Field = std::function<FieldPoint(const Vec3&)>;
@@ -34,10 +34,11 @@ std::vector<Vec3> scattered() {
   return places;
 }
 
-/// [N] The contact force of a point in a distance field: -k d grad d.
+/// Returns the contact force [N] at a point of a distance field: -k d grad d, with the distance d.
 Vec3 force(const FieldPoint& field) { return -kGlideStiffness * field.distance * field.gradient; }
 
-/// `scattered_field` is called at places in random order, so its last place does not help.
+/// Measures the errors and the time of `field` along a path. Also measures the time of
+/// `scattered_field` at scattered positions, where the last query does not help the next one.
 void measure(const Field& field, const Field& scattered_field, GeometryCell& cell) {
   const auto path = glide();
   double error = 0.0, whole = 0.0;
@@ -59,7 +60,7 @@ void measure(const Field& field, const Field& scattered_field, GeometryCell& cel
   cell.force_error = std::sqrt(error / whole);
 
   const auto places = scattered();
-  volatile double kept = 0.0;  // prevents removal of the work by the compiler
+  volatile double kept = 0.0;  // so that the compiler does not remove the work
   double sum = 0.0;
   cell.glide_ns = cost_ns(path.size(), [&](std::size_t i) { sum += field(path[i]).distance; });
   cell.scattered_ns = cost_ns(
@@ -126,8 +127,9 @@ GeometryCell nearest_on_mesh(int level) {
 
 Vec3 in_float(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
-/// Measures the god-object method. Each query continues from the last place of the proxy, but at
-/// scattered places each query starts anew. `rounded`: corners and tool have float precision.
+/// Measures the god-object method. On the path, each query starts at the last position of the
+/// proxy. At scattered positions, each query starts without an earlier proxy. `rounded`: the
+/// vertices and the tool's positions have float precision.
 GeometryCell proxy_on_mesh(int level, bool rounded) {
   TriangleSoup soup = icosphere(kGlideBall, level);
   if (rounded)

@@ -37,7 +37,8 @@ constexpr Curve kCurves[] = {{"analytic", "double", 1},       {"mesh, nearest", 
                              {"mesh, proxy", "double", 6},    {"grid, linear", "float", 3},
                              {"grid, quadratic", "float", 4}, {"grid, quadratic", "double", 5}};
 
-/// The gnuplot text of a panel: a data block with the points (x, y) of each curve, and the plot.
+/// Returns the gnuplot text of a panel: a data block with the points (x, y) of each curve, and the
+/// plot command.
 template <class X, class Y>
 std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x, const Y& y) {
   std::string data, plots = "plot ";
@@ -55,7 +56,7 @@ std::string panel(const std::vector<GeometryCell>& cells, int number, const X& x
   return data + plots + "NaN notitle\n";
 }
 
-// A logarithmic axis has no zero, so an exact result is drawn at these values.
+// A logarithmic axis has no zero, so an error of zero is drawn at these values.
 constexpr double kFloorDegrees = 1e-6, kFloorNewton = 1e-9, kFloorPercent = 1e-8;
 double degrees(const GeometryCell& c) {
   return std::max(kFloorDegrees, c.direction_error * kDegrees);

@@ -12,10 +12,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kMassPeriod = 1e-3, kMassGravity = 9.81;  // [s], [m/s^2]
-constexpr double kMassContact = 1000.0;                    // [N/m] of the task's plane
-const Vec3 kMassHalf(0.03, 0.02, 0.01);                    // [m]
-constexpr double kMassFace = 4.0 * 0.03 * 0.02;            // [m^2]
+constexpr double kMassPeriod = 1e-3, kMassGravity = 9.81;  // [s] servo period, [m/s^2] gravity
+constexpr double kMassContact = 1000.0;                    // [N/m] stiffness of the plane
+const Vec3 kMassHalf(0.03, 0.02, 0.01);                    // [m] half extents of the tool's box
+constexpr double kMassFace = 4.0 * 0.03 * 0.02;  // [m^2] area of the largest face of the box
 constexpr std::size_t kMassPoints = 200, kMassCostPoints = 1000;
 const std::vector<std::string> kMassWays = {"none", "implicit", "midpoint"};
 const std::vector<std::string> kMassTasks = {"sway", "tap"};
@@ -42,7 +42,7 @@ Object mass_plane(double stiffness) {
   return plane;
 }
 
-/// The pose of the device in a task at `time` [s].
+/// Returns the pose of the device in a task at `time` [s].
 Pose device_at(const std::string& task, double time) {
   const double turn = 2.0 * std::numbers::pi * time;
   Pose device;
@@ -53,14 +53,16 @@ Pose device_at(const std::string& task, double time) {
   return device;
 }
 
-/// A tool on a critically damped coupling that does not saturate.
+/// Returns a tool with a critically damped coupling, and with a force limit that is too high to
+/// act.
 BodyTool damped_tool(const std::string& way, double mass, std::size_t points) {
   const BodyTool tool = mass_tool(way, mass, {.max_force = 1000.0}, points);
   return {tool.shell(), tool.coupling(), kMassFace,
           critically_damped(tool.inertia(), tool.coupling())};
 }
 
-/// [N] The hand's force at `count` times, once a period, with `finer` steps in each period.
+/// Returns the force [N] on the hand at the end of each of `count` periods. Each period has `finer`
+/// integration steps.
 std::vector<Vec3> felt(const BodyTool& tool, const std::string& task, double period, int count,
                        int finer) {
   const Object plane = mass_plane(kMassContact);
@@ -111,7 +113,8 @@ struct Thrown {
   const Pose device{Vec3(0.0, 0.0, 0.01), Quaternion::Identity()};
   BodyMemory memory = {};
 
-  /// [J] Total energy. The potential energy of the tool's weight is zero at the device's height.
+  /// Returns the total energy [J]. The potential energy of the tool is zero if its centre of mass
+  /// is at the height of the device.
   double energy(const BodyStep& step) const {
     const ToolInertia& i = tool.inertia();
     return step.stored + step.kinetic -
@@ -120,7 +123,8 @@ struct Thrown {
   BodyStep step() { return step_body(tool, std::span(&plane, 1), device, kMassPeriod, memory); }
 };
 
-/// [J] Energy of the tool at rest. A tool on a critically damped coupling is at rest after `steps`.
+/// Returns the energy [J] of the tool at rest. Simulates `steps` steps of a critically damped tool,
+/// which is then at rest.
 double rest_energy(const std::string& way, double stiffness, double mass, int steps) {
   if (way == "none") return 0.0;
   const BodyTool calm = damped_tool("implicit", mass, kMassPoints);
@@ -138,7 +142,7 @@ MassStability thrown_at(const std::string& way, double stiffness, double mass, d
   thrown.memory.placed = true;
   thrown.memory.pose = {Vec3(0.0, 0.0, 0.02), Quaternion(Eigen::AngleAxisd(kTilt, Vec3::UnitY()))};
   thrown.memory.velocity.linear.z() = -kSpeed;
-  // A step of zero duration gives the initial energy.
+  // A step with a duration of zero returns the initial energy.
   const BodyStep first =
       step_body(tool, std::span(&thrown.plane, 1), thrown.device, 0.0, thrown.memory);
   const double rest = rest_energy(way, stiffness, mass, 2 * steps);

@@ -50,7 +50,7 @@ std::string mass_accuracy_table(const MassTrade& trade) {
       continue;
     append(text, "%9g", kToMilli * c.period);
   }
-  // The rows are sorted by task and mass. Each integration method has a row.
+  // The table has a row for each task, mass and integration method, in the order of `accuracy`.
   for (const MassAccuracy& first : trade.accuracy) {
     if (first.period != trade.accuracy.front().period) continue;
     append(text, "\n%-5s %8g  %-9s", first.task.c_str(), kToGrams * first.mass, first.way.c_str());

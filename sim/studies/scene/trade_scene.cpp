@@ -15,19 +15,20 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kStretch = 500;   // samples of a case in a round
-constexpr std::size_t kWarm = 50;       // samples before each round, to fill the caches
-constexpr std::size_t kTicks = 10;      // ticks of a round, if the scene has bodies
-constexpr std::size_t kSingles = 4000;  // samples that are timed one by one
+constexpr std::size_t kStretch = 500;   // number of timed samples of a case in each round
+constexpr std::size_t kWarm = 50;       // number of earlier, untimed samples, which fill the caches
+constexpr std::size_t kTicks = 10;      // number of ticks in each round, if the scene has bodies
+constexpr std::size_t kSingles = 4000;  // number of samples that are timed one by one
 
-/// [bytes] Heap in use, from malloc's statistics, with the mapped chunks.
+/// Returns the heap memory in use [bytes], by the statistics of malloc. Includes chunks from
+/// mmap().
 double heap_bytes() {
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// Returns the result of make() and counts its heap memory. A new thread runs make(), because a
-/// used thread has a cache of freed chunks, which would distort the count.
+/// Returns the result of make(), and sets `bytes` to its heap memory. Calls make() in a new thread.
+/// A thread that has run before may have a cache of freed chunks, which distorts the count.
 template <class Make>
 auto weighed(const Make& make, double& bytes) {
   decltype(make()) made;
@@ -51,7 +52,7 @@ control::JoinRequest request(const SceneCase& c) {
   return request;
 }
 
-/// A case with a scene, and with sessions of moving hands.
+/// The scene of a case, with a session for each client. The hands of the clients move.
 class SceneRun {
  public:
   explicit SceneRun(const SceneCase& c) : path_(glide(kGlideBall + c.radius - kGlideDepth)) {
@@ -78,7 +79,7 @@ class SceneRun {
     batch_.rotation = scene_->requirements().rotation;
   }
 
-  /// Sends a sample of the next hand to its session.
+  /// Gives the next sample to a session. The sessions take turns.
   void sample() {
     const std::size_t client = taken_ % sessions_.size();
     const std::uint64_t index = 1 + taken_ / sessions_.size();
@@ -139,7 +140,8 @@ double stretch_ns(const Work& work) {
       kStretch, [&](std::size_t) { work(); }, 1);
 }
 
-/// The base scene, computed by the product and by bare_touch(). Each way has its own bound.
+/// Computes the force of the base scene in two ways: product() with Scene::touch(), and bare() with
+/// bare_touch(). Each way has its own bounding method.
 class BarePair {
  public:
   explicit BarePair(const Scene& scene)
@@ -173,8 +175,8 @@ class BarePair {
 
 }  // namespace
 
-// This function has the contact with the shapes and the checks against hostile samples. It has no
-// friction, damping, velocity, tree, guides, tools or motion.
+// This function computes the contact with the shapes, and checks for invalid samples. It omits
+// friction, damping, velocity, the search tree, guides, tools and moving bodies.
 Command bare_touch(std::span<const Object> objects, const Tool& tool,
                    std::span<ContactMemory> memory) noexcept {
   if (!tool.position.allFinite() || !tool.velocity.allFinite() || memory.size() != objects.size())
@@ -205,14 +207,14 @@ BareCost run_bare(std::size_t rounds) {
     return stretch_ns([&] { kept += (whole ? pair.product(i) : pair.bare(i)).elastic, ++i; });
   };
   for (std::size_t round = 0; round < rounds; ++round) {
-    const bool first = round % 2 == 0;  // alternates, because the second lap finds warm caches
+    const bool first = round % 2 == 0;  // alternates, because the second lap finds filled caches
     const double a = lap(first), b = lap(!first);
     product.push_back(first ? a : b);
     bare.push_back(first ? b : a);
     more.push_back(product.back() - bare.back());
     n += kWarm + kStretch;
   }
-  volatile double used = kept.sum();  // prevents removal of the work by the compiler
+  volatile double used = kept.sum();  // so that the compiler does not remove the work
   static_cast<void>(used);
   return {quantile(bare, kMedian), quantile(product, kMedian), quantile(more, kMedian)};
 }

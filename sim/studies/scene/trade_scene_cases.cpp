@@ -14,7 +14,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMiddleBall = 1;  // index among the objects
+constexpr std::size_t kMiddleBall = 1;  // index of the ball in base_objects()
 constexpr double kMillimetre = 1e-3;    // [m]
 
 std::vector<Object> base_objects() {
@@ -32,7 +32,7 @@ std::vector<Object> base_objects() {
   return objects;
 }
 
-/// The base scene with a change to its ball.
+/// Returns a function that makes the base scene with a change to its ball.
 template <class Change>
 std::function<Scene()> ball(const Change& change) {
   return [change] {
@@ -82,9 +82,9 @@ SceneCase held(std::string what, std::string need, double radius, std::size_t po
 }
 
 constexpr int kPebbleRow = 10;
-constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] distance of the centres; radius
+constexpr double kPebblesApart = 0.1, kSmall = 0.02;  // [m] distance between the centres; radius
 
-/// A small ball outside of the hand's path.
+/// Returns a small ball outside the path of the hand. `i`: number of the ball.
 Object pebble(std::size_t i) {
   const auto n = static_cast<int>(i);
   Object object;
@@ -109,13 +109,14 @@ SceneCase many(std::size_t count, std::vector<std::string> needs) {
           }};
 }
 
-/// A case in which the ball is a body that is too heavy to move. Other bodies float beside it.
+/// Returns a case with moving bodies. The first body is the ball, which is too heavy to move. The
+/// other bodies float beside it.
 SceneCase moving(std::size_t count, const std::optional<Shape>& pebbles = {},
                  std::vector<std::string> needs = {"motion"}) {
   const std::string what =
       count == 1 ? "1 body" : std::to_string(count) + (pebbles ? " mesh bodies" : " bodies");
   return {what, std::move(needs), [count, pebbles] {
-            constexpr double kStays = 1e6, kLight = 0.1;  // [kg]
+            constexpr double kStays = 1e6, kLight = 0.1;  // [kg] mass of the ball; of a pebble
             auto objects = base_objects();
             std::vector<int> body_of(objects.size(), -1);
             std::vector<Body> bodies(count);

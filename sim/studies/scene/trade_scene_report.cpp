@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kThousand = 1e3, kHundred = 100.0;
 
-/// [%] Extra cost of the product over bare_touch(), relative to a whole step of the base scene with
-/// session and account.
+/// Returns the extra time [%] of Scene::touch() over bare_touch(), relative to the time `of` [ns].
 double share(const BareCost& bare, double of) { return kHundred * bare.more_ns / of; }
 
-/// A panel with a row for each case. `column` is on the horizontal axis.
+/// Returns the gnuplot text of a panel with a row for each case. `column` is on the horizontal
+/// axis.
 std::string column_panel(const char* label, const char* column, const char* colour) {
   std::string text;
   append(text, "set xlabel '%s'\n", label);

@@ -17,17 +17,17 @@ namespace {
 constexpr std::array<SixDofMethod, 5> kMethods = {
     {{false, false}, {true, false}, {false, true}, {true, true}, {true, true, true}}};
 
-/// The resolution of a run.
+/// The time resolution of a run.
 struct Fineness {
-  int steps = 1;         // integration steps per sample
-  std::size_t most = 0;  // most iterations, for a tool without mass
+  int steps = 1;         // number of integration steps per sample
+  std::size_t most = 0;  // largest number of extra iterations per step, if there is no mass
 };
 
 int samples_of(const SixDofTask& task, const SixDofGrid& grid) {
   return static_cast<int>(std::lround(task.time * grid.slower / kSixDofPeriod));
 }
 
-/// [N], [N m] Force and torque on the hand at each sample.
+/// Returns the force [N] and the torque [N m] on the hand at each sample.
 std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int samples,
                        const Fineness& fineness) {
   const double h = kSixDofPeriod / fineness.steps;
@@ -48,8 +48,8 @@ std::vector<Vec6> felt(const SixDofTool& tool, const SixDofTask& task, int sampl
   return wrenches;
 }
 
-/// RMS errors of the force and of the torque, relative to the RMS of the reference force. The
-/// torque is divided by the tool's `radius`.
+/// Returns the RMS errors of the force and of the torque, relative to the RMS of the reference
+/// force. The torque is divided by the `radius` of the tool.
 std::pair<double, double> errors(const std::vector<Vec6>& felt, const std::vector<Vec6>& reference,
                                  double radius) {
   double force = 0.0, torque = 0.0, whole = 0.0;
@@ -69,8 +69,9 @@ double largest_jump(const std::vector<Vec6>& wrenches) {
   return jump;
 }
 
-/// A tool without mass is in balance at every sample. Finer steps then hardly change the result, so
-/// the reference uses more points instead.
+/// Returns the forces and torques of the same method with a finer resolution. A tool without mass
+/// is in balance at every sample, so finer steps hardly change its result. Its reference has more
+/// points instead.
 std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const SixDofGrid& grid,
                             int finer) {
   constexpr std::size_t kRepeats = 50;
@@ -82,17 +83,18 @@ std::vector<Vec6> reference(const SixDofTask& task, SixDofMethod method, const S
   return felt(tool, task, samples_of(task, grid), fineness);
 }
 
-/// True if a device that presses along a line comes to rest. In the last third of the time the
-/// device must be slow, or its energy at most half of the energy in the third before. A sustained
-/// bounce fails.
+/// Returns true if a device that presses the tool along a line comes to rest. In the last third of
+/// the time, the device must be slow, or its energy at most half of its energy in the second third.
+/// A device that bounces steadily is not at rest.
 bool is_calm(const SixDofTool& tool, const SixDofTask& task, double time) {
   constexpr double kDeviceMass = 0.05, kDamping = 2.0, kPush = 0.25;  // [kg], [N s/m], [N]
-  constexpr double kSlow = 1e-3, kFar = 0.1;                          // [m/s], [m]
+  // [m/s] A slower device is at rest. [m] A device at a larger distance has left the tool.
+  constexpr double kSlow = 1e-3, kFar = 0.1;
   constexpr double kFades = 0.5;
-  constexpr int kFiner = 20;  // steps of the device per step of the tool
+  constexpr int kFiner = 20;  // number of steps of the device per step of the tool
   const Pose begin = task.device(0.0);
   Pose device = begin;
-  double velocity = 0.0;  // [m/s] along the line
+  double velocity = 0.0;  // [m/s] of the device along the line
   BodyMemory memory;
   const int steps = static_cast<int>(std::lround(time / kSixDofPeriod)), third = steps / 3;
   std::array<double, 3> squares{};
@@ -130,7 +132,7 @@ void measure_felt(const SixDofTool& tool, const SixDofTask& task, SixDofMethod m
   });
 }
 
-/// Calls `begin()` before each lap. Only `step(device)` is timed.
+/// Measures the time of `step(device)` in several laps of a task. Calls `begin()` before each lap.
 template <class Begin, class StepTo>
 void measure_times(const SixDofTask& task, const SixDofGrid& grid, const Begin& begin,
                    const StepTo& step, SixDofCell& cell) {
@@ -183,7 +185,7 @@ SixDofCell measure_mujoco(const SixDofTask& task, const SixDofGrid& grid) {
   return cell;
 }
 
-/// Adds the row of MuJoCo after the rows of each task.
+/// Returns `cells` with a row for MuJoCo after the rows of each task.
 std::vector<SixDofCell> with_mujoco(const std::vector<SixDofTask>& tasks, const SixDofGrid& grid,
                                     const std::vector<SixDofCell>& cells) {
   std::vector<SixDofCell> all;
@@ -203,7 +205,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
   std::vector<SixDofCell> cells(tasks.size() * kMethods.size());
   std::vector<SixDofTool> tools;
   tools.reserve(cells.size());
-  // The times are measured first, while no other work runs.
+  // Measure the times first, while no other work runs.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const SixDofTask& task = tasks[i / kMethods.size()];
     const SixDofMethod method = kMethods[i % kMethods.size()];
@@ -213,7 +215,7 @@ std::vector<SixDofCell> run_trade_sixdof(const SixDofGrid& grid) {
     cells[i].contact = method.polygons ? "polygons" : "points";
     cells[i].mass = !method.mass ? "none" : method.midpoint ? "midpoint" : "implicit";
   }
-  // The last tasks take longest, so they begin first.
+  // Begin with the last tasks, because they take longest.
   parallel_for(cells.size(), [&](std::size_t n) {
     const std::size_t i = cells.size() - 1 - n;
     measure_felt(tools[i], tasks[i / kMethods.size()], kMethods[i % kMethods.size()], grid,

@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;  // [rad] in a degree
-constexpr int kSegments = 256;                        // segments of a circle
+constexpr int kSegments = 256;                        // number of segments of a circle
 constexpr std::size_t kCostLaps = 3;
 constexpr double kPeriod = 1e-3;  // [s] length of a step
 
@@ -25,11 +25,11 @@ struct Task {
   std::string name;
   TriangleSoup surface;
   Object object;
-  Pose pose;          // mean pose of the tool
+  Pose pose;          // pose around which the tool moves
   double area = 0.0;  // [m^2] contact area
   Vec3 slide;         // [m] amplitude of the translation
   Vec3 turn;          // [rad] amplitude of the rotation
-  Vec3 away;          // [m] from the pose to a place without contact
+  Vec3 away;          // [m] from `pose` to a position without contact
 };
 
 Object object_of(const Shape& solid, double resolution, Side side) {
@@ -48,7 +48,7 @@ Quaternion about(const Vec3& axis, double degrees) {
 }
 
 std::vector<Task> tasks() {
-  constexpr double kFace = 4.0 * 0.03 * 0.02;  // [m^2] of the box
+  constexpr double kFace = 4.0 * 0.03 * 0.02;  // [m^2] area of the largest face of the box
   const Box plate{Vec3(0.08, 0.08, 0.02)};
   const Object on_plate = object_of(plate, 1e-3, Side::outside);
   const TriangleSoup box = tessellate(kBody, kSegments);
@@ -79,7 +79,7 @@ std::vector<Task> tasks() {
   return {flat, edge, peg};
 }
 
-/// The random number with index i, between -1 and 1.
+/// Returns the random number with the index i, between -1 and 1.
 double random(std::uint64_t i) {
   return static_cast<double>(splitmix::draw(1, i) >> 11) * 0x1p-52 - 1.0;
 }
@@ -114,8 +114,8 @@ void compare(const std::vector<ShellContact>& felt, const std::vector<ShellConta
   cell.torque_error = std::sqrt(torque / whole) / radius;
 }
 
-/// The poses of a hand that oscillates around a pose at 2 Hz. The amplitude is a third of the
-/// task's slide and turn.
+/// Returns the poses of a hand that oscillates at 2 Hz. The middle is the pose of the task, shifted
+/// by `from` [m]. The amplitude is a third of the slide and turn of the task.
 std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
   constexpr double kTurns = 2.0, kShare = 1.0 / 3.0;
   std::vector<Pose> poses;
@@ -126,7 +126,8 @@ std::vector<Pose> swaying(const Task& task, const Vec3& from, int steps) {
   return poses;
 }
 
-/// [ns] CPU time of a step.
+/// Returns the CPU time [ns] of a step. Sets `evaluations` to the mean number of contact
+/// computations in a step.
 double step_cost(const BodyTool& tool, const Object& object, const std::vector<Pose>& hand,
                  double& evaluations) {
   BodyMemory memory;

@@ -19,7 +19,8 @@ constexpr const char* kToolStyles =
     "set format x '10^{%T}'\n"
     "set xlabel 'points'\nset datafile separator ','\n";
 
-/// A panel that shows a column of a file over the number of points, with a curve for each task.
+/// Returns the gnuplot text of a panel: a column of a file over the number of points, with a curve
+/// for each task.
 std::string panel(const char* file, const char* column, const std::vector<ToolsCell>& cells) {
   std::string text = "plot ", last;
   int style = 1;
