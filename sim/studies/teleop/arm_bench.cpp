@@ -27,41 +27,45 @@
 namespace feltwire::teleop::with_arm {
 namespace {
 
-constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m], [N/m]: scenes/arm/table.xml
-constexpr double kTableFriction = 0.3;                    // mu, from the same file
-constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;        // [kg], [m] scenes/arm/box.xml
-constexpr double kOpen = 0.08, kGrips = 0.03;             // [m] opening of the gripper
+constexpr double kTable = 0.3, kTableStiffness = 5000.0;  // [m] height, [N/m]: scenes/arm/table.xml
+constexpr double kTableFriction = 0.3;              // friction coefficient mu, from the same file
+constexpr double kBoxMass = 0.15, kBoxHigh = 0.22;  // [kg], [m] height: scenes/arm/box.xml
+constexpr double kOpen = 0.08, kGrips = 0.03;       // [m] gripper opening: open, on the box
 constexpr double kPegWide = 0.02, kPegLong = 0.04;  // [m] width, half length: scenes/arm/peg.xml
 constexpr double kBlock = 0.33;                     // [m] top of the block with the hole
-constexpr double kGripperSpeed = 0.1;               // [m/s]
-constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;  // [m] scenes/arm/sphere.xml, arm.xml
-const Vec3 kBallAt(0.45, 0.0, 0.3);                         // [m]
+constexpr double kGripperSpeed = 0.1;               // [m/s] speed limit of the gripper
+// [m] From scenes/arm/sphere.xml and arm.xml: radius of the ball, radius of a finger tip, distance
+// of the finger tips from the plane of the movement.
+constexpr double kBall = 0.1, kTip = 0.007, kTips = 0.012;
+const Vec3 kBallAt(0.45, 0.0, 0.3);  // [m] centre of the ball
 constexpr Hand kHand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0};
 
-/// The hand's intention at a time: a place [m] and an opening of the gripper [m].
+/// The hand's intended position [m] and opening of the gripper [m], at a given time.
 struct Meant {
   Vec3 place = Vec3::Zero();
   double gripper = 0.0;
 };
 
-/// The hand moves from 20 mm above the table to 40 mm below its top. `down`: fraction of this path.
+/// Returns an intention on a path from 20 mm above the top of the table to 40 mm below it. `down`:
+/// fraction of this path.
 Meant into_table(double down) {
-  constexpr double kAbove = 0.02, kWay = 0.06;  // [m]
+  constexpr double kAbove = 0.02, kWay = 0.06;  // [m] start height; length of the path
   return {{0.45, 0.0, kTable + kAbove - kWay * down}, 0.0};
 }
 Meant press(double t) { return into_table(eased(0.5, 3.5, t)); }
-/// Presses, rises, and presses a second time.
+/// Returns the intention: press, rise, and press a second time.
 Meant again(double t) {
   return into_table(eased(0.5, 3.5, t) - eased(4.5, 7.5, t) + eased(7.5, 10.5, t));
 }
-/// Presses, then slides 80 mm along the table.
+/// Returns the intention: press, then slide 80 mm along the table.
 Meant slide(double t) {
   constexpr double kWay = 0.08;  // [m]
   Meant meant = press(t);
   meant.place.x() += kWay * std::clamp((t - 5.0) / 3.0, 0.0, 1.0);
   return meant;
 }
-/// Moves from 20 mm above a ball to 30 mm inside it, then 40 degrees around its center in 8 s.
+/// Returns the intention: move from 20 mm above a ball to 30 mm below its surface, then 40 degrees
+/// around its center in 8 s.
 Meant sphere(double t) {
   constexpr double kAbove = 0.02, kInside = 0.03;  // [m]
   constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
@@ -69,17 +73,19 @@ Meant sphere(double t) {
   const double radius = kBall + kAbove - (kAbove + kInside) * eased(0.5, 3.5, t);
   return {kBallAt + radius * Vec3(std::sin(angle), 0.0, std::cos(angle)), 0.0};
 }
-/// Moves the peg (20 mm wide) over the hole (20.5 mm wide), then 30 mm down into the hole. The
-/// target is 0.5 mm beside the hole's axis in x and in y.
+/// Returns the intention: move the peg (20 mm wide) to a point above the hole (20.5 mm wide), then
+/// down until 30 mm are in the hole. The path ends 0.5 mm beside the axis of the hole in x and in
+/// y.
 Meant peg(double t) {
-  const Vec3 home(0.306891, 0.0, 0.475);  // scenes/arm/peg.xml
+  const Vec3 home(0.306891, 0.0, 0.475);  // [m] start position in scenes/arm/peg.xml
   constexpr double kBeside = 5e-4, kGripsPeg = 0.01, kOver = 0.02, kInto = 0.03;  // [m]
   const Vec3 over(0.45 + kBeside, kBeside, kBlock + kPegLong + kOver);
   Vec3 place = home + eased(0.5, 4.0, t) * (over - home);
   place.z() -= (kOver + kInto) * eased(4.5, 10.5, t);
   return {place, kGripsPeg};
 }
-/// Moves down to the box, grips it, lifts it by 60 mm, puts it back and releases it.
+/// Returns the intention: move down to the box, grip it, lift it by 60 mm, put it back and release
+/// it.
 Meant lift(double t) {
   constexpr double kAbove = 0.055, kDown = 0.05, kUp = 0.06;  // [m]
   const double height =
@@ -89,13 +95,13 @@ Meant lift(double t) {
 
 struct Task {
   std::string_view name;
-  const char* scene;  // name of the file, and of the body to carry
+  const char* scene;  // name of the scene file, and of the body that the arm carries
   Meant (*meant)(double time);
-  double duration, from, until;        // [s] `from` to `until` is measured
-  std::optional<double> presses = {};  // [s] begin of a press, kPressesFor long
+  double duration, from, until;        // [s] the time from `from` to `until` is measured
+  std::optional<double> presses = {};  // [s] start of a press that lasts kPressesFor
   double opening = 0.0;                // [m] initial opening of the gripper
 };
-constexpr double kPressesFor = 3.0;  // [s]
+constexpr double kPressesFor = 3.0;  // [s] duration of a press
 constexpr std::array kTasks = {Task{"press", "table", press, 6.0, 4.5, 6.0, 0.5},
                                Task{"again", "table", again, 12.5, 11.0, 12.5, 7.5},
                                Task{"slide", "table", slide, 8.0, 6.0, 7.9, 0.5},
@@ -136,11 +142,11 @@ struct ArmSample {
   Vec3 shown = Vec3::Zero();    // [m] hand position, from the encoder
   Vec3 held = Vec3::Zero();     // [N] force on the hand from this sample on
   Vec3 contact = Vec3::Zero();  // [N] contact force on the tool
-  Vec3 offset = Vec3::Zero();   // [m] clutch offset of the leader
+  Vec3 offset = Vec3::Zero();   // [m] leader's offset: position of the hand minus target
   double height = 0.0;          // [m] height of the tool
   Vec3 thing = Vec3::Zero();    // [m] position of the box or the peg
-  double pushed = 0.0;          // [J] `pushed` of the follower's energy counters
-  double stiffness = 0.0;       // [N/m] surface stiffness at the leader; 0: none
+  double pushed = 0.0;          // [J] energy that the contacts gave to the robot
+  double stiffness = 0.0;       // [N/m] surface stiffness that the leader knows; 0: none
 };
 
 std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFiles& scenes,
@@ -178,7 +184,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
   samples.reserve(count);
   for (std::uint64_t n = 0; n < count; ++n) {
     const double now = static_cast<double>(n) * plant.period;
-    // The leader.
+    // Leader: the hand and its device.
     const Vec3 at = hand.read(from_seconds(now)).pose.position;
     velocity += smooth * (moved(before, at) / plant.period - velocity);
     for (const FollowerState& state : back.receive(now)) {
@@ -192,7 +198,7 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
     forth.send({n, at - leader.offset(), leader.known_surface(), leader.hand_work(),
                 task.meant(now).gripper},
                now);
-    // The follower.
+    // Follower: the arm.
     const FollowerReading reading = arm.read(start + from_seconds(now));
     follower.step(reading.pose.position, reading.velocity, reading.force.value_or(Vec3::Zero()));
     for (const LeaderState& state : forth.receive(now))
@@ -212,16 +218,17 @@ std::vector<ArmSample> run(const ArmCase& c, const Task& task, const UnpackedFil
   return samples;
 }
 
-/// [N/m] Stiffness of two springs in series.
+/// Returns the stiffness [N/m] of two springs in series.
 double series(double a, double b) { return a > 0.0 ? a * b / (a + b) : 0.0; }
 
-/// [m/N] Compliance of the touched surface. The ball counts as rigid: MuJoCo's default contact is
-/// much stiffer than the other springs.
+/// Returns the compliance [m/N] of the touched surface. The ball counts as rigid, because MuJoCo's
+/// default contact is much stiffer than the other springs.
 double softness_of_surface(const Task& task) {
   return task.meant == sphere ? 0.0 : 1.0 / kTableStiffness;
 }
 
-/// [m] Depth of the hand's intended position, after subtraction of the leader's clutch offset.
+/// Returns the depth [m] of the hand's intended position below the surface, in the coordinates of
+/// the robot: minus the leader's offset.
 double meant_depth(const Task& task, const ArmSample& s, double time) {
   const Vec3 place = task.meant(time).place - s.offset;
   if (task.meant != sphere) return kTable - place.z();
@@ -230,8 +237,8 @@ double meant_depth(const Task& task, const ArmSample& s, double time) {
   return reach - length(Vec3(place + kTip * Vec3::UnitZ() - kBallAt));
 }
 
-/// [N] Expected contact force of three springs in series: the hand, the arm's controller and the
-/// surface. Empty for the peg.
+/// Returns the expected contact force [N] of three springs in series: the hand, the arm's
+/// controller and the surface. For the box, returns its weight; for the peg, nothing.
 std::optional<double> intended(const Task& task, const ArmSample& s, double time,
                                double stiffness) {
   if (task.meant == lift) return kBoxMass * kGravity;
@@ -242,9 +249,10 @@ std::optional<double> intended(const Task& task, const ArmSample& s, double time
   return slides ? normal * std::sqrt(1.0 + kTableFriction * kTableFriction) : normal;
 }
 
-/// [N] Largest decrease of the force on the hand within 30 ms, in the samples `first` to `last`.
+/// Returns the largest decrease [N] of the force on the hand within 30 ms, in the samples `first`
+/// to `last`.
 double largest_fall(const std::vector<ArmSample>& samples, std::size_t first, std::size_t last) {
-  constexpr std::size_t kWithin = 30;  // samples
+  constexpr std::size_t kWithin = 30;  // number of samples in 30 ms
   double fall = 0.0;
   for (std::size_t n = first; n <= last; ++n)
     for (std::size_t before = n - std::min(n - first, kWithin); before < n; ++before)
@@ -307,7 +315,7 @@ ArmMeasured judge(const Task& task, const std::vector<ArmSample>& samples) {
 
 std::vector<ArmCase> arm_cases(bool quick) {
   struct Network {
-    double jitter, loss;  // [s], share
+    double jitter, loss;  // [s], fraction of lost datagrams
     std::uint64_t seeds;
   };
   constexpr std::uint64_t kSeeds = 8, kFew = 2;
@@ -328,7 +336,8 @@ std::vector<ArmCase> arm_cases(bool quick) {
 
 std::vector<ArmRow> run_arm(const std::vector<ArmCase>& cases) {
   for (const ArmCase& c : cases) task_of(c.task);
-  // MuJoCo loads models from files. An installed program has them only as text, so unpack them.
+  // MuJoCo loads models from files. An installed program has the models only as text, so write them
+  // to files.
   const UnpackedFiles scenes({{"arm.xml", std::string(embedded::arm)},
                               {"table.xml", std::string(embedded::table)},
                               {"sphere.xml", std::string(embedded::sphere)},

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Maybe = std::optional<double>;
 
-/// [mm] Height of the lifted box, or depth of the inserted peg.
+/// Returns the height [mm] of the lifted box, or the depth [mm] of the inserted peg.
 Maybe carried(const ArmMeasured& m) {
   const Maybe& way = m.lifted ? m.lifted : m.inserted;
   return way ? Maybe(*way * kMilli) : std::nullopt;
@@ -68,7 +68,7 @@ std::string arm_table(const std::vector<ArmRow>& rows) {
       return r.made.task != c.task || r.made.round_trip != c.round_trip ||
              r.made.jitter != c.jitter || r.made.loss != c.loss;
     });
-    // Returns the sorted values of a figure. A run without this figure is left out.
+    // Returns the sorted values of a measured quantity, without the runs that do not have it.
     const auto over = [&](auto figure) {
       std::vector<double> values;
       for (auto row = first; row != last; ++row)

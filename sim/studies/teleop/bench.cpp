@@ -21,14 +21,15 @@ class World {
  public:
   explicit World(const Surroundings& around) : around_(around) {}
 
-  /// [m] Place of the surface that the robot meets.
+  /// Returns the position [m] of the surface at `time` [s].
   double surface(double time) const {
     if (around_.kind == Surroundings::Kind::weight) return weight_.position;
     if (time < around_.moves_from) return 0.0;
     return around_.swing * std::sin(kTwoPi * around_.frequency * (time - around_.moves_from));
   }
 
-  /// [N] Contact force on the robot. This call also moves the weight by `step` [s].
+  /// Returns the contact force [N] on the robot. Also moves the weight, if there is one, for `step`
+  /// [s].
   double touch(const Mass& robot, double time, double step) {
     if (around_.kind == Surroundings::Kind::nothing || time >= around_.vanishes) return 0.0;
     const bool weight = around_.kind == Surroundings::Kind::weight;

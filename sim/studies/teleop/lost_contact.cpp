@@ -5,14 +5,14 @@
 namespace feltwire::teleop {
 namespace {
 
-/// [s] Time in which the hand still feels a force after a loss of contact. The robot loses contact
-/// at sample `lost` and regains contact at sample `again`. Empty if the samples do not show the
-/// loss.
+/// Returns for how long [s] the hand feels a force after the robot loses the surface. The robot
+/// loses contact at sample `lost` and regains contact at sample `again`. Returns nothing if the
+/// samples do not show the loss.
 std::optional<double> release(const std::vector<BenchSample>& samples, std::size_t lost,
                               std::size_t again, std::size_t end, double period) {
   const double place = samples[lost].surface;
-  std::size_t since = end, n = lost;  // `end`: the loss does not show
-  // The next touch reaches the hand half of a round trip later, so the search goes on to `end`.
+  std::size_t since = end, n = lost;  // first sample of the counted time; `end`: none yet
+  // The hand feels the next contact half a round trip later, so the search goes on to `end`.
   for (; n < end && samples[n + 1].held >= LostContact::kFree; ++n)
     if (n < again && samples[n].robot < place)
       since = end;

@@ -16,7 +16,8 @@ namespace {
 struct Mass {
   Vec3 position, velocity = Vec3::Zero();
 
-  /// The damping is integrated implicitly, so it cannot reverse the velocity.
+  /// Moves the mass for `time` [s]. The damping is integrated implicitly, so it cannot reverse the
+  /// velocity.
   void step(const Vec3& force, double damping, double mass, double time) {
     velocity = (velocity + time / mass * force) / (1.0 + time * damping / mass);
     position += time * velocity;
@@ -31,7 +32,7 @@ Vec3 noise3(std::uint64_t seed, std::uint64_t n) {
   return {noise(seed, 3 * n), noise(seed, 3 * n + 1), noise(seed, 3 * n + 2)};
 }
 
-/// Contact force of the shape on the robot.
+/// Computes the contact force of a shape on the robot.
 class Touch {
  public:
   Touch(const Shape& shape, const Vec3& start) : shape_(shape), proxy_(shape, start) {}

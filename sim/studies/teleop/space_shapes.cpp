@@ -9,7 +9,8 @@
 namespace feltwire::teleop::in_space {
 namespace {
 
-/// A point in a plane through the hole's axis: distance from the axis, height above the top [m].
+/// A point in a plane through the axis of the hole: its distance from the axis and its height above
+/// the top of the block [m].
 struct Flat {
   double across = 0.0, up = 0.0;
 };
@@ -18,7 +19,7 @@ double distance(const Flat& a, const Flat& b) {
   return std::hypot(a.across - b.across, a.up - b.up);
 }
 
-/// The point on the segment from a to b that is nearest to p.
+/// Returns the point on the segment from a to b that is nearest to p.
 Flat on_segment(const Flat& a, const Flat& b, const Flat& p) {
   const double x = b.across - a.across, y = b.up - a.up;
   const double share = ((p.across - a.across) * x + (p.up - a.up) * y) / (x * x + y * y);
@@ -58,9 +59,10 @@ const Vec3& SurfaceProxy::follow(const Vec3& goal) {
   return place_;
 }
 
-/// Makes a step towards the goal. Returns false if the place is final.
+/// Moves the proxy by a short step towards the goal. Returns false if the proxy has reached its
+/// final position.
 bool SurfaceProxy::step(const Vec3& goal) {
-  constexpr double kShort = 1e-4, kNone = 1e-9;  // [m]
+  constexpr double kShort = 1e-4, kNone = 1e-9;  // [m] longest step; slip that counts as none
   const Polar<double> way = polar(Vec3(goal - place_));
   if (!(way.length > 0.0)) return false;
   const Vec3 tried = place_ + std::min(way.length, kShort) * way.direction;
@@ -70,7 +72,7 @@ bool SurfaceProxy::step(const Vec3& goal) {
     return way.length > kShort;
   }
   const Vec3 normal = direction(Vec3(blocked.point - tried));
-  // Move from the free side onto the surface.
+  // Move the proxy onto the surface if it is above the surface.
   place_ += std::min(0.0, (blocked.point - place_).dot(normal)) * normal;
   const Vec3 left = goal - place_;
   const double deep = std::max(0.0, -left.dot(normal));

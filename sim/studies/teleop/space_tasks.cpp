@@ -12,10 +12,12 @@
 namespace feltwire::teleop::in_space {
 namespace {
 
-/// [N] Largest norm of the sensor's error. The error of each axis is up to 3.5 times 10 mN.
+/// [N] Largest norm of the error of the force sensor: sqrt(3) times the largest error of an axis,
+/// which is 3.5 times 10 mN.
 constexpr double kWrenchNoise = 0.06;
 
-/// Moves from 20 mm above the ball to 30 mm inside it, then 40 degrees around its center in 4 s.
+/// Returns the intended position [m] of the hand at the time t [s]. The hand moves from 20 mm above
+/// the ball to 30 mm below its surface, then 40 degrees around its center in 4 s.
 Vec3 around_ball(double t) {
   constexpr double kBall = 0.1, kAbove = 0.02, kInside = 0.03;  // [m]
   constexpr double kHalfWay = 20.0 / 180.0 * std::numbers::pi;
@@ -24,7 +26,8 @@ Vec3 around_ball(double t) {
   return radius * Vec3(std::sin(angle), 0.0, std::cos(angle));
 }
 
-/// Moves to a place 1.5 mm beside the hole's axis, then down to 10 mm below the hole's floor.
+/// Returns the intended position [m] of the hand at the time t [s]. The hand moves to a point
+/// 1.5 mm beside the axis of the hole, then down to 10 mm below the floor of the hole.
 Vec3 into_hole(double t) {
   constexpr double kBeside = 1.5e-3, kOver = 0.02, kDown = 0.07;  // [m]
   const Vec3 home(-0.03, 0.01, kOver), over(kBeside, 0.0, kOver);
@@ -55,7 +58,7 @@ double energy_made(const Plant& plant, const std::vector<SpaceSample>& samples) 
   return hand.made();
 }
 
-/// [m] RMS of the fast movement over the three axes.
+/// Returns the RMS [m] of the oscillation, over the three axes together.
 double swing(const std::vector<Vec3>& places, double rate) {
   double squares = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -108,7 +111,7 @@ Measured judge(const SpaceTask& task, const std::vector<SpaceSample>& samples) {
   m.force_error = std::sqrt(errors / count);
   if (wanted > 0.0) m.force_share = std::sqrt(errors / wanted);
   m.oscillation = swing(hand, 1.0 / plant.period);
-  constexpr double kShallow = 5e-4;  // [m] mean depth; below it, no stiffness is computed
+  constexpr double kShallow = 5e-4;  // [m] no stiffness is computed for a smaller mean depth
   if (hole)
     m.inserted = -samples[last].robot.z();
   else if (depth > kShallow * count)

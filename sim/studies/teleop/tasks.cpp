@@ -13,10 +13,10 @@ namespace feltwire::teleop {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kAir = -0.02;                                 // [m] in front of the wall
+constexpr double kAir = -0.02;  // [m] start position, in front of the wall
 constexpr double kDeep = 0.03, kHeld = 0.025, kLight = 0.003;  // [m] intended depths of the hand
-constexpr double kStroke = 0.05, kSlow = 0.5;                  // [m], [Hz] of free motion
-constexpr double kBegin = 0.5, kArrive = 1.0;                  // [s] begin and end of the approach
+constexpr double kStroke = 0.05, kSlow = 0.5;  // [m], [Hz] amplitude and frequency of free motion
+constexpr double kBegin = 0.5, kArrive = 1.0;  // [s] start and end of the approach
 
 double go_in(double depth, double t) { return minimum_jerk(kAir, depth, kBegin, kArrive, t); }
 
@@ -71,11 +71,12 @@ std::vector<Task> make_tasks() {
   return all;
 }
 
-/// [N] Ideal force on the hand: the series spring at the robot's intended place, without delay.
+/// Returns the ideal force [N] on the hand. Without delay, the controller of the robot and the
+/// surface would act as two springs in series.
 double wanted_force(const Task& task, const BenchSample& s, double time) {
   const Surroundings& around = task.setup.around;
   if (around.kind == Surroundings::Kind::nothing || time >= around.vanishes) return 0.0;
-  // The hand lifts slowly, so the ideal force is the weight.
+  // The hand lifts the weight slowly, so the ideal force is the weight.
   if (around.kind == Surroundings::Kind::weight) return around.mass * kGravity;
   return series_stiffness(task.setup.plant, around.stiffness) *
          std::max(0.0, s.hand - s.offset - s.surface);
@@ -134,7 +135,7 @@ Measured judge(const Task& task, const std::vector<BenchSample>& samples, double
   Measured m;
   m.energy_made = energy_made(task.setup, samples);
   for (const BenchSample& s : samples) m.peak_force = std::max(m.peak_force, s.contact);
-  constexpr double kShallow = 5e-4;  // [m] mean depth; below it, no stiffness is computed
+  constexpr double kShallow = 5e-4;  // [m] no stiffness is computed for a smaller mean depth
   switch (task.judge) {
     case Task::Judge::press:
       if (depth > kShallow * count) m.displayed = force / depth / series;

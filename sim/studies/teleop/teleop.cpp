@@ -13,12 +13,12 @@ namespace feltwire::teleop {
 namespace {
 
 struct Network {
-  double jitter, loss;  // [s], share
+  double jitter, loss;  // [s], fraction of lost datagrams
 };
 constexpr std::array kNetworks = {Network{0.0, 0.0}, Network{5e-3, 0.0}, Network{0.0, 0.05},
                                   Network{5e-3, 0.05}, Network{20e-3, 0.3}};
 constexpr std::string_view kDrift = "drift";
-constexpr double kDriftTrip = 0.1;  // [s]
+constexpr double kDriftTrip = 0.1;  // [s] round trip of the task `drift`
 
 LinkOptions link_of(const TeleopCase& c) {
   constexpr double kHalf = 0.5;
@@ -68,7 +68,8 @@ std::vector<TeleopCase> teleop_cases(bool quick) {
           const bool bad = network.jitter > 0.0 && network.loss > 0.0;
           const bool perfect = network.jitter == 0.0 && network.loss == 0.0;
           if (quick && !perfect && !(bad && network.loss < 0.1)) continue;
-          // A drift run takes a minute, so it runs at a single round trip, with jitter and loss.
+          // A run of the task `drift` simulates a minute, so it has only one round trip, with
+          // jitter and loss.
           if (task == kDrift && !(bad && trip == kDriftTrip)) continue;
           cases.push_back(
               {std::string(law), std::string(task), trip, network.jitter, network.loss});

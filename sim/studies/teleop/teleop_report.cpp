@@ -64,11 +64,11 @@ std::string csv(const std::vector<TeleopRow>& rows) {
   return text;
 }
 
-// Okabe and Ito chose these colours for colour-blind readers. The greys are added.
+// Okabe and Ito chose most of these colours for colour-blind readers. The greys are added.
 constexpr std::array kColors = {"#999999", "#000000", "#cc79a7", "#56b4e9", "#0072b2", "#f0e442",
                                 "#e69f00", "#bbbbbb", "#666666", "#d55e00", "#009e73", "#44aa99"};
 
-/// Draws each law over the round trip, without jitter and loss.
+/// Draws panels with a curve for each law over the round-trip time, without jitter and loss.
 void draw(const std::filesystem::path& directory, const std::vector<TeleopRow>& rows) {
   const auto all = law_names();
   const auto panel = [&](const char* title, const char* task, int column, double scale,
