@@ -22,7 +22,7 @@ class CallerDevice final : public Device {
   CallerDevice(const DeviceSpec& spec, double stale_after)
       : spec_(spec), stale_after_(from_seconds(stale_after)) {}
 
-  /// One thread at a time; it never waits.
+  /// A single thread at a time calls it. It never waits.
   void move(const Move& move) noexcept { moves_.put(move); }
 
   const DeviceSpec& spec() const override { return spec_; }

@@ -31,9 +31,9 @@ struct RunTask : ServoTask {
 /// The recording that the options ask for; empty: none.
 std::optional<RecordingTarget> recording_target(const RunOptions& options);
 
-/// One thread makes a run, calls look() about every 50 ms, and calls end(). The servo has a thread
-/// of its own. run_client() is such a thread; a program that has a loop of its own makes one
-/// itself.
+/// A single thread makes a run, calls look() about every 50 ms, and calls end(). The servo has a
+/// thread of its own. run_client() is for a program that does nothing else; a program with a loop
+/// of its own makes a run itself.
 class HandRun {
  public:
   /// Joins the scene, begins the device and starts the servo thread. `options` and `outlet` must
@@ -72,7 +72,8 @@ class HandRun {
   RunTask& task() { return *task_; }
   const RunTask& task() const { return *task_; }
   const SceneFetch& fetch() const { return *fetch_; }
-  /// What a hand will feel. Empty: it was not computed, or not in time. Call it after end().
+  /// Returns what a hand will feel. Empty: it was not computed, or not in time. Call it after
+  /// end().
   std::optional<Rehearsal> rehearsal();
 
  private:

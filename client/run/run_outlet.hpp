@@ -1,5 +1,5 @@
 #pragma once
-// Where a run tells people what happens.
+// The way from a run to people: its lines and its state.
 
 #include <string_view>
 
@@ -11,7 +11,7 @@ namespace feltwire {
 class RunOutlet {
  public:
   virtual ~RunOutlet() = default;
-  /// One line about an event: a warning, or a change that an admin made.
+  /// A line about an event: a warning, or a change that an admin made.
   virtual void say(std::string_view line) noexcept = 0;
   /// The state of the run, some times a second, with more text about it.
   virtual void show(const LiveStatus& status, std::string_view more) noexcept = 0;

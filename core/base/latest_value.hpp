@@ -17,7 +17,7 @@ template <class T>
 requires std::is_trivially_copyable_v<T>
 class LatestValue {
  public:
-  /// One thread only.
+  /// For a single thread.
   void put(const T& value) noexcept {
     Words words{};
     copy_in(words, value);
