@@ -34,7 +34,6 @@
 namespace feltwire {
 namespace {
 
-constexpr int kBadUsage = 2, kCannotRun = 1;
 constexpr std::chrono::milliseconds kHealthTimeout{1500};
 
 int fail(int status, const char* what) {

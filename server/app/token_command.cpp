@@ -16,8 +16,6 @@
 namespace feltwire {
 namespace {
 
-constexpr int kBadUsage = 2, kCannotRun = 1;
-
 constexpr const char* kTokenExamples = R"(
 Examples:
   feltwire-server token add --client anna --scene room --role operator --expires 30d
