@@ -34,8 +34,8 @@ OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, Caller
   run_.emplace(std::move(device), options_, static_cast<RunOutlet&>(*this));
   try {
     attendant_ = std::thread([this] {
-      pollfd waiting{run_->over_descriptor(), POLLIN, 0};
-      while (run_->look()) ::poll(&waiting, 1, kHousekeeping);
+      pollfd waiting{run_->supervisor().over_descriptor(), POLLIN, 0};
+      while (run_->supervisor().look()) ::poll(&waiting, 1, kHousekeeping);
       over_.set();
     });
   } catch (...) {
@@ -106,7 +106,7 @@ bool OpenHand::wait(double timeout) const noexcept {
 
 std::string OpenHand::end() noexcept {
   if (!run_) return {};
-  run_->stop();
+  run_->supervisor().stop();
   if (attendant_.joinable()) attendant_.join();
   try {
     return run_->end();

@@ -49,7 +49,7 @@ class OpenHand final : private RunOutlet, private TickListener {
   bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
   std::optional<std::string> next_message();
   void keep_message(std::string message);
-  void stop() noexcept { run_->stop(); }
+  void stop() noexcept { run_->supervisor().stop(); }
   /// Waits until the run has ended, at most `timeout` [s]. Returns whether it has.
   bool wait(double timeout) const noexcept;
   /// Whether the run has ended. It never waits.

@@ -11,7 +11,6 @@
 #include "client/run/device_words.hpp"
 #include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
-#include "client/run/status_line.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
@@ -209,84 +208,20 @@ void HandRun::begin(std::unique_ptr<Device> device, control::JoinRequest& wanted
   reconnector_.emplace(options_.server, wanted, task_->sessions, rejoin);
   fetch_.emplace(options_.server, task_->fetched,
                  SceneFetchOptions{.servo_period = accepted_.parameters.servo_period});
-  session_ = fetching_session(accepted_, options_);
   crash_release_.emplace(task_->guard, options_.flight_recorder.has_value());
   if (options_.rehearses)
     rehearsal_.emplace(task_->servo.spec(), accepted_.parameters, task_->servo.options(),
                        accepted_.stiffness);
   thread_.emplace(task_);
+  supervisor_.emplace(SessionSupervisor::Parts{*thread_, task_->statuses, *task_->records,
+                                               *task_->changes, *reconnector_, *fetch_},
+                      fetching_session(accepted_, options_), outlet_);
 }
 
 HandRun::~HandRun() {
   try {
     end();
   } catch (const std::exception&) {  // no memory for its texts; the servo thread has ended
-  }
-}
-
-bool HandRun::look() noexcept {
-  const bool running = !thread_->over();
-  LiveStatus status;
-  bool fresh = false;
-  while (task_->statuses.pop(status)) fresh = true;
-  task_->records->write();
-  tell_of_changes();
-  if (fresh) show(status);
-  const bool lost = fresh && connected_ && !status.connected;
-  if (fresh) connected_ = status.connected;
-  if (running) reconnector_->look(connected_, Reconnector::Clock::now());
-  if (fresh) fetch_->in_use(status.fetched);
-  if (session_ != 0 && reconnector_->session() != 0) session_ = reconnector_->session();
-  if (running && fresh && connected_)
-    fetch_->look({session_, status.reloads}, SceneFetch::Clock::now());
-  tell_of_fetch();
-  if (lost) write_flight_record("the session was lost");
-  if (!reconnector_->refusal().empty()) thread_->stop();
-  return running;
-}
-
-void HandRun::write_flight_record(const char* cause) noexcept {
-  try {
-    if (const auto file = task_->records->write_flight_record(cause))
-      outlet_.say(std::string(cause) + "; flight record: " + file->string());
-  } catch (const std::exception&) {  // no memory to say so
-  }
-}
-
-void HandRun::show(const LiveStatus& status) noexcept {
-  try {
-    const auto sight = task_->records->sight();
-    std::string more = sight ? text(*sight) : std::string();
-    if (!fetch_->refusal().empty()) more += "  contact not computed here";
-    outlet_.show(status, more);
-  } catch (const std::exception&) {  // no memory for this message
-  }
-}
-
-/// Reports and records the applied and refused changes of an admin.
-void HandRun::tell_of_changes() noexcept {
-  Changes& changes = *task_->changes;
-  while (const Changes::Done* done = changes.next(reconnector_->sessions())) try {
-      const bool taken = done->refusal.empty();
-      // Update the law of the reconnector first. A new session with the wrong law is worse than a
-      // missing message.
-      if (taken && done->prepared.law) reconnector_->put_law(changes.law());
-      outlet_.say("an admin changes this session: " + done->what +
-                  (taken ? std::string() : "; refused: " + done->refusal));
-      task_->records->note({{"what", done->what},
-                            {"answer", taken ? "taken" : "refused"},
-                            {"refusal", done->refusal}});
-    } catch (const std::exception&) {  // no memory for the text
-    }
-}
-
-/// Reports once why the client does not use the fetched data.
-void HandRun::tell_of_fetch() noexcept {
-  if (fetch_->refusal() == fetch_refusal_) return;
-  try {
-    fetch_refusal_ = fetch_->refusal();
-    if (!fetch_refusal_.empty()) outlet_.say("warning: " + fetch_refusal_);
-  } catch (const std::exception&) {  // no memory for the text
   }
 }
 

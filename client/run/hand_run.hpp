@@ -11,6 +11,7 @@
 #include "client/run/rehearsal.hpp"
 #include "client/run/run_client.hpp"
 #include "client/run/run_outlet.hpp"
+#include "client/run/session_supervisor.hpp"
 #include "client/servo/servo_thread.hpp"
 #include "client/transport/reconnector.hpp"
 #include "client/transport/scene_fetch.hpp"
@@ -31,9 +32,9 @@ struct RunTask : ServoTask {
 /// The recording that the options ask for; empty: none.
 std::optional<RecordingTarget> recording_target(const RunOptions& options);
 
-/// A single thread makes a run, calls look() about every 50 ms, and calls end(). The servo has a
-/// thread of its own. run_client() is for a program that does nothing else; a program with a loop
-/// of its own makes a run itself.
+/// A single thread makes a run, lets its supervisor look about every 50 ms, and calls end(). The
+/// servo has a thread of its own. run_client() is for a program that does nothing else; a program
+/// with a loop of its own makes a run itself.
 class HandRun {
  public:
   /// Joins the scene, begins the device and starts the servo thread. `options` and `outlet` must
@@ -45,14 +46,8 @@ class HandRun {
   HandRun(const HandRun&) = delete;
   HandRun& operator=(const HandRun&) = delete;
 
-  /// Takes the outputs of the servo thread and writes them, handles changes of an admin, looks for
-  /// a lost session, and fetches the scene. False: the servo loop is over. No failure in here ends
-  /// the run.
-  bool look() noexcept;
-  /// Asks the servo to release the hand and end. Does not wait.
-  void stop() noexcept { thread_->stop(); }
-  /// Readable when the servo loop is over; use it only to wait.
-  int over_descriptor() const noexcept { return thread_->over_descriptor(); }
+  /// Looks after the run while it lasts.
+  SessionSupervisor& supervisor() { return *supervisor_; }
   /// Calls stop(), waits, and completes the files. Returns the error that ended the run too early;
   /// empty: none did. A second call returns the same.
   const std::string& end();
@@ -62,9 +57,6 @@ class HandRun {
   bool servo_ended() const { return ended_; }
   /// A thread still waits for an answer of the server. It uses nothing of the run.
   bool asking() const;
-
-  /// Writes the last seconds to a file, and says which; nothing without a flight recorder.
-  void write_flight_record(const char* cause) noexcept;
 
   const control::JoinAccepted& accepted() const { return accepted_; }
   const Address& server() const { return datagrams_; }
@@ -79,9 +71,6 @@ class HandRun {
  private:
   void begin(std::unique_ptr<Device> device, control::JoinRequest& wanted,
              std::shared_ptr<Transport> transport);
-  void show(const LiveStatus& status) noexcept;
-  void tell_of_changes() noexcept;
-  void tell_of_fetch() noexcept;
 
   const RunOptions& options_;
   RunOutlet& outlet_;
@@ -95,10 +84,8 @@ class HandRun {
   std::optional<CrashRelease> crash_release_;
   std::optional<RehearsalThread> rehearsal_;
   std::optional<ServoThread> thread_;
+  std::optional<SessionSupervisor> supervisor_;
   RealTime real_time_;
-  std::uint64_t session_ = 0;  // for which the scene is fetched in full; 0: none
-  bool connected_ = true;
-  std::string fetch_refusal_;         // the last one that was told
   std::optional<std::string> error_;  // of end()
   bool ended_ = false;
 };

@@ -17,33 +17,12 @@
 #include "client/run/report.hpp"
 #include "client/run/status_line.hpp"
 #include "client/run/supervise_session.hpp"
+#include "client/run/terminal_outlet.hpp"
 #include "client/run/wait_until_ready.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
-
-/// The terminal of feltwire-client.
-class Terminal final : public RunOutlet {
- public:
-  void say(std::string_view line) noexcept override {
-    line_.end();
-    try {
-      std::fprintf(stderr, "feltwire-client: %s\n", visible(line).c_str());
-    } catch (const std::exception&) {  // no memory for it
-    }
-  }
-  void show(const LiveStatus& status, std::string_view more) noexcept override {
-    try {
-      line_.show(status, more);
-    } catch (const std::exception&) {  // no memory for it: the next may have
-    }
-  }
-  void end_line() { line_.end(); }
-
- private:
-  StatusLine line_;
-};
 
 /// Prints the last lines of a run and returns the exit code. `error`: reason for an early end.
 int conclude(const RunOptions& options, const Servo& servo, const LoopResult& result,
@@ -141,12 +120,12 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   OutOfMemoryReserve reserve;
   if (!wait_until_ready(*device, signals)) return 0;
 
-  Terminal terminal;
+  TerminalOutlet terminal;
   HandRun run(std::move(device), options, terminal);
   {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0) terminal.say("the space bar takes all force off at once");
-    supervise_session(signals, run, keys, terminal);
+    supervise_session(signals, run.supervisor(), keys, terminal);
   }
   terminal.end_line();
   std::string fault = run.end();

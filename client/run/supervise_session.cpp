@@ -79,10 +79,10 @@ Signals::PendingSignals Signals::take() const noexcept {
   return came;
 }
 
-void supervise_session(const Signals& signals, HandRun& run, EmergencyKey& keys,
+void supervise_session(const Signals& signals, SessionSupervisor& session, EmergencyKey& keys,
                        RunOutlet& outlet) noexcept {
   std::array<pollfd, 3> waiting{{{signals.descriptor(), POLLIN, 0},
-                                 {run.over_descriptor(), POLLIN, 0},
+                                 {session.over_descriptor(), POLLIN, 0},
                                  {keys.descriptor(), POLLIN, 0}}};
   bool running = true;
   while (running) {
@@ -92,9 +92,9 @@ void supervise_session(const Signals& signals, HandRun& run, EmergencyKey& keys,
       waiting[2].fd = keys.descriptor();
     }
     const Signals::PendingSignals came = signals.take();
-    if (came.end) run.stop();
-    running = run.look();
-    if (came.record) run.write_flight_record("asked for");
+    if (came.end) session.stop();
+    running = session.look();
+    if (came.record) session.write_flight_record("asked for");
   }
 }
 

@@ -2,7 +2,7 @@
 // The main thread of a program while its servo thread runs: signals and keys.
 
 #include "client/run/emergency_key.hpp"
-#include "client/run/hand_run.hpp"
+#include "client/run/session_supervisor.hpp"
 
 namespace feltwire {
 
@@ -28,10 +28,9 @@ class Signals {
   int descriptor_ = -1;
 };
 
-/// Looks after the run until its servo loop is over (HandRun::look()). It ends the loop on a
-/// signal, and writes a flight record on SIGUSR1. A key of the terminal presses the emergency stop
-/// (`keys`).
-void supervise_session(const Signals& signals, HandRun& run, EmergencyKey& keys,
+/// Looks after a session until its servo loop is over. It ends the loop on a signal, and writes a
+/// flight record on SIGUSR1. A key of the terminal presses the emergency stop (`keys`).
+void supervise_session(const Signals& signals, SessionSupervisor& session, EmergencyKey& keys,
                        RunOutlet& outlet) noexcept;
 
 }  // namespace feltwire

@@ -16,6 +16,7 @@
 #include "client/run/output_files.hpp"
 #include "client/run/report.hpp"
 #include "client/run/supervise_session.hpp"
+#include "client/run/terminal_outlet.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/security.hpp"
@@ -188,8 +189,10 @@ void fail_each_allocation_of_the_main_thread(const char* recording) {
     failed_once.store(false);
     left = nth;
     EmergencyKey no_keys(nullptr, -1);
-    supervise_session(run.signals, thread, run.statuses, run.records, *run.changes, reconnector,
-                      fetch, 0, no_keys);
+    TerminalOutlet terminal;
+    SessionSupervisor session({thread, run.statuses, run.records, *run.changes, reconnector, fetch},
+                              0, terminal);
+    supervise_session(run.signals, session, no_keys, terminal);
     left = kNever;
     run.expect_good_end(thread, nth);
     EXPECT_GE(reconnector.attempts(), 1u) << nth;
