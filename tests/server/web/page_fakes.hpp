@@ -45,13 +45,12 @@ struct FakeScene final : SceneInView, SceneControls {
     newest = *std::exchange(picture, std::nullopt);
     return true;
   }
-  void describe(asio::io_context&,
-                std::function<void(std::vector<HandDescription>)> done) override {
+  void describe(PostBack, std::function<void(std::vector<HandDescription>)> done) override {
     describes.push_back(std::move(done));
   }
   std::optional<std::string> out_of_sight() const override { return hidden; }
   SceneControls* controls() override { return remote ? nullptr : this; }
-  void change(LiveChange change, asio::io_context&,
+  void change(LiveChange change, PostBack,
               std::function<void(std::variant<std::string, control::Refused>)> done) override {
     changes.push_back(std::move(change));
     done_changes.push_back(std::move(done));
