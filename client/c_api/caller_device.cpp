@@ -15,7 +15,7 @@ DeviceReading CallerDevice::read(Nanoseconds now) noexcept {
     taken_ = count;
     moved_at_ = now;
   } else if (now - moved_at_ > stale_after_) {
-    reading.ok = false;
+    reading.withheld = Withheld::not_moved;
   } else {
     reading.fresh = false;
   }

@@ -17,7 +17,8 @@ enum class Withheld : std::uint8_t {
   not_homed,   // its encoders have not found their zero: the pose means nothing
   in_inkwell,  // the stylus is in its holder
   starting,    // the hand is not still yet, or the tool's weight or the maker's ramp still rises
-  emergency    // the emergency stop was pressed
+  emergency,   // the emergency stop was pressed
+  not_moved    // the program that moves the hand has given no pose for too long
 };
 
 /// A reading of a device.

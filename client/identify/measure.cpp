@@ -34,6 +34,8 @@ const char* remedy(const DeviceReading* reading) noexcept {
       return "the stylus is in its inkwell; take it out, and let it hang freely";
     case Withheld::starting:
       return "the maker's library raises its force to the full; wait";
+    case Withheld::not_moved:
+      return "the program that moves the hand gives no position";
     case Withheld::emergency:
       return "the emergency stop was pressed; reset it";
     case Withheld::nothing:

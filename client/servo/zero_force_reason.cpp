@@ -42,6 +42,7 @@ constexpr std::array<ReasonText, kZeroForceReasons> kWords = {{
     {"emergency", "EMERGENCY STOP; press r to start again"},
     {"jumped", "the device's position jumped farther than a hand can move"},
     {"overdrawn", "FAULT: the hand got more energy than the device had burned; start anew"},
+    {"not_moved", "the program that moves the hand has given no new position for too long"},
 }};
 
 ZeroForceReason reason_of(Withheld withheld) {
@@ -50,6 +51,8 @@ ZeroForceReason reason_of(Withheld withheld) {
       return ZeroForceReason::not_homed;
     case Withheld::in_inkwell:
       return ZeroForceReason::in_inkwell;
+    case Withheld::not_moved:
+      return ZeroForceReason::not_moved;
     case Withheld::starting:
       return ZeroForceReason::starting;
     case Withheld::emergency:

@@ -49,10 +49,11 @@ enum class ZeroForceReason : std::uint8_t {
   starting,         // the hand is not still yet, or the force for the tool's weight still grows
   emergency,        // the emergency stop was pressed
   jumped,           // no hand can have moved to the place that the device gave
-  overdrawn         // the hand got more energy than the device burned: the force has ended
+  overdrawn,        // the hand got more energy than the device burned: the force has ended
+  not_moved         // the program that moves the hand has given no pose for too long
 };
 inline constexpr std::size_t kZeroForceReasons =
-    static_cast<std::size_t>(ZeroForceReason::overdrawn) + 1;
+    static_cast<std::size_t>(ZeroForceReason::not_moved) + 1;
 
 /// The name in the report: "touches_nothing".
 std::string_view name(ZeroForceReason reason);

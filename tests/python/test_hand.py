@@ -46,7 +46,7 @@ class Hands(unittest.TestCase):
         with self.server.join(device="caller", stale_after=0.2, **PATIENT) as hand:
             start, normal = hand.session.start_position, hand.session.start_normal
             eventually("a tick", hand.latest)
-            self.assertIn("not found their zero", hand.why_no_force())
+            self.assertIn("must be homed first", hand.why_no_force())
 
             def go(height):
                 """One tick later the servo has it."""
@@ -63,6 +63,7 @@ class Hands(unittest.TestCase):
 
             eventually("the plane pushes", pushed)
             eventually("a hand that is not moved gets no force", lambda: max(map(abs, hand.latest().force)) == 0.0)
+            self.assertIn("no new position", hand.why_no_force())
 
     def test_words_of_options(self):
         from feltwire.hand import _words

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -44,6 +45,7 @@ class CApi : public ::testing::Test {
     address_ = "127.0.0.1:" + std::to_string(server_->control_port());
     token_file_ = (folder_ / "token").string();
     std::ofstream(token_file_) << test::admin_token().text.text() << "\n";
+    std::filesystem::permissions(token_file_, std::filesystem::perms::owner_read);
     fingerprint_ = to_string(fingerprint(test::identity()));
   }
 
@@ -101,8 +103,7 @@ TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
   ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
   fw_tick tick{};
   test::eventually("a tick", [&] { return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK; });
-  EXPECT_STREQ(fw_zero_force_text(tick.zero_force_reason),
-               "its encoders have not found their zero; home it");
+  EXPECT_STREQ(fw_zero_force_text(tick.zero_force_reason), "the device must be homed first");
   move(hand, 0.005, -0.002);
   test::eventually("the floor pushes", [&] {
     const fw_pose pose = at(-0.002);
@@ -118,6 +119,7 @@ TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
     fw_hand_latest(hand, &tick, sizeof tick);
     return tick.force[2] == 0.0;
   });
+  EXPECT_THAT(fw_zero_force_text(tick.zero_force_reason), HasSubstr("has given no new position"));
   EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
 }
 
@@ -171,7 +173,10 @@ TEST_F(CApi, AServerThatEndsIsTold) {
   given.more_count = more.size();
   fw_hand* hand = nullptr;
   ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
-  await_tick(hand);
+  test::eventually("an answer, so that the server has the hand's address", [&] {
+    fw_tick tick{};
+    return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK && tick.reply_age >= 0.0;
+  });
   server_.reset();
   EXPECT_EQ(fw_hand_wait(hand, 20.0), FW_ENDED);
   EXPECT_EQ(fw_hand_close(hand), FW_ENDED);

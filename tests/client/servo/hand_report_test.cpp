@@ -118,7 +118,8 @@ TEST(HandReport, SaysWhyTheDeviceTakesNoForce) {
   };
   EXPECT_EQ(reasons({.pose = {}, .clutched = true}), bit(HandReason::clutched));
   EXPECT_EQ(reasons({.pose = {}, .withheld = Withheld::emergency}), bit(HandReason::emergency));
-  for (const Withheld withheld : {Withheld::not_homed, Withheld::in_inkwell, Withheld::starting})
+  for (const Withheld withheld :
+       {Withheld::not_homed, Withheld::in_inkwell, Withheld::starting, Withheld::not_moved})
     EXPECT_EQ(reasons({.pose = {}, .withheld = withheld}), bit(HandReason::not_ready));
 }
 

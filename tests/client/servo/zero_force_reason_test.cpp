@@ -126,6 +126,7 @@ TEST(ZeroForceReason, TheDevice) {
   EXPECT_EQ(fault.why({.pose = {}, .clutched = true}), ZeroForceReason::clutched);
   for (const auto& [withheld, why] : {std::pair{Withheld::not_homed, ZeroForceReason::not_homed},
                                       std::pair{Withheld::in_inkwell, ZeroForceReason::in_inkwell},
+                                      std::pair{Withheld::not_moved, ZeroForceReason::not_moved},
                                       std::pair{Withheld::starting, ZeroForceReason::starting},
                                       std::pair{Withheld::emergency, ZeroForceReason::emergency}})
     EXPECT_EQ(fault.why({.pose = {}, .withheld = withheld}), why);

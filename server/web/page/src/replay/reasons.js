@@ -32,6 +32,7 @@ export const REASONS = [
   ['emergency', 'The emergency stop was pressed.'],
   ['jumped', 'The position of the device jumped farther than a hand can move.'],
   ['overdrawn', 'The hand got more energy than the device had burned, so the force has ended.'],
+  ['not_moved', 'The program that moves the hand has given no new position for too long.'],
 ];
 
 export const FELT = 0;
