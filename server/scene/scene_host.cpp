@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <asio/post.hpp>
-#include <cerrno>
 #include <chrono>
 #include <future>
 #include <stdexcept>
 
 #include "protocol/net/clock.hpp"
-#include "protocol/net/listen_error.hpp"
 #include "protocol/net/post.hpp"
 #include "protocol/net/real_time.hpp"
-#include "protocol/net/udp_socket.hpp"
-#include "server/scene/scene_batch.hpp"
 
 namespace feltwire {
 namespace {
@@ -23,15 +19,24 @@ namespace {
 constexpr unsigned kTurnsBetweenLooks = 32;
 // Between checks for sessions that must end.
 constexpr std::chrono::milliseconds kSoonest{10}, kLatest{100};
-constexpr int kSocketBuffer =
-    1 << 20;  // [bytes] so that a burst of some 5000 samples waits and is not lost
+
+/// An answer that is still pending. The asking thread makes it, so that the scene's thread needs no
+/// memory for it.
+struct PendingAnswer {
+  control::Message request;
+  SceneHost::Completion completion;
+  control::Message answer = control::Refused{control::RefusalCode::shutting_down,
+                                             "the server is shutting down; join another"};
+  control::Message failure =
+      control::Refused{control::RefusalCode::failed, "the server failed at this; its log says why"};
+};
 
 }  // namespace
 
 SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : name_(scene.name()),
-      objects_(static_cast<std::uint32_t>(scene.objects().size())),
       scene_(std::make_shared<const Scene>(std::move(scene))),
+      published_(options.events != nullptr),
       recorded_(options.events != nullptr),
       silence_timeout_(options.silence_timeout),
       busy_poll_(options.busy_poll),
@@ -40,29 +45,11 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
       ended_(options.ended),
       sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
-      batch_(std::make_unique<Batch>()) {
+      datagrams_(io_, {options.address, options.port, options.socket, options.dscp}, sessions_,
+                 clock_, posts_),
+      log_(name_) {
   sessions_.log_to(options.events);
-  publish_scene();
-  const asio::ip::udp::endpoint endpoint(options.address, options.port);
-  try {
-    if (options.socket >= 0) {
-      socket_.assign(endpoint.protocol(), options.socket);
-    } else {
-      socket_.open(endpoint.protocol());
-      serve_both_families(socket_, options.address);
-      socket_.bind(endpoint);
-    }
-    const int descriptor = socket_.native_handle();
-    if (!forbid_fragments(descriptor) || (options.dscp != 0 && !set_dscp(descriptor, options.dscp)))
-      throw std::system_error(errno, std::generic_category());
-    if (options.address.is_unspecified() && !report_local_address(descriptor))
-      throw std::system_error(errno, std::generic_category());
-    socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer));
-    socket_.non_blocking(true);
-    port_ = socket_.local_endpoint().port();
-  } catch (const std::system_error& error) {
-    throw listen_error("udp", options.address, options.port, error.code());
-  }
+  published_.set(scene_, sessions_);
 }
 
 SceneHost::~SceneHost() { stop(); }
@@ -86,22 +73,11 @@ void SceneHost::stop() {
   if (!thread_.joinable()) return;
   post([this] {
     closing_ = true;  // the thread ends even if the rest fails
-    say(sessions_.shut_down());
+    datagrams_.say(sessions_.shut_down());
     publish();
   });
   thread_.join();
 }
-
-/// An answer that is still pending. The asking thread makes it, so that the scene's thread needs no
-/// memory for it.
-struct SceneHost::PendingAnswer {
-  control::Message request;
-  Completion completion;
-  control::Message answer = control::Refused{control::RefusalCode::shutting_down,
-                                             "the server is shutting down; join another"};
-  control::Message failure =
-      control::Refused{control::RefusalCode::failed, "the server failed at this; its log says why"};
-};
 
 void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKeys& keys,
                     asio::io_context& back, Completion completion) {
@@ -111,15 +87,15 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
     try {
       if (!closing_) pending->answer = sessions_.answer(pending->request, id, keys, clock_());
       if (auto* named = std::get_if<control::Counters>(&pending->answer))
-        named->counters.push_back({"unsent", unsent_});
+        named->counters.push_back({"unsent", datagrams_.unsent()});
       if (auto* described = std::get_if<control::SceneDescription>(&pending->answer))
-        described->times.answers = answers_;
+        described->times.answers = datagrams_.answer_times();
     } catch (const std::exception& error) {
       spdlog::error("scene {}: a request was refused, the server failed at it: {}", name_,
                     error.what());
       pending->answer = std::move(pending->failure);
     }
-    publish_size();
+    published_.set_sessions(sessions_.size());
     post_patiently(post_to(back), [pending] { pending->completion(std::move(pending->answer)); });
     await_tick();
     publish();
@@ -128,27 +104,30 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
 
 void SceneHost::reload(Scene scene) {
   post([this, next = std::make_shared<const Scene>(std::move(scene))]() mutable {
-    if (closing_) return;
-    std::vector<SceneSessions::GoodbyeDatagram> goodbyes;
-    try {
-      goodbyes = sessions_.enter(*next, clock_());
-    } catch (const std::exception& error) {
-      return spdlog::error(
-          "scene {}: the server failed to enter the reloaded scene: {}; the scene "
-          "stays as it was",
-          name_, error.what());
-    }
-    say(goodbyes);
-    if (!goodbyes.empty())
-      spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
-                   goodbyes.size());
-    scene_ = std::move(next);
-    publish_scene();
-    objects_ = static_cast<std::uint32_t>(scene_->objects().size());
-    publish();  // a session may have lost its tool
-    world_log_.begin_anew();
-    await_tick();
+    if (!closing_) enter(std::move(next));
   });
+}
+
+/// Moves all sessions to another scene. If that fails, the scene stays.
+void SceneHost::enter(std::shared_ptr<const Scene> next) {
+  std::vector<GoodbyeDatagram> goodbyes;
+  try {
+    goodbyes = sessions_.enter(*next, clock_());
+  } catch (const std::exception& error) {
+    return spdlog::error(
+        "scene {}: the server failed to enter the reloaded scene: {}; the scene "
+        "stays as it was",
+        name_, error.what());
+  }
+  datagrams_.say(goodbyes);
+  if (!goodbyes.empty())
+    spdlog::info("scene {}: sessions that ended, for it has their tool no more: {}", name_,
+                 goodbyes.size());
+  scene_ = std::move(next);
+  published_.set(scene_, sessions_);
+  publish();  // a session may have lost its tool
+  log_.begin_anew();
+  await_tick();
 }
 
 void SceneHost::change(LiveChange change, PostBack back,
@@ -183,26 +162,16 @@ std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& ch
   if (made.scene != nullptr) scene_ = std::move(made.scene);
   if (std::holds_alternative<MaterialChange>(change) ||
       std::holds_alternative<GravityChange>(change))
-    publish_scene();
+    published_.set(scene_, sessions_);
   return std::move(made.what);
-}
-
-void SceneHost::publish_scene() noexcept {
-  const std::lock_guard lock(published_);
-  current_ = {scene_, sessions_.scene_version(), sessions_.live_changes(), sessions_.gravity()};
 }
 
 void SceneHost::evict(std::uint64_t session) {
   post([this, session] {
     if (closing_) return;
-    say(sessions_.evict(session));
+    datagrams_.say(sessions_.evict(session));
     publish();
   });
-}
-
-SceneInView::CurrentScene SceneHost::current_scene() const {
-  const std::lock_guard lock(published_);
-  return current_;
 }
 
 void SceneHost::describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) {
@@ -214,18 +183,6 @@ void SceneHost::describe(PostBack back, std::function<void(std::vector<HandDescr
   });
 }
 
-/// Draws a picture if a viewer waits for one. Without memory there is no picture.
-void SceneHost::draw(PictureExchange& pictures, Nanoseconds now) noexcept {
-  if (!pictures.wanted()) return;
-  try {
-    Picture& picture = pictures.picture();
-    picture.version = sessions_.scene_version();
-    sessions_.draw(picture, now);
-    pictures.give();
-  } catch (const std::exception&) {
-  }
-}
-
 /// Writes a check once a second, for a replay to compare.
 void SceneHost::check(Nanoseconds now) noexcept {
   constexpr std::chrono::seconds kBetween{1};
@@ -234,7 +191,11 @@ void SceneHost::check(Nanoseconds now) noexcept {
   sessions_.check(now);
 }
 
-void SceneHost::tell_ended() {
+/// Publishes and logs what has changed with the sessions.
+void SceneHost::publish() {
+  published_.set_sessions(sessions_.size());
+  log_.tell_of_sessions(sessions_);
+  if (sessions_.ended().empty()) return;
   if (ended_) ended_({sessions_.ended().begin(), sessions_.ended().end()});
   sessions_.forget_ended();
 }
@@ -263,7 +224,7 @@ void SceneHost::turn() {
   await_tick();
   if (busy_poll_.count() > 0) spin();
   if (closing_) return;
-  if (has_datagrams()) {  // already taken, so the socket will not wake for them
+  if (datagrams_.has_datagrams()) {  // already taken, so the socket will not wake for them
     io_.poll();
     if (!closing_) serve();
     return;
@@ -277,12 +238,8 @@ void SceneHost::turn() {
 void SceneHost::recover(const std::exception& failure) noexcept {
   constexpr std::chrono::milliseconds kPause{10};  // no busy loop if it fails again at once
   try {
-    if (const auto times = failures_.count(1, clock_()))
-      spdlog::error(
-          "scene {}: the server failed in it: {} ({} times since the last line); its sessions end, "
-          "the scene goes on",
-          name_, failure.what(), *times);
-    say(sessions_.fail());
+    log_.tell_of_failure(failure, clock_());
+    datagrams_.say(sessions_.fail());
     publish();
   } catch (const std::exception&) {
     // The sessions ended without a goodbye, or the next turn reports their end.
@@ -309,12 +266,29 @@ void SceneHost::spin() {
   }
 }
 
+/// Takes waiting datagrams for a while. Then other handlers have their turn, and the remaining
+/// datagrams wake the socket again.
+void SceneHost::serve() {
+  std::optional<Nanoseconds> until;
+  while (datagrams_.may_go_on(exchange(until), until)) {
+  }
+}
+
+/// Exchanges one batch, and publishes the result. Returns the number of datagrams.
+std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
+  const std::size_t taken = datagrams_.exchange(until);
+  if (taken == 0) return 0;
+  published_.draw(sessions_, datagrams_.served_at());
+  publish();  // a goodbye may have been among them
+  return taken;
+}
+
 void SceneHost::await_datagrams() {
-  socket_.async_wait(asio::ip::udp::socket::wait_read,
-                     in(datagram_wait_, [this](const std::error_code& error) {
-                       waiting_ = false;
-                       if (!error) serve();
-                     }));
+  datagrams_.socket().async_wait(asio::ip::udp::socket::wait_read,
+                                 in(datagram_wait_, [this](const std::error_code& error) {
+                                   waiting_ = false;
+                                   if (!error) serve();
+                                 }));
   waiting_ = true;
 }
 
@@ -326,11 +300,11 @@ void SceneHost::await_silence() {
     if (error) return;
     await_silence();
     const Nanoseconds now = clock_();
-    say(sessions_.expire(now));
+    datagrams_.say(sessions_.expire(now));
     publish();
-    tell_of_load(now);
+    log_.tell_of_load(sessions_, now);
     check(now);
-    draw(now);
+    published_.draw(sessions_, now);
   }));
   watching_ = true;
 }
@@ -346,27 +320,15 @@ void SceneHost::await_tick() {
     const Nanoseconds now = clock_();
     sessions_.tick(now);
     sessions_.spent_otherwise(clock_() - now);
-    tell_of_world(now);
+    log_.tell_of_world(sessions_, now);
     await_tick();
   }));
   ticking_ = true;
 }
 
-void SceneHost::tell_of_world(Nanoseconds now) {
-  const World& world = *sessions_.world();
-  const WorldNews news{world.counters(), sessions_.ticks_dropped(), world.tick()};
-  for (const std::string& line : world_log_.lines(news, now))
-    spdlog::warn("scene {}: {}", name_, line);
-}
-
-void SceneHost::tell_of_load(Nanoseconds now) {
-  for (const std::string& line : load_log_.lines(sessions_.share().slow(), sessions_.shed(), now))
-    spdlog::warn("scene {}: {}", name_, line);
-}
-
 SceneSummary SceneHost::count() const {
-  return {name_, sessions_.counters(), unsent_, static_cast<std::uint32_t>(sessions_.size()),
-          answers_};
+  return {name_, sessions_.counters(), datagrams_.unsent(),
+          static_cast<std::uint32_t>(sessions_.size()), datagrams_.answer_times()};
 }
 
 SceneSummary SceneHost::summary() {

@@ -1,24 +1,27 @@
 #pragma once
 // A scene host has one scene, one thread and one UDP port. It shares nothing, so it locks nothing.
 
-#include <array>
 #include <asio/io_context.hpp>
-#include <asio/ip/udp.hpp>
+#include <asio/ip/address.hpp>
 #include <asio/steady_timer.hpp>
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
+#include <variant>
+#include <vector>
 
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/clock.hpp"
 #include "server/picture/scene_in_view.hpp"
-#include "server/scene/load_log.hpp"
-#include "server/scene/log_limit.hpp"
+#include "server/scene/datagram_exchange.hpp"
+#include "server/scene/host_log.hpp"
 #include "server/scene/operation_memory.hpp"
+#include "server/scene/published_scene.hpp"
 #include "server/scene/scene_sessions.hpp"
-#include "server/scene/world_log.hpp"
 
 namespace feltwire {
 
@@ -54,6 +57,8 @@ struct SceneSummary {
   TimeCounts answers;          // of each datagram: from its processing to its answer
 };
 
+/// Owns the thread, its timers and the requests of other threads that it handles. The thread
+/// answers datagrams (DatagramExchange), and publishes the state of the scene (PublishedScene).
 class SceneHost final : public SceneInView, public SceneControls {
  public:
   /// Binds the port. Throws std::runtime_error in one line when it cannot.
@@ -68,11 +73,11 @@ class SceneHost final : public SceneInView, public SceneControls {
   void stop();
 
   const std::string& name() const override { return name_; }
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return datagrams_.port(); }
   /// Sessions at this moment, from any thread.
-  std::uint32_t sessions() const { return published_sessions_.load(std::memory_order_relaxed); }
+  std::uint32_t sessions() const { return published_.sessions(); }
   /// The scene's objects at this moment, from any thread.
-  std::uint32_t objects() const { return objects_.load(std::memory_order_relaxed); }
+  std::uint32_t objects() const { return published_.objects(); }
 
   using Completion = std::function<void(control::Message)>;
   /// Lets the scene's thread answer (see SceneSessions::answer) and posts the answer to `back`,
@@ -88,12 +93,12 @@ class SceneHost final : public SceneInView, public SceneControls {
               std::function<void(std::variant<std::string, control::Refused>)> done) override;
   void evict(std::uint64_t session) override;
 
-  CurrentScene current_scene() const override;
+  CurrentScene current_scene() const override { return published_.current(); }
   /// Takes the newest picture for viewers. While pictures are wanted, the scene makes one with the
   /// next datagrams, or within 0.1 s if none come.
-  bool take_picture(Picture& picture) override { return pictures_.take(picture); }
+  bool take_picture(Picture& picture) override { return published_.pictures().take(picture); }
   /// Pictures for a recorder's thread.
-  PictureExchange& recorded_pictures() { return recorded_pictures_; }
+  PictureExchange& recorded_pictures() { return published_.recorded_pictures(); }
   /// Describes the hands in the scene's thread, and posts the answer back.
   void describe(PostBack back, std::function<void(std::vector<HandDescription>)> done) override;
   SceneControls* controls() override { return this; }
@@ -111,55 +116,20 @@ class SceneHost final : public SceneInView, public SceneControls {
   void await_datagrams();
   void serve();
   std::size_t exchange(std::optional<Nanoseconds>& until);
-  bool receive();
-  Nanoseconds tick_apart(Nanoseconds now);
-  Nanoseconds account(Nanoseconds since);
-  bool has_datagrams() const noexcept;
   bool posts_wait() const noexcept { return posts_.load(std::memory_order_relaxed) > 0; }
   template <class Handler>
   void post(Handler handler);
-  void send(std::size_t count) noexcept;
-  void learn_path(std::size_t sent) noexcept;
   void await_silence();
   void await_tick();
-  struct PendingAnswer;
-  void publish_size() noexcept {
-    published_sessions_.store(static_cast<std::uint32_t>(sessions_.size()),
-                              std::memory_order_relaxed);
-  }
-  void publish() {
-    publish_size();
-    tell_of_links();
-    if (sessions_.has_answers()) [[unlikely]]
-      tell_of_answers();
-    if (sessions_.has_short_paths()) [[unlikely]]
-      tell_of_paths();
-    if (!sessions_.ended().empty()) tell_ended();
-  }
-  void tell_ended();
+  void enter(std::shared_ptr<const Scene> next);
   std::variant<std::string, control::Refused> make(const LiveChange& change);
-  void publish_scene() noexcept;
-  void tell_of_world(Nanoseconds now);
-  void tell_of_load(Nanoseconds now);
-  void tell_of_links();
-  void tell_of_answers();
-  void tell_of_paths();
-  void draw(Nanoseconds now) noexcept {
-    draw(pictures_, now);
-    if (recorded_) draw(recorded_pictures_, now);
-  }
-  void draw(PictureExchange& pictures, Nanoseconds now) noexcept;
+  void publish();
   void check(Nanoseconds now) noexcept;
-  void say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept;
   SceneSummary count() const;
-  struct Batch;
 
   std::string name_;
-  std::atomic<std::uint32_t> objects_;
   std::shared_ptr<const Scene> scene_;
-  mutable std::mutex published_;  // guards the next member, which the scene's thread writes
-  CurrentScene current_;          // changes only at a reload or a live change
-  PictureExchange pictures_, recorded_pictures_;
+  PublishedScene published_;
   bool recorded_;
   Nanoseconds checked_at_{0};
   Nanoseconds silence_timeout_, busy_poll_;
@@ -167,29 +137,19 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::function<Nanoseconds()> clock_;
   std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
+  std::atomic<int> posts_{0};  // posted requests that are not yet handled
   // Operations that are started again and again; they outlive Asio's references.
   OperationMemory datagram_wait_, silence_wait_, tick_wait_;
   asio::io_context io_{1};
-  asio::ip::udp::socket socket_{io_};
+  DatagramExchange datagrams_;
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
-  bool ticking_ = false;   // the timer waits; only for the scene's thread
-  bool watching_ = false;  // the silence timer waits; only for the scene's thread
-  std::array<LinkState, kMostSeats> told_links_{};
-  LogLimit failures_;
-  WorldLog world_log_;
-  LoadLog load_log_;
-  std::unique_ptr<Batch> batch_;   // buffers of one exchange
-  bool slow_ = false;              // answers take so long that the clock is read for each
-  Nanoseconds served_at_{0};       // time of the answers to the newest exchange
-  Nanoseconds measured_until_{0};  // no path is measured again before
-  std::atomic<int> posts_{0};      // posted requests that are not yet handled
-  std::uint16_t port_ = 0;
-  std::uint64_t unsent_ = 0;
-  TimeCounts answers_;
-  bool closing_ = false;  // only for the scene's thread
-  bool waiting_ = false;  // waits for the socket to be readable; only for the scene's thread
-  std::atomic<std::uint32_t> published_sessions_{0};
+  HostLog log_;
+  // Only for the scene's thread:
+  bool ticking_ = false;   // the tick timer waits
+  bool watching_ = false;  // the silence timer waits
+  bool waiting_ = false;   // waits for the socket to be readable
+  bool closing_ = false;
   std::thread thread_;
 };
 

@@ -1,16 +1,16 @@
 #pragma once
-// The buffers with which a scene's host exchanges datagrams.
+// The buffers of a DatagramExchange. Internal to datagram_exchange.cpp.
 
 #include <sys/socket.h>
 
 #include <array>
 
-#include "server/scene/scene_host.hpp"
+#include "server/scene/datagram_exchange.hpp"
 
 namespace feltwire {
 
 /// Wired once; an exchange only changes lengths.
-struct SceneHost::Batch {
+struct DatagramExchange::Batch {
   static constexpr std::size_t kMost = 64;  // datagrams of one system call
   // [bytes] More than a datagram may have, so that a longer one is detected.
   static constexpr std::size_t kReceiveSize = kMaxDatagram + sizeof(std::uint64_t);

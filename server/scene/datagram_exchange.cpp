@@ -1,15 +1,15 @@
-// The datagrams of a scene's host: it takes them in batches, answers them and accounts the time.
-
-#include <spdlog/spdlog.h>
+#include "server/scene/datagram_exchange.hpp"
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <system_error>
 
-#include "core/base/visible_text.hpp"
 #include "protocol/net/datagram_io.hpp"
+#include "protocol/net/listen_error.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/wire/guard.hpp"
-#include "server/scene/scene_batch.hpp"
+#include "server/scene/datagram_batch.hpp"
 
 namespace feltwire {
 namespace {
@@ -20,21 +20,53 @@ constexpr std::chrono::milliseconds kTurn{2};
 // (20 to 50 ns where the kernel answers without a system call).
 constexpr Nanoseconds kSlowAnswer{100'000};
 constexpr std::chrono::milliseconds kBetweenMeasures{10};  // of paths that are too small
+constexpr int kSocketBuffer =
+    1 << 20;  // [bytes] so that a burst of some 5000 samples waits and is not lost
 
 }  // namespace
 
-bool SceneHost::has_datagrams() const noexcept { return batch_->next < batch_->count; }
-
-/// Takes waiting datagrams for a while. Then other handlers have their turn, and the remaining
-/// datagrams wake the socket again.
-void SceneHost::serve() {
-  std::optional<Nanoseconds> until;
-  while (exchange(until) == Batch::kMost && !posts_wait() && served_at_ < *until) {
+DatagramExchange::DatagramExchange(asio::io_context& io, const DatagramPortOptions& options,
+                                   SceneSessions& sessions,
+                                   const std::function<Nanoseconds()>& clock,
+                                   const std::atomic<int>& posts)
+    : sessions_(sessions),
+      clock_(clock),
+      posts_(posts),
+      socket_(io),
+      batch_(std::make_unique<Batch>()) {
+  const asio::ip::udp::endpoint endpoint(options.address, options.port);
+  try {
+    if (options.socket >= 0) {
+      socket_.assign(endpoint.protocol(), options.socket);
+    } else {
+      socket_.open(endpoint.protocol());
+      serve_both_families(socket_, options.address);
+      socket_.bind(endpoint);
+    }
+    const int descriptor = socket_.native_handle();
+    if (!forbid_fragments(descriptor) || (options.dscp != 0 && !set_dscp(descriptor, options.dscp)))
+      throw std::system_error(errno, std::generic_category());
+    if (options.address.is_unspecified() && !report_local_address(descriptor))
+      throw std::system_error(errno, std::generic_category());
+    socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer));
+    socket_.non_blocking(true);
+    port_ = socket_.local_endpoint().port();
+  } catch (const std::system_error& error) {
+    throw listen_error("udp", options.address, options.port, error.code());
   }
 }
 
+DatagramExchange::~DatagramExchange() = default;
+
+bool DatagramExchange::has_datagrams() const noexcept { return batch_->next < batch_->count; }
+
+bool DatagramExchange::may_go_on(std::size_t taken,
+                                 const std::optional<Nanoseconds>& until) const noexcept {
+  return taken == Batch::kMost && !posts_wait() && served_at_ < *until;
+}
+
 /// Takes a batch of datagrams; false if there are none.
-bool SceneHost::receive() {
+bool DatagramExchange::receive() {
   Batch& batch = *batch_;
   batch.rearm(batch.count);
   batch.next = batch.count = 0;
@@ -45,10 +77,7 @@ bool SceneHost::receive() {
   return true;
 }
 
-/// Answers the rest of a batch in one go; takes a new batch if nothing is left. Stops early if a
-/// handler was posted, or if answers are slow and the time is `until` (set here if it is empty).
-/// Returns the number of datagrams that it took.
-std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
+std::size_t DatagramExchange::exchange(std::optional<Nanoseconds>& until) {
   if (!has_datagrams() && !receive()) return 0;
   Batch& batch = *batch_;
   const Nanoseconds begin = clock_();
@@ -78,41 +107,12 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   answers_.record((served_at_ - begin).count(), taken);
   slow_ = served_at_ - answering > static_cast<Nanoseconds::rep>(taken) * kSlowAnswer;
   send(answers);
-  draw(served_at_);
-  publish();  // a goodbye may have been among them
   return taken;
-}
-
-/// Logs each change of the state between a robot and its hand.
-void SceneHost::tell_of_links() {
-  for (std::size_t seat = 0; seat < kMostSeats; ++seat) {
-    const LinkState state =
-        seat < sessions_.seats() ? sessions_.link_state(seat) : LinkState::disabled;
-    LinkState& told = told_links_[seat];
-    if (state == told) continue;
-    const std::string which = sessions_.seat_name(seat);
-    spdlog::info("scene {}: hand and robot{} are {} (were {})", name_,
-                 which.empty() ? "" : " " + visible(which), feltwire::name(state),
-                 feltwire::name(told));
-    told = state;
-  }
-}
-
-/// Logs the answers of clients to the changes that they were asked for.
-void SceneHost::tell_of_answers() {
-  for (const std::string& line : sessions_.answers())
-    spdlog::info("scene {}: {}", name_, visible(line));
-}
-
-/// Logs the sessions whose replies are shortened from now on.
-void SceneHost::tell_of_paths() {
-  for (const std::string& line : sessions_.short_paths())
-    spdlog::warn("scene {}: {}", name_, visible(line));
 }
 
 /// Steps the moving bodies apart from the answers, so that no session is charged for it. Returns
 /// the time after that.
-Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
+Nanoseconds DatagramExchange::tick_apart(Nanoseconds now) {
   const auto due = sessions_.next_tick();
   if (!due || *due > now) return now;
   sessions_.tick(now);
@@ -122,14 +122,14 @@ Nanoseconds SceneHost::tick_apart(Nanoseconds now) {
 }
 
 /// Charges the time since then to the sessions that sent datagrams. Returns the present time.
-Nanoseconds SceneHost::account(Nanoseconds since) {
+Nanoseconds DatagramExchange::account(Nanoseconds since) {
   const Nanoseconds now = clock_();
   sessions_.spent(now - since, now);
   return now;
 }
 
 /// Shortens the replies of a session if this reply was too long for its path.
-void SceneHost::learn_path(std::size_t sent) noexcept {
+void DatagramExchange::learn_path(std::size_t sent) noexcept {
   const std::size_t size = batch_->sent_parts[sent].iov_len;
   const Guarded guarded = guard({batch_->sent[sent].bytes.data(), size},
                                 set_of({DatagramKind::reply, DatagramKind::follower_target}));
@@ -148,7 +148,7 @@ void SceneHost::learn_path(std::size_t sent) noexcept {
   sessions_.limit_replies(session, longest, served_at_);
 }
 
-void SceneHost::send(std::size_t count) noexcept {
+void DatagramExchange::send(std::size_t count) noexcept {
   for (std::size_t done = 0; done < count;) {
     const int sent = ::sendmmsg(socket_.native_handle(), batch_->outgoing.data() + done,
                                 static_cast<unsigned>(count - done), MSG_DONTWAIT);
@@ -169,7 +169,7 @@ void SceneHost::send(std::size_t count) noexcept {
   }
 }
 
-void SceneHost::say(const std::vector<SceneSessions::GoodbyeDatagram>& goodbyes) noexcept {
+void DatagramExchange::say(const std::vector<GoodbyeDatagram>& goodbyes) noexcept {
   for (const auto& goodbye : goodbyes) {
     if (goodbye.to.length == 0) continue;  // it never sent a sample, so its address is unknown
     if (!send_datagram(socket_.native_handle(), goodbye.datagram,
