@@ -72,11 +72,8 @@ Session::Session(const control::JoinRequest& request, const ToolView& view, Worl
       parameters_(request.parameters),
       observes_(!feels(request.role)),
       sends_normals_(shapes_at_client(parameters_)),
-      view_(&view),
-      world_(world),
-      contacts_(view.memory()),
-      body_contacts_(world != nullptr ? world->contact_state(view, limits()) : BodyContactState{}),
-      bounding_(bounding_config(parameters_, device_)),
+      place_(view, world, limits()),
+      bound_{.bounding = Bounding(bounding_config(parameters_, device_))},
       velocity_(parameters_.velocity_cutoff),
       observer_(device_.damping, device_.rotational_damping, parameters_.servo_period),
       deadband_(parameters_) {}
@@ -108,7 +105,7 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
   const bool modelled = parameters_.local_model && !observes_,
-             has_body = view_->tool().body != nullptr && touches();
+             has_body = place_.view->tool().body != nullptr && touches();
   reply.modelled = modelled && !has_body;
   if (reply.modelled) reply.model = model();
   if (modelled && has_body) reply.body = body_model();
@@ -118,7 +115,7 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
     reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
   reply.delivered = delivered();
   reply.reloads = reloads_;
-  reply.recovering = world_ != nullptr && world_->recovering();
+  reply.recovering = place_.world != nullptr && place_.world->recovering();
   taken.withheld = deadband_.withhold(reply) && !batch.lead;  // what a robot meets must be told
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;
@@ -172,20 +169,20 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const double hold_time = std::max(movement.nominal_time, movement.elapsed);
   // A new bound begins at this sample. The previous bound already credited the movement up to here,
   // so it must not be credited again.
-  const Movement credited = new_bound_ ? Movement{} : movement;
-  new_bound_ = false;
+  const Movement credited = bound_.fresh ? Movement{} : movement;
+  bound_.fresh = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
   Pose pose = sample.pose;
   Vec3 tool_moved = movement.displacement;
   if (parameters_.side != BoundingSide::client) {
-    const Probe probe = bounding_.probe(credited.displacement, credited.rotation);
+    const Probe probe = bound_.bounding.probe(credited.displacement, credited.rotation);
     const Vec3& offset = probe.offset;
     tool.position += offset;
     pose = moved(pose, offset, probe.rotation);
-    tool_moved += offset - probe_offset_;
-    probe_offset_ = offset;
+    tool_moved += offset - bound_.probe_offset;
+    bound_.probe_offset = offset;
   }
-  if (view_->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
+  if (place_.view->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
   const Command command = actuated(device_, touch(pose, tool, hold_time));
   outcome_.asked = command;
@@ -193,10 +190,10 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
   if (parameters_.side != BoundingSide::client) {
-    const Bounded bounded = bounding_.step({.displacement = credited.displacement,
-                                            .rotation = credited.rotation,
-                                            .hold_time = hold_time,
-                                            .command = command});
+    const Bounded bounded = bound_.bounding.step({.displacement = credited.displacement,
+                                                  .rotation = credited.rotation,
+                                                  .hold_time = hold_time,
+                                                  .command = command});
     reply.command = bounded.rendered;
     reply.active = bounded.active;
     reply.saturated = bounded.saturated;
@@ -217,10 +214,7 @@ Session::Place::Place(const ToolView& entered, World* run, const HandLimits& lim
 
 void Session::enter(Place place) noexcept {
   ++reloads_;
-  view_ = place.view;
-  world_ = place.world;
-  contacts_ = std::move(place.contacts);
-  body_contacts_ = std::move(place.body_contacts);
+  place_ = std::move(place);
   body_ = {};
   forget_surfaces();
   ++scenes_;
@@ -230,23 +224,25 @@ void Session::enter(Place place) noexcept {
 void Session::reach_through_arm(bool through) noexcept {
   if (through == through_arm_) return;
   through_arm_ = through;
-  for (auto& contact : contacts_) contact = {};
+  for (auto& contact : place_.contacts) contact = {};
   body_ = {};
-  body_contacts_.fresh = body_contacts_.placed = false;
-  body_contacts_.resets = ~std::uint64_t{0};  // no world counts so far, so the next touch forgets
-  ++scenes_;                                  // the local model forgets its contacts too
+  place_.body_contacts.fresh = place_.body_contacts.placed = false;
+  place_.body_contacts.resets =
+      ~std::uint64_t{0};  // no world counts so far, so the next touch forgets
+  ++scenes_;              // the local model forgets its contacts too
   deadband_ = ReplyDeadband(parameters_);
 }
 
 void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   ++reloads_;
-  const double rubbed = view_->objects()[object].material.static_friction;
+  const double rubbed = place_.view->objects()[object].material.static_friction;
   if (rubbed == 0.0 && view.objects()[object].material.static_friction > 0.0) {
-    contacts_[object].touching = contacts_[object].slipping = false;
+    place_.contacts[object].touching = place_.contacts[object].slipping = false;
     ++scenes_;  // the local model forgets its contact too
   }
-  if (!view_->requirements().velocity) velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
-  view_ = &view;
+  if (!place_.view->requirements().velocity)
+    velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
+  place_.view = &view;
   body_.known = false;                                 // it holds forces of the old material
   if (view.tool().body != nullptr) forget_surfaces();  // its client also has the materials
   deadband_ = ReplyDeadband(parameters_);
@@ -259,45 +255,47 @@ std::string no_surface(std::uint16_t object) {
 
 std::optional<std::string> Session::take_surfaces(std::uint32_t version,
                                                   const std::vector<std::uint16_t>& objects) {
-  KnownSurfaces known(view_->objects().size(), false);
+  KnownSurfaces known(place_.view->objects().size(), false);
   for (const std::uint16_t object : objects) {
-    if (!can_travel(*view_, object)) return no_surface(object);
+    if (!can_travel(*place_.view, object)) return no_surface(object);
     known[object] = true;
   }
-  known_ = std::move(known);
-  const BodyTool* body = view_->tool().body.get();
-  surfaces_ = (body != nullptr ? can_travel(*body) : !objects.empty()) ? version : 0;
+  prefetched_.known = std::move(known);
+  const BodyTool* body = place_.view->tool().body.get();
+  prefetched_.version = (body != nullptr ? can_travel(*body) : !objects.empty()) ? version : 0;
   deadband_ = ReplyDeadband(parameters_);  // the next model is different
   return std::nullopt;
 }
 
 void Session::weigh_anew() noexcept {
-  if (view_->tool().body == nullptr) return;
+  if (place_.view->tool().body == nullptr) return;
   ++reloads_;
   forget_surfaces();  // its client has data of an older version
   deadband_ = ReplyDeadband(parameters_);
 }
 
 void Session::forget_surfaces() noexcept {
-  known_.clear();
-  surfaces_ = 0;
+  prefetched_.known.clear();
+  prefetched_.version = 0;
 }
 
 LocalModel Session::model() const noexcept {
   if (!touches()) return {.center = last_.pose.position, .reach = kModelReach};
   LocalModel model =
-      world_ != nullptr
-          ? local_model(*world_, last_.pose.position, contacts_, body_contacts_.held, known_)
-          : local_model(*view_, last_.pose.position, contacts_, known_);
-  model.surfaces = surfaces_;
+      place_.world != nullptr
+          ? local_model(*place_.world, last_.pose.position, place_.contacts,
+                        place_.body_contacts.held, prefetched_.known)
+          : local_model(*place_.view, last_.pose.position, place_.contacts, prefetched_.known);
+  model.surfaces = prefetched_.version;
   return model;
 }
 
 BodyModel Session::body_model(int most) const noexcept {
-  return world_ != nullptr
-             ? feltwire::body_model(*world_, last_.pose, body_, body_contacts_.held, surfaces_,
-                                    known_, most)
-             : feltwire::body_model(*view_, last_.pose, body_, surfaces_, known_, most);
+  return place_.world != nullptr
+             ? feltwire::body_model(*place_.world, last_.pose, body_, place_.body_contacts.held,
+                                    prefetched_.version, prefetched_.known, most)
+             : feltwire::body_model(*place_.view, last_.pose, body_, prefetched_.version,
+                                    prefetched_.known, most);
 }
 
 bool Session::shorten(Reply& reply, std::size_t excess) const noexcept {
@@ -323,27 +321,30 @@ LocalModel Session::surfaces() const noexcept {
 
 Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noexcept {
   if (!touches()) return {};
-  if (view_->tool().body)
-    return world_ != nullptr ? world_->touch(device, tool.velocity, elapsed, body_, body_contacts_)
-                             : view_->touch(device, tool.velocity, elapsed, body_);
-  return world_ != nullptr ? world_->touch(tool, contacts_, body_contacts_)
-                           : view_->touch(tool, contacts_);
+  if (place_.view->tool().body)
+    return place_.world != nullptr
+               ? place_.world->touch(device, tool.velocity, elapsed, body_, place_.body_contacts)
+               : place_.view->touch(device, tool.velocity, elapsed, body_);
+  return place_.world != nullptr ? place_.world->touch(tool, place_.contacts, place_.body_contacts)
+                                 : place_.view->touch(tool, place_.contacts);
 }
 
 ProxyPlace Session::proxy() const noexcept {
   const Vec3& tool = last_.pose.position;
   if (!touches()) return {tool, 0.0};
-  if (view_->tool().body) {
+  if (place_.view->tool().body) {
     const Vec3& held = body_.placed ? body_.pose.position : tool;
     return {held, (held - tool).norm()};
   }
   ProxyPlace proxy{tool, 0.0};
-  const std::vector<Object>& objects =
-      world_ != nullptr ? world_->objects(body_contacts_.held) : view_->objects();
+  const std::vector<Object>& objects = place_.world != nullptr
+                                           ? place_.world->objects(place_.body_contacts.held)
+                                           : place_.view->objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (!contacts_[i].touching) continue;
-    FeatureMemory memory = contacts_[i].feature;
-    const SurfacePoint surface = surface_point(objects[i], tool, view_->tool().radius, memory);
+    if (!place_.contacts[i].touching) continue;
+    FeatureMemory memory = place_.contacts[i].feature;
+    const SurfacePoint surface =
+        surface_point(objects[i], tool, place_.view->tool().radius, memory);
     const Vec3 out = surface.depth * (objects[i].pose.orientation * surface.normal);
     if (!out.allFinite()) continue;
     proxy.position += out;
@@ -356,10 +357,10 @@ void Session::push(double age) noexcept {
   if (last_.index == 0 || !touches()) return;  // the hand's place is unknown, or it touches nothing
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
-  if (view_->tool().body)
-    world_->push(body_contacts_, body_, share);
+  if (place_.view->tool().body)
+    place_.world->push(place_.body_contacts, body_, share);
   else
-    world_->push(body_contacts_, contacts_, share);
+    place_.world->push(place_.body_contacts, place_.contacts, share);
 }
 
 void Session::put_law(SessionParameters& parameters) noexcept {
@@ -374,9 +375,7 @@ void Session::set_parameters(const SessionParameters& parameters) {
         "servo_period cannot change while a session runs; leave and join again");
 
   if (!same_bound(parameters, parameters_)) {
-    bounding_ = Bounding(bounding_config(parameters, device_));
-    new_bound_ = true;
-    probe_offset_.setZero();
+    bound_ = {.bounding = Bounding(bounding_config(parameters, device_)), .fresh = true};
   }
   if (parameters.velocity_cutoff != parameters_.velocity_cutoff)
     velocity_ = VelocityEstimate(parameters.velocity_cutoff);

@@ -84,7 +84,9 @@ class Session {
   void push(double age) noexcept;
 
   /// After a bad step of the world: World::blame() of this hand.
-  double blame() const noexcept { return world_ == nullptr ? 0.0 : world_->blame(body_contacts_); }
+  double blame() const noexcept {
+    return place_.world == nullptr ? 0.0 : place_.world->blame(place_.body_contacts);
+  }
 
   /// A scene and its world for a hand that has not touched anything in them yet. Both must outlive
   /// the sessions in them. Allocates.
@@ -92,7 +94,7 @@ class Session {
     Place() = default;
     Place(const ToolView& entered, World* run, const HandLimits& limits = {});
     const ToolView* view = nullptr;
-    World* world = nullptr;
+    World* world = nullptr;  // null: nothing moves
     TouchMemory contacts;
     BodyContactState body_contacts;
   };
@@ -165,6 +167,18 @@ class Session {
 
  private:
   struct Movement;
+  /// The bound, if the server bounds.
+  struct Bound {
+    Bounding bounding;
+    bool fresh = false;  // it has not stepped yet, the session has
+    Vec3 probe_offset =
+        Vec3::Zero();  // [m] from the device to the place where the scene was evaluated last
+  };
+  /// The objects that the client has in full.
+  struct Prefetched {
+    KnownSurfaces known;
+    std::uint32_t version = 0;  // and that of the tool's body; 0: it has none
+  };
   bool touches() const noexcept { return !observes_ && !through_arm_; }
   LocalModel model() const noexcept;
   void forget_surfaces() noexcept;
@@ -182,18 +196,11 @@ class Session {
   bool sends_normals_;        // the client shapes late forces, wall by wall
   bool through_arm_ = false;  // it touches with an arm of the world
 
-  const ToolView* view_;
-  World* world_;              // null: nothing moves
+  Place place_;
   std::uint32_t scenes_ = 1;  // number of scenes so far, with this one
-  TouchMemory contacts_;
-  KnownSurfaces known_;         // by the client
-  std::uint32_t surfaces_ = 0;  // their version, and that of the tool's body; 0: it has none
-  BodyContactState body_contacts_;
+  Prefetched prefetched_;
   BodyMemory body_;
-  Bounding bounding_;
-  bool new_bound_ = false;  // it has not stepped yet, the session has
-  Vec3 probe_offset_ =
-      Vec3::Zero();  // [m] from the device to the place where the scene was evaluated last
+  Bound bound_;
   VelocityEstimate velocity_;
   PortEnergy observer_;
   ReplyDeadband deadband_;
