@@ -33,7 +33,7 @@ namespace Feltwire
             [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand by fw_hand_move() and reads its force from fw_hand_latest()
             [FieldOffset(72)] public IntPtr spec;  // a built-in specification of the device, or FILE.json; null: the device's own
             [FieldOffset(80)] public double duration;  // [s] after which the run ends; 0: at fw_hand_close()
-            [FieldOffset(88)] public double stale_after;  // [s] after which a hand of device "caller" that was not moved gets no force, 0.001 to 1
+            [FieldOffset(88)] public double stale_after;  // [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a quarter of the hold time
             [FieldOffset(96)] public IntPtr more;  // further options of feltwire-client: "--record", "a.mcap", ...; its --help-all lists them
             [FieldOffset(104)] public uint more_count;  // number of these words
         }

@@ -31,7 +31,7 @@ STRUCTS = [
          "moves the hand by fw_hand_move() and reads its force from fw_hand_latest()"),
         ("text", "spec", "a built-in specification of the device, or FILE.json; null: the device's own"),
         ("f64", "duration", "[s] after which the run ends; 0: at fw_hand_close()"),
-        ("f64", "stale_after", "[s] after which a hand of device \"caller\" that was not moved gets no force, 0.001 to 1"),
+        ("f64", "stale_after", "[s] after which a hand of device \"caller\" that was not moved gets no force: 0.001 to less than a quarter of the hold time"),
         ("texts", "more", "further options of feltwire-client: \"--record\", \"a.mcap\", ...; its --help-all lists them"),
         ("u32", "more_count", "number of these words"),
     ]),

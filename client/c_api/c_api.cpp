@@ -14,6 +14,7 @@
 #include "client/c_api/open_hand.hpp"
 #include "client/device/mapped_device.hpp"
 #include "client/device/protected_device.hpp"
+#include "client/servo/device_input.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/build_info/build_info.hpp"
 #include "core/device/device_file.hpp"
@@ -141,8 +142,12 @@ std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
   OpenedDevice opened;
   CallerDevice* caller = nullptr;
   if (is_caller) {
-    if (!(given.stale_after >= 1e-3 && given.stale_after <= 1.0))
-      throw std::invalid_argument("hand_options.stale_after must be from 0.001 to 1 s");
+    const double longest = kDevicePatience * options.parameters.hold_time;
+    if (!(given.stale_after >= 1e-3 && given.stale_after < longest))
+      throw std::invalid_argument(
+          "hand_options.stale_after must be from 0.001 s to less than a quarter of the hold "
+          "time, " +
+          std::to_string(longest) + " s; move the hand more often, or give a longer --hold-time");
     options.device_kind = "caller";
     options.takes = {};  // a person may hold what the program moves
     auto device = std::make_unique<CallerDevice>(

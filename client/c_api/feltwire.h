@@ -49,7 +49,8 @@ typedef struct fw_hand_options {
      the hand by fw_hand_move() and reads its force from fw_hand_latest() */
   const char* spec; /* a built-in specification of the device, or FILE.json; null: the device's own */
   double duration; /* [s] after which the run ends; 0: at fw_hand_close() */
-  double stale_after; /* [s] after which a hand of device "caller" that was not moved gets no force, 0.001 to 1 */
+  double stale_after; /* [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a
+     quarter of the hold time */
   const char* const* more; /* further options of feltwire-client: "--record", "a.mcap", ...; its --help-all lists them */
   uint32_t more_count; /* number of these words */
 } fw_hand_options;

@@ -43,7 +43,7 @@ class Hands(unittest.TestCase):
         self.assertGreater(max(forces), 0.3)
 
     def test_a_program_moves_a_hand(self):
-        with self.server.join(device="caller", stale_after=0.2, **PATIENT) as hand:
+        with self.server.join(device="caller", stale_after=0.2, hold_time=1, **PATIENT) as hand:
             start, normal = hand.session.start_position, hand.session.start_normal
             eventually("a tick", hand.latest)
             self.assertIn("must be homed first", hand.why_no_force())

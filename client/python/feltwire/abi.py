@@ -27,7 +27,7 @@ class HandOptions(ctypes.Structure):
         ("device", ctypes.c_char_p),  # as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand by fw_hand_move() and reads its force from fw_hand_latest()
         ("spec", ctypes.c_char_p),  # a built-in specification of the device, or FILE.json; null: the device's own
         ("duration", ctypes.c_double),  # [s] after which the run ends; 0: at fw_hand_close()
-        ("stale_after", ctypes.c_double),  # [s] after which a hand of device "caller" that was not moved gets no force, 0.001 to 1
+        ("stale_after", ctypes.c_double),  # [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a quarter of the hold time
         ("more", ctypes.POINTER(ctypes.c_char_p)),  # further options of feltwire-client: "--record", "a.mcap", ...; its --help-all lists them
         ("more_count", ctypes.c_uint32),  # number of these words
     ]

@@ -58,6 +58,7 @@ class Server:
         """Ends the server. May be called again."""
         self._process.terminate()
         self._process.wait()
+        self._process.stdout.close()
         self._folder.cleanup()
 
     def __enter__(self):

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <vector>
 
 #include "client/c_api/feltwire.h"
 #include "core/base/latest_value.hpp"
@@ -99,6 +100,10 @@ TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
   fw_hand_options given = options();
   given.device = "caller";
   given.stale_after = 0.2;
+  std::vector<const char*> more(kMore.begin(), kMore.end());
+  more.insert(more.end(), {"--hold-time", "1"});
+  given.more = more.data();
+  given.more_count = static_cast<std::uint32_t>(more.size());
   fw_hand* hand = nullptr;
   ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
   fw_tick tick{};
