@@ -6,7 +6,8 @@
  *   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
  *   my_hand localhost:6720 room
  *
- * cc my_hand.c -lfeltwire -lm */
+ * cc -std=c99 my_hand.c -lfeltwire -lm */
+#define _POSIX_C_SOURCE 199309L /* nanosleep() */
 #include <feltwire.h>
 #include <math.h>
 #include <stdio.h>
@@ -36,21 +37,24 @@ int main(int argc, char** argv) {
   fw_pose pose;
   fw_pose_default(&pose, sizeof pose);
   fw_tick tick;
-  int ended = 0;
-  const int steps = 2000;
-  for (int i = 0; i < steps && !ended; ++i) {
+  const int steps = 4000;
+  for (int i = 0, result = FW_OK; result != FW_ENDED; ++i) {
     /* From 4 mm above the surface to 4 mm below it, and back. */
     const double height = 0.004 * cos(2.0 * 3.14159265358979 * i / steps); /* [m] */
     for (int axis = 0; axis < 3; ++axis)
       pose.position[axis] = session.start_position[axis] + height * session.start_normal[axis];
-    ended = fw_hand_move(hand, &pose) != FW_OK;
-    if (i % 100 == 0 && fw_hand_latest(hand, &tick, sizeof tick) == FW_OK)
+    result = fw_hand_exchange(hand, &pose, &tick, sizeof tick);
+    if (result < 0) break;
+    /* A real device applies tick.force [N] now, until the next exchange. */
+    if (i % 200 == 0)
       printf("%4.2f s  height %6.3f mm  force %5.2f N  %s\n", tick.time, 1e3 * height,
              sqrt(tick.force[0] * tick.force[0] + tick.force[1] * tick.force[1] +
                   tick.force[2] * tick.force[2]),
              fw_zero_force_text(tick.zero_force_reason));
+    if (i == steps) fw_hand_stop(hand); /* the force fades; then the result is FW_ENDED */
     const struct timespec pause = {0, 1000000}; /* 1 ms: a real device sets this pace itself */
     nanosleep(&pause, NULL);
   }
+  /* A real device gets a force of zero here, and has a watchdog of its own. */
   return fw_hand_close(hand) == FW_OK ? 0 : failed("the run ended early");
 }

@@ -30,7 +30,7 @@ namespace Feltwire
             [FieldOffset(40)] public IntPtr token_file;  // file with the client's token
             [FieldOffset(48)] public IntPtr scene;  // name of the scene to join
             [FieldOffset(56)] public IntPtr name;  // of this client, for the server's log
-            [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand by fw_hand_move() and reads its force from fw_hand_latest()
+            [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand and applies its force, by fw_hand_exchange()
             [FieldOffset(72)] public IntPtr spec;  // a built-in specification of the device, or FILE.json; null: the device's own
             [FieldOffset(80)] public double duration;  // [s] after which the run ends; 0: at fw_hand_close()
             [FieldOffset(88)] public double stale_after;  // [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a quarter of the hold time
@@ -133,15 +133,15 @@ namespace Feltwire
         [DllImport("feltwire")]
         public static extern int fw_hand_session(IntPtr hand, ref Session session, uint struct_size);
 
-        /// <summary>Moves a hand of device "caller". The servo uses the newest pose at its next tick. Threads: one thread at a time, wait-free.</summary>
+        /// <summary>For a hand of device "caller": gives the pose, and returns the newest tick, whose force the program applies until its next call. The energy account reckons with that. FW_NOTHING: there was no tick yet, so apply no force. FW_ENDED: the run has ended; apply no force. Threads: one thread at a time, never waits.</summary>
         [DllImport("feltwire")]
-        public static extern int fw_hand_move(IntPtr hand, ref Pose pose);
+        public static extern int fw_hand_exchange(IntPtr hand, ref Pose pose, ref Tick tick, uint struct_size);
 
-        /// <summary>The newest tick. FW_NOTHING: there was none yet. Threads: any thread, wait-free.</summary>
+        /// <summary>The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of it. Threads: any thread, never waits.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_latest(IntPtr hand, ref Tick tick, uint struct_size);
 
-        /// <summary>Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers tell it. Threads: one thread at a time, wait-free.</summary>
+        /// <summary>Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers tell it. Threads: one thread at a time, never waits.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_ticks(IntPtr hand, ref Tick ticks, uint struct_size, uint most, out uint count);
 
@@ -157,7 +157,7 @@ namespace Feltwire
         [DllImport("feltwire")]
         public static extern int fw_hand_stop(IntPtr hand);
 
-        /// <summary>Ends the run, waits for it, and frees the hand. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
+        /// <summary>Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_close(IntPtr hand);
     }

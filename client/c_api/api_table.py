@@ -28,7 +28,7 @@ STRUCTS = [
         ("text", "scene", "name of the scene to join"),
         ("text", "name", "of this client, for the server's log"),
         ("text", "device", "as --device of feltwire-client: \"simulated\", \"haply\", \"plugin:FILE.so\". \"caller\": the program "
-         "moves the hand by fw_hand_move() and reads its force from fw_hand_latest()"),
+         "moves the hand and applies its force, by fw_hand_exchange()"),
         ("text", "spec", "a built-in specification of the device, or FILE.json; null: the device's own"),
         ("f64", "duration", "[s] after which the run ends; 0: at fw_hand_close()"),
         ("f64", "stale_after", "[s] after which a hand of device \"caller\" that was not moved gets no force: 0.001 to less than a quarter of the hold time"),
@@ -65,7 +65,7 @@ STRUCTS = [
 ]
 
 # (result, name, [(type, name)], thread word, documentation)
-ANY, ONE, FREE = "any thread", "one thread at a time", "any thread, wait-free"
+ANY, ONE, FREE = "any thread", "one thread at a time", "any thread, never waits"
 FUNCTIONS = [
     ("u32", "version", [], ANY, "The version of the library: major * 65536 + minor * 256 + patch."),
     ("text", "last_error", [], ANY, "The text of the last error of the calling thread, in one line; empty: there was none."),
@@ -79,12 +79,15 @@ FUNCTIONS = [
      "Blocks until the server has answered, and a device may make it wait for a person (homing). The hand must be closed."),
     ("i32", "hand_session", [("const hand*", "hand"), ("session*", "session"), ("u32", "struct_size")], ANY,
      "What the server granted when the hand joined."),
-    ("i32", "hand_move", [("hand*", "hand"), ("const pose*", "pose")], "one thread at a time, wait-free",
-     "Moves a hand of device \"caller\". The servo uses the newest pose at its next tick."),
+    ("i32", "hand_exchange", [("hand*", "hand"), ("const pose*", "pose"), ("tick*", "tick"), ("u32", "struct_size")],
+     "one thread at a time, never waits",
+     "For a hand of device \"caller\": gives the pose, and returns the newest tick, whose force the program applies until its next call. "
+     "The energy account reckons with that. FW_NOTHING: there was no tick yet, so apply no force. FW_ENDED: the run has ended; apply no "
+     "force."),
     ("i32", "hand_latest", [("const hand*", "hand"), ("tick*", "tick"), ("u32", "struct_size")], FREE,
-     "The newest tick. FW_NOTHING: there was none yet."),
+     "The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of it."),
     ("i32", "hand_ticks", [("hand*", "hand"), ("tick*", "ticks"), ("u32", "struct_size"), ("u32", "most"), ("u32*", "count")],
-     "one thread at a time, wait-free",
+     "one thread at a time, never waits",
      "Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers tell it."),
     ("i32", "hand_message", [("hand*", "hand"), ("char*", "text"), ("u32", "size")], ANY,
      "Takes the oldest message for people that was not taken yet: a warning, or a change by an admin. It is cut at `size`, with the zero "
@@ -93,5 +96,5 @@ FUNCTIONS = [
      "Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet."),
     ("i32", "hand_stop", [("hand*", "hand")], ANY, "Lets the force fade and ends the run. Does not wait."),
     ("i32", "hand_close", [("hand*", "hand")], ONE,
-     "Ends the run, waits for it, and frees the hand. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed."),
+     "Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed."),
 ]

@@ -1,8 +1,10 @@
 // The functions of feltwire.h.
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <charconv>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -22,6 +24,7 @@
 /// The handle of a program.
 struct fw_hand {
   std::unique_ptr<feltwire::OpenHand> hand;
+  pid_t process = ::getpid();
 };
 
 namespace feltwire {
@@ -35,6 +38,9 @@ thread_local std::array<char, kErrorRoom> last_error{};
 std::int32_t fail(std::int32_t result, const char* text) noexcept {
   std::strncpy(last_error.data(), text, last_error.size() - 1);
   last_error.back() = '\0';
+  // The text is a single line, without signs that would change a terminal.
+  for (char& sign : last_error)
+    if (sign != '\0' && static_cast<unsigned char>(sign) < ' ') sign = ' ';
   return result;
 }
 
@@ -60,7 +66,12 @@ std::int32_t guarded(Work work) noexcept {
   }
 }
 
-constexpr std::uint32_t kLeastSize = 2 * sizeof(std::uint32_t);  // struct_size and reserved
+/// Returns whether a struct can have this size: struct_size and `reserved` at least, and whole
+/// fields.
+bool is_size(std::uint32_t size) noexcept {
+  constexpr std::uint32_t kLeast = 8, kMost = 4096, kStep = 8;
+  return size >= kLeast && size <= kMost && size % kStep == 0;
+}
 
 /// Reads a struct of a program that was compiled with an older or a newer header. What the program
 /// does not know keeps its usual value. Throws std::invalid_argument if it has no size, or sets a
@@ -68,7 +79,7 @@ constexpr std::uint32_t kLeastSize = 2 * sizeof(std::uint32_t);  // struct_size 
 template <class Struct>
 Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
   if (given == nullptr) throw std::invalid_argument(std::string(name) + " is null");
-  if (given->struct_size < kLeastSize)
+  if (!is_size(given->struct_size))
     throw std::invalid_argument(std::string(name) + ".struct_size is " +
                                 std::to_string(given->struct_size) + "; call fw_" + name +
                                 "_default() first");
@@ -107,7 +118,23 @@ fw_pose usual_pose() noexcept {
   return pose;
 }
 
-/// The words of feltwire-client for these options.
+/// Returns a number as text that is the same in every locale.
+std::string number(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+/// Throws std::invalid_argument for an option that has no meaning in a library.
+void require_meaning(const std::string& word) {
+  constexpr std::array kOfTheProgram = {"--help",  "--help-all",   "--version", "--list",
+                                        "--check", "--list-specs", "--report",  "--rehearsal"};
+  for (const char* option : kOfTheProgram)
+    if (word == option || word.starts_with(std::string(option) + "="))
+      throw std::invalid_argument("hand_options.more: " + word + " is for feltwire-client only");
+}
+
+/// Returns the words of feltwire-client for these options.
 std::vector<std::string> command_line(const fw_hand_options& options, bool caller) {
   std::vector<std::string> words;
   const auto add = [&](const char* option, const char* value) {
@@ -121,24 +148,29 @@ std::vector<std::string> command_line(const fw_hand_options& options, bool calle
   add("--token-file", options.token_file);
   add("--scene", options.scene);
   add("--name", options.name);
-  add("--device", caller ? "simulated" : options.device);
+  // A person may hold what the program moves: the limits are those of a plugin.
+  add("--device", caller ? "plugin:caller" : options.device);
   add("--spec", options.spec);
-  add("--duration", std::to_string(options.duration).c_str());
+  add("--duration", number(options.duration).c_str());
   if (options.more_count > 0 && options.more == nullptr)
     throw std::invalid_argument("hand_options.more is null, and more_count is not 0");
   for (std::uint32_t i = 0; i < options.more_count; ++i) {
     if (options.more[i] == nullptr)
       throw std::invalid_argument("hand_options.more has a null word");
+    require_meaning(options.more[i]);
     words.emplace_back(options.more[i]);
   }
+  const auto is_recorder = [](const std::string& word) {
+    return word.starts_with("--flight-recorder");
+  };
+  if (std::ranges::none_of(words, is_recorder)) add("--flight-recorder", "off");
   return words;
 }
 
 std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
   const bool is_caller = given.device != nullptr && std::strcmp(given.device, "caller") == 0;
   ClientOptions options = options_of(command_line(given, is_caller));
-  if (options.list || options.check)
-    throw std::invalid_argument("--list and --check are for feltwire-client only");
+  options.rehearses = false;  // it prints
   OpenedDevice opened;
   CallerDevice* caller = nullptr;
   if (is_caller) {
@@ -184,8 +216,27 @@ fw_tick to_c(const TickCopy& tick) noexcept {
   return out;
 }
 
-bool is_open(const fw_hand* hand) noexcept { return hand != nullptr && hand->hand != nullptr; }
-std::int32_t no_hand() noexcept { return fail(FW_ERROR_ARGUMENT, "the hand is null"); }
+/// Throws std::invalid_argument if no hand can be there.
+CallerDevice::Move to_move(const fw_pose& pose) {
+  constexpr double kFarthest = 1e3;  // [m]
+  const Vec3 position(pose.position[0], pose.position[1], pose.position[2]);
+  const Quaternion turn(pose.orientation[0], pose.orientation[1], pose.orientation[2],
+                        pose.orientation[3]);
+  if (!(position.norm() < kFarthest))
+    throw std::invalid_argument("pose.position is not a number, or farther than 1 km away");
+  if (!(turn.norm() > 0.5 && turn.norm() < 2.0))
+    throw std::invalid_argument("pose.orientation is no unit quaternion w, x, y, z");
+  return {
+      .pose = {position, turn.normalized()}, .buttons = pose.buttons, .deadman = pose.deadman != 0};
+}
+
+/// A child process has the handles of its parent, but none of its threads.
+bool is_open(const fw_hand* hand) noexcept {
+  return hand != nullptr && hand->hand != nullptr && hand->process == ::getpid();
+}
+std::int32_t no_hand() noexcept {
+  return fail(FW_ERROR_ARGUMENT, "the hand is null, or another process opened it");
+}
 
 }  // namespace
 }  // namespace feltwire
@@ -248,7 +299,7 @@ std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
 
 std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint32_t struct_size) {
   if (!is_open(hand)) return no_hand();
-  if (session == nullptr || struct_size < kLeastSize)
+  if (session == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "session is null, or struct_size is not its size");
   const control::JoinAccepted& accepted = hand->hand->accepted();
   fw_session out{};
@@ -264,24 +315,26 @@ std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint
   return FW_OK;
 }
 
-std::int32_t fw_hand_move(fw_hand* hand, const fw_pose* pose) {
+std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
+                              std::uint32_t struct_size) {
   if (!is_open(hand)) return no_hand();
+  if (tick == nullptr || !is_size(struct_size))
+    return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   return guarded([&] {
-    CallerDevice* device = hand->hand->caller();
-    if (device == nullptr)
+    if (hand->hand->caller() == nullptr)
       throw std::invalid_argument("the hand's device is not \"caller\": it moves itself");
-    const fw_pose given = read_struct(pose, usual_pose(), "pose");
-    CallerDevice::Move move{.buttons = given.buttons, .deadman = given.deadman != 0};
-    std::ranges::copy(given.position, move.position.begin());
-    std::ranges::copy(given.orientation, move.orientation.begin());
-    device->move(move);
-    return hand->hand->over() ? FW_ENDED : FW_OK;
+    const CallerDevice::Move move = to_move(read_struct(pose, usual_pose(), "pose"));
+    TickCopy newest;
+    const bool ticked = hand->hand->exchange(move, newest);
+    write_struct(to_c(newest), tick, struct_size);
+    if (hand->hand->over()) return FW_ENDED;
+    return ticked ? FW_OK : FW_NOTHING;
   });
 }
 
 std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t struct_size) {
   if (!is_open(hand)) return no_hand();
-  if (tick == nullptr || struct_size < kLeastSize)
+  if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   TickCopy newest;
   if (!hand->hand->latest(newest)) return FW_NOTHING;
@@ -292,7 +345,7 @@ std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t st
 std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_size,
                            std::uint32_t most, std::uint32_t* count) {
   if (!is_open(hand)) return no_hand();
-  if (ticks == nullptr || count == nullptr || struct_size < kLeastSize)
+  if (ticks == nullptr || count == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "ticks or count is null, or struct_size is not the tick's size");
   auto* to = reinterpret_cast<unsigned char*>(ticks);
   TickCopy tick;
@@ -328,6 +381,7 @@ std::int32_t fw_hand_stop(fw_hand* hand) {
 
 std::int32_t fw_hand_close(fw_hand* hand) {
   if (hand == nullptr) return FW_OK;
+  if (!is_open(hand)) return no_hand();
   const std::string error = hand->hand->end();
   const bool stuck = hand->hand->is_stuck();
   if (stuck)

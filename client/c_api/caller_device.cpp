@@ -2,28 +2,53 @@
 
 namespace feltwire {
 
+/// Returns the newer move with the mean force over both spans of time.
+CallerDevice::Offer CallerDevice::joined(const Offer& older, const Offer& newer) noexcept {
+  const double span = older.span + newer.span;
+  if (!(span > 0.0)) return newer;
+  const double share = older.span / span;
+  const auto mean = [&](const Vec3& a, const Vec3& b) -> Vec3 {
+    return share * a + (1.0 - share) * b;
+  };
+  Offer both = newer;
+  both.span = span;
+  both.held.elastic = mean(older.held.elastic, newer.held.elastic);
+  both.held.frictional = mean(older.held.frictional, newer.held.frictional);
+  both.held.torque = mean(older.held.torque, newer.held.torque);
+  return both;
+}
+
+void CallerDevice::exchange(const Move& move, Nanoseconds now, const Command& applied) noexcept {
+  const double span = exchanged_at_.count() > 0 ? seconds(now - exchanged_at_) : 0.0;
+  waiting_ = joined(waiting_, {move, applied_, span});
+  if (offers_.push(waiting_)) waiting_ = {};
+  applied_ = applied;
+  exchanged_at_ = now;
+}
+
 DeviceReading CallerDevice::read(Nanoseconds now) noexcept {
   DeviceReading reading;
-  // Before the values: a move that comes between is taken again at the next tick.
-  const std::uint64_t count = moves_.count();
-  Move move;
-  if (!moves_.get(move)) {
-    reading.withheld = Withheld::not_homed;
-    return reading;
+  Offer all, offer;
+  bool fresh = false;
+  while (offers_.pop(offer)) {
+    all = joined(all, offer);
+    fresh = true;
   }
-  if (count != taken_) {
-    taken_ = count;
+  if (fresh) {
+    newest_ = all.move;
+    reading.held = all.held;
+    moved_ = true;
     moved_at_ = now;
+  } else if (!moved_) {
+    reading.withheld = Withheld::not_homed;
   } else if (now - moved_at_ > stale_after_) {
     reading.withheld = Withheld::not_moved;
   } else {
     reading.fresh = false;
   }
-  reading.pose.position = {move.position[0], move.position[1], move.position[2]};
-  reading.pose.orientation = Quaternion(move.orientation[0], move.orientation[1],
-                                        move.orientation[2], move.orientation[3]);
-  reading.buttons = move.buttons;
-  reading.deadman = move.deadman;
+  reading.pose = newest_.pose;
+  reading.buttons = newest_.buttons;
+  reading.deadman = newest_.deadman;
   return reading;
 }
 

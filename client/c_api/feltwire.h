@@ -46,7 +46,7 @@ typedef struct fw_hand_options {
   const char* scene; /* name of the scene to join */
   const char* name; /* of this client, for the server's log */
   const char* device; /* as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves
-     the hand by fw_hand_move() and reads its force from fw_hand_latest() */
+     the hand and applies its force, by fw_hand_exchange() */
   const char* spec; /* a built-in specification of the device, or FILE.json; null: the device's own */
   double duration; /* [s] after which the run ends; 0: at fw_hand_close() */
   double stale_after; /* [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a
@@ -128,17 +128,20 @@ FW_EXPORT int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand);
    Threads: any thread. */
 FW_EXPORT int32_t fw_hand_session(const fw_hand* hand, fw_session* session, uint32_t struct_size);
 
-/* Moves a hand of device "caller". The servo uses the newest pose at its next tick.
-   Threads: one thread at a time, wait-free. */
-FW_EXPORT int32_t fw_hand_move(fw_hand* hand, const fw_pose* pose);
+/* For a hand of device "caller": gives the pose, and returns the newest tick, whose force the program applies until its
+   next call. The energy account reckons with that. FW_NOTHING: there was no tick yet, so apply no force. FW_ENDED: the run
+   has ended; apply no force.
+   Threads: one thread at a time, never waits. */
+FW_EXPORT int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick, uint32_t struct_size);
 
-/* The newest tick. FW_NOTHING: there was none yet.
-   Threads: any thread, wait-free. */
+/* The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of
+   it.
+   Threads: any thread, never waits. */
 FW_EXPORT int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, uint32_t struct_size);
 
 /* Takes the ticks since the last call, at most `most`. After 16384 ticks without a call the newest are lost; their numbers
    tell it.
-   Threads: one thread at a time, wait-free. */
+   Threads: one thread at a time, never waits. */
 FW_EXPORT int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, uint32_t struct_size, uint32_t most, uint32_t* count);
 
 /* Takes the oldest message for people that was not taken yet: a warning, or a change by an admin. It is cut at `size`,
@@ -154,8 +157,8 @@ FW_EXPORT int32_t fw_hand_wait(fw_hand* hand, double timeout);
    Threads: any thread. */
 FW_EXPORT int32_t fw_hand_stop(fw_hand* hand);
 
-/* Ends the run, waits for it, and frees the hand. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is
-   allowed.
+/* Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if
+   an error had ended the run. Null is allowed.
    Threads: one thread at a time. */
 FW_EXPORT int32_t fw_hand_close(fw_hand* hand);
 

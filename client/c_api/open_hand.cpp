@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "client/device/await_prepared.hpp"
+#include "client/servo/stall_detector.hpp"
+#include "protocol/net/clock.hpp"
 
 namespace feltwire {
 namespace {
@@ -32,6 +34,9 @@ OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, Caller
   options_.listener = this;
   await_ready(*device);
   run_.emplace(std::move(device), options_, static_cast<RunOutlet&>(*this));
+  const SessionParameters& granted = accepted().parameters;
+  longest_tick_ = from_seconds(let_go_time(granted.servo_period, granted.hold_time,
+                                           options_.let_go_after, run_->real_time().scheduler));
   try {
     attendant_ = std::thread([this] {
       pollfd waiting{run_->supervisor().over_descriptor(), POLLIN, 0};
@@ -45,6 +50,27 @@ OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, Caller
 }
 
 OpenHand::~OpenHand() { end(); }
+
+bool OpenHand::latest(TickCopy& tick) const noexcept {
+  if (latest_.get(tick) == 0) return false;
+  const bool let_go = over() || (caller_ != nullptr && caller_->released()) ||
+                      monotonic_now().count() - tick.clock > longest_tick_.count();
+  if (!let_go) return true;
+  tick.force = tick.torque = {};
+  tick.zero_force_reason = static_cast<std::uint32_t>(ZeroForceReason::not_held);
+  return true;
+}
+
+bool OpenHand::exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept {
+  const bool ticked = latest(tick);
+  Command applied;
+  if (ticked) {
+    applied.elastic = {tick.force[0], tick.force[1], tick.force[2]};
+    applied.torque = {tick.torque[0], tick.torque[1], tick.torque[2]};
+  }
+  caller_->exchange(move, monotonic_now(), applied);
+  return ticked;
+}
 
 void OpenHand::await_ready(Device& device) {
   using Clock = std::chrono::steady_clock;
@@ -62,6 +88,7 @@ void OpenHand::await_ready(Device& device) {
 
 void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
   const TickCopy copy{.number = ++number_,
+                      .clock = tick.clock,
                       .time = tick.time,
                       .position = numbers(tick.position),
                       .force = numbers(tick.held),
@@ -99,8 +126,14 @@ std::optional<std::string> OpenHand::next_message() {
 }
 
 bool OpenHand::wait(double timeout) const noexcept {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point latest = Clock::now() + std::chrono::milliseconds(milliseconds(timeout));
   pollfd waiting{over_.descriptor(), POLLIN, 0};
-  if (!over_.is_set()) ::poll(&waiting, 1, milliseconds(timeout));
+  // A signal of the program may interrupt poll().
+  while (!over_.is_set() && Clock::now() < latest) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(latest - Clock::now());
+    ::poll(&waiting, 1, static_cast<int>(left.count()) + 1);
+  }
   return over_.is_set();
 }
 

@@ -19,6 +19,7 @@ namespace feltwire {
 /// A tick as the program gets it: numbers only, so that a copy is a copy of bytes.
 struct TickCopy {
   std::uint64_t number = 0;                             // from 1
+  std::int64_t clock = 0;                               // [ns] of the servo, monotonic
   double time = 0.0;                                    // [s] since the first tick
   std::array<double, 3> position{}, force{}, torque{};  // [m], [N], [N m]
   std::array<double, 4> orientation{};                  // w, x, y, z
@@ -43,8 +44,13 @@ class OpenHand final : private RunOutlet, private TickListener {
   /// Null: the program is not the device.
   CallerDevice* caller() const noexcept { return caller_; }
   const control::JoinAccepted& accepted() const { return run_->accepted(); }
-  /// False: there was no tick yet. It never waits.
-  bool latest(TickCopy& tick) const noexcept { return latest_.get(tick); }
+  /// Returns the newest tick in `tick`, with the force that is on the hand now: none where the
+  /// device was let go, or the servo has made no tick for too long. False: there was no tick yet.
+  /// It never waits.
+  bool latest(TickCopy& tick) const noexcept;
+  /// The program is the device. Gives a pose, and returns the force that the program must apply
+  /// from now on, as latest() does. A single thread calls it; it never waits.
+  bool exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept;
   /// The next tick that was not taken; false: there is none. One thread at a time.
   bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
   std::optional<std::string> next_message();
@@ -75,6 +81,7 @@ class OpenHand final : private RunOutlet, private TickListener {
   LatestValue<TickCopy> latest_;
   Ring<TickCopy> ticks_{kTicks};
   std::optional<HandRun> run_;
+  Nanoseconds longest_tick_{0};  // after which the servo stands still
   Event over_;
   std::thread attendant_;
 };

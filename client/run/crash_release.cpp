@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <ctime>
 #include <mutex>
 #include <stdexcept>
@@ -33,18 +34,23 @@ bool is_among(const std::array<int, n>& signals, int signal) noexcept {
   return std::ranges::find(signals, signal) != signals.end();
 }
 
-void release_and_die(int signal) {
+std::atomic<pid_t> owner{0};  // the process whose devices these are
+
+void release_all() {
+  if (owner.load() != ::getpid()) return;
   bool released = false;
   for (const std::atomic<Device*>& place : devices_to_release)
     if (Device* device = place.load()) {
       device->release();
       released = true;
     }
-  if (released) {
-    timespec left = kTimeToLetGo;
-    while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
-  }
-  // SA_RESETHAND has restored the default action. raise() now ends the program.
+  if (!released) return;
+  timespec left = kTimeToLetGo;
+  while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
+}
+
+void release_and_die(int signal) {
+  release_all();
   ::raise(signal);
 }
 
@@ -92,8 +98,14 @@ class Handlers {
     OwnSignals::change(SIG_DFL, SIG_IGN);
   }
   void give_back() noexcept {
-    for (std::size_t signal = 1; signal < before_.size(); ++signal)
-      if (taken_[signal]) ::sigaction(static_cast<int>(signal), &before_[signal], nullptr);
+    for (std::size_t signal = 1; signal < before_.size(); ++signal) {
+      // A handler that the program has set meanwhile stays.
+      struct sigaction now {};
+      const bool ours = taken_[signal] &&
+                        ::sigaction(static_cast<int>(signal), nullptr, &now) == 0 &&
+                        (now.sa_handler == release_and_die || now.sa_handler == SIG_IGN);
+      if (ours) ::sigaction(static_cast<int>(signal), &before_[signal], nullptr);
+    }
     taken_ = {};
     OwnSignals::change(SIG_IGN, SIG_DFL);
   }
@@ -120,8 +132,11 @@ Handlers handlers;
 
 }  // namespace
 
-CrashRelease::CrashRelease(Device& device, bool records) {
+CrashRelease::CrashRelease(Device& device, bool takes_sigusr1) {
   const std::lock_guard lock(mutex);
+  static const bool registered = std::atexit(release_all) == 0;
+  static_cast<void>(registered);
+  owner.store(::getpid());
   const auto place =
       std::ranges::find(devices_to_release, nullptr, [](const auto& p) { return p.load(); });
   if (place == devices_to_release.end())
@@ -129,7 +144,7 @@ CrashRelease::CrashRelease(Device& device, bool records) {
                              " hands already; close one first");
   place->store(&device);
   place_ = static_cast<std::size_t>(place - devices_to_release.begin());
-  if (in_use++ == 0) handlers.take_all(records);
+  if (in_use++ == 0) handlers.take_all(takes_sigusr1);
 }
 
 CrashRelease::~CrashRelease() {

@@ -16,15 +16,16 @@ namespace feltwire {
 /// (32 and 33) are ignored until it uses them. No program can react to SIGKILL, SIGSTOP, a stack
 /// overflow, or a failure of the machine: only the device's own watchdog can.
 ///
-/// A process may have several: each signal releases all their devices. The first one takes the
-/// signals, and the last one gives them back.
+/// A process may have several: each signal releases all their devices, and so does exit(). The
+/// first one takes the signals, and the last one gives them back. A child process releases nothing,
+/// because the devices are its parent's.
 class CrashRelease {
  public:
   static constexpr std::size_t kMost = 64;  // in a process
 
-  /// `records`: SIGUSR1 asks for a flight record (Signals), and kills nothing; the first one
-  /// decides. Throws std::runtime_error if there are kMost already.
-  explicit CrashRelease(Device& device, bool records = false);
+  /// `takes_sigusr1`: the program handles SIGUSR1 itself (Signals), so it is left alone; the first
+  /// one decides. Throws std::runtime_error if there are kMost already.
+  explicit CrashRelease(Device& device, bool takes_sigusr1 = false);
   ~CrashRelease();
   CrashRelease(const CrashRelease&) = delete;
   CrashRelease& operator=(const CrashRelease&) = delete;

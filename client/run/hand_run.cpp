@@ -160,8 +160,9 @@ std::optional<RecordingTarget> recording_target(const RunOptions& options) {
       .file = *options.record, .limits = options.record_limits, .about = about(options)};
 }
 
-HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet)
-    : options_(options), outlet_(outlet) {
+HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,
+                 bool takes_sigusr1)
+    : options_(options), outlet_(outlet), takes_sigusr1_(takes_sigusr1) {
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
   if (const Nanoseconds tick = device->longest_tick(); tick.count() > 0)
@@ -208,7 +209,7 @@ void HandRun::begin(std::unique_ptr<Device> device, control::JoinRequest& wanted
   reconnector_.emplace(options_.server, wanted, task_->sessions, rejoin);
   fetch_.emplace(options_.server, task_->fetched,
                  SceneFetchOptions{.servo_period = accepted_.parameters.servo_period});
-  crash_release_.emplace(task_->guard, options_.flight_recorder.has_value());
+  crash_release_.emplace(task_->guard, takes_sigusr1_);
   if (options_.rehearses)
     rehearsal_.emplace(task_->servo.spec(), accepted_.parameters, task_->servo.options(),
                        accepted_.stiffness);

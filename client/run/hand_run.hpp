@@ -40,7 +40,9 @@ class HandRun {
   /// Joins the scene, begins the device and starts the servo thread. `options` and `outlet` must
   /// outlive the run. Throws as run_client() does. The server is told of every failure after the
   /// join.
-  HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet);
+  /// `takes_sigusr1`: the program handles SIGUSR1 itself.
+  HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,
+          bool takes_sigusr1 = false);
   /// Calls end().
   ~HandRun();
   HandRun(const HandRun&) = delete;
@@ -74,6 +76,7 @@ class HandRun {
 
   const RunOptions& options_;
   RunOutlet& outlet_;
+  bool takes_sigusr1_;
   control::JoinAccepted accepted_;
   Address datagrams_;
   std::string device_name_;  // among the devices of this process

@@ -121,7 +121,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   if (!wait_until_ready(*device, signals)) return 0;
 
   TerminalOutlet terminal;
-  HandRun run(std::move(device), options, terminal);
+  HandRun run(std::move(device), options, terminal, options.flight_recorder.has_value());
   {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0) terminal.say("the space bar takes all force off at once");

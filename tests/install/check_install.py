@@ -98,7 +98,7 @@ def main():
                 plugin, "-o", folder / "my_plugin.so")
 
         library = next(prefix.rglob("libfeltwire.so")).parent
-        run("cc", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
+        run("cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
             source / "examples/my_hand.c", f"-L{library}", f"-Wl,-rpath,{library}", "-lfeltwire", "-lm", "-o", folder / "my_hand")
         exported = run("nm", "-D", "--defined-only", "--format=posix", library / "libfeltwire.so").splitlines()
         others = [line for line in exported if not line.startswith(("fw_", "FELTWIRE_0"))]

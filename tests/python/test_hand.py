@@ -3,6 +3,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -43,27 +44,43 @@ class Hands(unittest.TestCase):
         self.assertGreater(max(forces), 0.3)
 
     def test_a_program_moves_a_hand(self):
-        with self.server.join(device="caller", stale_after=0.2, hold_time=1, **PATIENT) as hand:
+        with self.server.join(device="caller", stale_after=0.2, hold_time=1, await_still=0, **PATIENT) as hand:
             start, normal = hand.session.start_position, hand.session.start_normal
             eventually("a tick", hand.latest)
             self.assertIn("must be homed first", hand.why_no_force())
 
             def go(height):
-                """One tick later the servo has it."""
+                """Returns the force along the normal, after the servo had the pose for a tick."""
                 before = hand.latest().number
-                self.assertTrue(hand.move([start[i] + height * normal[i] for i in range(3)]))
+                force, _ = hand.exchange([start[i] + height * normal[i] for i in range(3)])
                 eventually("a tick", lambda: hand.latest().number > before)
+                return sum(force[i] * normal[i] for i in range(3))
 
             for step in range(120):
                 go(0.004 - 5e-5 * step)
-
-            def pushed():
-                go(-0.002)
-                return sum(hand.latest().force[i] * normal[i] for i in range(3)) > 0.3
-
-            eventually("the plane pushes", pushed)
+            eventually("the plane pushes", lambda: go(-0.002) > 0.3)
             eventually("a hand that is not moved gets no force", lambda: max(map(abs, hand.latest().force)) == 0.0)
             self.assertIn("no new position", hand.why_no_force())
+
+    def test_one_thread_closes_while_others_ask(self):
+        for _ in range(10):
+            hand = self.server.join(**PATIENT)
+
+            def ask():
+                try:
+                    while True:
+                        hand.messages()
+                        hand.wait(0.001)
+                except ValueError:
+                    pass
+
+            threads = [threading.Thread(target=ask) for _ in range(2)]
+            for thread in threads:
+                thread.start()
+            eventually("a tick", hand.latest)
+            hand.close()
+            for thread in threads:
+                thread.join()
 
     def test_words_of_options(self):
         from feltwire.hand import _words
@@ -79,9 +96,12 @@ class Hands(unittest.TestCase):
             feltwire.join("127.0.0.1:1", "plane", fingerprint_file=self.server.fingerprint_file, token_file=self.server.token_file)
         with self.server.join(**PATIENT) as hand:
             with self.assertRaisesRegex(ValueError, "it moves itself"):
-                hand.move((0, 0, 0))
-        with self.assertRaises(ValueError):
-            hand.latest()  # closed
+                hand.exchange((0, 0, 0))
+        for call in (hand.latest, hand.ticks, hand.messages, hand.stop, hand.wait):
+            with self.assertRaisesRegex(ValueError, "closed"):
+                call()
+        with self.assertRaisesRegex(ValueError, "feltwire-client only"):
+            self.server.join(list_specs=True)
         with self.assertRaisesRegex(feltwire.Error, "no_such_file"):
             feltwire.serve("no_such_file.json")
 

@@ -1,11 +1,13 @@
 """A hand in a scene."""
 import ctypes
 import os
+import threading
 
 from . import abi
 from .library import BLOCKING, QUICK
 
 _TICK_SIZE = ctypes.sizeof(abi.Tick)
+_MOST_TICKS = 1 << 14
 
 
 class Error(RuntimeError):
@@ -51,7 +53,7 @@ def join(server, scene, *, device="simulated", spec=None, name="python", token_f
          ca_file=None, duration=0.0, stale_after=0.02, **options):
     """Joins a scene and returns its Hand. Blocks until the server has answered.
 
-    server: "HOST:PORT". scene: its name. device: as --device of feltwire-client, or "caller": the program moves the hand by Hand.move().
+    server: "HOST:PORT". scene: its name. device: as --device of feltwire-client, or "caller": the program is the device, by Hand.exchange().
     spec: a built-in specification of the device, or the path of a JSON file. duration [s]: when the run ends; 0: at Hand.close().
     stale_after [s]: a hand of device "caller" that was not moved for so long gets no force. The server is recognised by fingerprint,
     fingerprint_file or ca_file; without any by FELTWIRE_FINGERPRINT_FILE. token_file: without it FELTWIRE_TOKEN_FILE.
@@ -85,12 +87,19 @@ class Hand:
 
     def __init__(self, handle):
         self._handle = handle
-        self._tick = abi.Tick()
+        self._lock = threading.Lock()  # of the calls that give other threads the interpreter
+        self._tick, self._exchanged, self._asked = abi.Tick(), abi.Tick(), abi.Tick()
+        self._room = None  # of ticks()
         self._pose = abi.Pose()
         BLOCKING.fw_pose_default(self._pose, ctypes.sizeof(self._pose))
         self.session = abi.Session()
         """What the server granted: servo_period [s], hold_time [s], stiffness [N/m], start_position [m], start_normal."""
         BLOCKING.fw_hand_session(handle, self.session, ctypes.sizeof(self.session))
+
+    def _open(self):
+        if self._handle is None:
+            raise ValueError("the hand is closed")
+        return self._handle
 
     def __enter__(self):
         return self
@@ -102,56 +111,65 @@ class Hand:
             if kind is None:
                 raise
 
-    def move(self, position, orientation=(1.0, 0.0, 0.0, 0.0), buttons=0, deadman=False):
-        """Moves a hand of device "caller": position [m], orientation as a unit quaternion w, x, y, z. False: the run has ended."""
-        pose = self._pose
+    def exchange(self, position, orientation=(1.0, 0.0, 0.0, 0.0), buttons=0, deadman=False):
+        """For a hand of device "caller": gives the pose of the hand, position [m] and orientation as a unit quaternion w, x, y, z.
+        Returns the force [N] and torque [N m] that the program applies until its next call, each three numbers; None: the run has
+        ended, and nothing may be applied."""
+        pose, tick = self._pose, self._exchanged
         pose.position[:] = position
         pose.orientation[:] = orientation
         pose.buttons, pose.deadman = buttons, deadman
-        result = QUICK.fw_hand_move(self._handle, pose)
+        result = QUICK.fw_hand_exchange(self._open(), pose, tick, _TICK_SIZE)
         if result < 0:
             _raise(result)
-        return result == abi.OK
+        return None if result == abi.ENDED else (tuple(tick.force), tuple(tick.torque))
 
     def latest(self):
         """The newest tick, or None before the first: time [s], position [m], orientation, force [N], torque [N m], reply_age [s],
         balance [J], account_cut, zero_force_reason, connected. The next call overwrites it."""
-        result = QUICK.fw_hand_latest(self._handle, self._tick, _TICK_SIZE)
+        return self._newest(self._tick)
+
+    def _newest(self, tick):
+        result = QUICK.fw_hand_latest(self._open(), tick, _TICK_SIZE)
         if result < 0:
             _raise(result)
-        return self._tick if result == abi.OK else None
+        return tick if result == abi.OK else None
 
-    def ticks(self, most=1 << 14):
-        """The ticks since the last call, at most `most`: a NumPy array with a field for each number (ticks["force"] is n x 3), or a
-        list where NumPy is not installed. The library keeps 16384 of them."""
-        room = (abi.Tick * most)()
+    def ticks(self):
+        """The ticks since the last call: a NumPy array with a field for each number (ticks["force"] is n x 3), or a list of ticks where
+        NumPy is not installed. The library keeps 16384 of them: after more without a call the newest are lost, and their numbers
+        tell it."""
+        if self._room is None:
+            self._room = (abi.Tick * _MOST_TICKS)()
         count = ctypes.c_uint32()
-        result = QUICK.fw_hand_ticks(self._handle, room, _TICK_SIZE, most, count)
+        result = QUICK.fw_hand_ticks(self._open(), self._room, _TICK_SIZE, _MOST_TICKS, count)
         if result < 0:
             _raise(result)
         try:
             import numpy
         except ImportError:
-            return room[:count.value]
-        return numpy.frombuffer(room, dtype=numpy.dtype(abi.TICK_DTYPE), count=most)[:count.value]
+            return [abi.Tick.from_buffer_copy(tick) for tick in self._room[:count.value]]
+        return numpy.frombuffer(self._room, dtype=numpy.dtype(abi.TICK_DTYPE), count=_MOST_TICKS)[:count.value].copy()
 
     def why_no_force(self):
         """Why the newest force is zero, in words; empty if it is not."""
-        tick = self.latest()
+        tick = self._newest(self._asked)
         return "" if tick is None else QUICK.fw_zero_force_text(tick.zero_force_reason).decode()
 
     def messages(self):
         """The warnings and notes since the last call."""
         room, found = ctypes.create_string_buffer(4096), []
-        while BLOCKING.fw_hand_message(self._handle, room, len(room)) == abi.OK:
-            found.append(room.value.decode(errors="replace"))
+        with self._lock:
+            while BLOCKING.fw_hand_message(self._open(), room, len(room)) == abi.OK:
+                found.append(room.value.decode(errors="replace"))
         return found
 
     def wait(self, timeout=1e6):
         """Waits until the run has ended, at most `timeout` [s]. Returns whether it has. Ctrl-C interrupts it."""
         step = 0.1  # [s] Python looks for Ctrl-C between two calls
         while timeout > 0.0:
-            result = BLOCKING.fw_hand_wait(self._handle, min(step, timeout))
+            with self._lock:
+                result = BLOCKING.fw_hand_wait(self._open(), min(step, timeout))
             if result < 0:
                 _raise(result)
             if result == abi.ENDED:
@@ -161,14 +179,16 @@ class Hand:
 
     def stop(self):
         """Lets the force fade and ends the run. Does not wait."""
-        BLOCKING.fw_hand_stop(self._handle)
+        with self._lock:
+            BLOCKING.fw_hand_stop(self._open())
 
     def close(self):
         """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
-        handle, self._handle = self._handle, None
-        if handle is None:
-            return
-        result = BLOCKING.fw_hand_close(handle)
+        with self._lock:
+            handle, self._handle = self._handle, None
+            if handle is None:
+                return
+            result = BLOCKING.fw_hand_close(handle)
         if result != abi.OK:
             _raise(result)
 

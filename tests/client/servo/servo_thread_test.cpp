@@ -423,6 +423,49 @@ TEST(CrashReleaseDeathTest, AHandledSignalStaysHandled) {
       ::testing::KilledBySignal(SIGIO), "");
 }
 
+TEST(CrashReleaseDeathTest, ExitTakesTheForceOff) {
+  SharedDevice device;
+  EXPECT_EXIT(
+      {
+        GuardedDevice guard(device);
+        const CrashRelease release(guard);
+        guard.write(kPull);
+        std::exit(3);
+      },
+      ::testing::ExitedWithCode(3), "");
+  EXPECT_EQ(device.told(), 0.0);
+}
+
+/// The devices are the parent's.
+TEST(CrashReleaseDeathTest, AChildProcessReleasesNothing) {
+  SharedDevice device;
+  EXPECT_EXIT(
+      {
+        const CrashRelease release(device);
+        device.write(kPull);
+        const pid_t child = ::fork();
+        if (child == 0) ::raise(SIGTERM);
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        std::_Exit(WIFSIGNALED(status) ? 5 : 6);
+      },
+      ::testing::ExitedWithCode(5), "");
+  EXPECT_GT(device.told(), 0.0);
+}
+
+TEST(CrashReleaseDeathTest, AHandlerThatTheProgramSetsMeanwhileStays) {
+  SharedDevice device;
+  EXPECT_EXIT(
+      {
+        {
+          const CrashRelease release(device);
+          ::signal(SIGTERM, [](int) { std::_Exit(9); });
+        }
+        ::raise(SIGTERM);
+      },
+      ::testing::ExitedWithCode(9), "");
+}
+
 TEST(CrashReleaseDeathTest, AllDevicesOfTheProcessAreReleased) {
   SharedDevice first, second, third;
   EXPECT_EXIT(
