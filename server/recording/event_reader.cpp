@@ -9,9 +9,10 @@
 namespace feltwire {
 namespace {
 
-constexpr std::uint64_t kLatest = std::uint64_t{1} << 62;  // [ns] differences do not overflow
+// [ns] All event times are below this, so that the difference of two of them does not overflow.
+constexpr std::uint64_t kLatest = std::uint64_t{1} << 62;
 
-/// Whether the numbers are in range, so that they may be converted.
+/// Checks that all values are in range, so that EventReader::read() may convert them.
 bool is_possible(const RecordedEvent& read) {
   return read.kind > 0 && read.kind < static_cast<std::uint64_t>(EventKind::count_of_kinds) &&
          read.outcome < static_cast<std::uint64_t>(EventOutcome::count_of_outcomes) &&

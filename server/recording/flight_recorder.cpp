@@ -22,7 +22,7 @@ std::string reason_of(const SceneEvent& event) {
   return fmt::format("hand {}: {}", event.hand, text(static_cast<SessionEnd>(event.payload[0])));
 }
 
-/// A picture of all hands, 60 times a second.
+/// Writes the poses of all hands and the forces on them to a file, 60 times a second.
 class HandPictures {
  public:
   HandPictures(mcap::Writer& writer, std::uint16_t channel) : writer_(writer), channel_(channel) {}
@@ -99,7 +99,8 @@ void FlightRecorder::add(const SceneEvent& event) {
   if (is_fault(static_cast<SessionEnd>(event.payload[0]))) want(event, reason_of(event));
 }
 
-/// Counts a lasting debt once. A hand's debts within kKept after it are in its file or the next.
+/// Requests a file when a client reports that its energy account is overdrawn (a debt). Requests no
+/// other file while this debt lasts, or if the same hand has another debt within kKept.
 void FlightRecorder::note_debt(const SceneEvent& event) {
   if (decode(event.payload, batch_) != DropReason::none || !batch_.report) return;
   const bool owes = batch_.report->has_account && is_debt(batch_.report->balance);
@@ -155,7 +156,8 @@ fs::path FlightRecorder::write(const std::string& reason) {
   return path;
 }
 
-/// Writes all events, and keeps them: each moves from the front to the back of the queue.
+/// Writes the events of the last kKept. Moves each event from the front of the queue to its back,
+/// so that the queue still has all events afterwards.
 void FlightRecorder::write_events(mcap::Writer& writer) {
   const std::uint16_t events = writer.add(
       mcap::Channel{writer.add(event_schema()), "/scene/events", std::string(kProtobuf)});

@@ -13,7 +13,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks{10};
-// [bytes] for three seconds of 16 hands at 1 kHz.
+// [bytes] Memory of a scene's event log. The samples of 16 hands at 1 kHz fill it in 3 s.
 constexpr std::size_t kLogRoom = std::size_t{8} << 20;
 
 bool is_plain(char c) {
@@ -91,7 +91,8 @@ void Recorder::run() {
   }
 }
 
-/// Stops writing a file after it has failed.
+/// Calls `action` with the scene's recording. If this throws, logs the error and closes the
+/// recording.
 template <class Action>
 void Recorder::write(OneScene& scene, Action action) {
   if (scene.recording == nullptr) return;

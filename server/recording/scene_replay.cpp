@@ -15,7 +15,7 @@
 namespace feltwire {
 namespace {
 
-/// A session's id: never 0, and always the same for a hand.
+/// Returns the session id that a hand has in the replay. It is not 0: hand numbers begin at 1.
 std::uint64_t id_of(std::uint32_t hand) { return std::uint64_t{hand} << 8; }
 
 std::string value(const mcap::Metadata& metadata, const std::string& key) {
@@ -23,7 +23,8 @@ std::string value(const mcap::Metadata& metadata, const std::string& key) {
   return at == metadata.values.end() ? std::string() : at->second;
 }
 
-/// Replays events one by one into sessions with their own log, and compares the two logs.
+/// Replays the recorded events one by one. The sessions write a new event log, which is compared
+/// with the recorded events.
 class Replayer {
  public:
   Replayer(std::shared_ptr<const Scene> scene, std::shared_ptr<const Scene> given)
@@ -33,7 +34,8 @@ class Replayer {
     sessions_.log_to(&log_);
   }
 
-  /// Returns the difference, or nothing. `mcap` has the attachments so far.
+  /// Replays one event. Returns how its result differs from the recorded one; nothing: they are
+  /// equal. Precondition: `mcap` was read up to this event, so that it has the files of a reload.
   std::optional<std::string> take(const SceneEvent& recorded, const mcap::Reader& mcap,
                                   const std::string& file) {
     reply_ = {};
@@ -48,7 +50,7 @@ class Replayer {
           "refused");
     return difference(recorded, *computed);
   }
-  /// The payload of the reply to the last event; empty if there was none.
+  /// Returns the payload of the reply to the last event; empty if there was no reply.
   Bytes reply() const { return reply_; }
 
  private:
@@ -155,7 +157,7 @@ class Replayer {
   Bytes reply_;
 };
 
-/// The scene whose files the recording has under this number; null: it has none.
+/// Loads the scene that the recording has under this number. Returns null if it has no such scene.
 std::shared_ptr<const Scene> kept_scene(const mcap::Reader& mcap, std::uint64_t number,
                                         const std::string& file) {
   const std::string prefix = "scene-" + std::to_string(number);
@@ -216,7 +218,8 @@ class Reading {
     result_.cut_at = mcap.cut_at();
   }
 
-  /// False: there is no more to compute.
+  /// Replays an event. Returns false if the replay ends here: an event is missing before this one,
+  /// or the result differs.
   bool take(const SceneEvent& event, const mcap::Reader& mcap, const std::string& file) {
     if (replayer_ == nullptr) begin(event, mcap, file);
     if (event.number != next_) {
