@@ -28,7 +28,7 @@ using control::Refused;
 
 std::string vector_text(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
 
-/// A change that leaves the scene as it is. "session 2 (anna): `what`"
+/// Describes a change of one session as "session 2 (anna): `what`". The scene stays the same.
 Changed changed_session(const SessionSlot& slot, const std::string& what) {
   return {fmt::format("session {} ({}): {}", slot.number, slot.session.client(), what), nullptr};
 }
@@ -50,7 +50,7 @@ ChangeOutcome AdminChanges::make(const MaterialChange& change, Nanoseconds now) 
   std::vector<const ToolView*> views(slots.size());
   for (std::size_t i = 0; i < views.size(); ++i) views[i] = made.scene->view(slots[i]->tool);
   const auto event = log_.payload(control::SetMaterial{made.scene->name(), change});
-  // From here on nothing throws.
+  // The calls below do not throw, so the change is made completely.
   for (std::size_t i = 0; i < views.size(); ++i) slots[i]->session.adopt(*views[i], object);
   if (World* const world = clock_.world()) world->adopt(*made.scene);
   served_.scene = made.scene.get();
@@ -87,7 +87,8 @@ ChangeOutcome AdminChanges::make(const ParameterChange& change, Nanoseconds now)
   const LawChoice law = law_of(change.parameters);
   const bool of_client =
       before.side == BoundingSide::client && (law != law_of(before) || law != law_of(wished));
-  // The part of the change that the server makes itself.
+  // The parameters that the server sets now. If the bounding law runs at the client, they contain
+  // the present law, because the client has not taken the new law yet.
   const SessionParameters here =
       of_client ? with_law(change.parameters, law_of(before)) : change.parameters;
   if (auto wrong = forbidden_change(before, here))

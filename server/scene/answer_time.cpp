@@ -15,18 +15,23 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kProbes = 64, kFewestProbes = 3;  // hands
-constexpr std::uint64_t kProbeSamples = 3;              // of each probe; the first only places it
-constexpr double kProbeWay = 1e-3;                      // [m] a sample
-constexpr double kProbeAround = 0.05;                   // [m] around an object without size: plane
-constexpr Nanoseconds kProbeTime{200'000'000};          // for all probes together
+// Largest and smallest number of probes. A probe is a hand near an object.
+constexpr std::size_t kProbes = 64, kFewestProbes = 3;
+// Number of samples of each probe. The answer to the first sample is not measured.
+constexpr std::uint64_t kProbeSamples = 3;
+constexpr double kProbeWay = 1e-3;  // [m] movement of a probe from one sample to the next
+// [m] Largest coordinate of a probe relative to an unbounded object (a plane), on each axis.
+constexpr double kProbeAround = 0.05;
+// After this time, no probe begins any more, except the first kFewestProbes.
+constexpr Nanoseconds kProbeTime{200'000'000};
 
-double probe_draw(std::uint64_t i) {  // -1 to 1
+/// Returns the i-th pseudo-random number, between -1 and 1.
+double probe_draw(std::uint64_t i) {
   constexpr std::uint64_t kSeed = 20;
   return std::ldexp(static_cast<double>(splitmix::draw(kSeed, i) >> 11), -52) - 1.0;
 }
 
-/// The place of probe `i`.
+/// Returns the position of probe `i`.
 Vec3 probe_place(const Start& start, const std::vector<Object>& objects, std::size_t i) {
   if (objects.empty()) return start.position;
   const Object& object = objects[i * objects.size() / kProbes];
@@ -54,7 +59,8 @@ AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()
   const Nanoseconds begin = clock();
   for (std::size_t i = 0; i < kProbes; ++i) {
     if (i >= kFewestProbes && clock() - begin > kProbeTime) break;
-    // Use another order than the objects', so that a few hands are near different objects.
+    // Take the probes in another order than the objects, so that the first probes are near
+    // different objects.
     constexpr std::size_t kStride = 23;
     const std::size_t at = i * kStride % kProbes;
     Session session(probe_request(scene), view, world.get());
@@ -79,7 +85,7 @@ AnswerTime measure_answers(const Scene& scene, const std::function<Nanoseconds()
 
 std::optional<std::string> warning_of_slow_answers(const Scene& scene,
                                                    const std::function<Nanoseconds()>& clock) {
-  constexpr double kMilliseconds = 1e3;  // of a second
+  constexpr double kMilliseconds = 1e3;  // [ms/s]
   const double period = SessionParameters{}.servo_period;
   for (const ToolView& view : scene.views()) {
     const AnswerTime time = measure_answers(scene, clock, view.tool().name);

@@ -25,8 +25,8 @@ void ClientChanges::hear(SessionSlot& slot, const std::optional<HandReport>& rep
   has_answers_ = true;
   const bool refused = report->change_refused;
   if (refused && asked.unheard_law) {
-    // The client may or may not have taken the law that was asked for before this one. It had the
-    // session's law, so ask it to take that law again.
+    // The client has refused this change. It never answered an earlier change with another law, so
+    // it may use that law now. Ask it to return to the law of its session.
     asked.change = {.number = number_after(asked.change.number),
                     .law = law_of(slot.session.parameters()),
                     .link = {}};

@@ -14,14 +14,16 @@
 namespace feltwire {
 namespace {
 
-// After this time timers have a turn. A posted handler waits for at most one answer.
+// Longest time for which answers to datagrams delay the timers. Posted handlers wait only for the
+// present answer.
 constexpr std::chrono::milliseconds kTurn{2};
-// [ns] of an answer. For slower answers a clock reading for each costs at most a thousandth
-// (20 to 50 ns where the kernel answers without a system call).
+// [ns] If the mean time of an answer is above this, the clock is read at each answer. A reading
+// takes 20 to 50 ns if it needs no system call, which is less than a thousandth of such an answer.
 constexpr Nanoseconds kSlowAnswer{100'000};
-constexpr std::chrono::milliseconds kBetweenMeasures{10};  // of paths that are too small
-constexpr int kSocketBuffer =
-    1 << 20;  // [bytes] so that a burst of some 5000 samples waits and is not lost
+// Network paths that are known to be too small for a reply are measured once in this time.
+constexpr std::chrono::milliseconds kBetweenMeasures{10};
+// [bytes] Size of the receive buffer: it has room for a burst of about 5000 samples.
+constexpr int kSocketBuffer = 1 << 20;
 
 }  // namespace
 
@@ -65,7 +67,7 @@ bool DatagramExchange::may_go_on(std::size_t taken,
   return taken == Batch::kMost && !posts_wait() && served_at_ < *until;
 }
 
-/// Takes a batch of datagrams; false if there are none.
+/// Receives a batch of datagrams. Returns false if none has come.
 bool DatagramExchange::receive() {
   Batch& batch = *batch_;
   batch.rearm(batch.count);
@@ -97,7 +99,7 @@ std::size_t DatagramExchange::exchange(std::optional<Nanoseconds>& until) {
     if (!answer.empty()) batch.put(answers++, answer.size(), peer);
     if (slow_) now = account(now);
   } while (has_datagrams() && !posts_wait() && !(slow_ && now >= *until));
-  // Send only the newest target to each robot: older ones are useless.
+  // Send only the newest target to each robot, because older targets are useless.
   for (std::size_t seat = 0; seat < sessions_.seats(); ++seat)
     if (const Bytes target = sessions_.forward(seat, now, batch.robots[seat], batch.sent[answers]);
         !target.empty())
@@ -110,8 +112,8 @@ std::size_t DatagramExchange::exchange(std::optional<Nanoseconds>& until) {
   return taken;
 }
 
-/// Steps the moving bodies apart from the answers, so that no session is charged for it. Returns
-/// the time after that.
+/// Steps the moving bodies if a step is due, and charges the computing time to no session. Returns
+/// the time after the step.
 Nanoseconds DatagramExchange::tick_apart(Nanoseconds now) {
   const auto due = sessions_.next_tick();
   if (!due || *due > now) return now;
@@ -121,21 +123,23 @@ Nanoseconds DatagramExchange::tick_apart(Nanoseconds now) {
   return after;
 }
 
-/// Charges the time since then to the sessions that sent datagrams. Returns the present time.
+/// Charges the time from `since` to now to the sessions that sent the datagrams. Returns the
+/// present time.
 Nanoseconds DatagramExchange::account(Nanoseconds since) {
   const Nanoseconds now = clock_();
   sessions_.spent(now - since, now);
   return now;
 }
 
-/// Shortens the replies of a session if this reply was too long for its path.
+/// Measures the largest packet size of a network path after a reply was too long for it. Limits the
+/// later replies of the session to this size.
 void DatagramExchange::learn_path(std::size_t sent) noexcept {
   const std::size_t size = batch_->sent_parts[sent].iov_len;
   const Guarded guarded = guard({batch_->sent[sent].bytes.data(), size},
                                 set_of({DatagramKind::reply, DatagramKind::follower_target}));
   if (guarded.drop != DropReason::none || guarded.header.kind != DatagramKind::reply) return;
   const std::uint64_t session = guarded.header.session;
-  // If a path takes not even a reply without a model, measure it only now and then.
+  // If the path is known to be too small for this reply, do not measure it each time.
   if (sessions_.is_limited(session, size - kOverhead) && served_at_ < measured_until_) return;
   measured_until_ = served_at_ + kBetweenMeasures;
   const msghdr& message = batch_->outgoing[sent].msg_hdr;
@@ -155,15 +159,15 @@ void DatagramExchange::send(std::size_t count) noexcept {
     if (sent > 0) {
       done += static_cast<std::size_t>(sent);
     } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
-      // No room: the replies are lost, as any datagram may be. The next samples are newer anyway.
+      // The send buffer is full, so these replies are lost. The next replies are newer anyway.
       unsent_ += count - done;
       return;
     } else if (errno == EMSGSIZE) {
       learn_path(done);
-      ++unsent_;  // lost; the following ones fit
+      ++unsent_;  // this reply is lost; later replies are short enough
       ++done;
     } else if (errno != EINTR) {
-      ++unsent_;  // this one cannot be sent (no route, say); the others can
+      ++unsent_;  // this reply cannot be sent, for example without a route; others can
       ++done;
     }
   }
@@ -171,7 +175,7 @@ void DatagramExchange::send(std::size_t count) noexcept {
 
 void DatagramExchange::say(const std::vector<GoodbyeDatagram>& goodbyes) noexcept {
   for (const auto& goodbye : goodbyes) {
-    if (goodbye.to.length == 0) continue;  // it never sent a sample, so its address is unknown
+    if (goodbye.to.length == 0) continue;  // the client sent no sample, so its address is unknown
     if (!send_datagram(socket_.native_handle(), goodbye.datagram,
                        reinterpret_cast<const sockaddr*>(&goodbye.to.address), goodbye.to.length,
                        goodbye.to.local))

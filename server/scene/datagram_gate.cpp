@@ -8,7 +8,8 @@ namespace {
 constexpr unsigned kReceived =
     set_of({DatagramKind::samples, DatagramKind::goodbye, DatagramKind::follower_state});
 
-/// Robots send states and all others samples; any session may say goodbye.
+/// Checks that a role may send this kind of datagram: a robot (Role::follower) sends its states,
+/// all other roles send samples, and each role may send a goodbye.
 bool may_send(Role role, DatagramKind kind) noexcept {
   return kind == DatagramKind::goodbye ||
          (kind == DatagramKind::follower_state) == (role == Role::follower);
@@ -20,31 +21,31 @@ Admitted DatagramGate::admit(Bytes datagram, Nanoseconds now) noexcept {
   ++counters_.datagrams;
   share_.take_up();
 
-  // 1 to 5: size, magic, version, kind, reserved.
+  // Checks 1 to 5 of PROTOCOL.md: size, magic, version, kind, reserved.
   const Guarded guarded = guard(datagram, kReceived);
   if (!passes(guarded.drop)) return {};
   const Header& header = guarded.header;
 
-  // 6: session.
+  // Check 6: session.
   SessionSlot* const slot = ids_.find(header.session);
   if (slot == nullptr) {
     count_unknown(header);
     return {};
   }
 
-  // 7 and 8: packet_number, sealed.
+  // Checks 7 and 8: packet_number, sealed.
   const Opened opened = slot->opener.open(header, datagram, opened_);
   if (opened.drop == DropReason::packet_number) slot->session.count_duplicate();
   if (!passes(opened.drop)) return {};
 
-  // The seal proves the sender, so its session pays for the datagram from here on.
+  // The seal proves who sent the datagram, so charge its computing time to that session.
   share_.attribute_to(slot->share);
   if (!may_send(slot->role, header.kind)) {
     passes(DropReason::kind);
     return {};
   }
 
-  // 9: rate.
+  // Check 9: rate.
   if (header.kind != DatagramKind::goodbye && !is_within_rate(*slot, now)) return {};
 
   return {.session = slot,
@@ -53,8 +54,8 @@ Admitted DatagramGate::admit(Bytes datagram, Nanoseconds now) noexcept {
           .payload = opened.payload};
 }
 
-/// A client sends its goodbye more than once, because one may be lost: a repeated goodbye is no
-/// fault.
+/// Counts a datagram of a session that does not exist. A client repeats its goodbye, because a
+/// datagram may be lost. So a goodbye of a session that has just ended is no error.
 void DatagramGate::count_unknown(const Header& header) noexcept {
   if (header.kind == DatagramKind::goodbye && ids_.has_just_ended(header.session))
     ++counters_.late_goodbyes;

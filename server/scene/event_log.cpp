@@ -11,7 +11,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::size_t kWord = sizeof(std::uint64_t);
-constexpr std::size_t kHead = 5;  // words before the payload
+constexpr std::size_t kHead = 5;  // number of words of an event before its payload
 constexpr unsigned kOutcomeAt = 8, kHandAt = 32;
 constexpr std::uint64_t kByte = 0xff;
 constexpr std::array<const char*, static_cast<std::size_t>(EventKind::count_of_kinds)> kNames = {

@@ -18,7 +18,7 @@ std::uint32_t FairShare::add(double interval) noexcept {
 
 void FairShare::remove(std::uint32_t session) noexcept {
   Use& use = uses_[session];
-  use = {.spent = use.spent + use.fresh};  // the time is gone all the same
+  use = {.spent = use.spent + use.fresh};  // the used time of an ended session still counts
 }
 
 void FairShare::charge(Nanoseconds spent) noexcept {
@@ -50,7 +50,9 @@ void FairShare::balance_now(Nanoseconds now) noexcept {
   look_for_slow(now);
 }
 
-/// Raises the level by the time that sessions below it leave to the others, until it stays.
+/// Computes level_, the computing time that a session may use (max-min fairness). Begins with equal
+/// shares. Divides the time that some sessions do not use among the others, until the level no
+/// longer rises.
 void FairShare::find_level() noexcept {
   level_ = std::numeric_limits<double>::infinity();
   const double room = std::max(kMost * kWindow - other_.spent, kLeast * kWindow);
@@ -85,7 +87,7 @@ void FairShare::look_for_slow(Nanoseconds now) noexcept {
   second_began_ = now;
   for (std::size_t i = 0; i < end_; ++i) {
     Use& use = uses_[i];
-    // A shed datagram gets no answer and takes almost no time.
+    // A datagram that was dropped (`shed`) takes almost no time, so leave it out of the mean.
     const auto answers = static_cast<double>(use.datagrams - std::min(use.shed, use.datagrams));
     const double answer = answers > 0.0 ? use.time / answers : 0.0;
     if (use.here && answer > use.interval) slow_ = {slow_.seconds + 1, answer, use.interval};

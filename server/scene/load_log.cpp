@@ -6,7 +6,7 @@ namespace feltwire {
 
 std::vector<std::string> LoadLog::lines(const FairShare::Slow& slow, std::uint64_t shed,
                                         Nanoseconds now) {
-  constexpr double kMilliseconds = 1e3;  // of a second
+  constexpr double kMilliseconds = 1e3;  // [ms/s]
   std::vector<std::string> due;
   if (slow_lines_.due(slow.seconds, now))
     due.push_back(fmt::format(

@@ -7,10 +7,10 @@
 namespace feltwire {
 namespace {
 
-/// The held force as shown to an observer. A client may report any number; the result fits into a
-/// float32.
+/// Returns the force that the client reported, limited so that it fits into a float32: a client may
+/// report any number.
 Vec3 shown_force(const Vec3& force) {
-  constexpr double kMostForce = 1e12;  // [N] that a client takes for a force
+  constexpr double kMostForce = 1e12;  // [N] limit on each axis
   return force.cwiseMax(-kMostForce).cwiseMin(kMostForce);
 }
 
@@ -26,7 +26,7 @@ void ObserverView::show(std::span<const ActingHand> hands, const World* world, s
   if (hands_shown_) show_bodies(world, room, view);
 }
 
-/// Returns the room that they took [bytes].
+/// Adds the next hands to the view. Returns their size in the datagram [bytes].
 std::size_t ObserverView::show_hands(std::span<const ActingHand> hands, std::size_t room,
                                      SceneView& view, std::size_t hand_size) noexcept {
   const std::size_t most = std::min(room / hand_size, SceneView::kMaxHands);

@@ -6,8 +6,10 @@
 namespace feltwire {
 namespace {
 
-constexpr double kSmallForce = 0.01;  // [N] smaller forces count as none
-constexpr double kMuchLess = 0.9;     // share of the force asked for
+constexpr double kSmallForce = 0.01;  // [N] a smaller force counts as zero
+// A hand whose client sends no reports is `client_less` if the force that it holds is below this
+// share of the commanded force.
+constexpr double kMuchLess = 0.9;
 
 std::uint32_t states_of(const Session& session, bool recovering, bool silent,
                         bool moves_robot) noexcept {
@@ -32,14 +34,14 @@ std::uint32_t states_of(const Session& session, bool recovering, bool silent,
   return states;
 }
 
-/// Clamps to numbers that fit into float32, whatever a hand causes.
+/// Limits a value so that it fits into a float32. Returns 0 if it is not finite.
 double shown(double value) noexcept {
   constexpr double kMost = 1e12;
   return std::isfinite(value) ? std::clamp(value, -kMost, kMost) : 0.0;
 }
 Vec3 shown(const Vec3& v) noexcept { return {shown(v.x()), shown(v.y()), shown(v.z())}; }
 
-/// Its index among the scene's tools.
+/// Returns the index of the tool among the scene's tools; 0 if the scene does not have it.
 std::uint16_t tool_index(const Scene& scene, const std::string& tool) noexcept {
   const std::vector<ToolView>& views = scene.views();
   const auto found =
@@ -68,7 +70,7 @@ const SceneView& ObserverViews::next(SessionSlot& observer, std::size_t room,
   const bool figures = observer.observer.figures;
   const std::size_t hand_size =
       SceneView::kHandSize + (figures ? SceneView::kFiguresSize + kFiguresOverhead : 0);
-  // If the path has no room for a robot and a hand together, they take turns.
+  // If `room` is too small for a robot and a hand, the replies show them alternately.
   const bool both = room >= kSeenRobotRoom + hand_size;
   view_.robot.reset();
   if (both || observer.session.counters().replies % 2 == 0)
@@ -85,7 +87,7 @@ const SceneView& ObserverViews::next(SessionSlot& observer, std::size_t room,
   return view_;
 }
 
-/// The picture of a hand without the surfaces near it.
+/// Returns the state of a hand for a picture of the scene, without the surfaces near the hand.
 PictureHand ObserverViews::picture_of(const SessionSlot& slot, Nanoseconds now) const noexcept {
   const Session& session = slot.session;
   PictureHand hand;
@@ -109,7 +111,7 @@ PictureHand ObserverViews::picture_of(const SessionSlot& slot, Nanoseconds now) 
   return hand;
 }
 
-/// Adds the figures of the hands in the view.
+/// Adds measured values (HandFigures) to each hand in view_.
 void ObserverViews::add_figures(Nanoseconds now) noexcept {
   const SessionSlots& slots = table_.slots();
   for (std::size_t i = 0; i < view_.hand_count; ++i) {

@@ -7,7 +7,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::chrono::minutes kTriedAgain{1};  // until longer replies are tried again
+constexpr std::chrono::minutes kTriedAgain{1};  // time after which longer replies are tried again
 
 }  // namespace
 

@@ -4,7 +4,8 @@
 
 namespace feltwire {
 
-/// The data of a body includes materials and gravity. For a point the patches have them.
+/// Counts each live change as a new version for a tool with a body, because its client also fetches
+/// the materials and the gravity. For other tools, each patch of a reply has its material.
 std::uint32_t prefetched_version(const ToolView& view, std::uint32_t version,
                                  std::uint32_t changes) {
   return view.tool().body != nullptr ? version + changes : version;

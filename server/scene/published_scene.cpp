@@ -15,7 +15,7 @@ void draw_wanted(PictureExchange& pictures, const SceneSessions& sessions,
     sessions.draw(picture, now);
     pictures.give();
   } catch (const std::exception&) {
-    // No memory: a later call draws it.
+    // There is no memory for the picture. The next call tries again.
   }
 }
 

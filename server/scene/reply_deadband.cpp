@@ -9,19 +9,20 @@
 namespace feltwire {
 namespace {
 
-constexpr double kKnown = 0.5;  // share of a reach or radius where an old model is still trusted
+// An old model is used within this share of its reach, and a patch within this share of its radius.
+constexpr double kKnown = 0.5;
 
 }  // namespace
 
 bool describes(const LocalModel& sent, const LocalModel& now, double since, double force) noexcept {
-  // Written so that NaN and an empty model (reach 0) describe nothing.
+  // This comparison is false for NaN and for an empty model (reach 0), so the result is false.
   if (!(length(now.center - sent.center) < kKnown * sent.reach)) return false;
   for (const SurfacePatch& patch : now.view()) {
     const auto known = std::ranges::find_if(sent.view(), [&](const SurfacePatch& s) {
       return s.object == patch.object && s.feature == patch.feature;
     });
     if (known == sent.view().end()) {
-      // Inside the reach of `sent` this patch is new. Outside, `sent` did not look.
+      // The patch is new if it is within the reach of `sent`. Beyond it, `sent` has no patches.
       if (length(patch.point - sent.center) < sent.reach) return false;
       continue;
     }
@@ -56,19 +57,20 @@ bool ReplyDeadband::withhold(Reply& reply) noexcept {
 
 bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   const SessionParameters& p = parameters_;
-  // The next datagram comes an interval later: reply now if that would be too late. Half a tick
-  // allows for the servo's jitter.
+  // The next reply is possible only after packet_interval ticks. Reply now if that is later than
+  // keep_alive. Half a tick is a tolerance for the jitter of the servo.
   const double next = (p.packet_interval - 0.5) * p.servo_period;
   if (!(since_ + next < p.keep_alive)) return true;
   if (reply.gap || reply.refused != refused_ || reply.saturated != saturated_) return true;
   if (reply.recovering || recovering_) return true;
   if (acts(reply.command) != acts(command_)) return true;
-  // Friction continues a contact, and a comparison of two models does not show that.
+  // Friction changes a contact of the tool's body over time, and describes() cannot compare body
+  // models. So send every body model that has a contact.
   if (reply.body_modelled && (reply.body.count > 0 || reply.body.solids != 0)) return true;
   if (reply.modelled && reply.model.reach > 0.0) {
     const double unfelt = p.force_deadband * length(reply.command.force()) + kUnfeltForce;
     if (!describes(model_, reply.model, since_, unfelt)) return true;
-    // Only the forces carry a texture, so compare them if a patch is rough.
+    // The patches do not contain the texture of a surface. If a patch is rough, compare the forces.
     const auto rough = [](const SurfacePatch& patch) { return patch.rough; };
     if (std::ranges::none_of(reply.model.view(), rough)) return false;
   }

@@ -11,10 +11,11 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// The numbers of arms of the world begin after this; sessions never reach it.
+/// The simulated arms of the scene have numbers above this. Sessions are numbered from 1, and there
+/// are never so many.
 constexpr std::uint32_t kFirstArm = 0xFFFF0000;
 
-/// "left, right"
+/// Returns the names in the form "left, right".
 std::string names_of(const std::vector<RobotSeat>& seats) {
   std::string names;
   for (const RobotSeat& seat : seats) names += (names.empty() ? "" : ", ") + seat.link.seat().name;
@@ -51,7 +52,8 @@ std::string RobotSeats::name(std::size_t seat) const {
   return seat < seats_.size() ? seats_[seat].link.seat().name : std::string();
 }
 
-/// Null: there is none. An empty name means the seat of a scene with only one.
+/// Returns the seat of this name, or null. An empty name means the only seat of a scene; if the
+/// scene has several seats, the result is null.
 const RobotSeat* RobotSeats::find(const std::string& name) const noexcept {
   if (name.empty()) return seats_.size() == 1 ? &seats_.front() : nullptr;
   const auto found = std::ranges::find_if(

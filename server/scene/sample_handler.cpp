@@ -7,12 +7,13 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kReplyBytes = 288;  // of an observer's reply without the parts of its view
+constexpr std::size_t kReplyBytes = 288;  // [bytes] size of an observer's reply without the view
 
-/// The session was heard.
+/// Stores the time of a datagram and, if it is the newest of its session, the sender's address.
 void hear(SessionSlot& slot, const Origin& origin) noexcept {
   slot.last_heard = origin.now;
-  // If somebody delays a datagram and sends it from elsewhere, no goodbye goes to that address.
+  // An attacker may delay a datagram and send it from another address. It is then not the newest,
+  // and the session's goodbye does not go to that address.
   if (origin.newest) slot.peer = origin.from;
 }
 
@@ -23,7 +24,7 @@ Bytes SampleHandler::answer(SessionSlot& slot, Bytes payload, const Origin& orig
   if (!gate_.read(payload, batch_)) return {};
   if (!seats_.empty()) slot.session.reach_through_arm(seats_.leads_arm(slot, batch_));
 
-  // The samples become contact, bound and reply. Check 14: stale.
+  // Compute the contacts, limit the force and make the reply. Includes check 14: stale.
   const std::uint64_t before = slot.session.counters().samples;
   BatchResult taken = slot.session.take(batch_, origin.now);
   if (!gate_.passes(taken.drop)) return {};
@@ -67,7 +68,7 @@ void SampleHandler::take_state(SessionSlot& robot, Bytes payload, const Origin& 
             .payload = payload});
 }
 
-/// The reply as bytes, shortened to the session's path as far as its model allows.
+/// Encodes the reply. If it is too long for the path to the client, shortens the reply's model.
 Bytes SampleHandler::reply_to_hand(SessionSlot& slot, Reply& reply, Nanoseconds now) noexcept {
   Bytes bytes = encoder_.reply(reply);
   const std::size_t room = paths_.room(slot, now);
@@ -78,7 +79,7 @@ Bytes SampleHandler::reply_to_hand(SessionSlot& slot, Reply& reply, Nanoseconds 
   return bytes;
 }
 
-/// The reply with a part of the view of the scene.
+/// Encodes the reply with the next part of the view of the scene.
 Bytes SampleHandler::reply_to_observer(SessionSlot& slot, const Reply& reply,
                                        Nanoseconds now) noexcept {
   const SessionParameters& parameters = slot.session.parameters();

@@ -15,13 +15,13 @@
 namespace feltwire {
 namespace {
 
-// Turns of busy polling between two looks at the timers: some 10 us if no datagram comes.
+// Number of polls for datagrams between two polls of the timers: about 10 us if no datagram comes.
 constexpr unsigned kTurnsBetweenLooks = 32;
-// Between checks for sessions that must end.
+// Shortest and longest time between two checks for sessions that must end.
 constexpr std::chrono::milliseconds kSoonest{10}, kLatest{100};
 
-/// An answer that is still pending. The asking thread makes it, so that the scene's thread needs no
-/// memory for it.
+/// A request of another thread and its answer. That thread allocates both, so that the scene's
+/// thread can answer without allocation if it shuts down or fails.
 struct PendingAnswer {
   control::Message request;
   SceneHost::Completion completion;
@@ -54,7 +54,8 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
 
 SceneHost::~SceneHost() { stop(); }
 
-/// Posts to the scene's thread, which sees between two answers that a handler waits.
+/// Posts a handler to the scene's thread. `posts_` counts the handlers that wait, so that the
+/// thread can interrupt a batch of answers for them.
 template <class Handler>
 void SceneHost::post(Handler handler) {
   asio::post(io_, [this, handler = std::move(handler)]() mutable {
@@ -72,7 +73,7 @@ void SceneHost::start() {
 void SceneHost::stop() {
   if (!thread_.joinable()) return;
   post([this] {
-    closing_ = true;  // the thread ends even if the rest fails
+    closing_ = true;  // set first, so that the thread ends even if a call below throws
     datagrams_.say(sessions_.shut_down());
     publish();
   });
@@ -108,7 +109,7 @@ void SceneHost::reload(Scene scene) {
   });
 }
 
-/// Moves all sessions to another scene. If that fails, the scene stays.
+/// Moves all sessions to another scene. If that fails, they stay in the present scene.
 void SceneHost::enter(std::shared_ptr<const Scene> next) {
   std::vector<GoodbyeDatagram> goodbyes;
   try {
@@ -125,7 +126,7 @@ void SceneHost::enter(std::shared_ptr<const Scene> next) {
                  goodbyes.size());
   scene_ = std::move(next);
   published_.set(scene_, sessions_);
-  publish();  // a session may have lost its tool
+  publish();  // sessions whose tool is missing in the new scene have ended
   log_.begin_anew();
   await_tick();
 }
@@ -183,7 +184,7 @@ void SceneHost::describe(PostBack back, std::function<void(std::vector<HandDescr
   });
 }
 
-/// Writes a check once a second, for a replay to compare.
+/// Writes a checksum of the moving bodies to the event log once a second. A replay compares it.
 void SceneHost::check(Nanoseconds now) noexcept {
   constexpr std::chrono::seconds kBetween{1};
   if (!recorded_ || now - checked_at_ < kBetween) return;
@@ -191,7 +192,7 @@ void SceneHost::check(Nanoseconds now) noexcept {
   sessions_.check(now);
 }
 
-/// Publishes and logs what has changed with the sessions.
+/// Publishes the number of sessions, logs what has changed, and reports the sessions that ended.
 void SceneHost::publish() {
   published_.set_sessions(sessions_.size());
   log_.tell_of_sessions(sessions_);
@@ -206,7 +207,7 @@ void SceneHost::ask_for_real_time() {
     spdlog::warn("scene {}: answers may be late now and then: {}", name_, less);
 }
 
-/// Runs the scene's thread.
+/// Runs the loop of the scene's thread until closing_ is set.
 void SceneHost::run() {
   if (real_time_) ask_for_real_time();
   while (!closing_) {
@@ -218,13 +219,15 @@ void SceneHost::run() {
   }
 }
 
-/// The silence timer always waits, so Asio never runs out of work.
+/// Waits for a datagram, a timer or a posted handler, and handles it. The silence timer is always
+/// pending, so Asio always has work and run_one() waits.
 void SceneHost::turn() {
   if (!watching_) await_silence();
   await_tick();
   if (busy_poll_.count() > 0) spin();
   if (closing_) return;
-  if (datagrams_.has_datagrams()) {  // already taken, so the socket will not wake for them
+  if (datagrams_.has_datagrams()) {
+    // These datagrams have left the socket, so the socket does not report them again.
     io_.poll();
     if (!closing_) serve();
     return;
@@ -233,22 +236,22 @@ void SceneHost::turn() {
   io_.run_one();
 }
 
-/// After an exception the state of the scene is unknown, so its sessions end. The scene then takes
-/// new sessions. Other scenes are not affected.
+/// Ends all sessions of the scene, because its state is unknown after an exception. The scene then
+/// accepts new sessions. Other scenes are not affected.
 void SceneHost::recover(const std::exception& failure) noexcept {
-  constexpr std::chrono::milliseconds kPause{10};  // no busy loop if it fails again at once
+  constexpr std::chrono::milliseconds kPause{10};  // prevents a busy loop if the failure repeats
   try {
     log_.tell_of_failure(failure, clock_());
     datagrams_.say(sessions_.fail());
     publish();
   } catch (const std::exception&) {
-    // The sessions ended without a goodbye, or the next turn reports their end.
+    // The log or publish() failed. A later publish() reports the sessions that ended.
   }
   std::this_thread::sleep_for(kPause);
 }
 
-/// Exchanges datagrams until none has come for the time of busy polling. Posted handlers and the
-/// timer have their turn in between.
+/// Exchanges datagrams until none has come for the time busy_poll_. Runs posted handlers and timers
+/// between the exchanges.
 void SceneHost::spin() {
   Nanoseconds quiet_since = clock_();
   for (unsigned turn = 1; !closing_; ++turn) {
@@ -266,20 +269,20 @@ void SceneHost::spin() {
   }
 }
 
-/// Takes waiting datagrams for a while. Then other handlers have their turn, and the remaining
-/// datagrams wake the socket again.
+/// Exchanges the datagrams that have come, for a limited time. Then it returns, so that other
+/// handlers can run. Datagrams that are left in the socket wake the thread again.
 void SceneHost::serve() {
   std::optional<Nanoseconds> until;
   while (datagrams_.may_go_on(exchange(until), until)) {
   }
 }
 
-/// Exchanges one batch, and publishes the result. Returns the number of datagrams.
+/// Exchanges one batch of datagrams, and publishes the result. Returns their number.
 std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
   const std::size_t taken = datagrams_.exchange(until);
   if (taken == 0) return 0;
   published_.draw(sessions_, datagrams_.served_at());
-  publish();  // a goodbye may have been among them
+  publish();  // a goodbye among the datagrams may have ended a session
   return taken;
 }
 
@@ -293,7 +296,7 @@ void SceneHost::await_datagrams() {
 }
 
 void SceneHost::await_silence() {
-  // A flooding session must end soon even if the silence timeout is long.
+  // Check at least every kLatest: a flooding session must end soon, even with a long timeout.
   silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
   silence_timer_.async_wait(in(silence_wait_, [this](const std::error_code& error) {
     watching_ = false;
@@ -309,14 +312,15 @@ void SceneHost::await_silence() {
   watching_ = true;
 }
 
-/// Steps the moving bodies when due, with or without datagrams, as long as there is a session.
+/// Starts the timer for the next step of the moving bodies, if there is a session. So the bodies
+/// move even if no datagram comes.
 void SceneHost::await_tick() {
   const auto due = sessions_.next_tick();
   if (!due || ticking_) return;
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
   tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
     ticking_ = false;
-    if (error || sessions_.world() == nullptr) return;  // the reloaded scene has no moving objects
+    if (error || sessions_.world() == nullptr) return;  // the new scene has no moving objects
     const Nanoseconds now = clock_();
     sessions_.tick(now);
     sessions_.spent_otherwise(clock_() - now);

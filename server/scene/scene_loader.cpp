@@ -14,7 +14,7 @@ namespace feltwire {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kFirstWord{5};  // until the first log line about a running load
+constexpr std::chrono::seconds kFirstWord{5};  // time until the log says that a load still runs
 
 }  // namespace
 
@@ -39,21 +39,22 @@ Scene load_scene_keep_and_warn(const std::filesystem::path& file) {
   return warned(load_scene_and_keep(file), file);
 }
 
-/// A load. Its thread shares ownership, so that it may outlive the loader.
+/// A load of a scene. The loader and the thread of the load own it together, because the thread may
+/// run longer than the loader exists.
 struct SceneLoader::Job {
   std::filesystem::path file;
   Load load;
   CancellableWork work;
   Clock::time_point since = Clock::now();
-  Clock::duration next_word = kFirstWord;  // after `since`
+  Clock::duration next_word = kFirstWord;  // time from `since` to the next log line
 
   std::mutex mutex;
   std::condition_variable ended;
-  Done done;  // empty: nobody waits for it
+  Done done;  // called with the result; empty: nobody needs the result
   bool running = true;
 
-  /// Returns the scene, or the error. Throws std::bad_alloc if there is no memory for the error's
-  /// text.
+  /// Returns the scene, or the text of the error. Throws std::bad_alloc if there is no memory for
+  /// the text.
   LoadedScene outcome() {
     try {
       const WorkScope doing(&work);
@@ -68,11 +69,11 @@ struct SceneLoader::Job {
   }
 
   void run() noexcept {
-    LoadedScene loaded = std::string("no memory");  // short enough to need none
+    LoadedScene loaded = std::string("no memory");  // so short that it is not on the heap
     try {
       loaded = outcome();
     } catch (const std::exception&) {
-      // `loaded` already says so.
+      // There is no memory for the text of the error. `loaded` already says so.
     }
     const std::lock_guard lock(mutex);
     try {

@@ -46,7 +46,7 @@ Bytes SceneSessions::receive(Bytes datagram, const Peer& from, Nanoseconds now,
   }
 }
 
-/// The client says goodbye.
+/// Ends the session if the payload is a valid goodbye of its client.
 void SceneSessions::say_goodbye(SessionSlot& slot, Bytes payload) noexcept {
   GoodbyeReason reason;
   if (gate_.read(payload, reason)) table_.leave(slot, SessionEnd::goodbye);
@@ -102,13 +102,14 @@ control::Message SceneSessions::answer(const control::Message& request, std::uin
 }
 
 std::vector<GoodbyeDatagram> SceneSessions::enter(const Scene& scene, Nanoseconds now) {
-  // Everything that may throw comes first, before any change.
+  // Make all calls that may throw before the first change.
   std::unique_ptr<World> world = WorldClock::world_of(scene);
   std::vector<RobotSeat> seats = seats_.seats_of(scene, world.get());
   SessionTable::Moves moves = table_.moves_to(scene, world.get(), seats_.is_same(scene));
   log_.announce(scene.files());
 
-  const auto before = clock_.run(std::move(world), now);  // kept until no session uses it
+  // The sessions still refer to the previous world until carry_out().
+  const auto before = clock_.run(std::move(world), now);
   seats_.take_over(std::move(seats));
   served_.scene = &scene;
   ++served_.version;

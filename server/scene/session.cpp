@@ -21,12 +21,12 @@ const control::JoinRequest& checked(const control::JoinRequest& request) {
   return request;
 }
 
-/// Whether a bound may keep its memory under the other parameters: none of those that it was made
-/// from differs.
+/// Checks that a force bound made for the parameters `a` is valid for `b` too: they differ only in
+/// parameters that the bound does not use.
 bool same_bound(SessionParameters a, const SessionParameters& b) {
   a.velocity_cutoff = b.velocity_cutoff;
   a.hold_time = b.hold_time;
-  // These set the kinds and rates of messages.
+  // The parameters below only set the content and the rate of messages.
   a.redundancy = b.redundancy;
   a.packet_interval = b.packet_interval;
   a.batch = b.batch;
@@ -38,19 +38,21 @@ bool same_bound(SessionParameters a, const SessionParameters& b) {
   return a == b;
 }
 
-/// [s] between two times of a possibly hostile clock. The difference wraps around, never overflows.
+/// Returns the time [s] between two times of a client's clock. A hostile client may send any time,
+/// so the difference is computed without overflow: it wraps around.
 double seconds_between(Nanoseconds earlier, Nanoseconds later) {
   const auto difference =
       static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
-/// Whether the client shapes late forces, wall by wall.
+/// Checks that the client uses a bounding method that shapes the force (`shapes`). Such a method
+/// prevents oscillation at each touched surface, and needs the normals of these surfaces.
 bool shapes_at_client(const SessionParameters& parameters) {
   return parameters.side == BoundingSide::client && bounding_method(parameters.mode).shapes;
 }
 
-/// |rendered| / |commanded|, 1 when nothing was commanded.
+/// Returns the ratio |rendered| / |commanded| of the forces, or 1 if the commanded force is zero.
 double force_ratio(const Command& rendered, const Command& commanded) {
   const double wanted = length(commanded.force());
   return wanted > 0.0 ? length(rendered.force()) / wanted : 1.0;
@@ -58,12 +60,12 @@ double force_ratio(const Command& rendered, const Command& commanded) {
 
 }  // namespace
 
-/// The movement from the last sample taken to a newer one.
+/// The movement of the device from the session's newest sample, last_, to the next sample.
 struct Session::Movement {
   Vec3 displacement = Vec3::Zero();  // [m]
-  Vec3 rotation = Vec3::Zero();      // [rad]
-  double nominal_time = 0.0;         // [s] servo periods between them
-  double elapsed = 0.0;              // [s] by the client's clock
+  Vec3 rotation = Vec3::Zero();      // [rad] rotation vector
+  double nominal_time = 0.0;         // [s] servo periods between the two samples
+  double elapsed = 0.0;              // [s] time by the client's clock
 };
 
 Session::Session(const control::JoinRequest& request, const ToolView& view, World* world)
@@ -89,7 +91,8 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   }
 
   count_gap(batch, taken.reply);
-  // The newest sample is first on the wire. The earlier ones matter only after a gap.
+  // A batch begins with its newest sample. Step from the oldest to the newest, and skip samples
+  // that are already processed.
   for (int i = batch.count - 1; i >= 0; --i) {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
     if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
@@ -109,30 +112,32 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.modelled = modelled && !has_body;
   if (reply.modelled) reply.model = model();
   if (modelled && has_body) reply.body = body_model();
-  reply.body_modelled = reply.body.reach > 0.0;  // not of a tool with mass
+  reply.body_modelled = reply.body.reach > 0.0;  // the reach is 0 if the model cannot be sent
   reply.model.scene = reply.body.scene = scenes_;
   if (sends_normals_ && !reply.command.elastic.isZero(0.0))
     reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = place_.world != nullptr && place_.world->recovering();
-  taken.withheld = deadband_.withhold(reply) && !batch.lead;  // what a robot meets must be told
+  // A hand that leads a robot always gets its reply, which has the robot's contacts.
+  taken.withheld = deadband_.withhold(reply) && !batch.lead;
   ++(taken.withheld ? counters_.withheld : counters_.replies);
   reply.withheld = counters_.withheld;
   return taken;
 }
 
-/// The report has running totals, so a lost report loses nothing.
+/// Takes a report of the client. Its values are totals, so a lost report loses no count.
 void Session::hear(const HandReport& report) noexcept {
-  // A client that joined again has counted before, so its first report is the start.
+  // After a client has joined again, its totals do not begin at zero. So add only the difference
+  // from the first report.
   if (report_)
     counters_.late_ticks += (report.late_ticks - report_->late_ticks) & HandReport::kLateTicksMask;
   report_ = report;
   if (report.times) times_.take(*report.times);
 }
 
-/// A sample that the client left out is no gap. A sample that was sent before this datagram and
-/// never arrived is one.
+/// Counts a gap if a sample that the client sent before this batch has not arrived. A sample that
+/// the client did not send makes no gap.
 void Session::count_gap(const SampleBatch& batch, Reply& reply) noexcept {
   if (last_.index == 0 || batch.previous <= last_.index) return;
   ++counters_.gaps;
@@ -151,7 +156,7 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
   if (rotation && last_rotation_)
     movement.rotation = rotation_between(last_.pose.orientation, sample.pose.orientation);
   movement.nominal_time = static_cast<double>(sample.index - last_.index) * period;
-  // Ignore a clock that stands still or runs back.
+  // If the client's clock stands still or runs backwards, use the nominal time.
   const double elapsed = seconds_between(last_.client_time, sample.client_time);
   movement.elapsed = elapsed > 0.0 ? elapsed : movement.nominal_time;
   return movement;
@@ -160,15 +165,15 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
 void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement movement = movement_to(sample, rotation);
 
-  // The real port: the command that the client held since the last received sample. Before the
-  // first sample nothing was held.
+  // Observe the energy that the device gave to the hand since the last received sample, with the
+  // force that the client reported (`last_.held`). It is zero before the first sample.
   observer_.step(last_.held, movement.displacement, movement.rotation, movement.elapsed);
 
-  // The virtual port, in servo periods. A hold that really lasted longer earns the damping credit
-  // of its real time instead of the nominal time.
+  // The time for which the last command was held. If the real time is longer than the nominal one,
+  // the bound may use it, because the device's damping dissipated energy during all of it.
   const double hold_time = std::max(movement.nominal_time, movement.elapsed);
-  // A new bound begins at this sample. The previous bound already credited the movement up to here,
-  // so it must not be credited again.
+  // A new bound begins at this sample. The previous bound already counted the energy of the
+  // movement to this sample, so the new bound gets no movement.
   const Movement credited = bound_.fresh ? Movement{} : movement;
   bound_.fresh = false;
   Tool tool{sample.pose.position, Vec3::Zero()};
@@ -218,7 +223,7 @@ void Session::enter(Place place) noexcept {
   body_ = {};
   forget_surfaces();
   ++scenes_;
-  deadband_ = ReplyDeadband(parameters_);  // replies about the old scene are obsolete
+  deadband_ = ReplyDeadband(parameters_);  // send the next reply: it is about the new scene
 }
 
 void Session::reach_through_arm(bool through) noexcept {
@@ -227,9 +232,9 @@ void Session::reach_through_arm(bool through) noexcept {
   for (auto& contact : place_.contacts) contact = {};
   body_ = {};
   place_.body_contacts.fresh = place_.body_contacts.placed = false;
-  place_.body_contacts.resets =
-      ~std::uint64_t{0};  // no world counts so far, so the next touch forgets
-  ++scenes_;              // the local model forgets its contacts too
+  // No world has so many resets, so the next touch() starts with an empty contact memory.
+  place_.body_contacts.resets = ~std::uint64_t{0};
+  ++scenes_;  // the client then forgets the contacts of its local model too
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -238,13 +243,14 @@ void Session::adopt(const ToolView& view, std::size_t object) noexcept {
   const double rubbed = place_.view->objects()[object].material.static_friction;
   if (rubbed == 0.0 && view.objects()[object].material.static_friction > 0.0) {
     place_.contacts[object].touching = place_.contacts[object].slipping = false;
-    ++scenes_;  // the local model forgets its contact too
+    ++scenes_;  // the client then forgets the contacts of its local model too
   }
   if (!place_.view->requirements().velocity)
     velocity_ = VelocityEstimate(parameters_.velocity_cutoff);
   place_.view = &view;
-  body_.known = false;                                 // it holds forces of the old material
-  if (view.tool().body != nullptr) forget_surfaces();  // its client also has the materials
+  body_.known = false;  // its contact was computed with the old material
+  // The surfaces that the client of a tool with a body has include the old material.
+  if (view.tool().body != nullptr) forget_surfaces();
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -263,14 +269,14 @@ std::optional<std::string> Session::take_surfaces(std::uint32_t version,
   prefetched_.known = std::move(known);
   const BodyTool* body = place_.view->tool().body.get();
   prefetched_.version = (body != nullptr ? can_travel(*body) : !objects.empty()) ? version : 0;
-  deadband_ = ReplyDeadband(parameters_);  // the next model is different
+  deadband_ = ReplyDeadband(parameters_);  // send the next reply: its model is different
   return std::nullopt;
 }
 
 void Session::weigh_anew() noexcept {
   if (place_.view->tool().body == nullptr) return;
   ++reloads_;
-  forget_surfaces();  // its client has data of an older version
+  forget_surfaces();  // the client's copy has the old gravity
   deadband_ = ReplyDeadband(parameters_);
 }
 
@@ -354,7 +360,7 @@ ProxyPlace Session::proxy() const noexcept {
 }
 
 void Session::push(double age) noexcept {
-  if (last_.index == 0 || !touches()) return;  // the hand's place is unknown, or it touches nothing
+  if (last_.index == 0 || !touches()) return;  // no sample yet, or no contact with the scene
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
   if (place_.view->tool().body)

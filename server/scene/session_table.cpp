@@ -33,7 +33,7 @@ void add(SessionTableCounters& sum, const Session& session) {
   }
 }
 
-/// Tells whether the client must correct the device or the parameters.
+/// Returns `bad_device` if the device of the request is invalid, else `bad_parameters`.
 RefusalCode refusal_code(const control::JoinRequest& request) {
   try {
     validate(request.device);
@@ -49,7 +49,7 @@ std::string no_such_tool(const Scene& scene, const std::string& asked) {
   return what + "the existing ones are: " + scene.tool_names();
 }
 
-/// Why a session ends without a request, and the counter for it.
+/// The reason why the server ends a session, and the counter of such ends.
 struct Ending {
   GoodbyeReason reason;
   std::uint64_t SessionTableCounters::*counter;
@@ -91,7 +91,8 @@ SessionTable::SessionTable(const TableOptions& options, const ServedScene& serve
   ended_.reserve(options.max_sessions);
 }
 
-/// Throws std::invalid_argument if they are not possible.
+/// Returns the parameters, with the traffic reduced to the capacity of options_.line. Throws
+/// std::invalid_argument if `asked` is invalid.
 SessionParameters SessionTable::granted(const SessionParameters& asked) const {
   if (options_.line == nullptr) return asked;
   validate(asked);
@@ -110,7 +111,7 @@ control::Message SessionTable::join(control::JoinRequest request, std::uint64_t 
   if (auto refused = seats_.refuse(request, scene.name())) return *std::move(refused);
   if (const auto wrong = wrong_lead_share(request.lead_share))
     return Refused{RefusalCode::bad_parameters, "lead_share: " + *wrong};
-  // Make the text first: once the session exists nothing may throw.
+  // Make the texts of the answer first, because nothing may throw after the session exists.
   control::JoinAccepted accepted;
   accepted.tool = view->tool().name;
   accepted.lists_surfaces = true;
@@ -155,7 +156,7 @@ void SessionTable::leave(SessionSlot& slot, SessionEnd how) noexcept {
 void SessionTable::end(SessionSlot& slot, SessionEnd how) noexcept {
   log_.put_end(slot.number, how);
   add(counters_, slot.session);
-  // Nobody may ask for them. Then forget them before they take more memory.
+  // If no one takes the list of ended sessions, clear it, so that push_back() never allocates.
   if (ended_.size() == ended_.capacity()) ended_.clear();
   ended_.push_back({slot.id, how});
   ids_.erase(slot.id);
@@ -204,7 +205,7 @@ std::vector<GoodbyeDatagram> SessionTable::end_all(GoodbyeReason reason) noexcep
     try {
       goodbyes.push_back(goodbye(slot, reason));
     } catch (const std::exception&) {
-      // The client gets no goodbye, and notices the silence.
+      // There is no memory for the goodbye. The client notices that the server is silent.
     }
     if (reason == GoodbyeReason::failed) ++counters_.failed;
     end(slot, reason == GoodbyeReason::failed ? SessionEnd::failed : SessionEnd::shut_down);
@@ -232,7 +233,7 @@ void SessionTable::carry_out(Moves& moves) noexcept {
   for (std::size_t i = slots_.size(); i-- > 0;)
     if (moves.places[i].view != nullptr) {
       slots_[i]->session.enter(std::move(moves.places[i]));
-      if (!moves.same_seats) slots_[i]->seat = 0;  // it leads no robot
+      if (!moves.same_seats) slots_[i]->seat = 0;  // this session leads no robot
     } else {
       ++counters_.evicted;
       end(*slots_[i], SessionEnd::tool_gone);

@@ -5,14 +5,15 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kPatchBytes = 96, kBodyPointBytes = 36;  // of a patch and a point on the wire
+// [bytes] Size of a patch and of a body point in a datagram.
+constexpr std::size_t kPatchBytes = 96, kBodyPointBytes = 36;
 
-/// [m] from the model's center to the place where a patch's surface begins to push; 0: it pushes.
+/// Returns the distance [m] from `center` to the surface of the patch; 0 if the tool touches it.
 double way_to(const SurfacePatch& patch, const Vec3& center) {
   return patch.touching ? 0.0 : std::max(0.0, (center - patch.point).norm() - patch.offset);
 }
 
-/// The number of parts of this size [bytes] that make up the excess.
+/// Returns the number of parts of `size` [bytes] to remove, so that `excess` [bytes] are saved.
 int parts_of(std::size_t excess, std::size_t size) {
   return static_cast<int>((excess + size - 1) / size);
 }

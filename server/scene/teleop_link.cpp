@@ -6,17 +6,19 @@
 namespace feltwire {
 namespace {
 
-/// [s] between two times of a possibly hostile clock. The difference wraps around, never overflows.
+/// Returns the time [s] between two times of a client's clock. A hostile client may send any time,
+/// so the difference is computed without overflow: it wraps around.
 double time_between(Nanoseconds earlier, Nanoseconds later) {
   const auto difference =
       static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
-/// If a robot's contact, in the hand's measure, does not fit into a reply, it counts as none.
+/// Returns a contact in the frame of the hand, or no contact if its values are out of the range of
+/// a reply.
 RemoteContact sendable(const RemoteContact& contact) {
-  constexpr double kSoftest = 1e-3, kStiffest = 1e9;  // [N/m]
-  constexpr double kFastest = 100.0;                  // [m/s]
+  constexpr double kSoftest = 1e-3, kStiffest = 1e9;  // [N/m] range of the stiffness
+  constexpr double kFastest = 100.0;                  // [m/s] largest velocity on each axis
   const bool can = contact.point.cwiseAbs().maxCoeff() <= kMaxPosition &&
                    contact.velocity.cwiseAbs().maxCoeff() <= kFastest &&
                    contact.stiffness >= kSoftest && contact.stiffness <= kStiffest;
@@ -28,7 +30,7 @@ EnergyCounters sendable(const EnergyCounters& energy) {
   return can ? energy : EnergyCounters{};
 }
 
-constexpr double kMostWork = 1e3;  // [J]
+constexpr double kMostWork = 1e3;  // [J] largest possible work of a hand between two samples
 
 }  // namespace
 
@@ -59,7 +61,8 @@ TeleopLink::Leader* TeleopLink::seat_of(std::uint32_t hand) noexcept {
   return found != leaders_.end() ? &*found : nullptr;
 }
 
-/// Uses the hand's clock, but at least the nominal time of its samples.
+/// Checks whether the hand moved faster than kJump times the speed limit. The time is that of the
+/// hand's clock, but at least the nominal time between the two samples.
 bool TeleopLink::jumped(const Leader& leader, const Sample& sample, double period) const noexcept {
   if (leader.sample.index == 0) return false;
   const double nominal = period * static_cast<double>(sample.index - leader.sample.index);
@@ -69,7 +72,8 @@ bool TeleopLink::jumped(const Leader& leader, const Sample& sample, double perio
   return !(way <= kJump * seat_.speed / seat_.scale * elapsed);
 }
 
-/// Whether a waiting hand presses its switch now. A switch that is held down is no request.
+/// Stores the switch state of a hand that waits for the lead. Returns true if the hand presses the
+/// switch now and had released it in its previous sample.
 bool TeleopLink::requests_lead(std::uint32_t hand, bool pressed) noexcept {
   auto waiting = std::ranges::find(waiting_, hand, &Waiting::hand);
   if (waiting == waiting_.end()) waiting = std::ranges::find(waiting_, 0u, &Waiting::hand);
@@ -84,7 +88,8 @@ void TeleopLink::stop_waiting(std::uint32_t hand) noexcept {
       waiting_, [&](const Waiting& w) { return w.hand == hand; }, Waiting{});
 }
 
-/// Hands the lead to a hand that has shown a released switch, so its switch is armed.
+/// Makes a waiting hand the only leader. The first step() sees a released switch, because the hand
+/// has released it while it waited. So the next press engages the hand.
 TeleopLink::Leader* TeleopLink::transfer_lead(std::uint32_t hand, double share,
                                               const Sample& newest, Nanoseconds now) noexcept {
   stop_waiting(hand);
@@ -95,7 +100,7 @@ TeleopLink::Leader* TeleopLink::transfer_lead(std::uint32_t hand, double share,
   leader.sample = newest;
   leader.heard = now;
   step(leader, false, now);
-  leader.sample.index = 0;  // ignore everything that it sent before
+  leader.sample.index = 0;  // so lead() ignores the samples before the transfer
   return &leader;
 }
 
@@ -104,7 +109,7 @@ bool TeleopLink::others_lead(const Leader& leader) const noexcept {
                              [&](const Leader& l) { return l.hand != 0 && &l != &leader; });
 }
 
-/// Seats a hand that wants to lead; null: it cannot now.
+/// Adds a hand that wants to lead to leaders_. Returns null if it cannot lead now.
 TeleopLink::Leader* TeleopLink::admit(std::uint32_t hand, double share, const Sample& newest,
                                       bool pressed, Nanoseconds now) noexcept {
   const auto sits = [](const Leader& l) { return l.hand != 0; };
@@ -142,7 +147,7 @@ void TeleopLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   const bool refused = jumped(*leader, newest, period);
   const double paid =
       leader->sample.index != 0 ? batch.lead->hand_work - leader->lead.hand_work : 0.0;
-  // No hand can do more work between two samples.
+  // Ignore more work than a hand can do between two samples.
   if (std::abs(paid) < kMostWork) work_ += clutch_.clutch(which).at_robot(paid);
   const double turning =
       seat_.aligned && leader->engaged()
@@ -160,7 +165,8 @@ void TeleopLink::lead(std::uint32_t hand, const SampleBatch& batch, double perio
   fresh_ = true;
 }
 
-/// The engaged hands lead together, starting from their present poses and the target.
+/// If the engaged hands or their weights have changed, starts the shared lead again from their
+/// present poses and the present target, so that the target does not jump.
 void TeleopLink::regroup() noexcept {
   std::array<double, kMostLeaders> weights{};
   SharedClutchOffset::Parts parts;
@@ -180,7 +186,7 @@ void TeleopLink::regroup() noexcept {
   clutch_.begin(parts, wanted_);
 }
 
-/// Moves the target to the pose that a leading hand asks for.
+/// Moves the target wanted_ to the pose that a leading hand commands, within the workspace.
 void TeleopLink::move(std::size_t leader) noexcept {
   const Pose before = wanted_;
   const Pose asked = clutch_.asked(leader, leaders_[leader].robot_pose(), before);
@@ -221,7 +227,8 @@ LinkState TeleopLink::state() const noexcept {
   return disabled;
 }
 
-/// The leader that turns the robot. If nobody is engaged, the first leader with a seat.
+/// Returns the index of the engaged leader that turns the robot. If no leader is engaged, returns
+/// the index of the first leader.
 std::size_t TeleopLink::first() const noexcept {
   if (clutch_.turns() < kMostLeaders && leaders_[clutch_.turns()].engaged()) return clutch_.turns();
   for (std::size_t i = 0; i < kMostLeaders; ++i)
@@ -237,7 +244,8 @@ bool TeleopLink::engages(std::uint32_t hand) const noexcept {
 Remote TeleopLink::reply_for(std::uint32_t hand, Nanoseconds now) const noexcept {
   const auto leader = std::ranges::find(leaders_, hand, &Leader::hand);
   if (hand == 0 || leader == leaders_.end() || robot_state_.index == 0) return {};
-  // Each hand gets its share of the environment's energy. Its own scale cancels the share.
+  // Each hand gets its share of the energy at the robot. The hand's own scale contains the same
+  // share, and both cancel. So use the scale of the seat.
   Remote remote{
       .state = leader->engagement.state(),
       .pose = robot_state_.pose,
@@ -246,7 +254,7 @@ Remote TeleopLink::reply_for(std::uint32_t hand, Nanoseconds now) const noexcept
       .gripper = robot_state_.gripper,
       .gripper_force = robot_state_.gripper_force,
       .age = std::max(0.0, seconds(now - robot_time_))};
-  // The contact of the hand is known only while hand and robot are engaged.
+  // A contact can be converted to the hand's frame only while the hand is engaged.
   if (!leader->engaged()) {
     if (seat_.aligned && leader->sample.index != 0) remote.turn = turn_missing(*leader);
     return remote;
@@ -267,7 +275,7 @@ Remote TeleopLink::reply_for(std::uint32_t hand, Nanoseconds now) const noexcept
   return remote;
 }
 
-/// Adds the walls nearest to the target, by rising distance.
+/// Adds the walls of the workspace nearest to the target, the nearest first.
 void TeleopLink::add_walls(Remote& remote, const ClutchOffset& clutch) const noexcept {
   std::array<double, kMostRemoteWalls> nearest{};
   const auto walls = limit_.walls();
@@ -306,7 +314,8 @@ std::optional<SeenRobot> TeleopLink::view(Nanoseconds now) const noexcept {
                    .age = std::max(0.0, seconds(now - robot_time_))};
 }
 
-/// The greatest surface number that all leading hands know; 0: none.
+/// Returns the smallest Lead::known_surface of the engaged hands. If no hand is engaged, returns
+/// that of the first leader.
 std::uint32_t TeleopLink::known_surface() const noexcept {
   std::uint32_t known = leaders_[first()].lead.known_surface;
   for (const Leader& l : leaders_)
@@ -314,7 +323,8 @@ std::uint32_t TeleopLink::known_surface() const noexcept {
   return known;
 }
 
-/// [m] opening that the engaged hand with a lever and the largest share asks for; < 0: no lever.
+/// Returns the gripper opening [m] of the engaged hand with the largest share among those that have
+/// a gripper lever; < 0: no engaged hand has one.
 double TeleopLink::gripper() const noexcept {
   double opening = -1.0, largest = 0.0;
   for (std::size_t i = 0; i < kMostLeaders; ++i) {

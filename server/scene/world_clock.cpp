@@ -13,14 +13,14 @@ void add(WorldCounters& sum, const WorldCounters& more) {
   sum.warnings += more.warnings;
 }
 
-/// Finds the hands that broke the simulation: the hand that pushed the moving bodies hardest, and
-/// each that pushed at least half as hard. A hand that only held something else, or lay on it
-/// lightly, is not to blame.
+/// Blames hands for a bad step of the simulation: the hand that pushed the failed bodies hardest,
+/// and each hand that pushed them at least half as hard. A hand that is blamed too often becomes
+/// `disturbing`.
 void blame(const SessionSlots& hands, Nanoseconds now) noexcept {
   constexpr double kShare = 0.5;
   double hardest = 0.0;
   for (const auto& hand : hands) hardest = std::max(hardest, hand->session.blame());
-  if (!(hardest > 0.0)) return;  // it broke by itself
+  if (!(hardest > 0.0)) return;  // no hand pushed the bodies that failed
   for (const auto& hand : hands)
     if (hand->session.blame() >= kShare * hardest)
       hand->disturbing = hand->disturbing || !hand->resets.take(now);

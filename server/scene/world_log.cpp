@@ -7,7 +7,7 @@
 namespace feltwire {
 
 std::vector<std::string> WorldLog::lines(const WorldNews& news, Nanoseconds now) {
-  constexpr double kMilliseconds = 1e3;  // of a second
+  constexpr double kMilliseconds = 1e3;  // [ms/s]
   std::vector<std::string> due;
   const WorldCounters& counters = news.counters;
   const std::uint64_t more = counters.resets - std::min(resets_, counters.resets);
