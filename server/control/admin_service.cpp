@@ -12,8 +12,8 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
-/// Describes a scene to an observer, whose views have no materials: the materials of the objects
-/// from `from` on. `times`: of the scene's thread.
+/// Makes the answer to DescribeScene: the materials of the objects from index `from` on, as many as
+/// one message may hold. `times`: counted by the scene's thread.
 control::SceneDescription described(const SceneInView::CurrentScene& current, std::uint32_t from,
                                     const control::SceneTimes& times) {
   const std::vector<Object>& objects = current.scene->objects();
@@ -45,7 +45,8 @@ AdminService::AdminService(asio::io_context& io, SceneHosts& hosts, SessionDirec
       limits_(limits),
       callbacks_(std::move(callbacks)) {}
 
-/// Answers an observer's request; false if it is another request.
+/// Answers DescribeSessions and DescribeScene, the requests of observers. Returns false for any
+/// other request.
 bool AdminService::describe(PendingRequest& asked, const control::Message& request) {
   const auto* sessions = std::get_if<control::DescribeSessions>(&request);
   const auto* wanted = std::get_if<control::DescribeScene>(&request);
@@ -112,7 +113,8 @@ bool AdminService::handle(PendingRequest& asked, const control::Message& request
   return false;
 }
 
-/// The scene of that name, if a token of at least that role opens it.
+/// Returns the index of the scene with this name if the token opens the scene and has at least this
+/// role. Otherwise returns the refusal.
 std::variant<std::size_t, Refused> AdminService::scene_for(const Token& token,
                                                            const std::string& name, Role role) {
   if (auto refused = limits_.check_role(role, token)) return *std::move(refused);
@@ -123,7 +125,7 @@ std::variant<std::size_t, Refused> AdminService::scene_for(const Token& token,
 
 control::Message AdminService::evict(const Token& token, const control::Evict& request) {
   if (auto refused = limits_.check_role(Role::admin, token)) return *std::move(refused);
-  // Hide scenes that this admin's token does not open.
+  // An admin must not learn of sessions in scenes that the token does not open.
   const ListedSession* session = directory_.find_open(token, request.session);
   if (session == nullptr) return unknown_session(request.session);
   hosts_[session->scene]->evict(request.session);
@@ -156,7 +158,7 @@ void AdminService::reload(PendingRequest asked, const control::ReloadScene& requ
                     });
 }
 
-/// Changes what hands feel in a scene.
+/// Applies a change to a running scene, and then answers the admin's request.
 void AdminService::change(PendingRequest asked, const std::string& name, LiveChange change) {
   const auto scene = scene_for(asked.token, name, Role::admin);
   if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
@@ -174,7 +176,7 @@ void AdminService::change(PendingRequest asked, const std::string& name, LiveCha
       });
 }
 
-/// Changes a session in a scene that the token of an admin opens.
+/// Applies a change to a session, if the token is an admin's and opens the scene of the session.
 void AdminService::change_session(PendingRequest asked, std::uint64_t session, LiveChange wanted) {
   if (auto refused = limits_.check_role(Role::admin, asked.token))
     return asked.answer(*std::move(refused));

@@ -30,7 +30,8 @@ asio::ssl::context server_context(const Identity& identity, const std::string& c
   return tls;
 }
 
-/// Half as many connections may wait as may be open, also within each network.
+/// Returns limits on the connections that wait for TLS: half of the allowed number of open
+/// connections, in total and for each network.
 TurnLimits turn_limits(const ControlOptions& options) {
   TurnLimits limits;
   limits.rate = options.handshake_rate;
@@ -43,11 +44,11 @@ TurnLimits turn_limits(const ControlOptions& options) {
 
 }  // namespace
 
-/// A control connection: TLS, then requests and answers in turn.
+/// A control connection: a TLS handshake, then one request and its answer at a time.
 class ControlEndpoint::Connection : public std::enable_shared_from_this<Connection> {
  private:
-  /// Returns a handler that keeps this connection alive and does nothing once it is closed. If
-  /// `work` throws, only this connection ends.
+  /// Returns a handler that calls `work` and keeps this connection alive. The handler does nothing
+  /// after close(). If `work` throws, only this connection ends.
   template <class Work>
   auto safely(Work work) {
     return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
@@ -59,8 +60,8 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
       }
     };
   }
-  /// Like safely(), for the next step of the connection. At most one such handler is pending. If it
-  /// is lost, no other follows (see lost()).
+  /// Returns a handler like that of safely(), for the next step of the connection. At most one such
+  /// handler is pending. If it is destroyed without a call, no further step follows (see lost()).
   template <class Work>
   auto then(Work work) {
     return [going_on = going_on_, handler = safely(std::move(work))](const auto&... results) {
@@ -92,21 +93,24 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     }));
   }
 
-  /// Whether its next handler was lost: by an exception between two steps of an operation, or with
-  /// a dropped answer. Do not call it in a handler.
+  /// Returns whether the pending handler of then() was destroyed without a call. The cause is an
+  /// exception between two steps, or an answer that was dropped. Do not call lost() in a handler of
+  /// this connection.
   bool lost() const { return going_on_.use_count() == 1; }
 
   ConnectionSlots::Id id() const { return id_; }
   const ControlPeer& peer() const { return peer_; }
 
-  /// Reports the outcome for the turns of other connections; only the first report counts.
+  /// Reports the outcome of this connection to waiting_room_, which uses it to order later
+  /// connections of the same host. Only the first report counts.
   void judge(ConnectionTurns::Outcome outcome) {
     if (judged_) return;
     endpoint_.waiting_room_.judge(peer_.address, outcome);
     judged_ = true;
   }
 
-  /// Ends in every case: the endpoint forgets the connection, and its last handler destroys it.
+  /// Closes this connection and removes it from the endpoint. The last handler then destroys the
+  /// object.
   void end() {
     close();
     judge(ConnectionTurns::Outcome::none);
@@ -124,13 +128,13 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     deadline_.cancel();
   }
 
-  /// After an exception this connection ends; the others continue.
+  /// Logs the exception and ends this connection. Other connections continue.
   void fail(const std::exception& error) noexcept {
     try {
       spdlog::error("a control connection from {} ends, the server failed at it: {}",
                     peer_.address.to_string(), error.what());
     } catch (const std::exception&) {
-      // No memory for a line in the log; the connection still ends.
+      // There is no memory to log the error. The connection still ends.
     }
     end();
   }
@@ -149,7 +153,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   }
 
   void read_length() {
-    // The deadline of a stranger runs since its arrival.
+    // A connection without a token keeps the deadline that start() has set.
     if (!stranger()) {
       set_deadline(endpoint_.options_.idle_timeout);
       endpoint_.known_.renew(id_);
@@ -176,7 +180,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
     if (stranger()) wipe(body_);
-    // A waiting connection must not keep its last request or answer in memory.
+    // Free the buffer: a connection may wait long for its next request, and must not hold memory.
     body_ = std::vector<std::uint8_t>();
     if (!request) return refuse_malformed("the frame holds no control message of this version");
     endpoint_.handler_(peer_, std::move(*request), then([this](const control::Message& answer) {
@@ -206,9 +210,9 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
                       }));
   }
 
-  /// Signals the end (TLS, then TCP). Then reads until the other side closes, sends more than any
-  /// request has, or reaches the deadline. Closing with unread bytes would reset the connection and
-  /// lose the refusal.
+  /// Ends TLS, then ends the TCP output. Then reads and discards until the client closes, until it
+  /// has sent more than the longest request, or until the deadline. Closing a socket with unread
+  /// bytes would reset the connection, and the client would lose the refusal.
   void say_end() {
     stream_.async_shutdown(then([this](const Error&) {
       Error ignored;
@@ -235,8 +239,9 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   ControlPeer peer_;
   std::array<std::uint8_t, control::kFrameLengthSize> length_{};
   std::vector<std::uint8_t> body_, frame_;
-  std::size_t discarded_ = 0;                                                  // [bytes]
-  std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);  // in handlers
+  std::size_t discarded_ = 0;  // [bytes] read by discard()
+  // then() copies this pointer into each handler, so that lost() can count the handlers.
+  std::shared_ptr<const bool> going_on_ = std::make_shared<const bool>(true);
   bool ends_after_answer_ = false;
   bool closed_ = false;
   bool judged_ = false;
@@ -267,8 +272,9 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
-/// Waits for a connection, and accepts it in our own handler. If Asio accepted it without memory
-/// for it, Asio would call no handler, and no further connection would be accepted.
+/// Waits until a connection arrives, and accepts it with take(). Asio's async_accept() would call
+/// no handler if there is no memory for the new connection. No further connection would be
+/// accepted.
 void ControlEndpoint::accept() {
   acceptor_.async_wait(tcp::acceptor::wait_read, [this](const Error& error) {
     accepting_ = false;
@@ -279,7 +285,8 @@ void ControlEndpoint::accept() {
   accepting_ = true;
 }
 
-/// False if a connection waits but the system cannot give it.
+/// Accepts a connection and passes it to the waiting room. Returns false if the system refuses it,
+/// for example because no file descriptor is free.
 bool ControlEndpoint::take() {
   try {
     Error error;
@@ -287,14 +294,15 @@ bool ControlEndpoint::take() {
     acceptor_.accept(socket, error);
     if (!error) waiting_room_.arrive(std::move(socket));
     return !error || error == asio::error::would_block ||
-           error == asio::error::connection_aborted;  // it has gone meanwhile
+           error == asio::error::connection_aborted;  // the client has gone
   } catch (const std::exception& failure) {
     spdlog::error("a control connection could not be taken: {}", failure.what());
     return true;
   }
 }
 
-/// For example no descriptor is free: open connections continue, and one may be free later.
+/// Tries again after a pause, because a file descriptor may be free by then. Open connections
+/// continue.
 void ControlEndpoint::accept_later() {
   retry_.expires_after(std::chrono::milliseconds(100));
   retry_.async_wait([this](const Error& cancelled) {
@@ -317,11 +325,11 @@ void ControlEndpoint::end_lost() {
   for (const auto& connection : lost) connection->end();
 }
 
-/// Begins TLS with a connection whose turn it is.
+/// Begins the TLS handshake of a connection that the waiting room has admitted.
 void ControlEndpoint::open(ConnectionSlots::Id id, tcp::socket socket,
                            const asio::ip::address& address) {
   Error ignored;
-  socket.set_option(tcp::no_delay(true), ignored);  // an answer waits for no acknowledgement
+  socket.set_option(tcp::no_delay(true), ignored);  // send each answer at once
   ++counters_.accepted;
   std::shared_ptr<Connection> connection;
   try {
@@ -339,9 +347,9 @@ void ControlEndpoint::open(ConnectionSlots::Id id, tcp::socket socket,
   }
 }
 
-/// The connection has shown a good token, so no stranger can take its place. If the places for such
-/// connections are short, the one idle for the longest time loses its place: in the network with
-/// the most connections, and there of the client's name with the most.
+/// Moves a connection that has shown a valid token from strangers_ to known_. So connections
+/// without a token cannot displace it. If known_ is full, one of its connections ends
+/// (ConnectionSlots says which).
 void ControlEndpoint::make_known(Connection& connection) {
   if (!strangers_.leave(connection.id())) return;
   connection.judge(ConnectionTurns::Outcome::good);
@@ -354,7 +362,7 @@ void ControlEndpoint::end(std::optional<ConnectionSlots::Id> crowded_out) {
   ++counters_.crowded_out;
   const auto found = connections_.find(*crowded_out);
   if (found == connections_.end()) return;
-  // Keep it alive: end() removes the connection from the map.
+  // This copy keeps the object alive, because end() removes the connection from the map.
   const std::shared_ptr<Connection> connection = found->second;
   connection->end();
 }

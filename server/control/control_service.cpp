@@ -18,7 +18,7 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// All bad tokens get this answer, so that nobody learns which tokens exist.
+/// The answer to every bad token. It gives no reason, so that nobody learns which tokens exist.
 constexpr const char* kNoGoodToken =
     "this needs a token that the server knows and that is still good; feltwire-server token add "
     "makes one";
@@ -41,7 +41,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Control
     return answer(authenticate(peer, *shown));
   const Token* token = good_token(peer.token);
   if (token == nullptr) {
-    peer.token.clear();  // revoked since: the connection ends with this answer
+    peer.token.clear();  // no valid token: the connection ends after this answer
     return answer(request_limits_.refuse(RefusalCode::unauthenticated, kNoGoodToken));
   }
   PendingRequest asked{peer, *token, std::move(answer)};
@@ -76,7 +76,8 @@ control::Message ControlService::authenticate(ControlPeer& peer,
     peer.client = token->client;
     return control::Authenticated{token->client, token->scene, token->role};
   }
-  // Only wrong tokens count: guesses must not lock out a neighbour with a good token.
+  // Count only wrong tokens: guesses must not lock out a client of the same network with a valid
+  // token.
   if (!wrong_tokens_.take(peer.address, monotonic_now()))
     return request_limits_.refuse(
         RefusalCode::too_many,
@@ -92,7 +93,7 @@ std::optional<Refused> ControlService::refuse_join(const Token& token,
     return request_limits_.refuse(RefusalCode::forbidden,
                                   "this token is for " + holder(token.role) +
                                       ", it does not join as " + std::string(name(request.role)));
-  // Do not tell this token whether the scene exists.
+  // Do not tell the holder of this token whether the scene exists.
   if (!opens(token, request.scene))
     return request_limits_.refuse(RefusalCode::forbidden,
                                   "this token does not open scene '" + request.scene + "'");
@@ -184,7 +185,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   }
 }
 
-/// A request that changes a session: the scene's thread answers it.
+/// Sends a request that changes a session to the scene's thread, within the client's rate limit.
 void ControlService::change_session(PendingRequest asked, std::uint64_t session,
                                     control::Message request) {
   if (auto refused = request_limits_.check_changes(asked.token.client))
@@ -192,7 +193,8 @@ void ControlService::change_session(PendingRequest asked, std::uint64_t session,
   pass_on(std::move(asked), session, std::move(request));
 }
 
-/// Passes it on to the scene if the session is the asker's own, or the asker is an admin.
+/// Sends a request to the thread of the session's scene, and the answer back. Refuses it unless the
+/// session belongs to the token, or the token is an admin's.
 void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
                              control::Message request) {
   const ListedSession* seated = directory_.find_own(asked.token, session);
@@ -204,7 +206,8 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
                        answer = std::move(asked.answer)](control::Message said) {
     if (std::holds_alternative<control::Left>(said)) {
       spdlog::info("{}: ended by {}", who, visible(by));
-      // The scene reports this too, perhaps after this answer. Its place is free from now on.
+      // Forget the session now, so that the client may join again at once. The scene also reports
+      // the end of the session, but perhaps after this answer.
       forget({{session, SessionEnd::asked}});
     }
     if (const auto* set = std::get_if<control::ParametersSet>(&said)) tell_of(*set, wanted, by);
@@ -213,8 +216,9 @@ void ControlService::pass_on(PendingRequest asked, std::uint64_t session,
   hosts_[seated->scene]->ask(std::move(request), session, {}, io_, finish);
 }
 
-/// A list or a part of the scene for a session's client, within the session's limit. A request for
-/// an unknown session counts in the limit of all requests.
+/// Returns a list or a part of the scene to the client of a session, within the rate limit of the
+/// session. A request for an unknown session counts against the limit on all requests of the
+/// client.
 control::Message ControlService::fetch(const Token& token, std::uint64_t session,
                                        const control::Message& request) {
   ListedSession* seated = directory_.find_own(token, session);
@@ -230,14 +234,15 @@ control::Message ControlService::fetch(const Token& token, std::uint64_t session
   return fetched(request, hosts_[seated->scene]->current_scene(), seated->tool);
 }
 
-/// Logs which parameters of a session were changed, and by whom.
+/// Logs which parameters of a session were changed, and by which client (`by`).
 void ControlService::tell_of(const control::ParametersSet& set, const SessionParameters& wanted,
                              const std::string& by) {
   ListedSession* found = directory_.find(set.session);
   if (found == nullptr) return;
   ListedSession& seated = *found;
   const bool of_client = set.parameters.side == BoundingSide::client;
-  // A client's law is never set here. The scene has logged the law that the client took.
+  // If the client limits the force, this request does not change the bounding law: keep it out of
+  // the log line. The scene logs the law when the client takes it.
   const SessionParameters before =
       of_client ? with_law(seated.parameters, law_of(set.parameters)) : seated.parameters;
   const bool asks = of_client && law_of(wanted) != law_of(set.parameters);
@@ -288,7 +293,7 @@ void ControlService::refresh_tokens() {
     spdlog::error("{}; the tokens stay as they were", *wrong);
 }
 
-/// Returns 56 random bits; the low byte is the number of the scene.
+/// Returns a session id: 56 random bits above a low byte with the index of the scene.
 std::uint64_t ControlService::new_session_id(std::size_t scene) {
   std::uint64_t bits = 0;
   while (bits == 0) bits = (std::uint64_t{random_()} << 32 | random_()) << 8;

@@ -10,7 +10,7 @@ std::optional<std::string> beyond_pointer(const control::JoinRequest& request) {
     return fmt::format(
         "a pointer's device has at most {} N, this one {}; join as operator, or with less",
         kPointerForce, request.device.max_force);
-  // The period from the wire may have a rounding error.
+  // Tolerance for the rounding error of the period in the request.
   constexpr double kRounding = 1e-9;
   if (!(request.parameters.servo_period * kPointerRate >= 1.0 - kRounding))
     return fmt::format(

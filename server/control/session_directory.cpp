@@ -64,7 +64,8 @@ void SessionDirectory::forget(const std::vector<EndedSession>& ended, Nanosecond
       if (how == SessionEnd::disturbing)
         disturbers_[{session.client, session.scene}] = now + ServiceLimits::kDisturberPause;
     } catch (const std::bad_alloc&) {
-      // No memory to log it or to keep its client out; the client has left anyway.
+      // There is no memory for the log line or for the entry in disturbers_. Remove the session
+      // anyway.
     }
     sessions_.erase(found);
   }

@@ -16,7 +16,8 @@ namespace {
 using control::RefusalCode;
 using control::Refused;
 
-/// The scene for a tool that is a point or a ball; null: the tool has a body, or does not exist.
+/// Returns the scene as the tool sees it, if the tool is a point or a ball. Returns null if the
+/// tool has a body or does not exist.
 const ToolView* view_of(const Scene& scene, const std::string& tool) {
   const ToolView* view = scene.view(tool);
   return view != nullptr && view->tool().body == nullptr ? view : nullptr;
@@ -39,7 +40,7 @@ control::SurfaceList list_of(const SceneInView::CurrentScene& current, const std
   return list;
 }
 
-/// The entries from number `known` on, as many as fit.
+/// Returns the entries from index `known` on, at most control::kMaxPart of them.
 template <class Entry>
 std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   const std::size_t first = std::min<std::size_t>(known, all.size());
@@ -48,7 +49,8 @@ std::vector<Entry> part(const std::vector<Entry>& all, std::uint32_t known) {
   return {begin, begin + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// The scene for a tool with a body that a client may have in full; null: none, or no such tool.
+/// Returns the scene as the tool sees it, if clients may fetch the body of the tool (can_travel).
+/// Otherwise returns null, also for an unknown tool.
 const ToolView* body_view_of(const Scene& scene, const std::string& tool) {
   const ToolView* view = scene.view(tool);
   return view != nullptr && view->tool().body != nullptr && can_travel(*view->tool().body)
@@ -88,7 +90,7 @@ control::Message points_of(const SceneInView::CurrentScene& current, const std::
   return control::BodyPoints{part(view->tool().body->shell().points, request.points)};
 }
 
-/// The mesh of an object that a client of this tool may have in full; null: there is none.
+/// Returns the mesh of an object, if a client with the tool of `view` may fetch it; else null.
 const MeshSurface* mesh_of(const ToolView* view, std::size_t object) {
   if (view == nullptr || !can_travel(*view, object)) return nullptr;
   return view->tool().body != nullptr ? view->sampled_mesh(object)
@@ -105,7 +107,7 @@ control::Message part_of(const SceneInView::CurrentScene& current, const std::st
   if (surface == nullptr) return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
   control::SurfacePart next{part(surface->mesh().vertices(), request.vertices),
                             part(surface->mesh().triangles(), request.triangles)};
-  // The list of solids does not carry the origin of the vertices.
+  // Add the origin of the mesh, because the list of solids does not contain it.
   if (view->tool().body != nullptr)
     for (Vec3& vertex : next.vertices) vertex += surface->mesh().origin();
   return next;

@@ -16,7 +16,7 @@ namespace {
 using asio::ip::tcp;
 constexpr std::chrono::milliseconds kBetweenLooks{10};
 
-/// Whether the other end has closed it meanwhile.
+/// Returns whether the client has closed the connection while it waited.
 bool has_left(tcp::socket& socket) {
   char next = 0;
   const ssize_t size = ::recv(socket.native_handle(), &next, sizeof next, MSG_PEEK | MSG_DONTWAIT);
@@ -43,9 +43,9 @@ void WaitingRoom::arrive(tcp::socket socket) {
   admit_due();
 }
 
-/// Admits the connections whose turn it is, and sends away those that waited too long.
+/// Admits the waiting connections whose turn it is, and closes those that have waited too long.
 void WaitingRoom::admit_due() {
-  keep_looking();  // first, because the rest may throw
+  keep_looking();  // start the timer first, because the rest may throw
   const Nanoseconds now = monotonic_now();
   while (const auto id = turns_.admit(now)) admit(*id);
   while (const auto id = turns_.give_up(now)) send_away(id);
