@@ -14,7 +14,7 @@ std::filesystem::path admin_token_file(const SecurityOptions& config) {
 void make_admin_token(const SecurityOptions& config) {
   const std::filesystem::path file = admin_token_file(config);
   if (file.empty()) return;
-  const FileLock lock(file.parent_path() / "lock");  // two servers may start at once
+  const FileLock lock(file.parent_path() / "lock");  // two servers may start at the same time
   remove_leftovers(file);
   if (std::filesystem::exists(file)) return;
   const IssuedToken admin = issue_token("local-admin", "*", Role::admin, std::nullopt);

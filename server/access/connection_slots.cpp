@@ -50,9 +50,10 @@ std::size_t ConnectionSlots::size(const Network& network) const {
   return found == lines_.end() ? 0 : found->second.size();
 }
 
-/// The oldest connection of the member with the most connections. If two members have equally many,
-/// the older connection. `newcomer` is about to have one more; null: it is in another network.
-/// Precondition: a line that is not empty.
+/// Returns the oldest connection of the member (a host or a client name) that has the most
+/// connections in `line`. If two members have equally many, returns the older connection.
+/// `newcomer`: member of the new connection, which counts too; null: the new connection is of
+/// another network. Precondition: `line` is not empty.
 ConnectionSlots::Id ConnectionSlots::oldest_of_most(const Line& line, const Member* newcomer) {
   std::map<std::string_view, std::size_t> counts;
   if (newcomer != nullptr) ++counts[*newcomer];
@@ -68,7 +69,8 @@ ConnectionSlots::Id ConnectionSlots::oldest_of_most(const Line& line, const Memb
   return oldest->id;
 }
 
-/// The oldest connection of a member that already has the allowed number.
+/// Returns the oldest connection of a member that already has most_of_member_ connections. Empty if
+/// the member has fewer.
 std::optional<ConnectionSlots::Id> ConnectionSlots::oldest_of_too_many(const Member& member) const {
   std::size_t count = 0;
   std::optional<std::pair<Turn, Id>> oldest;
@@ -82,8 +84,8 @@ std::optional<ConnectionSlots::Id> ConnectionSlots::oldest_of_too_many(const Mem
   return oldest->second;
 }
 
-/// The connection that must make room for a new connection of this member and network; none while
-/// there is room.
+/// Returns the connection that must end to make room for a new one of this member and network.
+/// Empty if there is room.
 std::optional<ConnectionSlots::Id> ConnectionSlots::victim(const Network& newcomer,
                                                            const Member& member) const {
   if (const auto own = oldest_of_too_many(member)) return own;
@@ -94,7 +96,8 @@ std::optional<ConnectionSlots::Id> ConnectionSlots::victim(const Network& newcom
   const Line* largest = nullptr;
   std::size_t most = 0;
   for (const auto& [network, line] : lines_) {
-    // Count the newcomer too: its network then makes room itself if it is among the largest.
+    // Count the new connection too. So if its network is one of the largest, that network makes
+    // room.
     const std::size_t count = line.size() + (network == newcomer ? 1 : 0);
     if (count < most || (count == most && line.begin()->first > largest->begin()->first)) continue;
     largest = &line;

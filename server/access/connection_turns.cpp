@@ -33,7 +33,8 @@ ConnectionTurns::Host& ConnectionTurns::host(Net& net, const HostAddress& key) {
   return found->second;
 }
 
-/// Forgets a host that does not wait. There is always one.
+/// Forgets a host without waiting connections, if there is one: a host that showed no valid token
+/// if possible, then one that was not sent away, then the one that connected the longest time ago.
 void ConnectionTurns::forget_a_host(Hosts& hosts) {
   auto oldest = hosts.end();
   const auto order = [](const Host& h) {
@@ -48,7 +49,8 @@ void ConnectionTurns::forget_a_host(Hosts& hosts) {
   --hosts_;
 }
 
-/// Forgets a network where nobody waits: without a good host if possible, then the longest unheard.
+/// Forgets a network without waiting connections: one where no host showed a valid token if
+/// possible, then the one that connected the longest time ago. Returns false if there is none.
 bool ConnectionTurns::forget_a_network() {
   auto oldest = networks_.end();
   const auto order = [](const Net& net) {
@@ -80,7 +82,7 @@ bool ConnectionTurns::goes_before(const Host& a, const Host& b, Nanoseconds now)
          std::tuple(rank(b, now), !b.sent_away, b.let_in, b.waiting.front().id);
 }
 
-/// Returns the host that comes in next; null: nobody waits.
+/// Returns the host of `net` whose connection is admitted next. Null if no connection waits.
 ConnectionTurns::Host* ConnectionTurns::next_of(Net& net, Nanoseconds now) {
   Host* next = nullptr;
   for (auto& [key, host] : net.hosts)
@@ -102,7 +104,8 @@ ConnectionTurns::Id ConnectionTurns::send_away(Net& net, Host& host, std::size_t
   return take_out(net, host, place);
 }
 
-/// Sends away the newest connection of the host whose turn is last. Precondition: somebody waits.
+/// Takes out the newest connection of the host whose turn is last, and returns it. Precondition: a
+/// connection of `net` waits.
 ConnectionTurns::Id ConnectionTurns::send_last_away(Net& net, Nanoseconds now) {
   Host* last = nullptr;
   for (auto& [key, host] : net.hosts)
@@ -110,7 +113,7 @@ ConnectionTurns::Id ConnectionTurns::send_last_away(Net& net, Nanoseconds now) {
   return send_away(net, *last, last->waiting.size() - 1);
 }
 
-/// Returns the connection that must leave if too many wait.
+/// If too many connections wait, takes out the one that must leave and returns it.
 std::optional<ConnectionTurns::Id> ConnectionTurns::make_room(Net& net, Host& newcomer,
                                                               Nanoseconds now) {
   if (newcomer.waiting.size() > limits_.waiting_of_host) return send_away(net, newcomer, 0);
@@ -173,7 +176,7 @@ void ConnectionTurns::judge(const asio::ip::address& from, Outcome outcome, Nano
     case Outcome::none:
       own.failed = now;
       break;
-    case Outcome::left:  // no handshake was made
+    case Outcome::left:  // no handshake was made: give back its part of the rate limits
       net.budget.charge(-1.0);
       own.share.charge(-1.0);
       break;

@@ -49,7 +49,7 @@ CertificatePtr first_certificate(const Identity& identity) {
       PEM_read_bio_X509(reader(identity.certificate).get(), nullptr, nullptr, nullptr));
 }
 
-/// Gives no passphrase, so that OpenSSL never asks at the terminal.
+/// Returns an empty passphrase, so that OpenSSL does not ask for one at the terminal.
 int no_passphrase(char*, int, int, void*) { return 0; }
 
 std::string alternative_names(const std::vector<std::string>& names) {
@@ -73,7 +73,7 @@ void add_extension(X509& certificate, int kind, const std::string& value) {
 }  // namespace
 
 Identity make_identity(const std::vector<std::string>& names) {
-  constexpr long kDay = 24L * 3600, kYears = 10L * 365 * kDay;  // [s]
+  constexpr long kDay = 24L * 3600, kYears = 10L * 365 * kDay;  // [s] one day, ten years
   constexpr int kSerialBits = 127;
   const KeyPtr key(EVP_EC_gen("P-256"));
   const CertificatePtr certificate(X509_new());
@@ -85,7 +85,7 @@ Identity make_identity(const std::vector<std::string>& names) {
        "no serial number");
   X509_NAME* name = X509_get_subject_name(&c);
   const auto* title = reinterpret_cast<const unsigned char*>("feltwire-server");
-  // Valid from yesterday on, for clients whose clock is slow.
+  // The certificate is valid from yesterday on, for clients whose clock is slow.
   need(X509_set_version(&c, X509_VERSION_3) == 1 &&
            X509_gmtime_adj(X509_getm_notBefore(&c), -kDay) != nullptr &&
            X509_gmtime_adj(X509_getm_notAfter(&c), kYears) != nullptr &&
@@ -94,7 +94,7 @@ Identity make_identity(const std::vector<std::string>& names) {
        "its fields");
   add_extension(c, NID_basic_constraints, "critical,CA:FALSE");
   add_extension(c, NID_key_usage, "critical,digitalSignature");
-  add_extension(c, NID_ext_key_usage, "serverAuth,clientAuth");  // either end of mutual TLS
+  add_extension(c, NID_ext_key_usage, "serverAuth,clientAuth");  // for both sides of mutual TLS
   add_extension(c, NID_subject_alt_name, alternative_names(names));
   need(X509_sign(&c, key.get(), EVP_sha256()) > 0, "its signature");
 

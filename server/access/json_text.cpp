@@ -8,7 +8,8 @@
 namespace feltwire::json_text {
 namespace {
 
-/// Writes each entry on its own line, two columns further to the right.
+/// Joins the entries between `begin` and `end`. Each entry begins on its own line, and all its
+/// lines are indented by two columns.
 std::string between(char begin, const std::vector<std::string>& entries, char end) {
   std::string result(1, begin);
   for (const std::string& entry : entries) {
@@ -25,7 +26,7 @@ std::string between(char begin, const std::vector<std::string>& entries, char en
 }  // namespace
 
 std::string text(std::string_view text) {
-  using Json = nlohmann::json;  // destroying a text value allocates nothing
+  using Json = nlohmann::json;  // its destructor allocates nothing if it holds a string
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -10,7 +10,7 @@
 namespace feltwire {
 namespace {
 
-constexpr long kMostCertificates = 16L * 1024;  // [bytes] of a client
+constexpr long kMostCertificates = 16L * 1024;  // [bytes] largest size of a client's certificates
 
 }  // namespace
 
@@ -18,7 +18,7 @@ std::uint16_t listen_on(asio::ip::tcp::acceptor& acceptor, const asio::ip::tcp::
                         const char* port_option) {
   try {
     acceptor.open(endpoint.protocol());
-    // Connections of a server that ended a moment ago must not block the port. A running server
+    // Old connections of a server that has just ended must not block the port. A running server
     // still blocks it.
     acceptor.set_option(asio::ip::tcp::acceptor::reuse_address(true));
     serve_both_families(acceptor, endpoint.address());
@@ -34,7 +34,8 @@ std::uint16_t listen_on(asio::ip::tcp::acceptor& acceptor, const asio::ip::tcp::
 asio::ssl::context server_tls(const Identity& identity) {
   asio::ssl::context tls(new_tls_context(TLS_server_method()));
   require_tls_13(*tls.native_handle());
-  // OpenSSL allocates as much memory as a client announces for its certificates.
+  // Limit the size, because OpenSSL allocates as much memory as a client announces for its
+  // certificates.
   SSL_CTX_set_max_cert_list(tls.native_handle(), kMostCertificates);
   tls.use_certificate_chain(asio::buffer(identity.certificate));
   tls.use_private_key(asio::buffer(identity.key.text().data(), identity.key.text().size()),

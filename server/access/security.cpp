@@ -26,14 +26,16 @@ constexpr const char* kLocalToken = "local.token";
 
 fs::path state_folder(const SecurityOptions& config) {
   if (config.state.empty()) return default_state_folder();
-  return config.state.has_filename() ? config.state : config.state.parent_path();  // dir/
+  // Remove a slash at the end of the path.
+  return config.state.has_filename() ? config.state : config.state.parent_path();
 }
 
 bool needs_state(const SecurityOptions& config) {
   return !config.state.empty() || config.certificate.empty() || config.tokens.empty();
 }
 
-/// Makes a folder that is private from the first moment. Refuses one that others may write to.
+/// Makes the folder, with access for its owner only. Throws FileError if that fails, or if other
+/// users may write to the folder.
 void make_folder(const fs::path& folder) {
   if (const std::error_code failed = make_private_folder(folder))
     throw FileError(folder.string() + ": cannot be made: " + failed.message() +
@@ -41,7 +43,7 @@ void make_folder(const fs::path& folder) {
   if (const auto open = open_folder(folder)) throw FileError(*open);
 }
 
-/// The names that clients may use for this server.
+/// Returns the names and addresses that clients may use for this server.
 std::vector<std::string> own_names(const SecurityOptions& config) {
   std::vector<std::string> names = {"localhost", "127.0.0.1", "::1"};
   std::array<char, 256> host{};
@@ -58,8 +60,10 @@ std::vector<std::string> own_names(const SecurityOptions& config) {
   return names;
 }
 
-/// Writes the key first, then the certificate. The fingerprint, which marks a known identity, is
-/// written after both. A key without either is left from an interrupted first start: replace it.
+/// Loads the key and the certificate from the state folder, and makes them if they are missing. The
+/// key is written first, then the certificate, then (by open_security) the fingerprint. A key
+/// without certificate and fingerprint shows that the first start was interrupted: both are made
+/// again.
 Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   const fs::path certificate = folder / kCertificate, key = folder / kKey;
   const bool has_certificate = fs::exists(certificate), has_key = fs::exists(key);
@@ -77,15 +81,17 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   return load_identity(certificate, key);
 }
 
-/// Makes the first token, so that the user who starts a server can join it. Its text is written
-/// before tokens.json. If tokens.json is missing, the next start makes both again.
+/// Makes the first token, so that the user who starts the server can join. The text of the token is
+/// written before tokens.json. If the start is interrupted between the two, the next start finds no
+/// tokens.json and makes both again.
 void make_tokens(const SecurityOptions& config) {
   const IssuedToken local = issue_token("local", "*", Role::operator_, std::nullopt);
   replace_file(local_token_file(config), local.text.text(), kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(local.token); });
 }
 
-/// Removes the leftovers of an interrupted start. Precondition: the folder's lock is held.
+/// Removes the temporary files of an interrupted start. Precondition: the caller holds the lock of
+/// the folder.
 void tidy(const SecurityOptions& config, const fs::path& folder) {
   for (const char* name : {kCertificate, kKey, kFingerprint, kLocalToken})
     remove_leftovers(folder / name);
@@ -123,7 +129,7 @@ Security open_security(const SecurityOptions& config) {
 
   const fs::path folder = state_folder(config);
   make_folder(folder);
-  const FileLock lock(folder / "lock");  // two servers may start at once
+  const FileLock lock(folder / "lock");  // two servers may start at the same time
   tidy(config, folder);
   Identity identity = config.certificate.empty() ? own_identity(config, folder)
                                                  : load_identity(config.certificate, config.key);

@@ -16,8 +16,8 @@
 namespace feltwire {
 namespace {
 
-// RFC 8446, 4 and 5.1.
-constexpr std::size_t kRecordHead = 5, kMessageHead = 4;  // [bytes]
+// Constants of TLS 1.3 (RFC 8446, sections 4 and 5.1).
+constexpr std::size_t kRecordHead = 5, kMessageHead = 4;  // [bytes] lengths of the headers
 constexpr std::size_t kMostRecord = std::size_t{1} << 14;
 constexpr std::uint8_t kHandshakeRecord = 22, kClientHello = 1;
 
@@ -31,7 +31,7 @@ bool would_block() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == 
 
 FirstMessage first_message(std::span<const std::uint8_t> bytes) noexcept {
   std::array<std::uint8_t, kMessageHead> head{};
-  std::size_t had = 0;  // [bytes] of the message, which may be in several records
+  std::size_t had = 0;  // [bytes] received of the message, which may span several records
   for (std::size_t at = 0;;) {
     const auto rest = bytes.subspan(at);
     if (!rest.empty() && rest[0] != kHandshakeRecord) return FirstMessage::none;
@@ -68,8 +68,8 @@ TlsSocket::TlsSocket(asio::ip::tcp::socket socket, ssl_ctx_st& tls) : socket_(st
 
 TlsSocket::~TlsSocket() = default;
 
-/// OpenSSL accesses the socket through these functions. Its own functions would end the program by
-/// SIGPIPE when they write to a client that has gone.
+/// Returns the functions with which OpenSSL reads and writes the socket. OpenSSL's own functions
+/// would cause SIGPIPE, and so end the program, when the client has closed the connection.
 bio_method_st& TlsSocket::transport() {
   static BIO_METHOD* const method = [] {
     BIO_METHOD* const made =
@@ -94,7 +94,7 @@ int TlsSocket::receive(bio_st* bio, char* into, int size) {
     if (self.hello_read_ == self.hello_.size()) self.hello_ = std::vector<std::uint8_t>();
     return static_cast<int>(count);
   }
-  // Get the descriptor each time: after a close, another socket may have its number.
+  // Ask for the descriptor at each call: after a close, another socket may have the same number.
   const ssize_t count =
       ::recv(self.socket_.native_handle(), into, static_cast<std::size_t>(size), MSG_DONTWAIT);
   if (count < 0 && would_block()) BIO_set_retry_read(bio);
@@ -126,7 +126,8 @@ void TlsSocket::make_engine() {
   ssl_ = std::move(made);
 }
 
-/// Receives the client's first message. Done when it is complete.
+/// Receives bytes of the client's first message (ClientHello). Returns a step without a wait and
+/// without an error if the message is complete.
 TlsSocket::Step TlsSocket::await_hello() {
   std::array<std::uint8_t, kMostHello> room{};
   for (;;) {
@@ -135,7 +136,7 @@ TlsSocket::Step TlsSocket::await_hello() {
     if (count < 0 && would_block()) return {.waits = Waits::to_read};
     if (count < 0) return {.error = {errno, std::system_category()}};
     if (count == 0) return {.error = asio::error::eof};
-    // Allocate no more memory than bytes have come.
+    // Reserve memory for the received bytes only.
     hello_.reserve(hello_.size() + static_cast<std::size_t>(count));
     hello_.insert(hello_.end(), room.begin(), room.begin() + count);
     switch (first_message(hello_)) {
@@ -166,7 +167,7 @@ TlsSocket::Step TlsSocket::shake_hands() noexcept {
 }
 
 /// Discards unread bytes after OpenSSL has sent the reason of a refusal. Closing a socket with
-/// unread bytes resets the connection. The client has already sent its request, and would not read
+/// unread bytes would reset the connection. The client, which may have sent more bytes, would lose
 /// the reason.
 void TlsSocket::drop_unread() noexcept {
   std::array<std::uint8_t, kMostHello> room{};
@@ -191,7 +192,7 @@ TlsSocket::Step TlsSocket::say_end() noexcept {
   return result >= 0 ? Step{} : outcome(result);
 }
 
-/// `result`: of the last OpenSSL call.
+/// Converts the result of the last OpenSSL call to a Step.
 TlsSocket::Step TlsSocket::outcome(int result) noexcept {
   const int number = errno;
   switch (SSL_get_error(ssl_.get(), result)) {

@@ -8,7 +8,8 @@
 namespace feltwire {
 namespace {
 
-/// Refuses a file that others may write (they could add tokens) or read (as for keys).
+/// Reads the tokens. Throws FileError if other users may read the file, or write it and so add
+/// tokens.
 Tokens read_tokens(const std::filesystem::path& file) {
   if (const auto open = exposure(file)) throw FileError(*open);
   return parse_tokens(read_text(file), file.string());
@@ -17,7 +18,7 @@ Tokens read_tokens(const std::filesystem::path& file) {
 }  // namespace
 
 TokenFile::TokenFile(std::filesystem::path file)
-    // Take the stamp first, so that every later write is noticed.
+    // Take the stamp before the tokens are read, so that refresh() notices every later write.
     : file_(std::move(file)), read_(stamp()), tokens_(read_tokens(file_)) {}
 
 std::optional<std::string> TokenFile::refresh() {
@@ -34,8 +35,8 @@ std::optional<std::string> TokenFile::refresh() {
     said_.clear();
     return std::nullopt;
   } catch (const FileError& error) {
-    // A text error stays until the file is written again. A read error (for example without a free
-    // descriptor) may pass at any moment.
+    // Do not read a wrong text again until the file changes. Try again if the file could not be
+    // read, because the cause may be temporary (for example, no free descriptor).
     if (whole) read_ = now;
     if (said_ == error.what()) return std::nullopt;
     return said_ = error.what();

@@ -21,12 +21,13 @@ constexpr std::string_view kPrefix = "fw_";
 constexpr std::size_t kIdBytes = 6, kIdDigits = 2 * kIdBytes;
 constexpr std::size_t kSecretBytes = 32;
 constexpr int kBase64 = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
-constexpr std::size_t kSecretDigits = 43;  // 32 bytes in base64, without padding
+constexpr std::size_t kSecretDigits = 43;  // length of 32 bytes in base64 without padding
 
 using SecretBytes = std::array<std::uint8_t, kSecretBytes>;
 
-/// A single round of a fast hash is enough: the secret is 256 random bits, not a password that
-/// could be guessed. The salt hides that two servers have equal secrets.
+/// Returns the salted hash of a secret. One round of a fast hash is enough, because the secret is
+/// 256 random bits, not a password that could be guessed. Equal secrets have different hashes,
+/// because each token has its own salt.
 std::array<std::uint8_t, 32> hash_of(const SecretBytes& secret,
                                      const std::array<std::uint8_t, 16>& salt) {
   std::array<std::uint8_t, 32> hash;
@@ -56,7 +57,7 @@ bool read_hex(std::string_view text, std::array<std::uint8_t, N>& bytes) {
          size == N && end == text.data() + text.size();
 }
 
-/// Returns the error of a name; empty: none.
+/// Returns what is wrong with a name; empty if nothing is.
 std::string complaint(std::string_view name) {
   const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
@@ -66,20 +67,22 @@ std::string complaint(std::string_view name) {
          " bytes without control characters; choose another name";
 }
 
-/// Says why a token of that role cannot give its hands this lead share; empty: it can.
+/// Returns the reason why a token of this role cannot have this lead share (the weight of its hand
+/// among hands that lead one robot). Empty if it can.
 std::optional<std::string> complaint(Role role, double lead_share) {
   if (lead_share != 0.0 && !covers(role, Role::operator_))
     return "is for tokens of the roles operator and admin; leave it out";
   return wrong_lead_share(lead_share);
 }
 
-/// Says why a token of that role cannot be for one seat; empty: it can.
+/// Returns the reason why a token of this role cannot be limited to this seat (the place of a robot
+/// in a scene). Empty if it can.
 std::string seat_complaint(Role role, std::string_view seat) {
   if (role != Role::follower) return "is for tokens of the role follower; leave it out";
   return complaint(seat);
 }
 
-/// The parts of `fw_<id>_<secret>`.
+/// The parts of a token's text, `fw_<id>_<secret>`.
 struct Shown {
   std::string_view id;
   SecretBytes secret{};
@@ -176,7 +179,7 @@ const Token* authenticate(const Tokens& tokens, std::string_view text, CalendarT
 
 std::optional<CalendarTime> parse_expiry(std::string_view text, CalendarTime now) {
   using namespace std::chrono;
-  constexpr int kMost = 36'500;  // days: a century
+  constexpr int kMost = 36'500;  // largest number of days or hours
   if (text == "never") return std::nullopt;
   int count = 0;
   if (text.size() > 1 && (text.back() == 'd' || text.back() == 'h') &&
@@ -242,7 +245,7 @@ Tokens parse_tokens(std::string_view json, const std::string& file) {
       if (const std::string wrong = seat_complaint(token.role, token.seat); !wrong.empty())
         document.fail(path + "seat", wrong);
     }
-    constexpr std::int64_t kLast = 253'402'300'800;  // the year 10000
+    constexpr std::int64_t kLast = 253'402'300'800;  // [s] from 1970 to the year 10000
     if (entry->expires() < 0 || entry->expires() > kLast)
       document.fail(path + "expires", "must be seconds since 1970, or 0: never; correct it");
     if (entry->expires() > 0) token.expires = CalendarTime(std::chrono::seconds(entry->expires()));
